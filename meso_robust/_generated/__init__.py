@@ -1,0 +1,1 @@
+"""Code generated from derivations/ by `meso-robust derive`; do not edit."""

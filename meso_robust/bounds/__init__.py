@@ -1,0 +1,11 @@
+"""Outward-rounded bounds and verdicts over boxes."""
+
+from meso_robust.bounds.bulk import Bounded as Bounded, bounded as bounded
+from meso_robust.bounds.interval import HALF_PI as HALF_PI, Interval as Interval
+from meso_robust.bounds.prove import (
+    Box as Box,
+    Proof as Proof,
+    Verdict as Verdict,
+    enclose as enclose,
+    prove_positive as prove_positive,
+)

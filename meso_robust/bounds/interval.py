@@ -1,0 +1,121 @@
+"""A closed interval of real numbers with outward-rounded arithmetic."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+from meso_robust.bounds import arithmetic as ia
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """All real numbers from ``lo`` to ``hi``; never empty, never NaN.
+
+    Raises
+    ------
+    ValueError
+        If ``lo`` > ``hi`` or either is NaN: "for all" over nothing would be true.
+
+    Examples
+    --------
+    >>> third = Interval(1.0, 1.0) / Interval(3.0, 3.0)
+    >>> third.lo < third.hi
+    True
+    """
+
+    lo: float
+    hi: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is not an interval."""
+        if not self.lo <= self.hi:
+            raise ValueError(f"Interval needs lo <= hi, got lo={self.lo!r}, hi={self.hi!r}")
+
+    @classmethod
+    def point(cls, value: float) -> Interval:
+        """The interval that holds one double."""
+        return cls(float(value), float(value))
+
+    @classmethod
+    def exactly(cls, value: Fraction) -> Interval:
+        """The narrowest interval around a rational number."""
+        near = float(value)
+        if Fraction(near) == value:
+            return cls(near, near)
+        below = near if Fraction(near) < value else math.nextafter(near, -math.inf)
+        return cls(below, math.nextafter(below, math.inf))
+
+    def __add__(self, other: Interval) -> Interval:
+        """Sum."""
+        return Interval(*ia.add(self.lo, self.hi, other.lo, other.hi))
+
+    def __sub__(self, other: Interval) -> Interval:
+        """Difference."""
+        return Interval(*ia.sub(self.lo, self.hi, other.lo, other.hi))
+
+    def __mul__(self, other: Interval) -> Interval:
+        """Product."""
+        return Interval(*ia.mul(self.lo, self.hi, other.lo, other.hi))
+
+    def __truediv__(self, other: Interval) -> Interval:
+        """Quotient; the whole line if ``other`` holds zero."""
+        return Interval(*ia.div(self.lo, self.hi, other.lo, other.hi))
+
+    def __neg__(self) -> Interval:
+        """Opposite."""
+        return Interval(-self.hi, -self.lo)
+
+    def __contains__(self, value: float) -> bool:
+        """Whether a double lies inside."""
+        return self.lo <= value <= self.hi
+
+    def within(self, other: Interval) -> bool:
+        """Whether every number of this interval lies in ``other``."""
+        return other.lo <= self.lo and self.hi <= other.hi
+
+    def hull(self, other: Interval) -> Interval:
+        """The smallest interval that holds both."""
+        return Interval(min(self.lo, other.lo), max(self.hi, other.hi))
+
+    @property
+    def mid(self) -> float:
+        """A double near the middle; for display and for choosing, not for proofs."""
+        return 0.5 * (self.lo + self.hi)
+
+    @property
+    def width(self) -> float:
+        """Upper bound of the width."""
+        return float(ia.up(self.hi - self.lo))
+
+
+HALF_PI = Interval(*ia.HALF_PI)
+
+
+def sin(angle: Interval) -> Interval:
+    """Sine of an interval, rad."""
+    return Interval(*ia.sin(angle.lo, angle.hi))
+
+
+def cos(angle: Interval) -> Interval:
+    """Cosine of an interval, rad."""
+    return Interval(*ia.cos(angle.lo, angle.hi))
+
+
+def arcsin(value: Interval) -> Interval:
+    """Enclose the arcsine of an interval inside (-1, 1), rad.
+
+    A candidate end is accepted only when its own sine is proved to lie beyond the end of ``value``;
+    the whole line is returned if none is.
+    """
+    if not (-1.0 < value.lo and value.hi < 1.0):
+        return Interval(-math.inf, math.inf)
+    slack = 1e-15
+    while slack < 1e-3:
+        low, high = math.asin(value.lo) - slack, math.asin(value.hi) + slack
+        inside = -ia.HALF_PI[0] < low and high < ia.HALF_PI[0]
+        if inside and ia.sin(low, low)[1] <= value.lo and ia.sin(high, high)[0] >= value.hi:
+            return Interval(low, high)
+        slack *= 2.0
+    return Interval(-math.inf, math.inf)

@@ -1,0 +1,11 @@
+"""Errors that a user can cause and mend."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """What the user gave cannot be used; the message names file, key, value and rule."""
+
+
+class NotApplicableError(ValueError):
+    """No primitive can handle the pose; the message says which and why."""

@@ -1,0 +1,121 @@
+"""Turning about one sticking contact: how far, for how much travel."""
+
+from __future__ import annotations
+
+import math
+
+from meso_robust.admissibility import condition
+from meso_robust.bounds import Box, Interval, Verdict, enclose, prove_positive
+
+
+def contact_offset(angle: Interval, depth: Interval, rise: Interval) -> Interval:
+    """Where on the edge a tip touches that is ``rise`` above the centre (d2), m."""
+    box = {"theta": angle, "d1": depth, "rise": rise}
+    return enclose(condition("sticking_motion", "contact_offset"), box)[0]
+
+
+def contact_reach(angle: Interval, depth: Interval, rise: Interval) -> Interval:
+    """How far right of the centre such a tip touches, m."""
+    box = {"theta": angle, "d1": depth, "rise": rise}
+    return enclose(condition("sticking_motion", "contact_reach"), box)[0]
+
+
+def arm(angle: Interval, depth: Interval, offset: Interval) -> tuple[Interval, Interval]:
+    """Contact point minus centre, world axes, m."""
+    box = {"theta": angle, "d1": depth, "d2": offset}
+    x, y = enclose(condition("sticking_motion", "arm"), box)
+    return x, y
+
+
+def lift(start: Interval, end: Interval, depth: Interval, offset: Interval) -> Interval:
+    """Rise of the centre while the part turns from ``start`` to ``end`` about the contact, m."""
+    box = {"theta_start": start, "theta_end": end, "d1": depth, "d2": offset}
+    return enclose(condition("sticking_motion", "lift"), box)[0]
+
+
+def travel_monotone(path: Interval, depth: Interval, offset: Interval, ratio: Interval) -> bool:
+    """Whether the travel for a turn within ``path`` is proved monotone in the offset."""
+    box = {"theta": path, "d1": depth, "d2": offset, "rho": ratio}
+    proof = prove_positive(condition("sticking_motion", "shortening"), box)
+    return proof.verdict is Verdict.PROVED
+
+
+def _travel(start: float, end: float, depth: Interval, offset: float, ratio: float) -> Interval:
+    box: Box = {
+        "theta_start": Interval.point(start),
+        "theta_end": Interval.point(end),
+        "d1": depth,
+        "d2": Interval.point(offset),
+        "rho": Interval.point(ratio),
+    }
+    return enclose(condition("sticking_motion", "travel"), box, boxes=1)[0]
+
+
+def longest_travel(
+    start: Interval, end: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
+) -> float:
+    """Upper bound of the travel that turns the part from any ``start`` to any ``end``, m.
+
+    The travel is an integral of F/lever over the turn: it grows with the turn and with rho, and
+    where :func:`travel_monotone` holds it falls with the offset (``side`` = 1) or rises with it
+    (-1), so the bound is attained at one corner.
+    """
+    if side > 0:
+        return _travel(start.lo, end.hi, depth, offset.lo, ratio.hi).hi
+    return _travel(start.hi, end.lo, depth, offset.hi, ratio.hi).hi
+
+
+def turned(
+    start: Interval,
+    travel: Interval,
+    side: int,
+    depth: Interval,
+    offset: Interval,
+    ratio: Interval,
+) -> Interval:
+    """Enclose the angle after ``travel`` in sticking contact (monotone in the same sense).
+
+    A candidate end is a bound as soon as reaching it is proved to need more (less) travel than
+    there can be; the closed form is only evaluated, never inverted.
+    """
+    if side > 0:
+        far = _first_beyond(start.hi, side, travel.hi, depth, offset.hi, ratio.lo)
+        near = _last_before(start.lo, side, travel.lo, depth, offset.lo, ratio.hi)
+        return Interval(near, far)
+    far = _first_beyond(start.lo, side, travel.hi, depth, offset.lo, ratio.lo)
+    near = _last_before(start.hi, side, travel.lo, depth, offset.hi, ratio.hi)
+    return Interval(far, near)
+
+
+RESOLUTION = 1e-7  # rad: how closely the candidates bracket the end; not part of any proof
+LARGEST_TURN = 0.6  # rad: candidates beyond it are not tried
+
+
+def _first_beyond(
+    start: float, side: int, travel: float, depth: Interval, offset: float, ratio: float
+) -> float:
+    """An angle that is proved to be out of reach, or infinity."""
+    good, bad = LARGEST_TURN, 0.0
+    if not _travel(start, start + side * good, depth, offset, ratio).lo >= travel:
+        return side * math.inf
+    while good - bad > RESOLUTION:
+        trial = 0.5 * (good + bad)
+        if _travel(start, start + side * trial, depth, offset, ratio).lo >= travel:
+            good = trial
+        else:
+            bad = trial
+    return start + side * good
+
+
+def _last_before(
+    start: float, side: int, travel: float, depth: Interval, offset: float, ratio: float
+) -> float:
+    """An angle that is proved to be reached (at worst the start)."""
+    good, bad = 0.0, LARGEST_TURN
+    while bad - good > RESOLUTION:
+        trial = 0.5 * (good + bad)
+        if _travel(start, start + side * trial, depth, offset, ratio).hi <= travel:
+            good = trial
+        else:
+            bad = trial
+    return start + side * good

@@ -1,0 +1,93 @@
+"""A move as a rule: where the probes go, as a function of the pose sensed before it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust import units
+from meso_robust.bounds import Interval
+
+Floats = npt.NDArray[np.float64]
+
+
+class Anchor(Enum):
+    """What a commanded coordinate is measured from."""
+
+    PART = "sensed part"
+    WORLD = "world"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Aim:
+    """One commanded coordinate: the sensed one plus an offset, or the offset in the world."""
+
+    anchor: Anchor
+    offset_um: float
+    """Decimal um, as written to the plan; converted exactly where a proof needs it."""
+
+    def command(self, sensed: Floats) -> Floats:
+        """The commanded coordinate for sensed coordinates of the part, m."""
+        base = sensed if self.anchor is Anchor.PART else np.zeros_like(sensed)
+        return base + self.offset_um * units.UM
+
+    @property
+    def offset(self) -> Interval:
+        """The offset, m."""
+        return units.metres(self.offset_um)
+
+    def ahead_of(self, true: Interval, sensing: Interval, actuation: Interval) -> Interval:
+        """Where the probe really is, minus the part's true coordinate.
+
+        ``sensing`` is sensed minus true, ``actuation`` true minus commanded.
+        """
+        if self.anchor is Anchor.PART:
+            return self.offset + sensing + actuation
+        return self.offset + actuation - true
+
+    def place(self, true: Interval, sensing: Interval, actuation: Interval) -> Interval:
+        """Where the probe really is in the world."""
+        if self.anchor is Anchor.PART:
+            return true + self.offset + sensing + actuation
+        return self.offset + actuation
+
+
+def from_part(offset_um: float) -> Aim:
+    """A coordinate measured from the sensed part, rounded to the manipulator's 0.1 um."""
+    return Aim(anchor=Anchor.PART, offset_um=round(offset_um, 1))
+
+
+def in_world(offset_um: float) -> Aim:
+    """A coordinate in the world, rounded to the manipulator's 0.1 um."""
+    return Aim(anchor=Anchor.WORLD, offset_um=round(offset_um, 1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """A commanded point."""
+
+    x: Aim
+    y: Aim
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveRule:
+    """One move of the policy: the dual-tip probe travels along -x, the single tip rests."""
+
+    step: int
+    """Step of the paper's algorithm (1 to 4) that the move belongs to."""
+    primitive: str
+    """y_translation, rotation or x_translation."""
+    action: str
+    """tilt, straighten or rotate: which certified motion the move is."""
+    side: int
+    """tilt, rotate: +1 turns the part counter-clockwise, -1 clockwise; straighten: 0."""
+    dual: Point
+    """Middle of the two tips at the start; the tips lie half the spacing above and below it."""
+    dual_end: Aim
+    """x of that middle at the end of the travel."""
+    single: Point | None = None
+    """The passive tip, if it is in the plane."""

@@ -1,0 +1,160 @@
+"""The task in SI intervals: the part's edges, pose boxes and the uncertainties."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+from meso_robust import units
+from meso_robust.bounds import HALF_PI, Interval
+from meso_robust.task import Task
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoseBox:
+    """A box of poses of the part's centre, world frame."""
+
+    x: Interval
+    """m"""
+    y: Interval
+    """m"""
+    theta: Interval
+    """rad"""
+
+    def hull(self, other: PoseBox) -> PoseBox:
+        """The smallest box that holds both."""
+        return PoseBox(
+            x=self.x.hull(other.x), y=self.y.hull(other.y), theta=self.theta.hull(other.theta)
+        )
+
+    def within(self, other: PoseBox) -> bool:
+        """Whether every pose of this box lies in ``other``."""
+        return (
+            self.x.within(other.x) and self.y.within(other.y) and self.theta.within(other.theta)
+        )
+
+    @property
+    def mid(self) -> tuple[float, float, float]:
+        """A pose near the middle."""
+        return self.x.mid, self.y.mid, self.theta.mid
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edge:
+    """The edge of the part that faces the active probe (which pushes along -x).
+
+    With ``angle = theta - quarter pi/2`` the edge stands upright, outward normal +x, at angle pi/2.
+    """
+
+    name: str
+    quarter: int
+    depth: Interval
+    """Distance from the centre (d1), m."""
+    half: Interval
+    """Half its length, m."""
+
+    def angle(self, theta: Interval) -> Interval:
+        """Angle of the edge at orientation ``theta``."""
+        return theta - HALF_PI * Interval.point(self.quarter)
+
+    def orientation(self, angle: Interval) -> Interval:
+        """Orientation of the part at ``angle`` of the edge."""
+        return angle + HALF_PI * Interval.point(self.quarter)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Uncertainty:
+    """Everything that is not known exactly, each bounded at every instant."""
+
+    sensed_position: Interval
+    """Sensed minus true x or y, m."""
+    sensed_orientation: Interval
+    """Sensed minus true theta, rad."""
+    probe_position: Interval
+    """True minus commanded x or y of a probe, m."""
+    friction: Interval
+    """Coefficient of friction between tip and part."""
+    film_ratio: Interval
+    """rho = e_theta/e_x, m^2."""
+    misalignment: Interval
+    """beta, rad; positive: upper tip ahead (towards -x)."""
+
+    def scaled(self, factor: float, only: str | None = None) -> Uncertainty:
+        """Widen all ranges (or ``only`` one) about their middle by ``factor``."""
+        if factor == 1.0:
+            return self
+        names = [field.name for field in fields(self)] if only is None else [only]
+        return replace(self, **{name: _widened(getattr(self, name), factor) for name in names})
+
+
+def _widened(range_: Interval, factor: float) -> Interval:
+    middle, reach = range_.mid, factor * 0.5 * (range_.hi - range_.lo)
+    return Interval(middle - reach, middle + reach)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setup:
+    """A task, converted once."""
+
+    half_length: Interval
+    half_width: Interval
+    spacing: Interval
+    """Distance of the two tips across the push (d4), m."""
+    uncertainty: Uncertainty
+    start: PoseBox
+    """True poses at the start."""
+    goal: PoseBox
+
+    def edge(self, theta: float) -> Edge:
+        """The edge that faces the probe at orientation ``theta``."""
+        quarter = round(theta / HALF_PI.lo) - 1
+        long_edge = quarter % 2 == 0
+        depth, half = (
+            (self.half_width, self.half_length) if long_edge else (self.half_length, self.half_width)
+        )
+        return Edge(name="long" if long_edge else "short", quarter=quarter, depth=depth, half=half)
+
+
+def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
+    """Convert a task to SI intervals, all uncertainties (or ``only`` one) scaled by ``scale``."""
+    u = task.uncertainty
+    ratio = units.square_metres(u.film_ratio_um2)
+    share = units.plain(u.film_ratio_percent) / Interval.point(100.0)
+    bounds = Uncertainty(
+        sensed_position=_both_sides(units.metres(u.sensed_position_um)),
+        sensed_orientation=_both_sides(units.radians(u.sensed_orientation_deg)),
+        probe_position=_both_sides(units.metres(u.probe_position_um)),
+        friction=units.plain(u.friction[0]).hull(units.plain(u.friction[1])),
+        film_ratio=ratio + ratio * _both_sides(share),
+        misalignment=units.radians(u.tip_misalignment_deg[0]).hull(
+            units.radians(u.tip_misalignment_deg[1])
+        ),
+    ).scaled(scale, only)
+    start, goal = task.start, task.goal
+    at_most = units.metres(goal.position_tolerance_um)
+    turn = units.radians(goal.orientation_tolerance_deg)
+    two = Interval.point(2.0)
+    return Setup(
+        half_length=units.metres(task.part.length_um) / two,
+        half_width=units.metres(task.part.width_um) / two,
+        spacing=units.metres(task.probe.tip_spacing_um),
+        uncertainty=bounds,
+        start=PoseBox(
+            x=units.metres(start.x_um) - bounds.sensed_position,
+            y=units.metres(start.y_um) - bounds.sensed_position,
+            theta=units.radians(start.theta_deg) - bounds.sensed_orientation,
+        ),
+        goal=PoseBox(
+            x=_inside(units.metres(goal.x_um), at_most),
+            y=_inside(units.metres(goal.y_um), at_most),
+            theta=_inside(units.radians(goal.theta_deg), turn),
+        ),
+    )
+
+
+def _both_sides(largest: Interval) -> Interval:
+    return Interval(-largest.hi, largest.hi)
+
+
+def _inside(middle: Interval, reach: Interval) -> Interval:
+    """The goal rounded inward: what lies in it lies in the exact goal."""
+    return Interval((middle - reach).hi, (middle + reach).lo)

@@ -1,0 +1,98 @@
+"""Tilt: one tip pushes in sticking contact and turns the part a little (paper, Fig. 13)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from meso_robust.bounds import Interval
+from meso_robust.motion import sticking
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
+from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.tips import free_at_start, on_edge, second_tip, sticks, tip_of, touch
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turn:
+    """What a tilt leaves behind for the straightening that follows it."""
+
+    y: Interval
+    """y of the centre before, m."""
+    start: Interval
+    """Angle of the edge before, rad."""
+    end: Interval
+    """Angle of the edge after, rad."""
+    offset: Interval
+    """Contact offset d2, m."""
+
+
+def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn | None]:
+    """Certify a tilt from every pose in ``pre``.
+
+    The lower tip pushes above the middle (``rule.side`` = 1) or the upper one below it (-1), while
+    the other tip passes the end of the edge.
+    """
+    side, edge = rule.side, setup.edge(pre.theta.mid)
+    u = setup.uncertainty
+    pusher, idle = tip_of(rule, -side, pre, setup), tip_of(rule, side, pre, setup)
+    start = edge.angle(pre.theta)
+    offset, reach = touch(pusher, start, edge)
+    travel = reach - pusher.ahead_end
+    monotone = sticking.travel_monotone(_wide(start, side), edge.depth, offset, u.film_ratio)
+    obligations = [
+        *free_at_start((pusher, idle), start, edge),
+        require_order("the tip reaches the part", "travel > 0", travel, {"travel": travel}),
+        on_edge("pushing", offset, edge),
+    ]
+    if not monotone:
+        return _step(rule, pre, None, obligations), None
+    end = sticking.turned(start, travel, side, edge.depth, offset, u.film_ratio)
+    if not end.width < math.inf:
+        return _step(rule, pre, None, obligations), None
+    path = start.hull(end)
+    obligations += sticks("pushing", path, offset, side, edge, setup)
+    obligations.append(_idle_tip_clear(path, offset, side, edge, setup))
+    post = PoseBox(
+        x=pusher.x_end - sticking.arm(end, edge.depth, offset)[0],
+        y=pre.y + sticking.lift(start, end, edge.depth, offset),
+        theta=edge.orientation(end),
+    )
+    return _step(rule, pre, post, obligations), Turn(y=pre.y, start=start, end=end, offset=offset)
+
+
+def _wide(start: Interval, side: int) -> Interval:
+    """All angles that the candidates of the enclosure can visit."""
+    return start.hull(start + Interval.point(side * sticking.LARGEST_TURN))
+
+
+def _idle_tip_clear(
+    path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup
+) -> Obligation:
+    dx, dy = second_tip(-side, setup)
+    box = {
+        "theta": path,
+        "d2": offset,
+        "half": edge.half,
+        "dx": dx,
+        "dy": dy,
+        "side": Interval.point(float(side)),
+    }
+    return require(
+        "the other tip passes the part", "sticking_motion", "beside", box, any_output=True
+    )
+
+
+def _step(
+    rule: MoveRule, pre: PoseBox, post: PoseBox | None, obligations: list[Obligation]
+) -> Step:
+    turn = "counter-clockwise" if rule.side > 0 else "clockwise"
+    knots = () if post is None else (Knot(stage="swept", box=pre.hull(post)),)
+    return Step(
+        rule=rule,
+        claim=f"one tip sticks all the way and turns the part {turn}; the motion is unique",
+        pre=pre,
+        post=post,
+        obligations=tuple(obligations),
+        tube=knots,
+    )

@@ -1,0 +1,114 @@
+"""Where the two tips of the active probe are, and what must hold wherever one of them sticks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from meso_robust.bounds import Interval
+from meso_robust.bounds.interval import cos, sin
+from meso_robust.motion import sticking
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.obligation import Obligation, require, require_order
+from meso_robust.primitives.setup import Edge, PoseBox, Setup
+
+HALF = Interval.point(0.5)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tip:
+    """One tip of the dual-tip probe relative to the part's centre, and its path in the world."""
+
+    side: int
+    """+1: upper, -1: lower."""
+    ahead: Interval
+    """x of the tip minus x of the part before the move, m."""
+    rise: Interval
+    """y of the tip minus y of the part before the move, m."""
+    ahead_end: Interval
+    """x of the tip at the end of its travel minus x of the part before the move, m."""
+    x_end: Interval
+    """x of the tip in the world at the end of its travel, m."""
+
+
+def tip_of(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Tip:
+    """Enclose where the upper (1) or lower (-1) tip is.
+
+    A positive misalignment puts the upper tip ahead, that is towards -x.
+    """
+    u = setup.uncertainty
+    up = Interval.point(float(side)) * HALF * setup.spacing
+    lag = up * sin(u.misalignment) / cos(u.misalignment)
+    start, sensed, off = rule.dual, u.sensed_position, u.probe_position
+    return Tip(
+        side=side,
+        ahead=start.x.ahead_of(pre.x, sensed, off) - lag,
+        rise=start.y.ahead_of(pre.y, sensed, off) + up,
+        ahead_end=rule.dual_end.ahead_of(pre.x, sensed, off) - lag,
+        x_end=rule.dual_end.place(pre.x, sensed, off) - lag,
+    )
+
+
+def second_tip(side: int, setup: Setup) -> tuple[Interval, Interval]:
+    """Vector from the tip on ``side`` to the other one, world axes, m."""
+    beta = setup.uncertainty.misalignment
+    down = Interval.point(-float(side)) * setup.spacing
+    return -(down * sin(beta) / cos(beta)), down
+
+
+def free_at_start(tips: tuple[Tip, ...], angle: Interval, edge: Edge) -> tuple[Obligation, ...]:
+    """Both tips stand clear of the edge's line before the move."""
+    return tuple(
+        require(
+            f"the {'upper' if tip.side > 0 else 'lower'} tip is free of contact at the start",
+            "sticking_motion",
+            "clearance",
+            {"theta": angle, "d1": edge.depth, "dx": tip.ahead, "dy": tip.rise},
+        )
+        for tip in tips
+    )
+
+
+def on_edge(which: str, offset: Interval, edge: Edge) -> Obligation:
+    """The contact lies between the ends of the edge."""
+    margin = edge.half - offset.hull(-offset)
+    box = {"d2": offset, "half": edge.half}
+    return require_order(f"the {which} tip touches the edge", "half - |d2| > 0", margin, box)
+
+
+def sticks(
+    which: str, path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup
+) -> tuple[Obligation, ...]:
+    """One contact alone pushes, sticks, turns the part to ``side``, and allows no other motion."""
+    u = setup.uncertainty
+    box = {
+        "theta": path,
+        "d1": edge.depth,
+        "d2": offset,
+        "rho": u.film_ratio,
+        "mu": u.friction,
+        "side": Interval.point(float(side)),
+    }
+    turn = "counter-clockwise" if side > 0 else "clockwise"
+    wanted = (
+        ("normal_force", f"the {which} tip pushes"),
+        ("friction_margin", f"the {which} tip sticks"),
+        ("turning", f"the {which} tip turns the part {turn}"),
+        ("only_solution", f"no slipping motion is possible beside the sticking one ({which} tip)"),
+    )
+    return tuple(require(claim, "one_point_sticking", name, box) for name, claim in wanted)
+
+
+def touch(tip: Tip, angle: Interval, edge: Edge) -> tuple[Interval, Interval]:
+    """Where the tip touches, m.
+
+    Returns
+    -------
+    offset
+        d2 of the contact.
+    reach
+        x of the contact minus x of the part's centre.
+    """
+    return (
+        sticking.contact_offset(angle, edge.depth, tip.rise),
+        sticking.contact_reach(angle, edge.depth, tip.rise),
+    )

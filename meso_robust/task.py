@@ -1,0 +1,169 @@
+"""What the user states: part, start, goal, probe and uncertainty, checked and frozen."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    ValidationError,
+    model_validator,
+)
+
+from meso_robust.errors import InputError
+
+Positive = Annotated[FiniteFloat, Field(gt=0)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Range = tuple[FiniteFloat, FiniteFloat]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, title=None)
+
+
+def _ordered(key: str, ends: Range) -> None:
+    if not ends[0] <= ends[1]:
+        raise ValueError(f"{key} = {list(ends)}: the lower end must not exceed the upper one")
+
+
+class Part(_Section):
+    """A rectangle, reference point at its centre."""
+
+    length_um: Positive
+    """Side along the part's x axis at theta = 0, um."""
+    width_um: Positive
+    """Side across it, um."""
+
+    @model_validator(mode="after")
+    def _long_side_first(self) -> Self:
+        if not self.length_um >= self.width_um:
+            raise ValueError(
+                f"width_um = {self.width_um} exceeds length_um = {self.length_um}: give the long "
+                "side as length_um"
+            )
+        return self
+
+
+class Pose(_Section):
+    """Position of the part's centre in um and orientation in deg, world frame."""
+
+    x_um: FiniteFloat
+    y_um: FiniteFloat
+    theta_deg: Annotated[FiniteFloat, Field(ge=-360, le=360)]
+
+
+class Goal(Pose):
+    """A box around a pose."""
+
+    position_tolerance_um: Positive
+    """Half side in x and in y, um."""
+    orientation_tolerance_deg: Annotated[FiniteFloat, Field(gt=0, lt=90)]
+    """Half width in theta, deg."""
+
+
+class Probe(_Section):
+    """The active dual-tip probe."""
+
+    tip_spacing_um: Positive
+    """Distance of the tips across the push, um."""
+    speed_um_s: Positive
+    """Speed of every move, um/s; the path does not depend on it."""
+
+
+class Uncertainty(_Section):
+    """Bounds of everything that is not known exactly; each holds at every instant."""
+
+    sensed_position_um: NotNegative
+    """Largest error of a sensed x or y, um."""
+    sensed_orientation_deg: Annotated[FiniteFloat, Field(ge=0, lt=45)]
+    """Largest error of a sensed orientation, deg."""
+    probe_position_um: NotNegative
+    """Largest error of a probe's x or y, um; the two tips of the dual-tip probe share it."""
+    friction: tuple[NotNegative, NotNegative]
+    """Range of the friction coefficient between tip and part."""
+    film_ratio_um2: Positive
+    """Ratio of the film's rotational to its translational drag, um^2."""
+    film_ratio_percent: Annotated[FiniteFloat, Field(ge=0, lt=100)]
+    """Largest relative error of it, percent."""
+    tip_misalignment_deg: tuple[
+        Annotated[FiniteFloat, Field(gt=-30, lt=30)], Annotated[FiniteFloat, Field(gt=-30, lt=30)]
+    ]
+    """Range of the angle between the line through both tips and the y axis; positive: upper ahead."""
+
+    @model_validator(mode="after")
+    def _ranges_are_ordered(self) -> Self:
+        _ordered("friction", self.friction)
+        _ordered("tip_misalignment_deg", self.tip_misalignment_deg)
+        return self
+
+
+class Task(_Section):
+    """One assembly task."""
+
+    schema_: Annotated[Literal["meso-robust/task/1"], Field(alias="schema")]
+    name: str
+    part: Part
+    start: Pose
+    """The pose as sensed before the first move."""
+    goal: Goal
+    probe: Probe
+    uncertainty: Uncertainty
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the task's values, independent of layout and comments."""
+        text = json.dumps(self.model_dump(mode="json", by_alias=True), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def load_task(path: Path) -> Task:
+    """Read and check a task file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
+        value and rule.
+    """
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give a task file") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
+    return parse_task(values, str(path))
+
+
+def parse_task(values: dict[str, Any], source: str) -> Task:
+    """Check the values of a task; ``source`` names them in messages.
+
+    Raises
+    ------
+    InputError
+        A value breaks a rule.
+    """
+    try:
+        # through JSON, because strict checking of a TOML array as a tuple would refuse the list
+        return Task.model_validate_json(json.dumps(values, allow_nan=True, default=str))
+    except ValidationError as error:
+        raise InputError(f"{source}: {_first_of(error)}") from error
+
+
+def _first_of(error: ValidationError) -> str:
+    first = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in first["loc"]) or "task"
+    rule = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "missing":
+        return f"key {key} is missing; `meso-robust schema task` lists all keys"
+    if first["type"] == "extra_forbidden":
+        return f"key {key} is unknown; `meso-robust schema task` lists all keys"
+    if first["type"] == "value_error":
+        return f"key {key}: {rule}"
+    return f"key {key} = {first['input']!r}: {rule}"

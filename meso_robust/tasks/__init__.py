@@ -1,0 +1,7 @@
+"""Example tasks that ship with the package; ``paper.toml`` is the default."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+PAPER = Path(__file__).parent / "paper.toml"
