@@ -72,9 +72,7 @@ def derive() -> Derivation:
             Statement(
                 place="eq. 5, ratio",
                 text="|lambda_n/lambda_t| = |N/D| with D = (rho + d2^2) cos + d1 d2 sin",
-                status=verdict(
-                    (solved["lambda_n"] / solved["lambda_t"]) ** 2 - printed_ratio**2
-                ),
+                status=verdict((solved["lambda_n"] / solved["lambda_t"]) ** 2 - printed_ratio**2),
             ),
             Statement(
                 place="text under eq. 5",

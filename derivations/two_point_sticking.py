@@ -26,7 +26,8 @@ def solve_two_points() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     pushes = wrench(-out * n1 + along * shear, first) + wrench(-out * n2, second)
     balance = film(sp.Matrix([v_p, 0, 0])) - pushes
     (solution,) = sp.solve(list(balance), (n1, n2, shear), dict=True)
-    return tuple(sp.simplify(solution[symbol]) for symbol in (n1, n2, shear))  # type: ignore[return-value]
+    first_force, second_force, sum_t = (sp.simplify(solution[key]) for key in (n1, n2, shear))
+    return first_force, second_force, sum_t
 
 
 def derive() -> Derivation:

@@ -17,7 +17,7 @@ from __future__ import annotations
 import sympy as sp
 
 from derivations._derivation import Derivation, Statement, Status, require_zero
-from derivations.mechanics import a, by_angle, d1, d2, film, mu, n, rho, theta, velocity_at, wrench
+from derivations.mechanics import a, d1, d2, film, mu, n, rho, theta, velocity_at, wrench
 
 h, sigma, tau, tau_D, tau_S, p_S = sp.symbols("h sigma tau tau_D tau_S p_S", real=True)
 V, T = sp.symbols("V T", positive=True)
@@ -112,7 +112,7 @@ def one_contact_motion() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
 def derive() -> Derivation:
     """Derive the orientation law, the slide rate and the no-jam condition."""
     c_h, s_h, _, T_rate = kinematics()
-    L_D, L_S, slide = two_contact_balance()
+    _L_D, L_S, slide = two_contact_balance()
     v_x, v_y, omega, closing = one_contact_motion()
     length = sp.sqrt(h**2 + V**2 - w**2)
     tangent = {T: length, sp.cos(theta): c_h, sp.sin(theta): s_h}

@@ -104,6 +104,13 @@ class Uncertainty(_Section):
         return self
 
 
+class Plan(_Section):
+    """What the user demands of the plan."""
+
+    least_y_translations: Annotated[int, Field(ge=0, le=6)]
+    """Y-translations before the rotation, even if the start lies in the band of Step 1 already."""
+
+
 class Task(_Section):
     """One assembly task."""
 
@@ -115,6 +122,7 @@ class Task(_Section):
     goal: Goal
     probe: Probe
     uncertainty: Uncertainty
+    plan: Plan
 
     @property
     def hash(self) -> str:

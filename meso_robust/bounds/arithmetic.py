@@ -57,7 +57,7 @@ def sub(a: float, b: float, c: float, d: float) -> Pair:
 def mul(a: float, b: float, c: float, d: float) -> Pair:
     """[a, b] * [c, d]."""
     p, q, r, s = a * c, a * d, b * c, b * d
-    if not (p + q + r + s == p + q + r + s):  # a NaN among them, from 0 * inf or inf - inf
+    if p + q + r + s != p + q + r + s:  # a NaN among them, from 0 * inf or inf - inf
         return -np.inf, np.inf
     return down(min(min(p, q), min(r, s))), up(max(max(p, q), max(r, s)))
 
@@ -68,7 +68,7 @@ def div(a: float, b: float, c: float, d: float) -> Pair:
     if not (c > 0.0 or d < 0.0):
         return -np.inf, np.inf
     p, q, r, s = a / c, a / d, b / c, b / d
-    if not (p + q + r + s == p + q + r + s):
+    if p + q + r + s != p + q + r + s:
         return -np.inf, np.inf
     return down(min(min(p, q), min(r, s))), up(max(max(p, q), max(r, s)))
 
@@ -138,7 +138,7 @@ def _may_hold(a: float, b: float, phase: float) -> bool:
 @njit(cache=True)
 def sin(a: float, b: float) -> Pair:
     """Sine."""
-    if not (-ARGUMENT_LIMIT < a and b < ARGUMENT_LIMIT):
+    if not (a > -ARGUMENT_LIMIT and b < ARGUMENT_LIMIT):
         return -1.0, 1.0
     p, q, _, _ = _sin_cos(a)
     r, s, _, _ = _sin_cos(b)
@@ -150,7 +150,7 @@ def sin(a: float, b: float) -> Pair:
 @njit(cache=True)
 def cos(a: float, b: float) -> Pair:
     """Cosine."""
-    if not (-ARGUMENT_LIMIT < a and b < ARGUMENT_LIMIT):
+    if not (a > -ARGUMENT_LIMIT and b < ARGUMENT_LIMIT):
         return -1.0, 1.0
     _, _, p, q = _sin_cos(a)
     _, _, r, s = _sin_cos(b)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -35,32 +36,50 @@ def bounded(name: str, inputs: tuple[str, ...], function: ca.Function) -> Bounde
     return Bounded(name, inputs, function, compile_tape(function), compile_tape(both))
 
 
+class Program(NamedTuple):
+    """A prepared function as the kernels take it: its two tapes, and scratch for them."""
+
+    code: Ints
+    constant: Floats
+    slope_code: Ints
+    slope_constant: Floats
+    work: Floats
+    slope: Floats
+    value: Floats
+
+
+def program(of: Bounded) -> Program:
+    """Lay out ``of`` for the kernels; the scratch must not be shared between threads."""
+    return Program(
+        code=of.values.code,
+        constant=of.values.constant,
+        slope_code=of.slopes.code,
+        slope_constant=of.slopes.constant,
+        work=np.empty((max(of.values.slots, of.slopes.slots), 2)),
+        slope=np.empty((of.slopes.outputs, 2)),
+        value=np.empty((of.values.outputs, 2)),
+    )
+
+
 @njit(cache=True)
 def bound_box(
-    code: Ints,
-    constant: Floats,
-    slope_code: Ints,
-    slope_constant: Floats,
-    lo: Floats,
-    hi: Floats,
-    work: Floats,
-    slope: Floats,
-    value: Floats,
-    lower: Floats,
-    upper: Floats,
+    program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, seen: Floats
 ) -> None:
     """Fill ``lower`` and ``upper`` (outputs,) with proved bounds over one box.
 
     The best of three: the natural extension; the same on the box collapsed to one end of every side
     along which the gradient over the whole box has one sign (the bound is attained there); and the
-    mean-value form on what is left of the box. ``slope`` is left filled with the outputs and their
-    gradients; ``work`` must serve both tapes.
+    mean-value form on what is left of the box. ``program.slope`` is left filled with the outputs and
+    their gradients. ``seen`` (outputs, 2): the least value is proved to be
+    no more than seen[i, 0], the largest no less than seen[i, 1] (values at points of the box).
     """
     outputs, inputs = lower.size, lo.size
-    run(slope_code, slope_constant, lo, hi, work, slope)
+    slope, value, work = program.slope, program.value, program.work
+    run(program.slope_code, program.slope_constant, lo, hi, work, slope)
     at_lo, at_hi = np.empty(inputs), np.empty(inputs)
     for i in range(outputs):
         lower[i], upper[i] = slope[i, 0], slope[i, 1]
+        seen[i, 0], seen[i, 1] = np.inf, -np.inf
         if not (np.isfinite(lower[i]) and np.isfinite(upper[i])):
             continue  # perhaps undefined somewhere: a gradient proves nothing
         gradient = slope[outputs + i * inputs : outputs + (i + 1) * inputs]
@@ -72,17 +91,19 @@ def bound_box(
                     at_hi[v] = lo[v]
                 elif (falls and side == 0) or (rises and side == 1):
                     at_lo[v] = hi[v]
-            run(code, constant, at_lo, at_hi, work, value)
+            run(program.code, program.constant, at_lo, at_hi, work, value)
             if side == 0:
                 lower[i] = max(lower[i], value[i, 0])
             else:
                 upper[i] = min(upper[i], value[i, 1])
             spread_lo, spread_hi = _spread(gradient, at_lo, at_hi)
-            run(code, constant, at_lo, at_hi, work, value)
+            run(program.code, program.constant, at_lo, at_hi, work, value)
             if side == 0:
                 lower[i] = max(lower[i], down(value[i, 0] + spread_lo))
+                seen[i, 0] = value[i, 1]
             else:
                 upper[i] = min(upper[i], up(value[i, 1] + spread_hi))
+                seen[i, 1] = value[i, 0]
 
 
 @njit(cache=True)
@@ -101,33 +122,95 @@ def _spread(gradient: Floats, lo: Floats, hi: Floats) -> tuple[float, float]:
 
 @njit(cache=True)
 def _enclose_many(
-    code: Ints,
-    constant: Floats,
-    slope_code: Ints,
-    slope_constant: Floats,
-    slots: int,
-    lo: Floats,
-    hi: Floats,
-    lower: Floats,
-    upper: Floats,
-    smear: Floats,
+    program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, smear: Floats
 ) -> None:
     """Fill ``lower`` and ``upper`` (N, outputs) and ``smear`` (N, inputs) for N boxes."""
     boxes, inputs = lo.shape
     outputs = lower.shape[1]
-    work, value = np.empty((slots, 2)), np.empty((outputs, 2))
-    slope = np.empty((outputs * (1 + inputs), 2))
+    seen = np.empty((outputs, 2))
     for k in range(boxes):
-        bound_box(
-            code, constant, slope_code, slope_constant, lo[k], hi[k], work, slope, value,
-            lower[k], upper[k],
-        )
+        bound_box(program, lo[k], hi[k], lower[k], upper[k], seen)
         for v in range(inputs):
-            smear[k, v] = 0.0
-            for i in range(outputs):
-                d = outputs + i * inputs + v
-                reach = max(abs(slope[d, 0]), abs(slope[d, 1])) * (hi[k, v] - lo[k, v])
-                smear[k, v] = max(smear[k, v], reach if reach == reach else np.inf)
+            smear[k, v] = _smear(program.slope, v, outputs, inputs, hi[k, v] - lo[k, v])
+
+
+@njit(cache=True)
+def _smear(slope: Floats, v: int, outputs: int, inputs: int, width: float) -> float:
+    """How much side ``v`` of a box can contribute to the spread of an output."""
+    most = 0.0
+    for i in range(outputs):
+        d = outputs + i * inputs + v
+        reach = max(abs(slope[d, 0]), abs(slope[d, 1])) * width
+        most = max(most, reach if reach == reach else np.inf)
+    return most
+
+
+@njit(cache=True)
+def _range(
+    program: Program,
+    queue_lo: Floats,
+    queue_hi: Floats,
+    slack: float,
+    lower: Floats,
+    upper: Floats,
+) -> None:
+    """Fill ``lower`` and ``upper`` (outputs,): the range over the first box of the queue.
+
+    Boxes are bisected, first in first out, until each lies within ``slack`` of the values that are
+    known to be attained, or the queue (capacity, inputs) is full.
+    """
+    capacity, inputs = queue_lo.shape
+    outputs = lower.size
+    seen = np.empty((outputs, 2))
+    box_lower, box_upper = np.empty(outputs), np.empty(outputs)
+    least, most = np.full(outputs, np.inf), np.full(outputs, -np.inf)
+    lower[:], upper[:] = np.inf, -np.inf
+    head, tail = 0, 1
+    while head < tail:
+        lo, hi = queue_lo[head], queue_hi[head]
+        head += 1
+        bound_box(program, lo, hi, box_lower, box_upper, seen)
+        tight = True
+        for i in range(outputs):
+            least[i], most[i] = min(least[i], seen[i, 0]), max(most[i], seen[i, 1])
+            size = max(abs(least[i]), abs(most[i]))
+            room = slack * (max(most[i] - least[i], 0.0) + 1e-3 * size)
+            if not (box_lower[i] >= least[i] - room and box_upper[i] <= most[i] + room):
+                tight = False
+        side, worth = -1, -1.0
+        for v in range(inputs):
+            reach = _smear(program.slope, v, outputs, inputs, hi[v] - lo[v])
+            if lo[v] < hi[v] and reach > worth:
+                side, worth = v, reach
+        if tight or tail + 2 > capacity or side < 0:
+            lower[:] = np.minimum(lower, box_lower)
+            upper[:] = np.maximum(upper, box_upper)
+            continue
+        middle = 0.5 * (lo[side] + hi[side])
+        queue_lo[tail : tail + 2], queue_hi[tail : tail + 2] = lo, hi
+        queue_hi[tail, side] = queue_lo[tail + 1, side] = middle
+        tail += 2
+
+
+def enclose_range(
+    of: Bounded, lo: Floats, hi: Floats, boxes: int, slack: float
+) -> tuple[Floats, Floats]:
+    """Enclose the range of every output over one box.
+
+    Parameters
+    ----------
+    of
+        The function.
+    lo, hi
+        (inputs,) ends of the box.
+    boxes, slack
+        When to stop bisecting; see :func:`meso_robust.bounds.prove.enclose`.
+    """
+    lower, upper = np.empty((2, of.values.outputs))
+    queue_lo, queue_hi = np.empty((2, max(boxes, 1), lo.size))
+    queue_lo[0], queue_hi[0] = lo, hi
+    _range(program(of), queue_lo, queue_hi, slack, lower, upper)
+    return lower, upper
 
 
 def enclose_many(of: Bounded, lo: Floats, hi: Floats) -> tuple[Floats, Floats, Floats]:
@@ -149,9 +232,7 @@ def enclose_many(of: Bounded, lo: Floats, hi: Floats) -> tuple[Floats, Floats, F
     """
     lower, upper = np.empty((2, lo.shape[0], of.values.outputs))
     smear = np.empty_like(lo)
-    v, s = of.values, of.slopes
-    slots = max(v.slots, s.slots)
-    _enclose_many(v.code, v.constant, s.code, s.constant, slots, lo, hi, lower, upper, smear)
+    _enclose_many(program(of), lo, hi, lower, upper, smear)
     return lower, upper, smear
 
 

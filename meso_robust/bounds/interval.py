@@ -109,7 +109,7 @@ def arcsin(value: Interval) -> Interval:
     A candidate end is accepted only when its own sine is proved to lie beyond the end of ``value``;
     the whole line is returned if none is.
     """
-    if not (-1.0 < value.lo and value.hi < 1.0):
+    if not (value.lo > -1.0 and value.hi < 1.0):
         return Interval(-math.inf, math.inf)
     slack = 1e-15
     while slack < 1e-3:

@@ -19,7 +19,9 @@ from meso_robust.bounds import arithmetic as ia
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-CONST, INPUT, OUTPUT, ADD, SUB, MUL, DIV, NEG, SQ, SQRT, SIN, COS, LOG, TWICE, INV, ASSIGN = range(16)
+CONST, INPUT, OUTPUT, ADD, SUB, MUL, DIV, NEG, SQ, SQRT, SIN, COS, LOG, TWICE, INV, ASSIGN = range(
+    16
+)
 
 _CODES = {
     ca.OP_CONST: CONST,
@@ -71,7 +73,7 @@ def compile_tape(function: ca.Function) -> Tape:
                 f"{function.name()}: CasADi operation {function.instruction_id(k)} has no interval "
                 "form; add it to meso_robust.bounds.arithmetic"
             )
-        target = (function.instruction_output(k) + [0])[0 if code != OUTPUT else 1]
+        target = ([*function.instruction_output(k), 0])[0 if code != OUTPUT else 1]
         source = function.instruction_input(k)
         first = source[1] if code == INPUT else (source[0] if source else 0)
         second = source[1] if len(source) > 1 and code != INPUT else 0
@@ -89,7 +91,9 @@ def compile_tape(function: ca.Function) -> Tape:
 def _exact(function: ca.Function, k: int) -> float:
     value = float(function.instruction_constant(k))
     if not (value * 1024.0).is_integer() or abs(value) > 2.0**40:
-        raise ValueError(f"{function.name()}: constant {value!r} is not an exact small dyadic number")
+        raise ValueError(
+            f"{function.name()}: constant {value!r} is not an exact small dyadic number"
+        )
     return value
 
 

@@ -1,0 +1,1 @@
+"""Motion in each contact mode: closed forms and rigorous enclosures."""

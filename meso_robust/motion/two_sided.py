@@ -23,9 +23,9 @@ from numba import njit
 
 from meso_robust.admissibility import condition
 from meso_robust.bounds.arithmetic import down, mul, up
-from meso_robust.bounds.bulk import bound_box
+from meso_robust.bounds.bulk import Program, bound_box, program
 from meso_robust.bounds.interval import Interval
-from meso_robust.bounds.tape import Floats, Ints, run
+from meso_robust.bounds.tape import Floats, run
 
 H, V, D1, SIGMA, RHO, MU = range(6)  # arguments of slide_rates
 DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, HALF_T_RATE = range(5)  # its values: which way D and S slip
@@ -73,28 +73,36 @@ class SlideTube:
     """Smallest proved lower bound of the force at the passive tip, over e_x and travel rate, m."""
 
 
-class _Program(NamedTuple):
-    """The tapes that the kernels walk, and scratch for them."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grip:
+    """What stays constant while two tips turn the part."""
 
-    rates: tuple[Ints, Floats]
-    rate_slopes: tuple[Ints, Floats]
-    pair: tuple[Ints, Floats]
-    force: tuple[Ints, Floats]
-    work: Floats
-    slope: Floats
-    value: Floats
+    separation: Interval
+    """y distance V of the two tips, m."""
+    depth: Interval
+    """Half the width of the part, m."""
+    half: Interval
+    """Half its length, m."""
+    ratio: Interval
+    """rho, m^2."""
+    friction: Interval
+    """mu, the same at both tips (it may change, but not differ between them)."""
 
 
-def _program() -> _Program:
-    rates, pair, force = (
-        condition("two_sided_rotation", name) for name in ("slide_rates", "pair", "passive_force")
-    )
-    tapes = (rates.values, rates.slopes, pair.values, force.values)
-    return _Program(
-        *((tape.code, tape.constant) for tape in tapes),
-        work=np.empty((max(tape.slots for tape in tapes), 2)),
-        slope=np.empty((rates.slopes.outputs, 2)),
-        value=np.empty((rates.values.outputs, 2)),
+class _Programs(NamedTuple):
+    """The functions that the kernels evaluate."""
+
+    rates: Program
+    pair: Program
+    force: Program
+
+
+def _programs() -> _Programs:
+    return _Programs(
+        *(
+            program(condition("two_sided_rotation", name))
+            for name in ("slide_rates", "pair", "passive_force")
+        )
     )
 
 
@@ -131,8 +139,10 @@ def _sticks(lower: Floats, upper: Floats) -> tuple[float, float]:
             continue
         for stuck in range(2):  # 0: D sticks, 1: S sticks; the other one slips
             slips = UP_DOWN if apart == 1 else DOWN_UP
-            other = (DOWN_DOWN if apart == 1 else UP_UP) if stuck == 0 else (
-                UP_UP if apart == 1 else DOWN_DOWN
+            other = (
+                (DOWN_DOWN if apart == 1 else UP_UP)
+                if stuck == 0
+                else (UP_UP if apart == 1 else DOWN_DOWN)
             )
             span_lo = min(lower[slips], lower[other])
             span_hi = max(upper[slips], upper[other])
@@ -144,7 +154,7 @@ def _sticks(lower: Floats, upper: Floats) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def _mode_bounds(program: _Program, lo: Floats, hi: Floats) -> tuple[float, float]:
+def _mode_bounds(programs: _Programs, lo: Floats, hi: Floats) -> tuple[float, float]:
     """Infimum and supremum of d(sigma)/d(travel) over all possible modes; (inf, -inf) if none.
 
     A tip slips towards +a with ratio mu, towards -a with -mu. With v = T'/2 the rate is below -|v|
@@ -152,13 +162,8 @@ def _mode_bounds(program: _Program, lo: Floats, hi: Floats) -> tuple[float, floa
     sticks and -v if S sticks. The rate is a Moebius function of either ratio, hence monotone, so a
     sticking contact is possible only if its rate lies between the rates at the ends of its cone.
     """
-    lower, upper = np.empty(5), np.empty(5)
-    code, constant = program.rates
-    slope_code, slope_constant = program.rate_slopes
-    bound_box(
-        code, constant, slope_code, slope_constant, lo, hi, program.work, program.slope,
-        program.value, lower, upper,
-    )
+    lower, upper, seen = np.empty(5), np.empty(5), np.empty((5, 2))
+    bound_box(programs.rates, lo, hi, lower, upper, seen)
     slip_lo, slip_hi = _slips(lower, upper)
     stick_lo, stick_hi = _sticks(lower, upper)
     return min(slip_lo, stick_lo), max(slip_hi, stick_hi)
@@ -166,7 +171,7 @@ def _mode_bounds(program: _Program, lo: Floats, hi: Floats) -> tuple[float, floa
 
 @njit(cache=True)
 def _next_bound(
-    program: _Program, lo: Floats, hi: Floats, at: float, dh: float, side: int, keep: bool
+    programs: _Programs, lo: Floats, hi: Floats, at: float, dh: float, side: int, keep: bool
 ) -> tuple[float, int]:
     """Bound of sigma one step on: upper (side = 1) or lower (0), and a status.
 
@@ -176,7 +181,7 @@ def _next_bound(
     box_lo, box_hi = lo.copy(), hi.copy()
     for _ in range(4):  # widen the strip until the line stays inside
         box_lo[SIGMA], box_hi[SIGMA] = down(at - pad), up(at + pad)
-        least, most = _mode_bounds(program, box_lo, box_hi)
+        least, most = _mode_bounds(programs, box_lo, box_hi)
         if least > most:
             return at, 4
         slope = most if side == 1 else least
@@ -192,17 +197,17 @@ def _next_bound(
 
 
 @njit(cache=True)
-def _holds(
-    program: _Program, lo: Floats, hi: Floats, half: float, margins: Floats
-) -> int:
+def _holds(programs: _Programs, lo: Floats, hi: Floats, half: float, margins: Floats) -> int:
     """Check over one slice of the tube that both tips stay in contact and on their edges."""
     force_lo, force_hi = np.empty(7), np.empty(7)  # (h, V, d1, sigma, rho, tau_D, tau_S)
     force_lo[:5], force_hi[:5] = lo[:5], hi[:5]
     force_lo[5:], force_hi[5:] = -hi[MU], hi[MU]
-    run(program.force[0], program.force[1], force_lo, force_hi, program.work, program.value)
-    margins[0] = min(margins[0], program.value[0, 0])
-    run(program.pair[0], program.pair[1], lo, hi, program.work, program.value)
-    reach = 0.5 * program.value[0, 1]
+    of = programs.force
+    run(of.code, of.constant, force_lo, force_hi, of.work, of.value)
+    margins[0] = min(margins[0], of.value[0, 0])
+    of = programs.pair
+    run(of.code, of.constant, lo, hi, of.work, of.value)
+    reach = 0.5 * of.value[0, 1]
     margins[1] = min(margins[1], down(half - up(reach - lo[SIGMA])))
     margins[1] = min(margins[1], down(half - up(reach + hi[SIGMA])))
     if not margins[0] > 0.0:
@@ -212,84 +217,71 @@ def _holds(
 
 @njit(cache=True)
 def _grow(
-    program: _Program,
+    programs: _Programs,
     h: Floats,
     lo: Floats,
     hi: Floats,
     half: float,
     band: float,
-    lower: Floats,
-    upper: Floats,
+    bounds: Floats,
     margins: Floats,
 ) -> int:
-    """Fill ``lower`` and ``upper`` from their first entries; see the module's text.
+    """Fill the rows of ``bounds`` (lower, upper) from their first entries; see the module's text.
 
     Until h has fallen to ``band`` a motion may still start anywhere in the first slice, so the tube
     does not shrink there.
     """
     box_lo, box_hi = lo.copy(), hi.copy()
+    lower, upper = bounds[0], bounds[1]
     for k in range(h.size - 1):
         box_lo[H], box_hi[H] = h[k + 1], h[k]
         dh = h[k] - h[k + 1]
         keep = h[k] > band
-        lower[k + 1], status = _next_bound(program, box_lo, box_hi, lower[k], dh, 0, keep)
+        lower[k + 1], status = _next_bound(programs, box_lo, box_hi, lower[k], dh, 0, keep)
         if status != 0:
             return status
-        upper[k + 1], status = _next_bound(program, box_lo, box_hi, upper[k], dh, 1, keep)
+        upper[k + 1], status = _next_bound(programs, box_lo, box_hi, upper[k], dh, 1, keep)
         if status != 0:
             return status
         box_lo[SIGMA] = min(lower[k], lower[k + 1])
         box_hi[SIGMA] = max(upper[k], upper[k + 1])
-        status = _holds(program, box_lo, box_hi, half, margins)
+        status = _holds(programs, box_lo, box_hi, half, margins)
         if status != 0:
             return status
     return 0
 
 
 def enclose_slide(
-    h_start: Interval,
-    h_end: float,
-    sigma: Interval,
-    separation: Interval,
-    depth: Interval,
-    half: Interval,
-    ratio: Interval,
-    friction: Interval,
-    *,
-    step: float = 1.0e-6,
+    grip: Grip, h_start: Interval, h_end: float, sigma: Interval, *, step: float = 1.0e-6
 ) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
     Parameters
     ----------
+    grip
+        What stays constant during the rotation.
     h_start
         h at which both tips touch for the first time, m.
     h_end
         Lower bound of h at the end, m.
     sigma
         Slide when both touch, m.
-    separation
-        y distance V of the two tips, m.
-    depth, half
-        Half the width and half the length of the part, m.
-    ratio, friction
-        rho in m^2, and mu, the same at both tips at every instant.
     step
         Step in h, m.
     """
     count = max(2, int(np.ceil((h_start.hi - h_end) / step)))
     h = np.linspace(h_start.hi, h_end, count + 1)
-    lower, upper = np.full((2, count + 1), np.nan)
-    lower[0], upper[0] = sigma.lo, sigma.hi
-    sides = (separation, depth, sigma, ratio, friction)
+    bounds = np.full((2, count + 1), np.nan)
+    bounds[:, 0] = sigma.lo, sigma.hi
+    sides = (grip.separation, grip.depth, sigma, grip.ratio, grip.friction)
     lo = np.array([h_end, *(side.lo for side in sides)])
     hi = np.array([h_start.hi, *(side.hi for side in sides)])
     margins = np.full(2, np.inf)
-    status = _grow(_program(), h, lo, hi, half.lo, h_start.lo, lower, upper, margins)
+    status = _grow(_programs(), h, lo, hi, grip.half.lo, h_start.lo, bounds, margins)
     return SlideTube(
         h=h,
-        lower=lower,
-        upper=upper,
+        lower=bounds[0],
+        upper=bounds[1],
         status=TubeStatus(status),
         force_margin=float(margins[0]),
         edge_margin=float(margins[1]),

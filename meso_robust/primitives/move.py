@@ -57,12 +57,12 @@ class Aim:
 
 def from_part(offset_um: float) -> Aim:
     """A coordinate measured from the sensed part, rounded to the manipulator's 0.1 um."""
-    return Aim(anchor=Anchor.PART, offset_um=round(offset_um, 1))
+    return Aim(anchor=Anchor.PART, offset_um=round(float(offset_um), 1))
 
 
 def in_world(offset_um: float) -> Aim:
     """A coordinate in the world, rounded to the manipulator's 0.1 um."""
-    return Aim(anchor=Anchor.WORLD, offset_um=round(offset_um, 1))
+    return Aim(anchor=Anchor.WORLD, offset_um=round(float(offset_um), 1))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

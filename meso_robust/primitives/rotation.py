@@ -8,17 +8,17 @@ need not be unique (``meso_robust.motion.two_sided``).
 
 from __future__ import annotations
 
-import functools
+import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI, Interval, enclose
 from meso_robust.bounds.interval import arcsin, cos, sin
-from meso_robust.motion import sticking
-from meso_robust.motion.two_sided import SlideTube, TubeStatus, enclose_slide
+from meso_robust.motion.two_sided import Grip, SlideTube, TubeStatus, enclose_slide
+from meso_robust.primitives.approach import MODULE, Pair, Touch, approach
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.setup import Edge, PoseBox, Setup
@@ -32,86 +32,6 @@ from meso_robust.primitives.tips import (
 )
 
 PI = HALF_PI + HALF_PI
-MODULE = "two_sided_rotation"
-APPROACH_STEP = 8e-6  # m
-MOST_APPROACH_STEPS = 40
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Pair:
-    """The two tips that turn the part, world axes."""
-
-    active: Tip
-    active_y: Interval
-    passive_x: Interval
-    passive_y: Interval
-    passive_ahead: Interval
-    """x of the passive tip minus x of the part before the move, m."""
-    passive_rise: Interval
-    separation: Interval
-    """V, m."""
-    middle_y: Interval
-    h_end: Interval
-    """x of the active tip minus x of the passive one after the move, m."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Alone:
-    """States of the part while the active tip alone pushes."""
-
-    theta: Interval
-    x: Interval
-    """Displacement since the start, m."""
-    y: Interval
-    gap: Interval
-    """Distance of the passive tip from its edge, m."""
-
-    def moved(
-        self, travel: Interval, v_x: Interval, v_y: Interval, omega: Interval, closing: Interval
-    ) -> _Alone:
-        """After ``travel`` at these rates."""
-        return _Alone(
-            theta=self.theta + travel * omega,
-            x=self.x + travel * v_x,
-            y=self.y + travel * v_y,
-            gap=self.gap - travel * closing,
-        )
-
-    def hull(self, other: _Alone) -> _Alone:
-        """The smallest set of this form that holds both."""
-        return _Alone(
-            theta=self.theta.hull(other.theta),
-            x=self.x.hull(other.x),
-            y=self.y.hull(other.y),
-            gap=self.gap.hull(other.gap),
-        )
-
-    def within(self, other: _Alone) -> bool:
-        """Whether all states (the gap aside, which feeds nothing back) lie in ``other``."""
-        return (
-            self.theta.within(other.theta) and self.x.within(other.x) and self.y.within(other.y)
-        )
-
-    def inflated(self) -> _Alone:
-        """A little larger, so that a guess has room."""
-        return replace(
-            self, theta=_inflated(self.theta), x=_inflated(self.x), y=_inflated(self.y)
-        )
-
-
-def _inflated(range_: Interval) -> Interval:
-    reach = 0.05 * (range_.hi - range_.lo)
-    return Interval(range_.lo - reach, range_.hi + reach)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Touch:
-    """Everything the part can be like when it comes to rest on the passive tip."""
-
-    theta: Interval
-    y: Interval
-    active_offset: Interval
-    obligations: tuple[Obligation, ...]
 
 
 def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, knots: int = 0) -> Step:
@@ -145,9 +65,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, knots: int =
             {"V": pair.separation, "d1": edge.depth, "mu": u.friction},
         ),
     ]
-    touch = _approach(pair, start, pre, edge, setup)
+    touch = approach(pair, start, pre, edge, setup)
     if touch is None:
-        return _step(rule, pre, None, obligations + [_undecided("the part comes to rest on both")])
+        return _step(rule, pre, None, [*obligations, _undecided("the part comes to rest on both")])
     obligations += [*touch.obligations, on_edge("active", touch.active_offset, edge)]
     tube = _slide(pair, touch, edge, setup)
     obligations += _tube_obligations(tube, pair)
@@ -155,12 +75,12 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, knots: int =
         return _step(rule, pre, None, obligations)
     post = _pose(pair, tube, pair.h_end, edge)
     if post is None:
-        return _step(rule, pre, None, obligations + [_undecided("the end can be enclosed")])
+        return _step(rule, pre, None, [*obligations, _undecided("the end can be enclosed")])
     obligations += _idle_tip_clear(start, touch, post, tube, pair, edge, setup)
     return _step(rule, pre, post, obligations, _knots(pair, tube, edge, knots))
 
 
-def _pair(rule: MoveRule, active: Tip, pre: PoseBox, setup: Setup) -> _Pair:
+def _pair(rule: MoveRule, active: Tip, pre: PoseBox, setup: Setup) -> Pair:
     u, single = setup.uncertainty, rule.single
     if single is None:
         raise ValueError(f"rotation rule needs a passive tip, got {rule}")
@@ -172,7 +92,7 @@ def _pair(rule: MoveRule, active: Tip, pre: PoseBox, setup: Setup) -> _Pair:
     if rule.dual_end.anchor is not single.x.anchor:
         raise ValueError("the end of the push and the passive tip need the same anchor in x")
     between = rule.dual_end.offset - single.x.offset
-    return _Pair(
+    return Pair(
         active=active,
         active_y=active_y,
         passive_x=single.x.place(pre.x, sensed, off),
@@ -185,7 +105,7 @@ def _pair(rule: MoveRule, active: Tip, pre: PoseBox, setup: Setup) -> _Pair:
     )
 
 
-def _passive_free(pair: _Pair, start: Interval, edge: Edge) -> Obligation:
+def _passive_free(pair: Pair, start: Interval, edge: Edge) -> Obligation:
     return require(
         "the passive tip is free of contact at the start",
         "sticking_motion",
@@ -194,113 +114,24 @@ def _passive_free(pair: _Pair, start: Interval, edge: Edge) -> Obligation:
     )
 
 
-def _approach(
-    pair: _Pair, start: Interval, pre: PoseBox, edge: Edge, setup: Setup
-) -> _Touch | None:
-    """Enclose the push by the active tip alone, until the part rests on the passive one.
-
-    The push is cut into steps. The states that can touch the passive tip within a step (those whose
-    gap can close) are gathered; the end is reached when every gap is proved to be closed.
-    """
-    state = _Alone(
-        theta=start,
-        x=Interval.point(0.0),
-        y=Interval.point(0.0),
-        gap=enclose(
-            condition("sticking_motion", "clearance"),
-            {"theta": start, "d1": edge.depth, "dx": -pair.passive_ahead, "dy": -pair.passive_rise},
-        )[0],
-    )
-    touched: list[_Alone] = []
-    visited: dict[str, Interval] = {}
-    for _ in range(MOST_APPROACH_STEPS):
-        step = _alone_step(state, pair, edge, setup)
-        if step is None:
-            return None
-        state, swept, box = step
-        visited = {key: side.hull(visited.get(key, side)) for key, side in box.items()}
-        if swept.gap.lo <= 0.0:
-            touched.append(swept)
-        if state.gap.hi <= 0.0:
-            hull = functools.reduce(_Alone.hull, touched)
-            return _Touch(
-                theta=hull.theta,
-                y=pre.y + hull.y,
-                active_offset=visited["d2"],
-                obligations=tuple(
-                    require(claim, "one_point_sticking", name, visited)
-                    for name, claim in (
-                        ("normal_force", "the active tip pushes until the part rests on both"),
-                        ("only_solution", "its motion, sticking or slipping, is unique until then"),
-                    )
-                ),
-            )
-    return None
-
-
-def _alone_step(
-    state: _Alone, pair: _Pair, edge: Edge, setup: Setup
-) -> tuple[_Alone, _Alone, dict[str, Interval]] | None:
-    """One step of the active tip: the state after it, all states during it, and their box.
-
-    A box of states is guessed and kept if the motion cannot leave it within the step.
-    """
-    u = setup.uncertainty
-    during = Interval(0.0, APPROACH_STEP)
-    swept = state
-    for _ in range(8):
-        offset = sticking.contact_offset(swept.theta, edge.depth, pair.active.rise - swept.y)
-        passive = (pair.passive_ahead - swept.x) * cos(swept.theta) + (
-            pair.passive_rise - swept.y
-        ) * sin(swept.theta)
-        box = {
-            "theta": swept.theta,
-            "d1": edge.depth,
-            "d2": offset,
-            "rho": u.film_ratio,
-            "mu": u.friction,
-            "p_S": passive,
-        }
-        box["tau"] = _friction_ratio(box)
-        (closing,) = enclose(condition(MODULE, "closing"), box, boxes=8)
-        v_x, v_y, omega = enclose(condition(MODULE, "one_contact_motion"), box, boxes=8)
-        if not closing.lo > 0.0:
-            return None
-        moved = state.moved(during, v_x, v_y, omega, closing)
-        if moved.within(swept):
-            whole = Interval.point(APPROACH_STEP)
-            return state.moved(whole, v_x, v_y, omega, closing), moved, box
-        swept = swept.hull(moved).inflated()
-    return None
-
-
-def _friction_ratio(box: dict[str, Interval]) -> Interval:
-    """Force along the edge over normal force of one contact: the sticking ratio, clipped to +-mu."""
-    (stick,) = enclose(condition("one_point_sticking", "stick_ratio"), box, boxes=8)
-    mu = box["mu"]
-    low = max(stick.lo, -mu.hi) if stick.lo < 0.0 else min(stick.lo, mu.lo)
-    high = min(stick.hi, mu.hi) if stick.hi > 0.0 else max(stick.hi, -mu.lo)
-    return Interval(low, high)
-
-
-def _slide(pair: _Pair, touch: _Touch, edge: Edge, setup: Setup) -> SlideTube:
+def _slide(pair: Pair, touch: Touch, edge: Edge, setup: Setup) -> SlideTube:
     (h_start,) = enclose(
         condition(MODULE, "pair_position"),
         {"theta": touch.theta, "V": pair.separation, "d1": edge.depth},
     )
-    return enclose_slide(
-        h_start,
-        pair.h_end.lo,
-        (touch.y - pair.middle_y) / sin(touch.theta),
-        pair.separation,
-        edge.depth,
-        edge.half,
-        setup.uncertainty.film_ratio,
-        setup.uncertainty.friction,
+    u = setup.uncertainty
+    grip = Grip(
+        separation=pair.separation,
+        depth=edge.depth,
+        half=edge.half,
+        ratio=u.film_ratio,
+        friction=u.friction,
     )
+    sigma = (touch.y - pair.middle_y) / sin(touch.theta)
+    return enclose_slide(grip, h_start, pair.h_end.lo, sigma)
 
 
-def _tube_obligations(tube: SlideTube, pair: _Pair) -> list[Obligation]:
+def _tube_obligations(tube: SlideTube, pair: Pair) -> list[Obligation]:
     box = {"h": Interval(float(tube.h[-1]), float(tube.h[0])), "V": pair.separation}
     done = tube.status is TubeStatus.COMPLETE
     never = Interval(-math.inf, 0.0)
@@ -332,10 +163,10 @@ def _tube_obligations(tube: SlideTube, pair: _Pair) -> list[Obligation]:
 
 def _idle_tip_clear(
     start: Interval,
-    touch: _Touch,
+    touch: Touch,
     post: PoseBox,
     tube: SlideTube,
-    pair: _Pair,
+    pair: Pair,
     edge: Edge,
     setup: Setup,
 ) -> tuple[Obligation, ...]:
@@ -377,15 +208,13 @@ def _idle_tip_clear(
     )
 
 
-def _active_offset(tube: SlideTube, h: Interval, pair: _Pair, edge: Edge) -> Interval:
+def _active_offset(tube: SlideTube, h: Interval, pair: Pair, edge: Edge) -> Interval:
     """Where on its edge the active tip can be while the tips are ``h`` apart in x, m."""
-    (reach,) = enclose(
-        condition(MODULE, "pair"), {"h": h, "V": pair.separation, "d1": edge.depth}
-    )
+    (reach,) = enclose(condition(MODULE, "pair"), {"h": h, "V": pair.separation, "d1": edge.depth})
     return HALF * reach - _slide_at(tube, h)
 
 
-def _pose(pair: _Pair, tube: SlideTube, h: Interval, edge: Edge) -> PoseBox | None:
+def _pose(pair: Pair, tube: SlideTube, h: Interval, edge: Edge) -> PoseBox | None:
     """All poses while the tips are ``h`` apart in x, past the upright half of the turn."""
     c, s = enclose(
         condition(MODULE, "orientation"), {"h": h, "V": pair.separation, "d1": edge.depth}
@@ -411,9 +240,9 @@ def _slide_at(tube: SlideTube, h: Interval) -> Interval:
     return Interval(float(tube.lower[used].min()), float(tube.upper[used].max()))
 
 
-def _knots(pair: _Pair, tube: SlideTube, edge: Edge, count: int) -> tuple[Knot, ...]:
+def _knots(pair: Pair, tube: SlideTube, edge: Edge, count: int) -> tuple[Knot, ...]:
     ends = np.linspace(float(tube.h[0]), float(tube.h[-1]), count + 1)
-    slices = (Interval(float(low), float(high)) for high, low in zip(ends[:-1], ends[1:], strict=True))
+    slices = (Interval(float(low), float(high)) for high, low in itertools.pairwise(ends))
     boxes = ((h, _pose(pair, tube, h, edge)) for h in slices)
     return tuple(
         Knot(stage=f"tips {1e6 * h.mid:.0f} um apart in x", box=box)

@@ -28,9 +28,7 @@ class PoseBox:
 
     def within(self, other: PoseBox) -> bool:
         """Whether every pose of this box lies in ``other``."""
-        return (
-            self.x.within(other.x) and self.y.within(other.y) and self.theta.within(other.theta)
-        )
+        return self.x.within(other.x) and self.y.within(other.y) and self.theta.within(other.theta)
 
     @property
     def mid(self) -> tuple[float, float, float]:
@@ -109,7 +107,9 @@ class Setup:
         quarter = round(theta / HALF_PI.lo) - 1
         long_edge = quarter % 2 == 0
         depth, half = (
-            (self.half_width, self.half_length) if long_edge else (self.half_length, self.half_width)
+            (self.half_width, self.half_length)
+            if long_edge
+            else (self.half_length, self.half_width)
         )
         return Edge(name="long" if long_edge else "short", quarter=quarter, depth=depth, half=half)
 

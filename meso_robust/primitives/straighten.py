@@ -6,10 +6,11 @@ both tips; from then on the part travels with the probe at angle pi/2 + beta.
 
 from __future__ import annotations
 
+import functools
 import math
 
 from meso_robust.admissibility import condition
-from meso_robust.bounds import HALF_PI, Interval, enclose
+from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
 from meso_robust.bounds.interval import cos
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
@@ -19,7 +20,9 @@ from meso_robust.primitives.tilt import Turn
 from meso_robust.primitives.tips import Tip, free_at_start, on_edge, sticks, tip_of, touch
 
 
-def certify_straighten(rule: MoveRule, pre: PoseBox, setup: Setup, tilt: Turn | None = None) -> Step:
+def certify_straighten(
+    rule: MoveRule, pre: PoseBox, setup: Setup, tilt: Turn | None = None
+) -> Step:
     """Certify a t^2 motion from every pose in ``pre``.
 
     Parameters
@@ -40,7 +43,7 @@ def certify_straighten(rule: MoveRule, pre: PoseBox, setup: Setup, tilt: Turn | 
         proofs, post = _one_side(side, part, aligned, tips, edge, pre, setup, tilt)
         obligations += proofs
         posts.append(post)
-    post = posts[0] if len(posts) == 1 else posts[0].hull(posts[1])
+    post = functools.reduce(_hull, posts)
     return Step(
         rule=rule,
         claim="one tip sticks until the other one touches, then both stick and the part translates "
@@ -48,8 +51,12 @@ def certify_straighten(rule: MoveRule, pre: PoseBox, setup: Setup, tilt: Turn | 
         pre=pre,
         post=post,
         obligations=tuple(obligations),
-        tube=(Knot(stage="swept", box=pre.hull(post)),),
+        tube=() if post is None else (Knot(stage="swept", box=pre.hull(post)),),
     )
+
+
+def _hull(one: PoseBox | None, other: PoseBox | None) -> PoseBox | None:
+    return None if one is None or other is None else one.hull(other)
 
 
 def _first_contacts(start: Interval, aligned: Interval) -> list[tuple[int, Interval]]:
@@ -71,7 +78,7 @@ def _one_side(
     pre: PoseBox,
     setup: Setup,
     tilt: Turn | None,
-) -> tuple[list[Obligation], PoseBox]:
+) -> tuple[list[Obligation], PoseBox | None]:
     first = "upper" if side > 0 else "lower"
     offset, reach = touch(tips[side], start, edge)
     path = start.hull(aligned)
@@ -81,6 +88,8 @@ def _one_side(
         *_pair_holds(side, offset, aligned, edge, setup),
         _arrives(side, start, aligned, offset, reach - tips[side].ahead_end, edge, setup),
     ]
+    if any(obligation.proof.verdict is not Verdict.PROVED for obligation in obligations):
+        return obligations, None
     if tilt is None:
         y = pre.y + sticking.lift(start, aligned, edge.depth, offset)
     else:

@@ -1,0 +1,1 @@
+"""Certificates: certifying a chain of moves, the margin, and the document."""

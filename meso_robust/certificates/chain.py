@@ -1,0 +1,78 @@
+"""Certifying a sequence of moves: every step from all poses that the step before can leave."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from meso_robust.bounds import Verdict
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.obligation import Obligation, Step
+from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.tilt import Turn, certify_tilt
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chain:
+    """Certified steps of one plan, and what they prove together."""
+
+    steps: tuple[Step, ...]
+    """As far as the motion could be enclosed; the last one may be undecided."""
+    complete: bool
+    """Whether every move of the plan was reached."""
+    setup: Setup
+
+    @property
+    def end(self) -> PoseBox | None:
+        """All poses after the last move."""
+        return self.steps[-1].post if self.complete else None
+
+    @property
+    def reaches_goal(self) -> bool:
+        """Whether every final pose lies in the goal."""
+        return self.end is not None and self.end.within(self.setup.goal)
+
+    @property
+    def verdict(self) -> Verdict:
+        """PROVED if every step is and the end lies in the goal; else UNKNOWN."""
+        proved = all(step.verdict is Verdict.PROVED for step in self.steps)
+        return Verdict.PROVED if proved and self.reaches_goal else Verdict.UNKNOWN
+
+    @property
+    def open_obligation(self) -> tuple[Step, Obligation] | None:
+        """The first inequality that is not proved, with its step."""
+        for step in self.steps:
+            for obligation in step.obligations:
+                if obligation.proof.verdict is not Verdict.PROVED:
+                    return step, obligation
+        return None
+
+
+def certify(rules: Sequence[MoveRule], setup: Setup, *, knots: int = 0) -> Chain:
+    """Certify ``rules`` from every start in ``setup.start``.
+
+    Parameters
+    ----------
+    rules, setup
+        The moves in order, the task.
+    knots
+        Slices of the rotation's tube to keep for drawing.
+    """
+    state: PoseBox | None = setup.start
+    steps: list[Step] = []
+    turn: Turn | None = None
+    for rule in rules:
+        if state is None:
+            break
+        if rule.action == "tilt":
+            step, turn = certify_tilt(rule, state, setup)
+        elif rule.action == "rotate":
+            step, turn = certify_rotation(rule, state, setup, knots=knots), None
+        else:
+            step, turn = certify_straighten(rule, state, setup, turn), None
+        steps.append(step)
+        state = step.post
+    complete = len(steps) == len(rules) and state is not None
+    return Chain(steps=tuple(steps), complete=complete, setup=setup)

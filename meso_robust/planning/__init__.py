@@ -1,0 +1,1 @@
+"""Composing certified primitives into a plan."""

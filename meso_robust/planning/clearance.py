@@ -1,0 +1,54 @@
+"""How far from the part the probes must start, so that they are free of contact at every pose."""
+
+from __future__ import annotations
+
+import math
+
+from meso_robust import units
+from meso_robust.bounds import Interval
+from meso_robust.bounds.interval import cos, sin
+from meso_robust.motion import sticking
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.tips import HALF
+
+AIR_UM = 6.0  # on top of what the bounds demand
+
+
+def start_ahead_um(rises: tuple[tuple[int, Interval], ...], pre: PoseBox, setup: Setup) -> float:
+    """Smallest commanded x of the tip pair ahead of the sensed part, um, rounded up to 0.1 um.
+
+    Parameters
+    ----------
+    rises
+        (side, height above the part's centre) of each tip; side as in ``Tip``.
+    pre, setup
+        All poses before the move, and the task.
+    """
+    edge, u = setup.edge(pre.theta.mid), setup.uncertainty
+    angle = edge.angle(pre.theta)
+    needed = []
+    for side, rise in rises:
+        up = Interval.point(float(side)) * HALF * setup.spacing
+        lag = up * sin(u.misalignment) / cos(u.misalignment)
+        reach = sticking.contact_reach(angle, edge.depth, rise)
+        needed.append((reach + lag - u.sensed_position - u.probe_position).hi)
+    return _rounded_up(max(needed))
+
+
+def passive_behind_um(rise: Interval, pre: PoseBox, setup: Setup) -> float:
+    """Smallest distance of the passive tip behind the sensed part, um, rounded up to 0.1 um."""
+    edge, u = setup.edge(pre.theta.mid), setup.uncertainty
+    reach = sticking.contact_reach(edge.angle(pre.theta), edge.depth, -rise)
+    return _rounded_up((reach + u.sensed_position + u.probe_position).hi)
+
+
+def _rounded_up(length: float) -> float:
+    return math.ceil(10.0 * (units.to_um(length) + AIR_UM)) / 10.0
+
+
+def rise_of(offset: Interval, side: int, setup: Setup) -> Interval:
+    """Height above the centre of the tip on ``side`` when the pair's middle is ``offset`` above.
+
+    ``offset`` holds the errors of sensing and actuation already.
+    """
+    return offset + Interval.point(float(side)) * HALF * setup.spacing

@@ -1,0 +1,145 @@
+"""Steps 1 to 4 of Section IX-E, composed from certified primitives."""
+
+from __future__ import annotations
+
+import math
+
+from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.errors import NotApplicableError
+from meso_robust.planning.rotation import rotate_and_insert
+from meso_robust.planning.x_translation import to_goal, upright
+from meso_robust.planning.y_translation import y_translation
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.task import Task
+
+SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs less room in x
+LARGEST_GAIN = 11e-6  # m, of one Y-translation (Table III)
+SMALLEST_GAIN = 2e-6  # m
+MOST_Y_TRANSLATIONS = 6
+SCALES = (1.2, 1.1, 1.0, 0.5, 0.25, 0.1, 0.03)
+UPRIGHT = math.radians(1.5)  # an edge closer than this to upright needs no straightening
+
+
+def compose(task: Task) -> tuple[tuple[MoveRule, ...], float]:
+    """Find a plan for ``task``.
+
+    Returns
+    -------
+    rules
+        The moves in order.
+    scale
+        The largest of ``SCALES`` at which a plan was certified, all uncertainties scaled by it: at
+        least 1 means that it holds for the task, with that much in hand.
+
+    Raises
+    ------
+    NotApplicableError
+        No primitive can handle the start pose, or no plan was found at any scale.
+    """
+    turns = _quarter_turns(setup_of(task))
+    for scale in SCALES:
+        steps = _compose(task, setup_of(task, scale), turns)
+        if steps is not None:
+            return tuple(step.rule for step in steps), scale
+    raise NotApplicableError(
+        "no robust plan was found, even with all uncertainties scaled by "
+        f"{SCALES[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, "
+        f"theta = {task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
+        "start further from the goal in +x, or closer to it in y"
+    )
+
+
+def _quarter_turns(setup: Setup) -> int:
+    """How many counter-clockwise quarter turns lead to the goal.
+
+    Raises
+    ------
+    NotApplicableError
+        The turn is not one that a primitive makes, or the start is too far from upright.
+    """
+    start, goal = setup.start.theta.mid, setup.goal.theta.mid
+    turns = round((goal - start) / HALF_PI.mid)
+    degrees = math.degrees(goal - start)
+    if turns not in (0, 1):
+        raise NotApplicableError(
+            f"the goal is {degrees:.1f} deg from the start: the rotation primitive turns "
+            "counter-clockwise by one quarter only; give a start within it"
+        )
+    if turns == 1 and setup.edge(start).name != "long":
+        raise NotApplicableError(
+            "the rotation primitive pushes on the long edge, but the short one faces the probe"
+        )
+    off = start - setup.edge(start).quarter * HALF_PI.mid - HALF_PI.mid
+    if abs(off) > math.radians(20.0):
+        raise NotApplicableError(
+            f"the part stands {math.degrees(off):.1f} deg from upright to the probe, and no "
+            "primitive is certified beyond 20 deg; start with an edge facing +x"
+        )
+    return turns
+
+
+def _compose(task: Task, setup: Setup, turns: int) -> list[Step] | None:
+    if turns == 0:
+        return _insert(setup.start, setup)
+    for share in SHARES:
+        first = _step_1(task, setup, share)
+        if first is None:
+            continue
+        before = _post(first[-1]) if first else setup.start
+        rest = rotate_and_insert(before, setup)
+        if rest is not None:
+            return [*first, *rest]
+        if not first:
+            return None
+    return None
+
+
+def _step_1(task: Task, setup: Setup, share: float) -> list[Step] | None:
+    """Y-translations until y lies in the band of Step 1 (half the goal's tolerance)."""
+    goal = setup.goal.y
+    band = Interval(0.5 * (goal.lo + goal.mid), 0.5 * (goal.hi + goal.mid))
+    steps: list[Step] = []
+    state, count = setup.start, 0
+    while count < task.plan.least_y_translations or not state.y.within(band):
+        moved = _closer(state, setup, share, step=1)
+        if moved is None or count == MOST_Y_TRANSLATIONS:
+            return None
+        steps += moved
+        state, count = _post(moved[-1]), count + 1
+    return steps
+
+
+def _insert(state: PoseBox, setup: Setup) -> list[Step] | None:
+    """Step 3, if necessary, and Step 4."""
+    steps: list[Step] = []
+    for _ in range(MOST_Y_TRANSLATIONS + 1):
+        last = to_goal(state, setup)
+        if last is not None and _post(last).within(setup.goal):
+            return [*steps, last]
+        edge = setup.edge(state.theta.mid)
+        if abs(edge.angle(state.theta).mid - HALF_PI.mid) > UPRIGHT:
+            straight = upright(state, setup, step=3, primitive="x_translation")
+            moved = None if straight is None else [straight]
+        else:
+            moved = _closer(state, setup, 1.0, step=3)
+        if moved is None:
+            return None
+        steps += moved
+        state = _post(moved[-1])
+    return None
+
+
+def _closer(state: PoseBox, setup: Setup, share: float, step: int) -> list[Step] | None:
+    """One Y-translation towards the goal's y."""
+    away = setup.goal.y.mid - state.y.mid
+    gain = math.copysign(min(max(share * abs(away), SMALLEST_GAIN), LARGEST_GAIN), away)
+    found = y_translation(state, setup, gain, step)
+    return None if found is None else list(found)
+
+
+def _post(step: Step) -> PoseBox:
+    if step.post is None or step.verdict is not Verdict.PROVED:
+        raise ValueError(f"step {step.rule} was taken into a plan without being proved")
+    return step.post

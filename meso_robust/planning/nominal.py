@@ -1,0 +1,42 @@
+"""Step (2a) of Lemma 1's search: whether a push sticks under the nominal condition.
+
+Plain numbers, no proof: it only saves certifying what cannot be certified.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meso_robust.admissibility import condition
+from meso_robust.bounds import HALF_PI
+from meso_robust.primitives.setup import PoseBox, Setup
+
+
+def sticks(start: float, end: float, offset: float, depth: float, setup: Setup) -> bool:
+    """Whether the contact at ``offset`` (m) sticks at both ends of a turn (rad)."""
+    u = setup.uncertainty
+    margin = condition("one_point_sticking", "friction_margin").function
+    values = [
+        margin([angle, depth, offset, u.film_ratio.mid, u.friction.mid]) for angle in (start, end)
+    ]
+    return bool(np.min(values) > 0.0)
+
+
+def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
+    """Whether a t^2 push with the pair's middle ``middle`` (m) above the centre would work."""
+    edge = setup.edge(pre.theta.mid)
+    depth, half = edge.depth.mid, edge.half.mid
+    start, end = edge.angle(pre.theta).mid, HALF_PI.mid + setup.uncertainty.misalignment.mid
+    side = 1.0 if start < end else -1.0
+    rise = middle + 0.5 * side * setup.spacing.mid
+    touch = condition("sticking_motion", "contact_offset").function
+    first = float(touch([start, depth, rise]))
+    second = first - side * setup.spacing.mid
+    turning = condition("one_point_sticking", "turning").function
+    return (
+        max(abs(first), abs(second)) < half
+        and float(turning([start, depth, first, side])) > 0.0
+        and float(turning([end, depth, second, -side])) > 0.0
+        and sticks(start, end, first, depth, setup)
+        and sticks(end, end, second, depth, setup)
+    )

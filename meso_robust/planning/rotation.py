@@ -1,0 +1,130 @@
+"""Choosing a two-sided rotation: separation of the tips, length of the push, height of the pair.
+
+A larger separation is further from the jam but leaves a larger tilt; a longer push leaves a smaller
+one until a tip runs off its edge. The height of the pair decides where the part ends in y once the
+tilt is straightened, so it is chosen last, such that this is the goal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from meso_robust import units
+from meso_robust.bounds import Interval, Verdict
+from meso_robust.motion.two_sided import Grip, enclose_slide
+from meso_robust.planning.clearance import passive_behind_um, rise_of, start_ahead_um
+from meso_robust.planning.x_translation import to_goal
+from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.setup import PoseBox, Setup
+
+SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
+SCOUT_STEP = 8e-6  # m
+APPROACH_UM = 60.0  # what the push by the active tip alone may take
+CLOSE_ENOUGH_UM = 3.0  # of the goal in y
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Choice:
+    """A two-sided rotation by its three free numbers, um."""
+
+    separation: float
+    h_end: float
+    middle: float
+
+
+def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
+    """The robust rotation and the push to the goal after it, if any."""
+    for extra in SEPARATION_STEPS_UM:
+        found = _at_separation(_least_separation_um(setup) + extra, pre, setup)
+        if found is not None:
+            return found
+    return None
+
+
+def _least_separation_um(setup: Setup) -> float:
+    """Nominal separation above which no admissible one can jam, um."""
+    u, width = setup.uncertainty, 2.0 * setup.half_width.hi
+    least = width * math.sqrt(1.0 + u.friction.hi**2)
+    return math.ceil(units.to_um(least + u.probe_position.width))
+
+
+def _at_separation(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
+    choice = _scout(separation, pre, setup)
+    for _ in range(6):
+        if choice is None:
+            return None
+        turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
+        if turned.verdict is not Verdict.PROVED or turned.post is None:
+            choice = _shorter(choice)
+            continue
+        inserted = to_goal(turned.post, setup)
+        if inserted is None or inserted.post is None:
+            return None
+        off = units.to_um(inserted.post.y.mid - setup.goal.y.mid)
+        if inserted.post.within(setup.goal) and abs(off) < CLOSE_ENOUGH_UM:
+            return turned, inserted
+        choice = _Choice(
+            separation=choice.separation, h_end=choice.h_end, middle=choice.middle - off
+        )
+    return None
+
+
+def _shorter(choice: _Choice) -> _Choice:
+    return _Choice(separation=choice.separation, h_end=choice.h_end + 15.0, middle=choice.middle)
+
+
+def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
+    """Where the longest push ends and which height of the pair leads to the goal (coarse)."""
+    u, goal = setup.uncertainty, units.to_um(setup.goal.y.mid)
+    width, reach = 2.0 * setup.half_width.mid, setup.half_length.mid
+    middle, h_end = goal + 0.1 * units.to_um(reach), 0.0
+    for _ in range(4):
+        off = u.probe_position + u.probe_position
+        grip = Grip(
+            separation=Interval.point(separation * units.UM) + off,
+            depth=setup.half_width,
+            half=setup.half_length,
+            ratio=u.film_ratio,
+            friction=u.friction,
+        )
+        start = Interval(width - APPROACH_UM * units.UM, width)
+        sigma_start = pre.y - Interval.point(middle * units.UM) + off
+        tube = enclose_slide(grip, start, -width, sigma_start, step=SCOUT_STEP)
+        last = int(np.isfinite(tube.upper).sum()) - 2
+        if last < 1 or tube.h[last] > 0.0:
+            return None
+        h_end = units.to_um(tube.h[last] + off.hi + SCOUT_STEP)
+        sigma = 0.5 * (tube.lower[last] + tube.upper[last])
+        end_y = middle + units.to_um((sigma - reach) * _sine(h_end, separation, units.to_um(width)))
+        middle += goal - end_y
+    return _Choice(separation=separation, h_end=h_end, middle=middle)
+
+
+def _sine(h: float, separation: float, width: float) -> float:
+    apart = math.sqrt(h * h + separation * separation - width * width)
+    return (width * h + apart * separation) / (h * h + separation * separation)
+
+
+def _rule(choice: _Choice, pre: PoseBox, setup: Setup) -> MoveRule:
+    spacing = units.to_um(setup.spacing.mid)
+    u = setup.uncertainty
+    active_y = in_world(choice.middle + 0.5 * (choice.separation + spacing))
+    passive_y = in_world(choice.middle - 0.5 * choice.separation)
+    dual_around = active_y.ahead_of(pre.y, u.sensed_position, u.probe_position)
+    single_around = passive_y.ahead_of(pre.y, u.sensed_position, u.probe_position)
+    rises = tuple((side, rise_of(dual_around, side, setup)) for side in (1, -1))
+    passive_x = -passive_behind_um(single_around, pre, setup)
+    return MoveRule(
+        step=2,
+        primitive="rotation",
+        action="rotate",
+        side=1,
+        dual=Point(x=from_part(start_ahead_um(rises, pre, setup)), y=active_y),
+        dual_end=from_part(passive_x + choice.h_end),
+        single=Point(x=from_part(passive_x), y=passive_y),
+    )

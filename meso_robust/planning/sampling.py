@@ -1,0 +1,60 @@
+"""The sampling of Section IX-D and Lemma 1: dispersion halved down to the control uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def levels(low: float, high: float, smallest: float) -> Iterator[list[float]]:
+    """New samples of [low, high], level by level.
+
+    The first level is the middle; each further one halves the dispersion and adds the points in
+    between, until the dispersion is no larger than ``smallest``.
+
+    Examples
+    --------
+    >>> list(levels(0.0, 8.0, 2.0))
+    [[4.0], [2.0, 6.0]]
+    """
+    dispersion = 0.5 * (high - low)
+    samples = [low + dispersion]
+    while samples and dispersion >= smallest:
+        yield samples
+        dispersion *= 0.5
+        samples = [low + k * dispersion for k in range(1, round((high - low) / dispersion), 2)]
+
+
+REFINED = 2  # levels that are searched beyond the first robust one
+
+
+def best_robust(
+    low: float,
+    high: float,
+    smallest: float,
+    attempt: Callable[[float], tuple[float, T] | None],
+) -> T | None:
+    """The best robust sample of the first level that has one and of the next ``REFINED`` levels.
+
+    The paper stops at the first robust sample; its neighbours are worth a look when, as for the
+    length of a push, samples differ in how good they are.
+
+    Parameters
+    ----------
+    low, high, smallest
+        Range of the input, and the dispersion at which the search ends (control uncertainty).
+    attempt
+        Certifies one sample; None if it is not robust, else its worth (higher is better) and what
+        was found.
+    """
+    found: list[tuple[float, T]] = []
+    more = REFINED
+    for samples in levels(low, high, smallest):
+        found += [result for result in map(attempt, samples) if result is not None]
+        if found:
+            more -= 1
+        if more < 0:
+            break
+    return max(found, key=lambda result: result[0])[1] if found else None

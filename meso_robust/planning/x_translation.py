@@ -1,0 +1,104 @@
+"""Choosing the t^2 push that brings the part to the goal (Step 4), or just straightens it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
+from meso_robust import units
+from meso_robust.bounds import Verdict
+from meso_robust.planning import nominal
+from meso_robust.planning.clearance import rise_of, start_ahead_um
+from meso_robust.planning.sampling import best_robust
+from meso_robust.primitives.move import Aim, MoveRule, Point, from_part, in_world
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.tilt import Turn
+
+T = TypeVar("T")
+
+FAR_UM = -1e5  # an end far beyond any travel that a turn can need
+SPARE_UM = 2.0  # travel on top of what the bounds demand
+
+
+def to_goal(pre: PoseBox, setup: Setup) -> Step | None:
+    """The robust t^2 push from ``pre`` that ends with the part's x at the goal.
+
+    Of the samples of one level the one is taken that leaves most of the travel in reserve.
+    """
+    depth = setup.edge(pre.theta.mid).depth.mid
+    end = in_world(units.to_um(setup.goal.x.mid + depth))
+
+    def attempt(middle: float) -> tuple[float, Step] | None:
+        rule = rule_at(middle, pre, setup, end, step=4, primitive="x_translation")
+        return _worth(certify_straighten(rule, pre, setup))
+
+    return _sample(pre, setup, attempt)
+
+
+def upright(
+    pre: PoseBox, setup: Setup, *, step: int, primitive: str, tilt: Turn | None = None
+) -> Step | None:
+    """The robust t^2 push from ``pre`` that travels no further than both tips need to touch."""
+
+    def attempt(middle: float) -> tuple[float, MoveRule] | None:
+        far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
+        found = _worth(certify_straighten(far, pre, setup, tilt))
+        if found is None:
+            return None
+        left, trial = found
+        end = from_part(FAR_UM + units.to_um(left) - SPARE_UM)
+        return left, replace(trial.rule, dual_end=end)
+
+    rule = _sample(pre, setup, attempt)
+    return None if rule is None else certify_straighten(rule, pre, setup, tilt)
+
+
+def _sample(
+    pre: PoseBox, setup: Setup, attempt: Callable[[float], tuple[float, T] | None]
+) -> T | None:
+    def if_nominal(middle: float) -> tuple[float, T] | None:
+        return attempt(middle) if nominal.straightens(middle, pre, setup) else None
+
+    half = setup.edge(pre.theta.mid).half.mid
+    return best_robust(-half, half, max(setup.uncertainty.probe_position.hi, 1e-6), if_nominal)
+
+
+def _worth(candidate: Step) -> tuple[float, Step] | None:
+    if candidate.verdict is not Verdict.PROVED:
+        return None
+    return reserve(candidate), candidate
+
+
+def rule_at(
+    middle: float, pre: PoseBox, setup: Setup, end: Aim, *, step: int, primitive: str
+) -> MoveRule:
+    """The rule of a t^2 push with the pair's middle ``middle`` (m) above the sensed centre."""
+    u = setup.uncertainty
+    y = from_part(units.to_um(middle))
+    around = y.offset + u.sensed_position + u.probe_position
+    rises = tuple((side, rise_of(around, side, setup)) for side in (1, -1))
+    ahead = start_ahead_um(rises, pre, setup)
+    return MoveRule(
+        step=step,
+        primitive=primitive,
+        action="straighten",
+        side=0,
+        dual=Point(x=from_part(ahead), y=y),
+        dual_end=end,
+    )
+
+
+def reserve(candidate: Step) -> float:
+    """Travel that is left after the longest turn, m."""
+    return min(
+        (
+            obligation.proof.lower
+            for obligation in candidate.obligations
+            if obligation.inequality.startswith("travel in contact")
+        ),
+        default=-math.inf,
+    )
