@@ -1,0 +1,38 @@
+"""How a run ended: the outcomes of the simulator, each with a message.
+
+A run never hides a step it could not take: a linear complementarity problem without a solution is
+a jam of its own, told apart from a solver that failed on a problem that has one.
+"""
+
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """End of one run; the values are what the kernels write into ``PushResult.outcomes``."""
+
+    COMPLETED = 0
+    JAM = 1
+    SOLVER_FAILURE = 2
+    OUT_OF_RANGE = 3
+
+    @property
+    def message(self) -> str:
+        """One sentence saying what the outcome means for the pose that is returned with it."""
+        return _MESSAGES[self]
+
+
+_MESSAGES = {
+    Outcome.COMPLETED: "the move was completed",
+    Outcome.JAM: (
+        "the part jammed: no contact mode balances the film while the tips go on; "
+        "the pose is that of the last step taken"
+    ),
+    Outcome.SOLVER_FAILURE: (
+        "the solver failed on a step that has, or may have, a solution; "
+        "the pose is that of the last step taken, try a smaller step"
+    ),
+    Outcome.OUT_OF_RANGE: (
+        "a step was not finite or turned the part too far for contact taken as linear; "
+        "the pose is that of the last step taken, try a smaller step"
+    ),
+}
