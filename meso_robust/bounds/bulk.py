@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from numba import njit
 
 from meso_robust.bounds.arithmetic import down, mul, up
 from meso_robust.bounds.tape import Floats, Ints, Tape, compile_tape, run
+from meso_robust.kernels import fingerprint
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +63,7 @@ def program(of: Bounded) -> Program:
     )
 
 
-@njit(cache=True)
+@njit
 def bound_box(
     program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, seen: Floats
 ) -> None:
@@ -106,7 +108,7 @@ def bound_box(
                 seen[i, 1] = value[i, 0]
 
 
-@njit(cache=True)
+@njit
 def _spread(gradient: Floats, lo: Floats, hi: Floats) -> tuple[float, float]:
     """Enclose sum of gradient * (x - middle) over the box, and collapse the box to its middle."""
     total_lo, total_hi = 0.0, 0.0
@@ -120,8 +122,8 @@ def _spread(gradient: Floats, lo: Floats, hi: Floats) -> tuple[float, float]:
     return total_lo, total_hi
 
 
-@njit(cache=True)
-def _enclose_many(
+@njit
+def _bound_each(
     program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, smear: Floats
 ) -> None:
     """Fill ``lower`` and ``upper`` (N, outputs) and ``smear`` (N, inputs) for N boxes."""
@@ -134,7 +136,7 @@ def _enclose_many(
             smear[k, v] = _smear(program.slope, v, outputs, inputs, hi[k, v] - lo[k, v])
 
 
-@njit(cache=True)
+@njit
 def _smear(slope: Floats, v: int, outputs: int, inputs: int, width: float) -> float:
     """How much side ``v`` of a box can contribute to the spread of an output."""
     most = 0.0
@@ -145,8 +147,8 @@ def _smear(slope: Floats, v: int, outputs: int, inputs: int, width: float) -> fl
     return most
 
 
-@njit(cache=True)
-def _range(
+@njit
+def _bisect(
     program: Program,
     queue_lo: Floats,
     queue_hi: Floats,
@@ -211,6 +213,30 @@ def enclose_range(
     queue_lo[0], queue_hi[0] = lo, hi
     _range(program(of), queue_lo, queue_hi, slack, lower, upper)
     return lower, upper
+
+
+def _compiled() -> tuple[Callable[..., None], Callable[..., None]]:
+    """The two kernels that are called from Python, kept on disk; see ``kernels.fingerprint``."""
+    key = fingerprint("bounds")
+
+    @njit(cache=True)
+    def many(
+        program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, smear: Floats
+    ) -> None:
+        if key >= 0:
+            _bound_each(program, lo, hi, lower, upper, smear)
+
+    @njit(cache=True)
+    def whole(
+        program: Program, lo: Floats, hi: Floats, slack: float, lower: Floats, upper: Floats
+    ) -> None:
+        if key >= 0:
+            _bisect(program, lo, hi, slack, lower, upper)
+
+    return many, whole
+
+
+_enclose_many, _range = _compiled()
 
 
 def enclose_many(of: Bounded, lo: Floats, hi: Floats) -> tuple[Floats, Floats, Floats]:

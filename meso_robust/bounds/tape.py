@@ -97,7 +97,7 @@ def _exact(function: ca.Function, k: int) -> float:
     return value
 
 
-@njit(cache=True)
+@njit
 def _apply(op: int, a: float, b: float, c: float, d: float) -> tuple[float, float]:  # noqa: C901 - a table
     if op == ADD:
         return ia.add(a, b, c, d)
@@ -128,7 +128,7 @@ def _apply(op: int, a: float, b: float, c: float, d: float) -> tuple[float, floa
     return -np.inf, np.inf
 
 
-@njit(cache=True)
+@njit
 def run(
     code: Ints, constant: Floats, box_lo: Floats, box_hi: Floats, work: Floats, result: Floats
 ) -> None:

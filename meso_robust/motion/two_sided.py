@@ -14,6 +14,7 @@ where it rises more slowly. The tube is bounded by such lines, one pair a step i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
@@ -26,6 +27,7 @@ from meso_robust.bounds.arithmetic import down, mul, up
 from meso_robust.bounds.bulk import Program, bound_box, program
 from meso_robust.bounds.interval import Interval
 from meso_robust.bounds.tape import Floats, run
+from meso_robust.kernels import fingerprint
 
 H, V, D1, SIGMA, RHO, MU = range(6)  # arguments of slide_rates
 DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, HALF_T_RATE = range(5)  # its values: which way D and S slip
@@ -106,7 +108,7 @@ def _programs() -> _Programs:
     )
 
 
-@njit(cache=True)
+@njit
 def _slips(lower: Floats, upper: Floats) -> tuple[float, float]:
     """Hull of the rates of the modes in which both contacts slip; (inf, -inf) if none can."""
     v_lo, v_hi = lower[HALF_T_RATE], upper[HALF_T_RATE]
@@ -128,7 +130,7 @@ def _slips(lower: Floats, upper: Floats) -> tuple[float, float]:
     return least, most
 
 
-@njit(cache=True)
+@njit
 def _sticks(lower: Floats, upper: Floats) -> tuple[float, float]:
     """Hull of the rates of the modes in which one contact sticks; (inf, -inf) if none can."""
     v_lo, v_hi = lower[HALF_T_RATE], upper[HALF_T_RATE]
@@ -153,7 +155,7 @@ def _sticks(lower: Floats, upper: Floats) -> tuple[float, float]:
     return least, most
 
 
-@njit(cache=True)
+@njit
 def _mode_bounds(programs: _Programs, lo: Floats, hi: Floats) -> tuple[float, float]:
     """Infimum and supremum of d(sigma)/d(travel) over all possible modes; (inf, -inf) if none.
 
@@ -169,7 +171,7 @@ def _mode_bounds(programs: _Programs, lo: Floats, hi: Floats) -> tuple[float, fl
     return min(slip_lo, stick_lo), max(slip_hi, stick_hi)
 
 
-@njit(cache=True)
+@njit
 def _next_bound(
     programs: _Programs, lo: Floats, hi: Floats, at: float, dh: float, side: int, keep: bool
 ) -> tuple[float, int]:
@@ -196,7 +198,7 @@ def _next_bound(
     return at, 1
 
 
-@njit(cache=True)
+@njit
 def _holds(programs: _Programs, lo: Floats, hi: Floats, half: float, margins: Floats) -> int:
     """Check over one slice of the tube that both tips stay in contact and on their edges."""
     force_lo, force_hi = np.empty(7), np.empty(7)  # (h, V, d1, sigma, rho, tau_D, tau_S)
@@ -215,8 +217,8 @@ def _holds(programs: _Programs, lo: Floats, hi: Floats, half: float, margins: Fl
     return 0 if margins[1] > 0.0 else 3
 
 
-@njit(cache=True)
-def _grow(
+@njit
+def _bound_lines(
     programs: _Programs,
     h: Floats,
     lo: Floats,
@@ -249,6 +251,31 @@ def _grow(
         if status != 0:
             return status
     return 0
+
+
+def _compiled() -> Callable[..., int]:
+    """The kernel that is called from Python, kept on disk; see ``kernels.fingerprint``."""
+    key = fingerprint("bounds", "motion")
+
+    @njit(cache=True)
+    def grow(
+        programs: _Programs,
+        h: Floats,
+        lo: Floats,
+        hi: Floats,
+        half: float,
+        band: float,
+        bounds: Floats,
+        margins: Floats,
+    ) -> int:
+        if key < 0:
+            return 1
+        return _bound_lines(programs, h, lo, hi, half, band, bounds, margins)
+
+    return grow
+
+
+_grow = _compiled()
 
 
 def enclose_slide(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, fields
 
 from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.errors import NotApplicableError
@@ -11,41 +12,61 @@ from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
-from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
 from meso_robust.task import Task
 
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs less room in x
 LARGEST_GAIN = 11e-6  # m, of one Y-translation (Table III)
 SMALLEST_GAIN = 2e-6  # m
 MOST_Y_TRANSLATIONS = 6
-SCALES = (1.2, 1.1, 1.0, 0.5, 0.25, 0.1, 0.03)
+IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
+NARROWED = 0.25  # one uncertainty alone, to find the one that stands in the way
+REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
 UPRIGHT = math.radians(1.5)  # an edge closer than this to upright needs no straightening
 
 
-def compose(task: Task) -> tuple[tuple[MoveRule, ...], float]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """A plan, and under which uncertainties it was found to be robust."""
+
+    rules: tuple[MoveRule, ...]
+    scale: float
+    """Factor on the uncertainties; at least 1 means that the plan holds for the task."""
+    only: str | None = None
+    """The one uncertainty that was scaled, None for all."""
+
+    @property
+    def settled_by(self) -> str:
+        """What a user can do if the plan is not certified for the task."""
+        what = "all uncertainties" if self.only is None else f"the range of {self.only} alone"
+        return (
+            f"a robust plan was found with {what.replace('_', ' ')} scaled by {self.scale}: narrow "
+            "them, or change the task so that more room is left"
+        )
+
+
+def compose(task: Task) -> Found:
     """Find a plan for ``task``.
 
-    Returns
-    -------
-    rules
-        The moves in order.
-    scale
-        The largest of ``SCALES`` at which a plan was certified, all uncertainties scaled by it: at
-        least 1 means that it holds for the task, with that much in hand.
+    If there is none for the task's uncertainties, one for smaller ones is returned, to be certified
+    as far as it goes and to tell what would settle the rest.
 
     Raises
     ------
     NotApplicableError
-        No primitive can handle the start pose, or no plan was found at any scale.
+        No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
     turns = _quarter_turns(setup_of(task))
-    for scale in SCALES:
-        steps = _compose(task, setup_of(task, scale), turns)
+    attempts: list[tuple[float, str | None]] = [(scale, None) for scale in IN_HAND]
+    attempts += [(NARROWED, field.name) for field in fields(Uncertainty)]
+    attempts += [(scale, None) for scale in REDUCED]
+    for scale, only in attempts:
+        steps = _compose(task, setup_of(task, scale, only), turns)
         if steps is not None:
-            return tuple(step.rule for step in steps), scale
+            return Found(rules=tuple(step.rule for step in steps), scale=scale, only=only)
     raise NotApplicableError(
         "no robust plan was found, even with all uncertainties scaled by "
-        f"{SCALES[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, "
+        f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, "
         f"theta = {task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
         "start further from the goal in +x, or closer to it in y"
     )

@@ -1,14 +1,13 @@
 """Batches of runs, one after the other or in parallel, and the entry point of the simulator."""
 
-import hashlib
 from collections.abc import Callable
-from pathlib import Path
 from typing import NamedTuple, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
 from numba import njit, prange
 
+from meso_robust.kernels import fingerprint
 from meso_robust.simulator.contact import polygon_faces
 from meso_robust.simulator.push import Push, PushResult
 from meso_robust.simulator.rows import Case
@@ -75,23 +74,9 @@ def _run_one(i: int, inputs: Inputs, steps: int, warm: bool, outputs: Outputs) -
     outputs.max_penetration[i] = depth
 
 
-def _fingerprint() -> int:
-    """Return a number that changes with any source of the simulator."""
-    digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(source.read_bytes())
-    return int.from_bytes(digest.digest()[:7], "big")
-
-
 def _compiled(parallel: bool) -> Kernel:
-    """Make the batch kernel, to be compiled at its first call.
-
-    Numba keeps compiled code on disk and renews it when the file of the function changes, but not
-    when a function that it calls from another file does. What the function encloses is part of
-    its key on disk, so it encloses the fingerprint of all sources. For the same reason, kernels
-    that call into other files are not kept on disk by themselves.
-    """
-    key = 2 * _fingerprint() + parallel
+    """Make the batch kernel, compiled at its first call and kept on disk; see ``fingerprint``."""
+    key = 2 * fingerprint("simulator") + parallel
 
     @njit(cache=True, error_model="numpy", parallel=parallel)
     def kernel(inputs: Inputs, steps: int, warm: bool, outputs: Outputs) -> None:

@@ -1,0 +1,1 @@
+"""Campaigns: many runs of a plan in the simulator."""

@@ -1,0 +1,74 @@
+"""Draws of everything that is uncertain, one row a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.bounds import Interval
+from meso_robust.primitives.setup import Setup
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Draws:
+    """What is uncertain, for N runs of M moves; SI units."""
+
+    start: Floats
+    """(N, 3) true pose at the start."""
+    friction: Floats
+    """(N,)"""
+    film_ratio: Floats
+    """(N,)"""
+    misalignment: Floats
+    """(N,)"""
+    sensing: Floats
+    """(N, M, 3) sensed minus true pose before each move; zero before the first one, whose sensed
+    pose is the task's start."""
+    dual: Floats
+    """(N, M, 2) error of the active probe during each move."""
+    single: Floats
+    """(N, M, 2) error of the passive probe."""
+
+
+def nominal(setup: Setup, moves: int) -> Draws:
+    """One run with every error zero and every range at its middle."""
+    u = setup.uncertainty
+    return Draws(
+        start=np.array([setup.start.mid]),
+        friction=np.array([u.friction.mid]),
+        film_ratio=np.array([u.film_ratio.mid]),
+        misalignment=np.array([u.misalignment.mid]),
+        sensing=np.zeros((1, moves, 3)),
+        dual=np.zeros((1, moves, 2)),
+        single=np.zeros((1, moves, 2)),
+    )
+
+
+def draw(setup: Setup, moves: int, runs: int, rng: np.random.Generator) -> Draws:
+    """Random runs: the first half uniform over the box, the second half at its corners."""
+    u = setup.uncertainty
+    corners = np.arange(runs) >= (runs + 1) // 2
+
+    def one(range_: Interval, *shape: int) -> Floats:
+        share = rng.random((runs, *shape))
+        share[corners] = np.rint(share[corners])
+        return np.clip(range_.lo + share * (range_.hi - range_.lo), range_.lo, range_.hi)
+
+    s = setup.start
+    sensing = np.concatenate(
+        [one(u.sensed_position, moves, 2), one(u.sensed_orientation, moves, 1)], axis=2
+    )
+    sensing[:, 0] = 0.0
+    return Draws(
+        start=np.stack([one(s.x), one(s.y), one(s.theta)], axis=1),
+        friction=one(u.friction),
+        film_ratio=one(u.film_ratio),
+        misalignment=one(u.misalignment),
+        sensing=sensing,
+        dual=one(u.probe_position, moves, 2),
+        single=one(u.probe_position, moves, 2),
+    )

@@ -1,0 +1,259 @@
+"""``certificate.json``: what is claimed, what was proved of it, and how far it reaches.
+
+Numbers that the claim rests on are doubles in hexadecimal (``float.hex``), SI units; those in um
+and deg beside them are for reading.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from meso_robust import units
+from meso_robust.bounds import Box, Verdict
+from meso_robust.certificates.chain import Chain
+from meso_robust.certificates.margin import Margin
+from meso_robust.planning.document import BoxDocument, RuleDocument, box_document
+from meso_robust.primitives.obligation import Obligation, Step
+from meso_robust.primitives.setup import PoseBox
+from meso_robust.task import Task
+
+HexPair = tuple[str, str]
+
+ASSUMPTIONS = (
+    "quasi-static motion: inertia is neglected",
+    "the film's drag is diag(e_x, e_x, e_theta) about the part's centre; only rho = e_theta/e_x enters",
+    "Coulomb friction at point contacts; at every instant mu is the same at all tips",
+    "the part is the stated rectangle, rigid and exactly known; nothing but the probes touches it",
+    "each error keeps within its bound; the two tips of the active probe share one position error",
+    "the part rests between moves, and probes are lifted without disturbing it",
+)
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class ObligationDocument(_Model):
+    """One inequality over one box."""
+
+    claim: str
+    inequality: str
+    derivation: str
+    verdict: Literal["PROVED", "REFUTED", "UNKNOWN"]
+    lower_bound: str | None
+    """Smallest proved value of the left side, hexadecimal; null if not proved or infinite."""
+    boxes: int
+    over: dict[str, HexPair]
+    """PROVED: the box it holds on; else the witness, or the widest undecided box."""
+
+
+class ExactBox(_Model):
+    """A box of poses, exactly."""
+
+    x_m: HexPair
+    y_m: HexPair
+    theta_rad: HexPair
+
+
+class StepDocument(_Model):
+    """One certified move."""
+
+    step: int
+    primitive: str
+    action: str
+    property: str
+    verdict: Literal["PROVED", "REFUTED", "UNKNOWN"]
+    pre: BoxDocument
+    pre_exact: ExactBox
+    post: BoxDocument | None
+    post_exact: ExactBox | None
+    obligations: tuple[ObligationDocument, ...]
+
+
+class ClaimDocument(_Model):
+    """What the certificate is about."""
+
+    words: str
+    assumptions: tuple[str, ...]
+    inequalities: tuple[str, ...]
+
+
+class UndecidedDocument(_Model):
+    """Why the verdict is UNKNOWN."""
+
+    step: int
+    action: str
+    claim: str
+    inequality: str
+    over: dict[str, HexPair]
+    settled_by: str
+
+
+class WitnessDocument(_Model):
+    """A run that breaks the claim, as the simulator replays it; SI units, hexadecimal."""
+
+    outcome: str
+    start: tuple[str, str, str]
+    friction: str
+    film_ratio_m2: str
+    misalignment_rad: str
+    sensing: tuple[tuple[str, str, str], ...]
+    dual_probe: tuple[HexPair, ...]
+    single_probe: tuple[HexPair, ...]
+
+
+class MarginDocument(_Model):
+    """How much more uncertainty the plan could bear; see ``meso_robust.certificates.margin``."""
+
+    factor: float
+    refused_at: float | None
+    binds_first: str | None
+    each_alone: dict[str, float]
+    limit: str | None
+
+
+class SimulationDocument(_Model):
+    """The cross-check by the simulator: evidence beside the proof, not part of it."""
+
+    samples: int
+    seed: int
+    step_um: float
+    completed: int
+    in_goal: int
+    in_certified_box: int | None
+    largest_excess_um_um_deg: tuple[tuple[float, float, float], ...]
+    """Largest distance outside the certified box after each move."""
+    simulator_error_um_um_deg: tuple[float, float, float]
+    """Largest change of a pose when the simulation step is halved."""
+
+
+class CertificateDocument(_Model):
+    """A certificate."""
+
+    schema_: Annotated[Literal["meso-robust/certificate/1"], Field(alias="schema")] = (
+        "meso-robust/certificate/1"
+    )
+    verdict: Literal["PROVED", "REFUTED", "UNKNOWN"]
+    task: str
+    task_hash: str
+    claim: ClaimDocument
+    goal: BoxDocument
+    goal_exact: ExactBox
+    policy: tuple[RuleDocument, ...]
+    steps: tuple[StepDocument, ...]
+    undecided: UndecidedDocument | None
+    witness: WitnessDocument | None
+    margin: MarginDocument
+    simulation: SimulationDocument
+    made_with: dict[str, str]
+
+
+def step_document(step: Step) -> StepDocument:
+    """Write out one certified move."""
+    return StepDocument(
+        step=step.rule.step,
+        primitive=step.rule.primitive,
+        action=step.rule.action,
+        property=step.claim,
+        verdict=step.verdict.name,
+        pre=box_document(step.pre),
+        pre_exact=exact_box(step.pre),
+        post=None if step.post is None else box_document(step.post),
+        post_exact=None if step.post is None else exact_box(step.post),
+        obligations=tuple(_obligation(obligation) for obligation in step.obligations),
+    )
+
+
+def _obligation(obligation: Obligation) -> ObligationDocument:
+    proof = obligation.proof
+    finite = proof.verdict is Verdict.PROVED and proof.lower < float("inf")
+    return ObligationDocument(
+        claim=obligation.claim,
+        inequality=obligation.inequality,
+        derivation=obligation.derivation,
+        verdict=proof.verdict.name,
+        lower_bound=proof.lower.hex() if finite else None,
+        boxes=proof.boxes,
+        over=_hex_box(proof.box),
+    )
+
+
+def _hex_box(box: Box) -> dict[str, HexPair]:
+    return {name: (float(side.lo).hex(), float(side.hi).hex()) for name, side in box.items()}
+
+
+def exact_box(box: PoseBox) -> ExactBox:
+    """The ends of a box as hexadecimal doubles."""
+    ends = _hex_box({"x": box.x, "y": box.y, "theta": box.theta})
+    return ExactBox(x_m=ends["x"], y_m=ends["y"], theta_rad=ends["theta"])
+
+
+def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
+    """The claim in words and as the inequalities that it was reduced to."""
+    goal, u = task.goal, task.uncertainty
+    words = (
+        f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "
+        f"({task.start.x_um} um, {task.start.y_um} um, {task.start.theta_deg} deg), whatever the "
+        f"sensing errors (same bounds, before each move), the probe errors (within "
+        f"{u.probe_position_um} um), mu in {list(u.friction)}, film ratio within "
+        f"{u.film_ratio_percent} % of {u.film_ratio_um2} um^2 and tip misalignment in "
+        f"{list(u.tip_misalignment_deg)} deg, the plan's policy of {moves} moves can be "
+        f"carried out, and every motion of the quasi-static model ends with the part within "
+        f"{goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
+        f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg)."
+    )
+    inequalities = {
+        f"{obligation.inequality} [{obligation.derivation}]": None
+        for step in chain.steps
+        for obligation in step.obligations
+    }
+    return ClaimDocument(words=words, assumptions=ASSUMPTIONS, inequalities=tuple(inequalities))
+
+
+def undecided_document(chain: Chain, settled_by: str) -> UndecidedDocument | None:
+    """The first inequality that is not proved; None if the chain is PROVED."""
+    if chain.verdict is Verdict.PROVED:
+        return None
+    found = chain.open_obligation
+    if found is None:
+        last = chain.steps[-1]
+        return UndecidedDocument(
+            step=last.rule.step,
+            action=last.rule.action,
+            claim="every final pose lies in the goal",
+            inequality="final box within goal",
+            over=_hex_box({} if last.post is None else _sides(last.post)),
+            settled_by=settled_by,
+        )
+    step, obligation = found
+    return UndecidedDocument(
+        step=step.rule.step,
+        action=step.rule.action,
+        claim=obligation.claim,
+        inequality=obligation.inequality,
+        over=_hex_box(obligation.proof.box),
+        settled_by=settled_by,
+    )
+
+
+def _sides(box: PoseBox) -> Box:
+    return {"x": box.x, "y": box.y, "theta": box.theta}
+
+
+def margin_document(margin: Margin) -> MarginDocument:
+    """Write out a margin."""
+    return MarginDocument(
+        factor=margin.factor,
+        refused_at=margin.refused,
+        binds_first=margin.binding,
+        each_alone=margin.each,
+        limit=margin.limit,
+    )
+
+
+def in_um_deg(values: tuple[float, float, float]) -> tuple[float, float, float]:
+    """(m, m, rad) to (um, um, deg), six digits."""
+    x, y, theta = values
+    return round(units.to_um(x), 6), round(units.to_um(y), 6), round(units.to_deg(theta), 6)

@@ -1,0 +1,93 @@
+"""How much more uncertainty the same plan could bear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+
+from meso_robust.bounds import Verdict
+from meso_robust.certificates.chain import certify
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.setup import Uncertainty, setup_of
+from meso_robust.task import Task
+
+LARGEST = 8.0  # factors beyond it are not tried
+RESOLUTION = 0.02
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Margin:
+    """Factors by which uncertainties can be scaled about their middle and are still PROVED."""
+
+    factor: float
+    """All at once: the plan was certified at this factor (0 if it is not proved even at 1)."""
+    refused: float | None
+    """The smallest factor tried at which it was not certified; None if ``LARGEST`` was."""
+    binding: str | None
+    """The uncertainty that bears the least when it is scaled alone."""
+    each: dict[str, float]
+    """Factor at which the plan was certified when one uncertainty alone was scaled."""
+    limit: str | None
+    """The first inequality that fails at ``refused``."""
+
+
+def margin(
+    rules: Sequence[MoveRule],
+    task: Task,
+    *,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Margin:
+    """Search the margin of a plan that is PROVED for its task, by bisection.
+
+    Parameters
+    ----------
+    rules, task
+        The plan and its task.
+    progress
+        Called with a word on what is tried next.
+    """
+
+    def proved(factor: float, only: str | None) -> bool:
+        return certify(rules, setup_of(task, factor, only)).verdict is Verdict.PROVED
+
+    progress("all uncertainties together")
+    factor, refused = _bisect(lambda f: proved(f, None))
+    each = {}
+    for field in fields(Uncertainty):
+        progress(field.name.replace("_", " "))
+        each[field.name] = _bisect(lambda f, name=field.name: proved(f, name))[0]  # type: ignore[misc]
+    binding = min(each, key=lambda name: each[name]) if factor > 0.0 else None
+    return Margin(
+        factor=factor,
+        refused=refused,
+        binding=binding,
+        each=each,
+        limit=None if refused is None else _limit(rules, task, refused),
+    )
+
+
+def _bisect(proved: Callable[[float], bool]) -> tuple[float, float | None]:
+    """Largest factor found at which ``proved`` holds, and the smallest at which it does not."""
+    if not proved(1.0):
+        return 0.0, 1.0
+    good, bad = 1.0, 1.25
+    while proved(bad):
+        if bad >= LARGEST:
+            return LARGEST, None
+        good, bad = bad, min(bad * 1.6, LARGEST)
+    while bad - good > RESOLUTION * good:
+        trial = 0.5 * (good + bad)
+        if proved(trial):
+            good = trial
+        else:
+            bad = trial
+    return good, bad
+
+
+def _limit(rules: Sequence[MoveRule], task: Task, factor: float) -> str:
+    chain = certify(rules, setup_of(task, factor))
+    found = chain.open_obligation
+    if found is None:
+        return "the final box leaves the goal"
+    step, obligation = found
+    return f"{obligation.claim} (step {step.rule.step}, {step.rule.action})"

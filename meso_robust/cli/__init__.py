@@ -1,0 +1,36 @@
+"""Command line: ``meso-robust VERB``; one small file a verb.
+
+Exit status: 0 done and the answer is positive, 1 done and the answer is negative, 2 bad input,
+3 internal fault.
+"""
+
+from __future__ import annotations
+
+import sys
+import traceback
+
+import typer
+
+from meso_robust.cli.derive import derive
+from meso_robust.cli.plan import plan
+from meso_robust.cli.schema import schema
+
+app = typer.Typer(
+    help="Plans pushes for mesoscale parts that are proved to work, and says why when none is.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+for verb in (plan, derive, schema):
+    app.command()(verb)
+
+
+def main() -> None:
+    """Run the command line; the only place where an internal fault is turned into exit status 3."""
+    try:
+        app()
+    except Exception:  # a fault of ours, not of the user: show it whole
+        traceback.print_exc()
+        print("meso-robust: internal fault, please report it with the lines above", file=sys.stderr)
+        sys.exit(3)

@@ -1,0 +1,214 @@
+"""The stages of ``meso-robust plan``: compose, certify, search the margin, simulate, judge."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+from dataclasses import dataclass, fields
+from importlib.metadata import version
+from pathlib import Path
+
+from meso_robust import units
+from meso_robust.bounds import Verdict
+from meso_robust.campaigns.crosscheck import CrossCheck, confirmed, crosscheck
+from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, STEP
+from meso_robust.certificates.chain import Chain, certify
+from meso_robust.certificates.document import (
+    CertificateDocument,
+    SimulationDocument,
+    WitnessDocument,
+    claim_document,
+    exact_box,
+    in_um_deg,
+    margin_document,
+    step_document,
+    undecided_document,
+)
+from meso_robust.certificates.margin import Margin, margin
+from meso_robust.cli.console import Reporter
+from meso_robust.planning.compose import Found, compose
+from meso_robust.planning.document import PlanDocument, box_document, plan_document
+from meso_robust.primitives.setup import Setup, setup_of
+from meso_robust.simulator import Outcome
+from meso_robust.task import Task
+
+KNOTS = 24  # slices of the rotation's tube that are drawn
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Planned:
+    """Everything that ``plan`` found out about a task."""
+
+    task: Task
+    setup: Setup
+    found: Found
+    chain: Chain
+    check: CrossCheck
+    margin: Margin
+    plan: PlanDocument
+    certificate: CertificateDocument
+
+    @property
+    def summary(self) -> str:
+        """The answer in a few lines."""
+        check, runs = self.check, len(self.check.in_goal)
+        lines = [
+            f"{self.certificate.verdict}: {self.task.name}, {len(self.found.rules)} moves",
+            f"simulated: {int(check.in_goal.sum())} of {runs} runs end in the goal",
+        ]
+        if self.certificate.verdict == "PROVED":
+            lines.append(
+                f"margin: still proved with all uncertainties x {self.margin.factor:.2f}; "
+                f"{(self.margin.binding or '').replace('_', ' ')} binds first"
+            )
+        elif self.certificate.undecided is not None:
+            open_ = self.certificate.undecided
+            lines.append(f"not proved in step {open_.step} ({open_.action}): {open_.claim}")
+            lines.append(f"what would settle it: {open_.settled_by}")
+        return "\n".join(lines)
+
+
+class SimulatorContradictsProofError(RuntimeError):
+    """A PROVED plan fails in the simulator: one of the two is wrong, and nothing is reported."""
+
+
+def make(task: Task, samples: int, seed: int, say: Reporter) -> Planned:
+    """Run all stages.
+
+    Raises
+    ------
+    NotApplicableError
+        No primitive can handle the task.
+    SimulatorContradictsProofError
+        The simulator and the proof disagree.
+    """
+    setup = setup_of(task)
+    with say.doing("searching a plan (the first run compiles kernels: some 20 s)"):
+        found = compose(task)
+    with say.doing("certifying"):
+        chain = certify(found.rules, setup, knots=KNOTS)
+    with say.doing("searching the margin"):
+        bears = margin(found.rules, task)
+    with say.doing(f"simulating {samples} runs"):
+        posts = [step.post for step in chain.steps]
+        check = crosscheck(found.rules, setup, posts, samples, seed)
+    if chain.verdict is Verdict.PROVED and check.failure is not None:
+        raise SimulatorContradictsProofError(
+            f"run {check.failure} of seed {seed} breaks a PROVED claim: "
+            f"{_outcome(check, check.failure)}, final pose {check.sampled.final[check.failure]}"
+        )
+    padded = [*posts, *[None] * (len(found.rules) - len(posts))]
+    sensed = [move.sensed[0] for move in check.nominal.moves]
+    plan = plan_document(task, found.rules, sensed, padded)
+    return Planned(
+        task=task,
+        setup=setup,
+        found=found,
+        chain=chain,
+        check=check,
+        margin=bears,
+        plan=plan,
+        certificate=_certificate(task, setup, found, chain, check, bears, plan),
+    )
+
+
+def _certificate(
+    task: Task,
+    setup: Setup,
+    found: Found,
+    chain: Chain,
+    check: CrossCheck,
+    bears: Margin,
+    plan: PlanDocument,
+) -> CertificateDocument:
+    verdict, witness = chain.verdict, None
+    if verdict is Verdict.UNKNOWN and confirmed(found.rules, setup, check):
+        verdict, witness = Verdict.REFUTED, _witness(check)
+    return CertificateDocument(
+        verdict=verdict.name,
+        task=task.name,
+        task_hash=task.hash,
+        claim=claim_document(task, chain, len(found.rules)),
+        goal=box_document(setup.goal),
+        goal_exact=exact_box(setup.goal),
+        policy=plan.policy,
+        steps=tuple(step_document(step) for step in chain.steps),
+        undecided=undecided_document(chain, found.settled_by),
+        witness=witness,
+        margin=margin_document(bears),
+        simulation=_simulation(check),
+        made_with=_made_with(check.seed),
+    )
+
+
+def _simulation(check: CrossCheck) -> SimulationDocument:
+    return SimulationDocument(
+        samples=len(check.in_goal),
+        seed=check.seed,
+        step_um=units.to_um(STEP),
+        completed=int(check.sampled.completed.sum()),
+        in_goal=int(check.in_goal.sum()),
+        in_certified_box=None if check.in_box is None else int(check.in_box.sum()),
+        largest_excess_um_um_deg=tuple(in_um_deg(value) for value in check.step_excess),
+        simulator_error_um_um_deg=in_um_deg(check.error),
+    )
+
+
+def _outcome(check: CrossCheck, row: int) -> str:
+    code = int(check.sampled.outcomes[row])
+    if code == STARTS_INSIDE:
+        return "a probe would start inside the part"
+    if code == Outcome.COMPLETED:
+        return "the last pose misses the goal"
+    return f"move {int(check.sampled.failed_in[row]) + 1}: {Outcome(code).message}"
+
+
+def _witness(check: CrossCheck) -> WitnessDocument:
+    row = check.failure
+    if row is None:
+        raise ValueError("no run failed, so there is no witness")
+    draws = {field.name: getattr(check.draws, field.name)[row] for field in fields(check.draws)}
+
+    def pairs(name: str) -> tuple[tuple[str, str], ...]:
+        return tuple((float(x).hex(), float(y).hex()) for x, y in draws[name])
+
+    x, y, theta = (float(value).hex() for value in draws["start"])
+    return WitnessDocument(
+        outcome=_outcome(check, row),
+        start=(x, y, theta),
+        friction=float(draws["friction"]).hex(),
+        film_ratio_m2=float(draws["film_ratio"]).hex(),
+        misalignment_rad=float(draws["misalignment"]).hex(),
+        sensing=tuple(
+            (float(a).hex(), float(b).hex(), float(c).hex()) for a, b, c in draws["sensing"]
+        ),
+        dual_probe=pairs("dual"),
+        single_probe=pairs("single"),
+    )
+
+
+def _made_with(seed: int) -> dict[str, str]:
+    names = ("meso-robust", "casadi", "numba", "numpy", "sympy")
+    return {
+        **{name: version(name) for name in names},
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+        "commit": _commit(),
+        "seed": str(seed),
+    }
+
+
+def _commit() -> str:
+    """Commit of the checkout the package runs from, or why there is none."""
+    here = Path(__file__).resolve().parent
+    try:
+        answer = subprocess.run(
+            ["git", "-C", str(here), "rev-parse", "--short", "HEAD"],
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=False,
+        )
+    except OSError:
+        return "unknown"
+    return answer.stdout.strip() or "not a checkout"

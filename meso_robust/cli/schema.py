@@ -1,0 +1,24 @@
+"""``meso-robust schema NAME``."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from meso_robust.cli.console import refuse
+
+
+def schema(
+    name: Annotated[str, typer.Argument(help="task, plan or certificate")],
+) -> None:
+    """Print the JSON Schema of a document."""
+    from meso_robust.certificates.document import CertificateDocument
+    from meso_robust.planning.document import PlanDocument
+    from meso_robust.task import Task
+
+    models = {"task": Task, "plan": PlanDocument, "certificate": CertificateDocument}
+    if name not in models:
+        refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")
+    print(json.dumps(models[name].model_json_schema(by_alias=True), indent=2))

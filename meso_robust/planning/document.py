@@ -1,0 +1,168 @@
+"""``plan.json``: the policy's rules, and its moves for the nominal run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, ConfigDict, Field
+
+from meso_robust import units
+from meso_robust.primitives.move import Aim, MoveRule
+from meso_robust.primitives.setup import PoseBox
+from meso_robust.task import Task
+
+Floats = npt.NDArray[np.float64]
+Pair = tuple[float, float]
+NAMES = ("dtp_top", "dtp_bottom", "stp")
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class AimDocument(_Model):
+    """A commanded coordinate: ``offset_um`` from the sensed part or from the world's origin."""
+
+    relative_to: Literal["sensed part", "world"]
+    offset_um: float
+
+
+class RuleDocument(_Model):
+    """A move as a function of the pose sensed before it."""
+
+    step: int
+    primitive: str
+    action: Literal["tilt", "straighten", "rotate"]
+    side: int
+    dual_x: AimDocument
+    dual_y: AimDocument
+    dual_end_x: AimDocument
+    single_x: AimDocument | None = None
+    single_y: AimDocument | None = None
+
+
+class ProbeDocument(_Model):
+    """A probe of a move; an active one travels and is lifted out of the plane afterwards."""
+
+    name: str
+    start_um: Pair
+    passive: bool = False
+
+
+class BoxDocument(_Model):
+    """A box of poses."""
+
+    x_um: Pair
+    y_um: Pair
+    theta_deg: Pair
+
+
+class MoveDocument(_Model):
+    """What the hardware does."""
+
+    step: int
+    primitive: str
+    probes: tuple[ProbeDocument, ...]
+    travel_um: Pair
+    speed_um_s: float
+    expect: BoxDocument | None
+    """Certified box of the part's pose after the move, rounded outward; null if not certified."""
+
+
+class PlanDocument(_Model):
+    """A quasi-open-loop plan."""
+
+    schema_: Annotated[Literal["meso-robust/plan/1"], Field(alias="schema")] = "meso-robust/plan/1"
+    task: str
+    task_hash: str
+    policy: tuple[RuleDocument, ...]
+    """The plan itself: before each move sense the pose, then command the probes as stated."""
+    moves: tuple[MoveDocument, ...]
+    """The same moves for the nominal run, in which every error is zero."""
+
+
+def plan_document(
+    task: Task,
+    rules: Sequence[MoveRule],
+    sensed: Sequence[Floats],
+    posts: Sequence[PoseBox | None],
+) -> PlanDocument:
+    """Write out a plan.
+
+    Parameters
+    ----------
+    task, rules
+        The task and its moves.
+    sensed
+        (3,) pose sensed before each move of the nominal run, m and rad.
+    posts
+        Certified box after each move, None where there is none.
+    """
+    return PlanDocument(
+        task=task.name,
+        task_hash=task.hash,
+        policy=tuple(_rule(rule) for rule in rules),
+        moves=tuple(
+            _move(task, rule, pose, post)
+            for rule, pose, post in zip(rules, sensed, posts, strict=True)
+        ),
+    )
+
+
+def _aim(aim: Aim) -> AimDocument:
+    return AimDocument(relative_to=aim.anchor.value, offset_um=aim.offset_um)
+
+
+def _rule(rule: MoveRule) -> RuleDocument:
+    single = rule.single
+    return RuleDocument(
+        step=rule.step,
+        primitive=rule.primitive,
+        action=rule.action,
+        side=rule.side,
+        dual_x=_aim(rule.dual.x),
+        dual_y=_aim(rule.dual.y),
+        dual_end_x=_aim(rule.dual_end),
+        single_x=None if single is None else _aim(single.x),
+        single_y=None if single is None else _aim(single.y),
+    )
+
+
+def _move(task: Task, rule: MoveRule, pose: Floats, post: PoseBox | None) -> MoveDocument:
+    x, y = rule.dual.x.command(pose[0]), rule.dual.y.command(pose[1])
+    end = rule.dual_end.command(pose[0])
+    up = 0.5 * task.probe.tip_spacing_um * units.UM
+    points = [(x, y + up), (x, y - up)]
+    if rule.single is not None:
+        points.append((rule.single.x.command(pose[0]), rule.single.y.command(pose[1])))
+    return MoveDocument(
+        step=rule.step,
+        primitive=rule.primitive,
+        probes=tuple(
+            ProbeDocument(name=name, start_um=_um(point), passive=name == "stp")
+            for name, point in zip(NAMES, points, strict=False)
+        ),
+        travel_um=_um((end - x, 0.0)),
+        speed_um_s=task.probe.speed_um_s,
+        expect=None if post is None else box_document(post),
+    )
+
+
+def _um(point: tuple[float, float]) -> Pair:
+    return round(float(point[0]) / units.UM, 4), round(float(point[1]) / units.UM, 4)
+
+
+def box_document(box: PoseBox) -> BoxDocument:
+    """A box in um and deg, rounded outward to a thousandth."""
+    return BoxDocument(
+        x_um=_outward(units.to_um(box.x.lo), units.to_um(box.x.hi)),
+        y_um=_outward(units.to_um(box.y.lo), units.to_um(box.y.hi)),
+        theta_deg=_outward(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
+    )
+
+
+def _outward(low: float, high: float) -> Pair:
+    return float(np.floor(low * 1e3 - 1e-6) / 1e3), float(np.ceil(high * 1e3 + 1e-6) / 1e3)

@@ -1,0 +1,5 @@
+"""Reports for people."""
+
+
+def report(r):
+    return "<html></html>"
