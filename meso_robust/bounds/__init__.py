@@ -6,6 +6,7 @@ from meso_robust.bounds.prove import (
     Box as Box,
     Proof as Proof,
     Verdict as Verdict,
+    VerdictWord as VerdictWord,
     enclose as enclose,
     prove_positive as prove_positive,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Literal, cast
 
 import numpy as np
 
@@ -17,12 +18,20 @@ Box = Mapping[str, Interval]
 MOST_BOXES = 4096
 
 
+VerdictWord = Literal["PROVED", "REFUTED", "UNKNOWN"]
+
+
 class Verdict(Enum):
     """Outcome of a proof attempt."""
 
     PROVED = "holds at every point of the box"
     REFUTED = "fails at the witness"
     UNKNOWN = "undecided on the box that is given with it"
+
+    @property
+    def word(self) -> VerdictWord:
+        """The verdict as documents write it."""
+        return cast(VerdictWord, self.name)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

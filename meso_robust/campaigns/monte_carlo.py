@@ -154,7 +154,7 @@ def _starts_inside(tips: Floats, poses: Floats, setup: Setup) -> npt.NDArray[np.
     along = c * offset[..., 0] + s * offset[..., 1]
     across = -s * offset[..., 0] + c * offset[..., 1]
     inside = (np.abs(along) < setup.half_length.mid) & (np.abs(across) < setup.half_width.mid)
-    return inside.any(axis=1)
+    return np.asarray(inside.any(axis=1))
 
 
 def excess(poses: Floats, box: PoseBox) -> Floats:

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust import units
-from meso_robust.bounds import Box, Verdict
+from meso_robust.bounds import Box, Verdict, VerdictWord
 from meso_robust.certificates.chain import Chain
 from meso_robust.certificates.margin import Margin
 from meso_robust.planning.document import BoxDocument, RuleDocument, box_document
@@ -41,7 +41,7 @@ class ObligationDocument(_Model):
     claim: str
     inequality: str
     derivation: str
-    verdict: Literal["PROVED", "REFUTED", "UNKNOWN"]
+    verdict: VerdictWord
     lower_bound: str | None
     """Smallest proved value of the left side, hexadecimal; null if not proved or infinite."""
     boxes: int
@@ -64,7 +64,7 @@ class StepDocument(_Model):
     primitive: str
     action: str
     property: str
-    verdict: Literal["PROVED", "REFUTED", "UNKNOWN"]
+    verdict: VerdictWord
     pre: BoxDocument
     pre_exact: ExactBox
     post: BoxDocument | None
@@ -135,7 +135,7 @@ class CertificateDocument(_Model):
     schema_: Annotated[Literal["meso-robust/certificate/1"], Field(alias="schema")] = (
         "meso-robust/certificate/1"
     )
-    verdict: Literal["PROVED", "REFUTED", "UNKNOWN"]
+    verdict: VerdictWord
     task: str
     task_hash: str
     claim: ClaimDocument
@@ -157,7 +157,7 @@ def step_document(step: Step) -> StepDocument:
         primitive=step.rule.primitive,
         action=step.rule.action,
         property=step.claim,
-        verdict=step.verdict.name,
+        verdict=step.verdict.word,
         pre=box_document(step.pre),
         pre_exact=exact_box(step.pre),
         post=None if step.post is None else box_document(step.post),
@@ -173,7 +173,7 @@ def _obligation(obligation: Obligation) -> ObligationDocument:
         claim=obligation.claim,
         inequality=obligation.inequality,
         derivation=obligation.derivation,
-        verdict=proof.verdict.name,
+        verdict=proof.verdict.word,
         lower_bound=proof.lower.hex() if finite else None,
         boxes=proof.boxes,
         over=_hex_box(proof.box),

@@ -125,7 +125,7 @@ def _certificate(
     if verdict is Verdict.UNKNOWN and confirmed(found.rules, setup, check):
         verdict, witness = Verdict.REFUTED, _witness(check)
     return CertificateDocument(
-        verdict=verdict.name,
+        verdict=verdict.word,
         task=task.name,
         task_hash=task.hash,
         claim=claim_document(task, chain, len(found.rules)),

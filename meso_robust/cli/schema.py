@@ -14,11 +14,13 @@ def schema(
     name: Annotated[str, typer.Argument(help="task, plan or certificate")],
 ) -> None:
     """Print the JSON Schema of a document."""
+    from pydantic import BaseModel
+
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.planning.document import PlanDocument
     from meso_robust.task import Task
 
-    models = {"task": Task, "plan": PlanDocument, "certificate": CertificateDocument}
+    models: dict[str, type[BaseModel]] = {"task": Task, "plan": PlanDocument, "certificate": CertificateDocument}
     if name not in models:
         refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")
     print(json.dumps(models[name].model_json_schema(by_alias=True), indent=2))

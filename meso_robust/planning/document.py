@@ -10,7 +10,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust import units
-from meso_robust.primitives.move import Aim, MoveRule
+from meso_robust.primitives.move import Action, Aim, MoveRule
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.task import Task
 
@@ -35,7 +35,7 @@ class RuleDocument(_Model):
 
     step: int
     primitive: str
-    action: Literal["tilt", "straighten", "rotate"]
+    action: Action
     side: int
     dual_x: AimDocument
     dual_y: AimDocument
@@ -142,17 +142,17 @@ def _move(task: Task, rule: MoveRule, pose: Floats, post: PoseBox | None) -> Mov
         step=rule.step,
         primitive=rule.primitive,
         probes=tuple(
-            ProbeDocument(name=name, start_um=_um(point), passive=name == "stp")
+            ProbeDocument(name=name, start_um=_um(*point), passive=name == "stp")
             for name, point in zip(NAMES, points, strict=False)
         ),
-        travel_um=_um((end - x, 0.0)),
+        travel_um=_um(end - x, np.zeros(())),
         speed_um_s=task.probe.speed_um_s,
         expect=None if post is None else box_document(post),
     )
 
 
-def _um(point: tuple[float, float]) -> Pair:
-    return round(float(point[0]) / units.UM, 4), round(float(point[1]) / units.UM, 4)
+def _um(x: Floats, y: Floats) -> Pair:
+    return round(float(x) / units.UM, 4), round(float(y) / units.UM, 4)
 
 
 def box_document(box: PoseBox) -> BoxDocument:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,9 @@ from meso_robust import units
 from meso_robust.bounds import Interval
 
 Floats = npt.NDArray[np.float64]
+
+
+Action = Literal["tilt", "straighten", "rotate"]
 
 
 class Anchor(Enum):
@@ -81,7 +85,7 @@ class MoveRule:
     """Step of the paper's algorithm (1 to 4) that the move belongs to."""
     primitive: str
     """y_translation, rotation or x_translation."""
-    action: str
+    action: Action
     """tilt, straighten or rotate: which certified motion the move is."""
     side: int
     """tilt, rotate: +1 turns the part counter-clockwise, -1 clockwise; straighten: 0."""

@@ -1,0 +1,219 @@
+"""``meso-robust plan`` as a user meets it: exit status, messages, files."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from meso_robust.campaigns.monte_carlo import rectangle as original
+from meso_robust.cli import app
+from meso_robust.cli.planned import SimulatorContradictsProofError
+from meso_robust.tasks import PAPER
+
+RUNNER = CliRunner()
+
+
+def task_file(folder: Path, old: str = "", new: str = "") -> Path:
+    """The paper's task with one piece of text replaced."""
+    text = PAPER.read_text(encoding="utf-8")
+    assert old in text
+    path = folder / "task.toml"
+    path.write_text(text.replace(old, new) if old else text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def proved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Path]:
+    out = tmp_path_factory.mktemp("proved") / "out"
+    return RUNNER.invoke(app, ["plan", "--out", str(out), "--samples", "50"]), out
+
+
+def test_positive_answer_is_status_0_with_three_files(proved: tuple[Any, Path]) -> None:
+    result, out = proved
+
+    assert result.exit_code == 0, result.output
+    assert "PROVED" in result.stdout
+    assert sorted(path.name for path in out.iterdir()) == [
+        "certificate.json",
+        "plan.json",
+        "report.html",
+    ]
+
+
+def test_plan_moves_follow_the_contract(proved: tuple[Any, Path]) -> None:
+    plan = json.loads((proved[1] / "plan.json").read_text())
+    first = plan["moves"][0]
+
+    assert set(first) == {"step", "primitive", "probes", "travel_um", "speed_um_s", "expect"}
+    assert [probe["name"] for probe in first["probes"]] == ["dtp_top", "dtp_bottom"]
+    assert first["travel_um"][0] < 0.0
+    assert first["travel_um"][1] == 0.0
+    turning = next(move for move in plan["moves"] if move["primitive"] == "rotation")
+    assert {probe["name"]: probe["passive"] for probe in turning["probes"]}["stp"] is True
+    # both tips of the active probe stand at one x, the spacing of the task apart
+    top, bottom = first["probes"][0]["start_um"], first["probes"][1]["start_um"]
+    assert top[0] == bottom[0]
+    assert top[1] - bottom[1] == pytest.approx(580.0, abs=1e-3)
+
+
+def test_certificate_numbers_are_exact_doubles(proved: tuple[Any, Path]) -> None:
+    certificate = json.loads((proved[1] / "certificate.json").read_text())
+
+    for step in certificate["steps"]:
+        for coordinate in ("x", "y", "theta"):
+            unit = "rad" if coordinate == "theta" else "m"
+            low, high = map(float.fromhex, step["post_exact"][f"{coordinate}_{unit}"])
+            shown = step["post"][f"{coordinate}_{'deg' if unit == 'rad' else 'um'}"]
+            factor = 180.0 / 3.141592653589793 if unit == "rad" else 1e6
+            assert low < high
+            assert shown[0] <= low * factor
+            assert high * factor <= shown[1]
+            assert shown[1] - shown[0] <= (high - low) * factor + 0.003
+        assert all(
+            Path(o["derivation"]).exists() for o in step["obligations"] if "/" in o["derivation"]
+        )
+
+
+def test_same_seed_same_certificate(proved: tuple[Any, Path], tmp_path: Path) -> None:
+    RUNNER.invoke(app, ["plan", "--out", str(tmp_path), "--samples", "50"])
+
+    for name in ("certificate.json", "plan.json"):
+        assert (tmp_path / name).read_bytes() == (proved[1] / name).read_bytes()
+
+
+def test_json_prints_the_certificate_and_nothing_else(tmp_path: Path) -> None:
+    result = RUNNER.invoke(app, ["plan", "--out", str(tmp_path), "--samples", "10", "--json"])
+
+    assert json.loads(result.stdout) == json.loads((tmp_path / "certificate.json").read_text())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("length_um = 1616.0", "", ("part.length_um", "missing")),
+        ("length_um = 1616.0", 'length_um = "long"', ("part.length_um", "'long'", "number")),
+        ("width_um = 837.0", "width_um = -837.0", ("part.width_um", "-837.0", "greater than 0")),
+        ("friction = [0.30, 0.36]", "friction = [0.36, 0.30]", ("friction", "0.36, 0.3", "lower")),
+        ("friction = [0.30, 0.36]", "friction = []", ("friction",)),
+        ("x_um = 2060.4", "x_um = nan", ("start.x_um", "nan", "finite")),
+        ("x_um = 2060.4", "x_um = inf", ("start.x_um", "inf", "finite")),
+        ("[part]", "[part]\nheight_um = 40.0", ("part.height_um", "unknown")),
+        ('schema = "meso-robust/task/1"', "", ("schema", "missing")),
+        ("[part]", "[part", ("TOML",)),
+    ],
+)
+def test_bad_task_is_status_2_one_message_no_files(
+    tmp_path: Path, old: str, new: str, words: tuple[str, ...]
+) -> None:
+    out = tmp_path / "out"
+    task = task_file(tmp_path, old, new)
+
+    result = RUNNER.invoke(app, ["plan", str(task), "--out", str(out)])
+
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert str(task) in result.stderr
+    assert all(word in result.stderr for word in words), result.stderr
+    assert "Traceback" not in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_missing_task_file_is_status_2(tmp_path: Path) -> None:
+    result = RUNNER.invoke(app, ["plan", str(tmp_path / "no.toml"), "--out", str(tmp_path / "o")])
+
+    assert result.exit_code == 2
+    assert "no.toml" in result.stderr
+
+
+def test_out_that_is_a_file_is_status_2_before_any_work(tmp_path: Path) -> None:
+    path = tmp_path / "taken"
+    path.write_text("mine")
+
+    result = RUNNER.invoke(app, ["plan", "--out", str(path)])
+
+    assert result.exit_code == 2
+    assert "taken" in result.stderr
+    assert path.read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("theta_deg = 90.0", "theta_deg = 45.0", "from upright|135.0 deg from the start"),
+        ("x_um = 2060.4", "x_um = 400.0", "further from the goal"),
+        ("theta_deg = 90.0", "theta_deg = -90.0", "counter-clockwise by one quarter"),
+    ],
+)
+def test_start_that_no_primitive_can_handle_is_status_1_unknown_and_why(
+    tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    out = tmp_path / "out"
+
+    result = RUNNER.invoke(app, ["plan", str(task_file(tmp_path, old, new)), "--out", str(out)])
+
+    assert result.exit_code == 1
+    assert "UNKNOWN" in result.stderr
+    assert any(word in result.stderr for word in words.split("|")), result.stderr
+    assert not out.exists()
+
+
+def test_goal_that_is_too_tight_is_not_proved(tmp_path: Path) -> None:
+    task = task_file(tmp_path, "position_tolerance_um = 76.0", "position_tolerance_um = 12.0")
+
+    result = RUNNER.invoke(
+        app, ["plan", str(task), "--out", str(tmp_path / "o"), "--samples", "20"]
+    )
+
+    assert result.exit_code == 1
+    assert "PROVED" not in result.stdout.replace("not proved", "").replace("still proved", "")
+
+
+def test_simulator_that_contradicts_a_proof_is_never_reported_as_proved(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    from meso_robust.campaigns import monte_carlo
+
+    monkeypatch.setattr(
+        monte_carlo, "rectangle", lambda setup: 0.9 * original(setup)
+    )  # a smaller part in the simulator only
+    with pytest.raises(SimulatorContradictsProofError, match="breaks a PROVED claim"):
+        RUNNER.invoke(
+            app, ["plan", "--out", str(tmp_path), "--samples", "20"], catch_exceptions=False
+        )
+    assert not list(tmp_path.iterdir())
+
+
+def test_internal_fault_is_status_3() -> None:
+    code = "import meso_robust.cli as c; c.app = lambda: 1 / 0; c.main()"
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+
+    assert done.returncode == 3
+    assert "internal fault" in done.stderr
+
+
+def test_help_needs_none_of_the_heavy_packages() -> None:
+    code = (
+        "import sys; from typer.testing import CliRunner; from meso_robust.cli import app; "
+        "assert CliRunner().invoke(app, ['--help']).exit_code == 0; "
+        "heavy = {'numba', 'casadi', 'sympy', 'scipy', 'matplotlib', 'numpy'} & set(sys.modules); "
+        "sys.exit(str(heavy) if heavy else 0)"
+    )
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+
+    assert done.returncode == 0, done.stderr
+
+
+def test_schema_describes_the_task() -> None:
+    result = RUNNER.invoke(app, ["schema", "task"])
+
+    assert "film_ratio_um2" in json.dumps(json.loads(result.stdout))
+    assert RUNNER.invoke(app, ["schema", "tax"]).exit_code == 2
