@@ -120,7 +120,7 @@ def _apply(op: int, a: float, b: float, c: float, d: float) -> tuple[float, floa
     if op == LOG:
         return ia.log(a, b)
     if op == TWICE:
-        return 2.0 * a, 2.0 * b
+        return ia.add(a, b, a, b)
     if op == INV:
         return ia.div(1.0, 1.0, a, b)
     if op == ASSIGN:

@@ -26,8 +26,8 @@ class Draws:
     misalignment: Floats
     """(N,)"""
     sensing: Floats
-    """(N, M, 3) sensed minus true pose before each move; zero before the first one, whose sensed
-    pose is the task's start."""
+    """(N, M, 3) sensed minus true pose before each move. The pose sensed before the first move is
+    the task's start, so the first error follows from the true start."""
     dual: Floats
     """(N, M, 2) error of the active probe during each move."""
     single: Floats
@@ -62,9 +62,10 @@ def draw(setup: Setup, moves: int, runs: int, rng: np.random.Generator) -> Draws
     sensing = np.concatenate(
         [one(u.sensed_position, moves, 2), one(u.sensed_orientation, moves, 1)], axis=2
     )
-    sensing[:, 0] = 0.0
+    start = np.stack([one(s.x), one(s.y), one(s.theta)], axis=1)
+    sensing[:, 0] = np.array(s.mid) - start
     return Draws(
-        start=np.stack([one(s.x), one(s.y), one(s.theta)], axis=1),
+        start=start,
         friction=one(u.friction),
         film_ratio=one(u.film_ratio),
         misalignment=one(u.misalignment),
