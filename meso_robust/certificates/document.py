@@ -43,7 +43,7 @@ class ObligationDocument(_Model):
     derivation: str
     verdict: VerdictWord
     lower_bound: str | None
-    """Smallest proved value of the left side, hexadecimal; null if not proved or infinite."""
+    """Smallest proved value of the left side in its SI unit, hexadecimal; null if not proved."""
     boxes: int
     over: dict[str, HexPair]
     """PROVED: the box it holds on; else the witness, or the widest undecided box."""
@@ -83,10 +83,14 @@ class ClaimDocument(_Model):
 class UndecidedDocument(_Model):
     """Why the verdict is UNKNOWN."""
 
+    move: int
+    """Which move of the plan, from 1."""
     step: int
     action: str
     claim: str
     inequality: str
+    fails: bool
+    """True: it is proved to fail at the point ``over``; false: it is undecided on that box."""
     over: dict[str, HexPair]
     settled_by: str
 
@@ -220,19 +224,23 @@ def undecided_document(chain: Chain, settled_by: str) -> UndecidedDocument | Non
     if found is None:
         last = chain.steps[-1]
         return UndecidedDocument(
+            move=len(chain.steps),
             step=last.rule.step,
             action=last.rule.action,
             claim="every final pose lies in the goal",
             inequality="final box within goal",
+            fails=False,
             over=_hex_box({} if last.post is None else _sides(last.post)),
             settled_by=settled_by,
         )
     step, obligation = found
     return UndecidedDocument(
+        move=1 + next(k for k, one in enumerate(chain.steps) if one is step),
         step=step.rule.step,
         action=step.rule.action,
         claim=obligation.claim,
         inequality=obligation.inequality,
+        fails=obligation.proof.verdict is Verdict.REFUTED,
         over=_hex_box(obligation.proof.box),
         settled_by=settled_by,
     )

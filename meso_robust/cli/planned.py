@@ -27,8 +27,8 @@ from meso_robust.certificates.document import (
 from meso_robust.certificates.margin import Margin, margin
 from meso_robust.cli.console import Reporter
 from meso_robust.planning.compose import Found, compose
-from meso_robust.planning.document import PlanDocument, box_document, plan_document
-from meso_robust.primitives.setup import Setup, setup_of
+from meso_robust.planning.document import PlanDocument, goal_document, plan_document
+from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task
 
@@ -97,9 +97,8 @@ def make(task: Task, samples: int, seed: int, say: Reporter) -> Planned:
             f"run {check.failure} of seed {seed} breaks a PROVED claim: "
             f"{_outcome(check, check.failure)}, final pose {check.sampled.final[check.failure]}"
         )
-    padded = [*posts, *[None] * (len(found.rules) - len(posts))]
     sensed = [move.sensed[0] for move in check.nominal.moves]
-    plan = plan_document(task, found.rules, sensed, padded)
+    plan = plan_document(task, found.rules, sensed, _certified(chain, len(found.rules)))
     return Planned(
         task=task,
         setup=setup,
@@ -110,6 +109,16 @@ def make(task: Task, samples: int, seed: int, say: Reporter) -> Planned:
         plan=plan,
         certificate=_certificate(task, setup, found, chain, check, bears, plan),
     )
+
+
+def _certified(chain: Chain, moves: int) -> list[PoseBox | None]:
+    """Box after each move, None from the first move on that is not proved."""
+    boxes: list[PoseBox | None] = []
+    for step in chain.steps:
+        if step.verdict is not Verdict.PROVED:
+            break
+        boxes.append(step.post)
+    return [*boxes, *[None] * (moves - len(boxes))]
 
 
 def _certificate(
@@ -129,7 +138,7 @@ def _certificate(
         task=task.name,
         task_hash=task.hash,
         claim=claim_document(task, chain, len(found.rules)),
-        goal=box_document(setup.goal),
+        goal=goal_document(setup.goal),
         goal_exact=exact_box(setup.goal),
         policy=plan.policy,
         steps=tuple(step_document(step) for step in chain.steps),

@@ -20,7 +20,11 @@ def schema(
     from meso_robust.planning.document import PlanDocument
     from meso_robust.task import Task
 
-    models: dict[str, type[BaseModel]] = {"task": Task, "plan": PlanDocument, "certificate": CertificateDocument}
+    models: dict[str, type[BaseModel]] = {
+        "task": Task,
+        "plan": PlanDocument,
+        "certificate": CertificateDocument,
+    }
     if name not in models:
         refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")
     print(json.dumps(models[name].model_json_schema(by_alias=True), indent=2))

@@ -57,19 +57,32 @@ def compose(task: Task) -> Found:
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
     turns = _quarter_turns(setup_of(task))
-    attempts: list[tuple[float, str | None]] = [(scale, None) for scale in IN_HAND]
-    attempts += [(NARROWED, field.name) for field in fields(Uncertainty)]
-    attempts += [(scale, None) for scale in REDUCED]
+    for scale in IN_HAND:
+        rules = _rules(task, turns, scale, None)
+        if rules is not None:
+            return Found(rules=rules, scale=scale)
+    last = _rules(task, turns, REDUCED[-1], None)
+    if last is None:
+        raise NotApplicableError(
+            "no robust plan was found, even with all uncertainties scaled by "
+            f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
+            f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
+            "start further from the goal in +x, or closer to it in y, or widen the goal"
+        )
+    attempts: list[tuple[float, str | None]] = [
+        *((NARROWED, field.name) for field in fields(Uncertainty)),
+        *((scale, None) for scale in REDUCED[:-1]),
+    ]
     for scale, only in attempts:
-        steps = _compose(task, setup_of(task, scale, only), turns)
-        if steps is not None:
-            return Found(rules=tuple(step.rule for step in steps), scale=scale, only=only)
-    raise NotApplicableError(
-        "no robust plan was found, even with all uncertainties scaled by "
-        f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, "
-        f"theta = {task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
-        "start further from the goal in +x, or closer to it in y"
-    )
+        rules = _rules(task, turns, scale, only)
+        if rules is not None:
+            return Found(rules=rules, scale=scale, only=only)
+    return Found(rules=last, scale=REDUCED[-1])
+
+
+def _rules(task: Task, turns: int, scale: float, only: str | None) -> tuple[MoveRule, ...] | None:
+    steps = _compose(task, setup_of(task, scale, only), turns)
+    return None if steps is None else tuple(step.rule for step in steps)
 
 
 def _quarter_turns(setup: Setup) -> int:

@@ -164,5 +164,18 @@ def box_document(box: PoseBox) -> BoxDocument:
     )
 
 
+def goal_document(box: PoseBox) -> BoxDocument:
+    """A goal in um and deg, rounded inward to a thousandth."""
+    return BoxDocument(
+        x_um=_inward(units.to_um(box.x.lo), units.to_um(box.x.hi)),
+        y_um=_inward(units.to_um(box.y.lo), units.to_um(box.y.hi)),
+        theta_deg=_inward(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
+    )
+
+
+def _inward(low: float, high: float) -> Pair:
+    return float(np.ceil(low * 1e3 - 1e-6) / 1e3), float(np.floor(high * 1e3 + 1e-6) / 1e3)
+
+
 def _outward(low: float, high: float) -> Pair:
     return float(np.floor(low * 1e3 - 1e-6) / 1e3), float(np.ceil(high * 1e3 + 1e-6) / 1e3)

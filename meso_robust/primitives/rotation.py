@@ -215,20 +215,19 @@ def _active_offset(tube: SlideTube, h: Interval, pair: Pair, edge: Edge) -> Inte
 
 
 def _pose(pair: Pair, tube: SlideTube, h: Interval, edge: Edge) -> PoseBox | None:
-    """All poses while the tips are ``h`` apart in x, past the upright half of the turn."""
+    """All poses while the tips are ``h`` apart in x."""
     c, s = enclose(
         condition(MODULE, "orientation"), {"h": h, "V": pair.separation, "d1": edge.depth}
     )
-    if not c.hi < 0.0:
+    # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
+    angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)
+    if not angle.width < math.inf:
         return None
     sigma = _slide_at(tube, h)
-    tilt = arcsin(s)
-    if not tilt.width < math.inf:
-        return None
     return PoseBox(
         x=pair.passive_x + HALF * h + sigma * c,
         y=pair.middle_y + sigma * s,
-        theta=edge.orientation(PI - tilt),
+        theta=edge.orientation(angle),
     )
 
 

@@ -1,0 +1,126 @@
+"""The answer that the page leads with: verdict, key figures, and what is open if it is not proved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from meso_robust.cli.planned import Planned
+from meso_robust.reporting.words import Side, Witness, factor, number, sides, witness_words
+
+MEANING = {
+    "PROVED": "The plan is certified: it reaches the goal for every error within the stated bounds.",
+    "REFUTED": (
+        "The plan fails: a simulated run that keeps every stated bound does not end in the goal, "
+        "also at half the simulation step."
+    ),
+    "UNKNOWN": "Not proved and not refuted: one inequality is open, and no simulated failure is confirmed.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A key figure."""
+
+    value: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Open:
+    """The first inequality that is not proved."""
+
+    where: str
+    claim: str
+    inequality: str
+    how: str
+    """How the sides below are to be read."""
+    over: tuple[Side, ...]
+    settled_by: str
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What the banner says."""
+
+    verdict: str
+    meaning: str
+    figures: tuple[Figure, ...]
+    open: Open | None
+    witness: Witness | None
+
+
+def answer(result: Planned) -> Answer:
+    """Put the answer together."""
+    certificate = result.certificate
+    witness = certificate.witness
+    return Answer(
+        verdict=certificate.verdict,
+        meaning=MEANING[certificate.verdict],
+        figures=_figures(result),
+        open=_open(result),
+        witness=None if witness is None else witness_words(witness),
+    )
+
+
+def _figures(result: Planned) -> tuple[Figure, ...]:
+    certificate = result.certificate
+    simulation, margin = certificate.simulation, certificate.margin
+    figures = [
+        Figure(str(len(certificate.policy)), "moves"),
+        Figure(f"{simulation.in_goal} of {simulation.samples}", "simulated runs end in the goal"),
+    ]
+    if margin.binds_first is not None:
+        binding = margin.binds_first
+        alone = factor(margin.each_alone[binding])
+        return (
+            *figures,
+            Figure(
+                f"× {factor(margin.factor)}", "margin: still proved with all uncertainties scaled"
+            ),
+            Figure(binding.replace("_", " "), f"binds first (alone × {alone})"),
+        )
+    obligations = [item for step in certificate.steps for item in step.obligations]
+    proved = sum(item.verdict == "PROVED" for item in obligations)
+    reached = (
+        f"inequalities proved, {len(certificate.steps)} of {len(certificate.policy)} moves reached"
+    )
+    return (*figures, Figure(f"{proved} of {len(obligations)}", reached))
+
+
+def _open(result: Planned) -> Open | None:
+    undecided = result.certificate.undecided
+    if undecided is None:
+        return None
+    found = result.chain.open_obligation
+    number_ = len(result.chain.steps) if found is None else result.chain.steps.index(found[0]) + 1
+    if found is None:
+        how = _overhang(result)
+    elif found[1].proof.verdict.name == "REFUTED":
+        how = "It fails at this point of its box:"
+    elif undecided.over:
+        how = "It is undecided over this box:"
+    else:
+        how = ""
+    return Open(
+        where=f"move {number_} (step {undecided.step}, {undecided.action})",
+        claim=undecided.claim,
+        inequality=undecided.inequality,
+        how=how,
+        over=sides(undecided.over),
+        settled_by=undecided.settled_by,
+    )
+
+
+def _overhang(result: Planned) -> str:
+    """By how much the final box leaves the goal."""
+    end, goal = result.chain.end, result.setup.goal
+    if end is None:
+        return "The final box:"
+    over = {
+        "x": (max(goal.x.lo - end.x.lo, end.x.hi - goal.x.hi) * 1e6, "µm"),
+        "y": (max(goal.y.lo - end.y.lo, end.y.hi - goal.y.hi) * 1e6, "µm"),
+    }
+    said = [f"{number(far)} {unit} in {name}" for name, (far, unit) in over.items() if far > 0.0]
+    if not (goal.theta.lo <= end.theta.lo and end.theta.hi <= goal.theta.hi):
+        said.append("in θ")
+    return f"The final box leaves the goal by {' and '.join(said)}; it is:"

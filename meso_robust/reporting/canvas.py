@@ -1,0 +1,133 @@
+"""Blank axes in um and deg, and the shapes that every picture of the report is made of."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from meso_robust import units
+from meso_robust.bounds import Interval
+from meso_robust.primitives.setup import PoseBox
+
+Floats = npt.NDArray[np.float64]
+Coordinate = Literal["x", "y", "theta"]
+
+INK, MUTED, GRID = "#1f2933", "#616e7c", "#e4e7eb"
+BEFORE, GHOST, AFTER = "#8a97a5", "#cbd2d9", "#323f4b"
+CERTIFIED, CERTIFIED_FILL = "#1c5fa8", "#d9e7f6"
+OPEN, OPEN_FILL = "#b7791f", "#fbf1dc"
+GOAL, GOAL_FILL = "#2f855a", "#e3f4ea"
+TIP, MISS = "#c05621", "#b42318"
+COLUMN = {"x": 0, "y": 1, "theta": 2}
+AXIS_NAME = {"x": "x in µm", "y": "y in µm", "theta": "θ in deg"}
+
+
+def shown(coordinate: Coordinate, values: Floats) -> Floats:
+    """Metres to um, or radians to deg."""
+    return np.asarray(values) / (units.DEG if coordinate == "theta" else units.UM)
+
+
+def poses_shown(poses: Floats) -> Floats:
+    """(..., 3) poses in m and rad to um and deg."""
+    return np.asarray(poses) / np.array([units.UM, units.UM, units.DEG])
+
+
+def ends(box: PoseBox, coordinate: Coordinate) -> tuple[float, float]:
+    """Ends of one side of a box, um or deg."""
+    side: Interval = getattr(box, coordinate)
+    low, high = shown(coordinate, np.array([side.lo, side.hi]))
+    return float(low), float(high)
+
+
+def rectangle_of(box: PoseBox, across: Coordinate, up: Coordinate, **look: Any) -> Rectangle:
+    """A face of a box of poses, um and deg."""
+    (left, right), (low, high) = ends(box, across), ends(box, up)
+    return Rectangle((left, low), right - left, high - low, **look)
+
+
+def corners(pose: Floats, body: Floats) -> Floats:
+    """(4, 2) corners of the part in um.
+
+    Parameters
+    ----------
+    pose
+        (3,) x, y, theta in m and rad.
+    body
+        (4, 2) corners in the part's own frame, m.
+    """
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    turned = body @ np.array([[c, s], [-s, c]])
+    return np.asarray((turned + pose[:2]) / units.UM)
+
+
+def outline(axes: Axes, pose: Floats, body: Floats, label: str, **look: Any) -> None:
+    """Draw the part at a pose."""
+    axes.add_patch(Polygon(corners(pose, body), closed=True, label=label, **look))
+
+
+def panel(width: float, height: float) -> tuple[Figure, Axes]:
+    """A figure with one pair of axes that fills it, sizes in inches."""
+    figure = Figure(figsize=(width, height))
+    left, bottom, right, top = 0.66, 0.46, 0.10, 0.10
+    axes = figure.add_axes(
+        (
+            left / width,
+            bottom / height,
+            (width - left - right) / width,
+            (height - bottom - top) / height,
+        )
+    )
+    name(axes, "x", "y")
+    return figure, axes
+
+
+def panel_and_strip(width: float, height: float) -> tuple[Figure, Axes, Axes]:
+    """A figure with axes for x and y, and a strip for theta under them, sizes in inches."""
+    figure = Figure(figsize=(width, height))
+    left, across = 0.66 / width, (width - 0.76) / width
+    bottom = 0.46 + 0.42 + 0.56
+    axes = figure.add_axes((left, bottom / height, across, (height - bottom - 0.1) / height))
+    strip = figure.add_axes((left, 0.46 / height, across, 0.42 / height))
+    name(axes, "x", "y")
+    strip.set_xlabel(AXIS_NAME["theta"], labelpad=2)
+    strip.set_yticks([])
+    strip.set_ylim(-0.12, 1.12)
+    return figure, axes, strip
+
+
+def name(axes: Axes, across: Coordinate, up: Coordinate) -> None:
+    """Name the axes."""
+    axes.set_xlabel(AXIS_NAME[across], labelpad=2)
+    axes.set_ylabel(AXIS_NAME[up], labelpad=2)
+
+
+def fit_equal(axes: Axes, points: Floats, pad: float) -> None:
+    """Show all points at one scale in both directions, filling the axes.
+
+    Parameters
+    ----------
+    axes, points
+        Where, and (N, 2) what, um.
+    pad
+        Free space on every side as a share of the larger extent.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = (high - low) + 2.0 * pad * max(float((high - low).max()), 1.0)
+    wide, tall = axes.bbox.width, axes.bbox.height
+    scale = max(size[0] / wide, size[1] / tall)  # um a pixel
+    middle = 0.5 * (low + high)
+    axes.set_xlim(middle[0] - 0.5 * scale * wide, middle[0] + 0.5 * scale * wide)
+    axes.set_ylim(middle[1] - 0.5 * scale * tall, middle[1] + 0.5 * scale * tall)
+    axes.set_aspect("equal", adjustable="box")
+
+
+def padded(values: Floats, pad: float = 0.07) -> tuple[float, float]:
+    """Limits that show all values with some space around them."""
+    low, high = float(values.min()), float(values.max())
+    space = pad * (high - low) if high > low else max(abs(high), 1.0) * pad
+    return low - space, high + space

@@ -1,0 +1,151 @@
+"""The report as one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from meso_robust.bounds import Verdict
+from meso_robust.campaigns.monte_carlo import excess
+from meso_robust.cli.planned import Planned
+from meso_robust.reporting import rows
+from meso_robust.reporting.answer import answer
+from meso_robust.reporting.plan_figures import move_figure, overview_figure
+from meso_robust.reporting.reading import Standing, ending, endings, standings, through
+from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.tube_figures import (
+    PATHS,
+    final_figure,
+    has_tube,
+    spread_figure,
+    tube_figure,
+)
+from meso_robust.reporting.words import QUANTITIES, factor, number, small
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A figure with what stands above and below it."""
+
+    title: str
+    caption: str
+    svg: Markup
+
+
+def report(result: Planned) -> str:
+    """One self-contained HTML page on a plan: the answer first, then its grounds.
+
+    Parameters
+    ----------
+    result
+        Everything that ``meso-robust plan`` found out.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters.update(factor=factor, number=number, small=small)
+    with style():
+        pictures = {
+            "moves": [_move(result, index) for index in range(len(result.found.rules))],
+            "overview": _overview(result),
+            "spreads": [_spread(result, index) for index in range(len(result.found.rules))],
+            "tubes": _tubes(result),
+            "end": _end(result),
+        }
+    return environment.get_template("template.html.j2").render(
+        task=result.task,
+        certificate=result.certificate,
+        answer=answer(result),
+        pictures=pictures,
+        steps=rows.step_rows(result),
+        margins=rows.margin_rows(result),
+        excesses=rows.excess_rows(result),
+        ends=rows.end_rows(result),
+        endings=endings(result.check),
+        policy=rows.policy_rows(result),
+        nominal=rows.nominal_rows(result),
+        quantities=QUANTITIES,
+        proved=result.chain.verdict is Verdict.PROVED,
+    )
+
+
+def _move(result: Planned, index: int) -> Picture:
+    title = rows.title(result, index)
+    travel = result.plan.moves[index].travel_um
+    standing = standings(result.chain, len(result.found.rules))[index]
+    caption = f"Active tips travel {number(abs(travel[0]))} µm along −x; {standing.value}."
+    nominal = result.check.nominal
+    if nominal.failed_in[0] == index:
+        caption += f" The nominal run ends early here: {ending(int(nominal.outcomes[0]))}."
+    elif nominal.failed_in[0] < index:
+        caption += " The nominal run does not get this far."
+    name = f"Move {index + 1}: {title}"
+    return Picture(name, caption, to_svg(move_figure(result, index), f"move{index}", name))
+
+
+def _overview(result: Planned) -> Picture:
+    svg = to_svg(overview_figure(result), "overview", "The whole plan from start to goal")
+    last = len(result.found.rules)
+    caption = f"0: the start; 1 to {last}: the part after each move of the nominal run."
+    return Picture("The whole plan", caption, svg)
+
+
+def _spread(result: Planned, index: int) -> Picture:
+    alive = through(result.check, index)
+    caption = f"{int(alive.sum())} of {len(alive)} runs completed; {_inside(result, index)}."
+    name = f"After move {index + 1}: {rows.title(result, index)}"
+    return Picture(name, caption, to_svg(spread_figure(result, index), f"spread{index}", name))
+
+
+def _inside(result: Planned, index: int) -> str:
+    """How many runs lie in the box after a move, and what that box is worth."""
+    standing = standings(result.chain, len(result.found.rules))[index]
+    post = None if standing is Standing.NOT_REACHED else result.chain.steps[index].post
+    if post is None:
+        return "no certified box"
+    poses = result.check.sampled.moves[index].after[through(result.check, index)]
+    count = int((excess(poses, post) == 0.0).all(axis=1).sum())
+    if standing is not Standing.CERTIFIED:
+        return f"{count} in the dashed box, which is only a candidate ({standing.value})"
+    if count == len(poses):
+        return "all in the certified box"
+    less = rows.excess_rows(result)[index].judged == "within"
+    return (
+        f"{count} in the certified box, the others outside it by "
+        f"{'less' if less else 'more'} than the simulator's error"
+    )
+
+
+def _tubes(result: Planned) -> list[Picture]:
+    pictures = []
+    for index in range(len(result.found.rules)):
+        if not has_tube(result, index):
+            continue
+        title = f"Move {index + 1}: {rows.title(result, index)}"
+        runs = min(PATHS, int(through(result.check, index).sum()))
+        slices = len(result.chain.steps[index].tube)
+        for up, letter in (("y", "y"), ("theta", "θ")):
+            name = f"{title}, {letter} over x"
+            caption = f"{slices} slices of the certified tube, {runs} simulated paths."
+            figure = tube_figure(result, index, "y" if up == "y" else "theta")
+            pictures.append(Picture(name, caption, to_svg(figure, f"tube{index}{up}", name)))
+    return pictures
+
+
+def _end(result: Planned) -> Picture:
+    done = int(result.check.sampled.completed.sum())
+    name = "Final poses in the goal"
+    box = "certified box in blue" if result.chain.verdict is Verdict.PROVED else "no certified box"
+    missed = done - int(result.check.in_goal.sum())
+    caption = f"{done} completed runs; goal in green, {box}."
+    if missed:
+        caption += f" Red: the {missed} that miss the goal."
+    return Picture(name, caption, to_svg(final_figure(result), "final", name))

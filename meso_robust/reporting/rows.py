@@ -1,0 +1,292 @@
+"""Rows of the page's tables, every cell a text or a plain number."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from meso_robust.certificates.document import ObligationDocument, StepDocument
+from meso_robust.certificates.margin import LARGEST
+from meso_robust.cli.planned import Planned
+from meso_robust.reporting.canvas import COLUMN, Coordinate, ends, poses_shown
+from meso_robust.reporting.reading import Standing, standings
+from meso_robust.reporting.words import (
+    Side,
+    box_words,
+    command,
+    factor,
+    number,
+    outward,
+    point,
+    sides,
+    significant,
+    small,
+)
+
+Three = tuple[str, str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class ObligationRow:
+    """One inequality."""
+
+    claim: str
+    inequality: str
+    derivation: str
+    verdict: str
+    lower: str
+    boxes: int
+    over: tuple[Side, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StepRow:
+    """One move and what was proved of it."""
+
+    number: int
+    title: str
+    standing: Standing
+    claim: str
+    pre: Three | None
+    post: Three | None
+    proved: int
+    obligations: tuple[ObligationRow, ...]
+
+
+def step_rows(result: Planned) -> tuple[StepRow, ...]:
+    """A row for every move of the plan, also for those that the proof did not reach."""
+    rules, documents = result.found.rules, result.certificate.steps
+    padded = [*documents, *[None] * (len(rules) - len(documents))]
+    known = standings(result.chain, len(rules))
+    return tuple(
+        _step(index, title(result, index), standing, document)
+        for index, (standing, document) in enumerate(zip(known, padded, strict=True))
+    )
+
+
+def title(result: Planned, index: int) -> str:
+    """What a move is: the step of the paper, the primitive and the action."""
+    rule = result.found.rules[index]
+    return f"Step {rule.step} · {rule.primitive} · {rule.action}"
+
+
+def _step(index: int, name: str, standing: Standing, step: StepDocument | None) -> StepRow:
+    if step is None:
+        return StepRow(index + 1, name, standing, "", None, None, 0, ())
+    return StepRow(
+        number=index + 1,
+        title=name,
+        standing=standing,
+        claim=step.property,
+        pre=box_words(step.pre_exact),
+        post=None if step.post_exact is None else box_words(step.post_exact),
+        proved=sum(obligation.verdict == "PROVED" for obligation in step.obligations),
+        obligations=tuple(_obligation(obligation) for obligation in step.obligations),
+    )
+
+
+def _obligation(document: ObligationDocument) -> ObligationRow:
+    bound = document.lower_bound
+    return ObligationRow(
+        claim=document.claim,
+        inequality=document.inequality,
+        derivation=document.derivation,
+        verdict=document.verdict,
+        lower="—" if bound is None else significant(float.fromhex(bound), 3),
+        boxes=document.boxes,
+        over=sides(document.over),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class MarginRow:
+    """The margin of one uncertainty, and its bar."""
+
+    name: str
+    stated: str
+    factor: str
+    percent: float
+    """Length of the bar."""
+    binds: bool
+
+
+@dataclass(frozen=True, slots=True)
+class MarginRows:
+    """All margins on one scale."""
+
+    rows: tuple[MarginRow, ...]
+    one_percent: float
+    """Where factor 1 lies."""
+
+
+def margin_rows(result: Planned) -> MarginRows:
+    """Margins: all together first, then each alone, from the tightest to the widest."""
+    margin = result.certificate.margin
+    each = sorted(margin.each_alone.items(), key=lambda item: item[1])
+    full = min(max([margin.factor, *margin.each_alone.values(), 1.0]) * 1.05, LARGEST)
+    stated = _stated(result)
+    rows = [MarginRow("all together", "", factor(margin.factor), 100 * margin.factor / full, False)]
+    rows += [
+        MarginRow(
+            name.replace("_", " "),
+            stated.get(name, ""),
+            factor(value),
+            100 * value / full,
+            name == margin.binds_first,
+        )
+        for name, value in each
+    ]
+    return MarginRows(tuple(rows), 100 / full)
+
+
+def _stated(result: Planned) -> dict[str, str]:
+    """The task's own ranges, in the words of its file."""
+    u = result.task.uncertainty
+    return {
+        "sensed_position": f"± {u.sensed_position_um:g} µm",
+        "sensed_orientation": f"± {u.sensed_orientation_deg:g} deg",
+        "probe_position": f"± {u.probe_position_um:g} µm",
+        "friction": f"{u.friction[0]:g} … {u.friction[1]:g}",
+        "film_ratio": f"{u.film_ratio_um2:g} µm² ± {u.film_ratio_percent:g} %",
+        "misalignment": " … ".join(significant(end) for end in u.tip_misalignment_deg) + " deg",
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class ExcessRow:
+    """How far runs lie outside the box after a move."""
+
+    number: int
+    title: str
+    excess: Three | None
+    standing: Standing
+    judged: Literal["none", "within", "above"]
+    """No excess, one within the simulator's own error, or one above it."""
+
+
+def excess_rows(result: Planned) -> tuple[ExcessRow, ...]:
+    """A row for every move; None where there is no box to leave."""
+    simulation, moves = result.certificate.simulation, len(result.found.rules)
+    largest, error = simulation.largest_excess_um_um_deg, simulation.simulator_error_um_um_deg
+    known = standings(result.chain, moves)
+    rows = []
+    for index in range(moves):
+        values = largest[index] if index < len(largest) else None
+        shown = None if values is None else (small(values[0]), small(values[1]), small(values[2]))
+        judged = "none" if values is None else _judge(values, error)
+        rows.append(ExcessRow(index + 1, title(result, index), shown, known[index], judged))
+    return tuple(rows)
+
+
+def _judge(
+    excess: tuple[float, ...], error: tuple[float, ...]
+) -> Literal["none", "within", "above"]:
+    if not any(excess):
+        return "none"
+    return "above" if any(a > b for a, b in zip(excess, error, strict=True)) else "within"
+
+
+@dataclass(frozen=True, slots=True)
+class EndRow:
+    """One coordinate of the last poses: goal, certified, simulated, and what is to spare."""
+
+    name: str
+    goal: str
+    certified: str
+    simulated: str
+    spare: str
+    """Distance of the certified end, else of the simulated ones, from the goal's limit."""
+
+
+def end_rows(result: Planned) -> tuple[EndRow, ...]:
+    """x, y and theta at the end of the plan."""
+    goal, end = result.task.goal, result.chain.end
+    final = poses_shown(result.check.sampled.final[result.check.sampled.completed])
+    far, turn = goal.position_tolerance_um, goal.orientation_tolerance_deg
+    wanted: tuple[tuple[Coordinate, str, float, float], ...] = (
+        ("x", "x, µm", goal.x_um, far),
+        ("y", "y, µm", goal.y_um, far),
+        ("theta", "θ, deg", goal.theta_deg, turn),
+    )
+    rows = []
+    for coordinate, name, middle, reach in wanted:
+        digits = 2 if coordinate == "theta" else 1
+        values = final[:, COLUMN[coordinate]]
+        box = None if end is None else ends(end, coordinate)
+        seen = (float(values.min()), float(values.max())) if len(values) else None
+        limit = box or seen
+        rows.append(
+            EndRow(
+                name=name,
+                goal=f"{significant(middle)} ± {reach:g}",
+                certified="—" if box is None else outward(*box, digits),
+                simulated="—" if seen is None else outward(*seen, digits),
+                spare="—" if limit is None else _spare(limit, middle, reach, digits),
+            )
+        )
+    return tuple(rows)
+
+
+def _spare(limit: tuple[float, float], middle: float, reach: float, digits: int) -> str:
+    """Room between a range and the goal's limits, rounded down; negative if it leaves the goal."""
+    room = min(limit[0] - (middle - reach), middle + reach - limit[1])
+    scale = 10.0**digits
+    return number(math.floor(room * scale + 1e-6) / scale, digits)
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyRow:
+    """What to command in one move, from the pose sensed before it."""
+
+    number: int
+    title: str
+    dual_x: str
+    dual_y: str
+    dual_end: str
+    single_x: str
+    single_y: str
+
+
+def policy_rows(result: Planned) -> tuple[PolicyRow, ...]:
+    """The policy, move by move."""
+    return tuple(
+        PolicyRow(
+            number=index + 1,
+            title=title(result, index),
+            dual_x=command("x", rule.dual_x),
+            dual_y=command("y", rule.dual_y),
+            dual_end=command("x", rule.dual_end_x),
+            single_x=command("x", rule.single_x),
+            single_y=command("y", rule.single_y),
+        )
+        for index, rule in enumerate(result.certificate.policy)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class NominalRow:
+    """One move of the nominal run."""
+
+    number: int
+    title: str
+    probes: tuple[tuple[str, str], ...]
+    travel: str
+    speed: str
+
+
+def nominal_rows(result: Planned) -> tuple[NominalRow, ...]:
+    """What the hardware does when every error is zero."""
+    return tuple(
+        NominalRow(
+            number=index + 1,
+            title=title(result, index),
+            probes=tuple(
+                (f"{probe.name}{' (passive)' if probe.passive else ''}", point(probe.start_um))
+                for probe in move.probes
+            ),
+            travel=f"{number(move.travel_um[0])}, {number(move.travel_um[1])}",
+            speed=f"{move.speed_um_s:g}",
+        )
+        for index, move in enumerate(result.plan.moves)
+    )

@@ -1,0 +1,286 @@
+"""Every step of the shipped plan is proved, and no longer is after a named change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from meso_robust import units
+from meso_robust.bounds import Interval, Verdict
+from meso_robust.certificates.chain import certify
+from meso_robust.primitives.move import Aim, MoveRule, Point
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.setup import Setup, setup_of
+from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.tilt import certify_tilt
+from tests.strategies import paper_chain, paper_task
+
+TILT, STRAIGHTEN, ROTATE, TO_GOAL = range(4)
+NAMES = ("tilt", "straighten", "rotate", "to goal")
+
+
+def again(
+    index: int,
+    rule: Callable[[MoveRule], MoveRule] = lambda rule: rule,
+    setup: Callable[[Setup], Setup] = lambda setup: setup,
+) -> Step:
+    """A step of the shipped plan, from the same poses, with a changed rule or setup."""
+    chain = paper_chain()
+    old, given = chain.steps[index], setup(chain.setup)
+    move = rule(old.rule)
+    if index == TILT:
+        return certify_tilt(move, old.pre, given)[0]
+    if index == ROTATE:
+        return certify_rotation(move, old.pre, given)
+    turn = None
+    if index == STRAIGHTEN:
+        first = chain.steps[TILT]
+        turn = certify_tilt(first.rule, first.pre, chain.setup)[1]
+    return certify_straighten(move, old.pre, given, turn)
+
+
+def open_claims(step: Step) -> list[str]:
+    return [o.claim for o in step.obligations if o.proof.verdict is not Verdict.PROVED]
+
+
+def by(aim: Aim, more_um: float) -> Aim:
+    return replace(aim, offset_um=round(aim.offset_um + more_um, 1))
+
+
+def shifted(*, x: float = 0.0, y: float = 0.0, end: float = 0.0) -> Callable[[MoveRule], MoveRule]:
+    """The active probe starts elsewhere or ends elsewhere, um."""
+    return lambda rule: replace(
+        rule,
+        dual=Point(x=by(rule.dual.x, x), y=by(rule.dual.y, y)),
+        dual_end=by(rule.dual_end, end),
+    )
+
+
+def passive(*, x: float = 0.0, y: float = 0.0) -> Callable[[MoveRule], MoveRule]:
+    """The passive tip rests elsewhere, um."""
+
+    def change(rule: MoveRule) -> MoveRule:
+        assert rule.single is not None
+        return replace(rule, single=Point(x=by(rule.single.x, x), y=by(rule.single.y, y)))
+
+    return change
+
+
+def uncertain(**sides: Interval) -> Callable[[Setup], Setup]:
+    return lambda setup: replace(setup, uncertainty=replace(setup.uncertainty, **sides))
+
+
+def resized(**sides: Interval) -> Callable[[Setup], Setup]:
+    changes: dict[str, Any] = dict(sides)
+    return lambda setup: replace(setup, **changes)
+
+
+@pytest.mark.parametrize("index", range(4), ids=NAMES)
+def test_every_step_of_the_shipped_plan_is_proved(index: int) -> None:
+    for step in (paper_chain().steps[index], again(index)):
+        assert step.verdict is Verdict.PROVED
+        assert step.post is not None
+        assert step.obligations
+        assert step.post == paper_chain().steps[index].post
+
+
+def test_the_shipped_plan_is_proved() -> None:
+    chain = paper_chain()
+    assert [step.rule.action for step in chain.steps] == [
+        "tilt",
+        "straighten",
+        "rotate",
+        "straighten",
+    ]
+    assert chain.verdict is Verdict.PROVED
+    assert chain.open_obligation is None
+
+
+WIDE_FRICTION = uncertain(friction=Interval(0.05, 0.9))
+CROOKED = units.radians(20.0)
+SLIPS = "sticks"
+
+BREAKS: dict[str, tuple[int, dict[str, Any], str]] = {
+    # claim that must stay open, by step and change
+    "tilt, wide friction": (TILT, {"setup": WIDE_FRICTION}, SLIPS),
+    "straighten, wide friction": (STRAIGHTEN, {"setup": WIDE_FRICTION}, SLIPS),
+    "rotate, wide friction": (ROTATE, {"setup": WIDE_FRICTION}, "grasp cannot close"),
+    "to goal, wide friction": (TO_GOAL, {"setup": WIDE_FRICTION}, SLIPS),
+    "tilt from contact": (TILT, {"rule": shifted(x=-20)}, "free of contact at the start"),
+    "straighten from contact": (STRAIGHTEN, {"rule": shifted(x=-20)}, "lower tip is free"),
+    "rotate from contact": (ROTATE, {"rule": shifted(x=-20)}, "free of contact at the start"),
+    "to goal from contact": (TO_GOAL, {"rule": shifted(x=-20)}, "upper tip is free"),
+    "passive tip in contact": (ROTATE, {"rule": passive(x=15)}, "passive tip is free"),
+    "tilt without travel": (TILT, {"rule": shifted(end=180)}, "reaches the part"),
+    "straighten too short": (STRAIGHTEN, {"rule": shifted(end=40)}, "before the probe stops"),
+    "to goal too short": (TO_GOAL, {"rule": shifted(end=150)}, "before the probe stops"),
+    "rotate too short": (ROTATE, {"rule": shifted(end=1245)}, ""),
+    "rotate too far": (ROTATE, {"rule": shifted(end=-60)}, "stay on their edges"),
+    "tilt far off the middle": (TILT, {"rule": shifted(y=60)}, SLIPS),
+    "tilt off the edge": (TILT, {"rule": shifted(y=520)}, "tip touches the edge"),
+    "tilt near the middle": (TILT, {"rule": shifted(y=-120)}, "other tip passes the part"),
+    "straighten above the middle": (STRAIGHTEN, {"rule": shifted(y=120)}, SLIPS),
+    "straighten below the middle": (STRAIGHTEN, {"rule": shifted(y=-220)}, SLIPS),
+    "to goal above the middle": (TO_GOAL, {"rule": shifted(y=150)}, "upper tip sticks"),
+    "to goal off the edge": (TO_GOAL, {"rule": shifted(y=-120)}, "touches the edge"),
+    "tilt, crooked tips": (TILT, {"setup": uncertain(misalignment=CROOKED.hull(-CROOKED))}, ""),
+    "straighten, crooked tips": (
+        STRAIGHTEN,
+        {"setup": uncertain(misalignment=CROOKED.hull(-CROOKED))},
+        "the pair of tips sticks",
+    ),
+    "rotate, crooked tips": (
+        ROTATE,
+        {"setup": uncertain(misalignment=CROOKED.hull(-CROOKED))},
+        "",
+    ),
+    "to goal, crooked tips": (
+        TO_GOAL,
+        {"setup": uncertain(misalignment=CROOKED.hull(-CROOKED))},
+        "the pair of tips sticks",
+    ),
+    "upper tip ahead by 20 deg": (
+        STRAIGHTEN,
+        {"setup": uncertain(misalignment=CROOKED)},
+        "the pair of tips sticks",
+    ),
+    "lower tip ahead by 20 deg": (
+        STRAIGHTEN,
+        {"setup": uncertain(misalignment=-CROOKED)},
+        "the pair of tips sticks",
+    ),
+    "separation below the limit": (ROTATE, {"rule": shifted(y=-30)}, "grasp cannot close"),
+    "passive tip too high": (ROTATE, {"rule": passive(y=30)}, "grasp cannot close"),
+    "passive tip far below": (ROTATE, {"rule": passive(y=-500)}, ""),
+    "tips too close": (
+        TILT,
+        {"rule": shifted(y=-55), "setup": resized(spacing=units.metres(470.0))},
+        "passes the part",
+    ),
+    "tips wider than the short edge": (
+        TO_GOAL,
+        {"setup": resized(spacing=units.metres(840.0))},
+        "touches the edge",
+    ),
+    "unknown sensing": (
+        TILT,
+        {"setup": uncertain(sensed_position=Interval(-6e-5, 6e-5))},
+        "free of contact at the start",
+    ),
+    "unknown film": (TO_GOAL, {"setup": uncertain(film_ratio=Interval(1e-8, 4e-6))}, ""),
+}
+
+
+@pytest.mark.parametrize("name", BREAKS)
+def test_a_named_change_leaves_its_claim_open(name: str) -> None:
+    index, change, claim = BREAKS[name]
+    step = again(index, **change)
+    assert step.verdict is not Verdict.PROVED
+    found = open_claims(step)
+    assert found or step.post is None
+    if claim:
+        assert any(claim in one for one in found), found
+
+
+@pytest.mark.parametrize("index", [ROTATE])
+def test_the_jam_limit_decides(index: int) -> None:
+    """The separation may shrink down to w sqrt(1 + mu^2) plus the probes' errors, not below."""
+    rule = paper_chain().steps[index].rule
+    assert rule.single is not None
+    separation = rule.dual.y.offset_um - 290.0 - rule.single.y.offset_um
+    limit = 837.0 * (1 + 0.36**2) ** 0.5 + 10.0
+    spare = separation - limit
+    assert spare > 0.0
+    no_jam = "the grasp cannot close: the motion exists (no jam)"
+    assert no_jam not in open_claims(again(index, shifted(y=-spare + 0.2)))
+    assert no_jam in open_claims(again(index, shifted(y=-spare - 0.2)))
+
+
+def test_a_jammed_pair_is_not_certified() -> None:
+    """V = 857 um, w = 837 um, mu = 0.33, everything else known."""
+    rule = paper_chain().steps[ROTATE].rule
+    assert rule.single is not None
+    separation = rule.dual.y.offset_um - 290.0 - rule.single.y.offset_um
+    zero = Interval.point(0.0)
+    known = uncertain(
+        friction=Interval(0.33, 0.33),
+        probe_position=zero,
+        sensed_position=zero,
+        misalignment=zero,
+    )
+    step = again(ROTATE, shifted(y=857.0 - separation), known)
+    assert step.verdict is not Verdict.PROVED
+    assert any("no jam" in claim for claim in open_claims(step))
+
+
+def test_smaller_uncertainties_stay_proved() -> None:
+    for index in range(4):
+        step = again(
+            index, setup=lambda setup: replace(setup, uncertainty=setup.uncertainty.scaled(0.5))
+        )
+        wide = paper_chain().steps[index].post
+        assert step.verdict is Verdict.PROVED, NAMES[index]
+        assert step.post is not None
+        assert wide is not None
+        assert step.post.within(wide)
+
+
+def test_the_turn_of_a_tilt_makes_the_height_sharper() -> None:
+    chain = paper_chain()
+    old = chain.steps[STRAIGHTEN]
+    alone = certify_straighten(old.rule, old.pre, chain.setup)
+    assert alone.post is not None
+    assert old.post is not None
+    assert old.post.y.width < alone.post.y.width
+
+
+def test_mirrored_tilt_is_the_mirror_image() -> None:
+    """Pushing with the upper tip below the middle turns the part clockwise by as much."""
+    chain = paper_chain()
+    old = chain.steps[TILT]
+    assert old.post is not None
+    mirrored = replace(
+        old.rule,
+        side=-1,
+        dual=replace(
+            old.rule.dual, y=replace(old.rule.dual.y, offset_um=-old.rule.dual.y.offset_um)
+        ),
+    )
+    step, turn = certify_tilt(mirrored, old.pre, chain.setup)
+    assert step.verdict is Verdict.PROVED
+    assert step.post is not None
+    assert turn is not None
+    assert step.post.theta.mid + old.post.theta.mid == pytest.approx(
+        2 * old.pre.theta.mid, abs=1e-6
+    )
+    assert step.post.y.mid + old.post.y.mid == pytest.approx(2 * old.pre.y.mid, abs=1e-9)
+    assert step.post.x.mid == pytest.approx(old.post.x.mid, abs=1e-9)
+
+
+@pytest.mark.parametrize("change", [{"side": -1}, {"side": 0}, {"single": None}])
+def test_a_rule_that_is_no_rotation_is_refused(change: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="rotation rule needs side = 1 and a passive tip"):
+        again(ROTATE, lambda rule: replace(rule, **change))
+
+
+def test_a_goal_of_30_um_is_not_reached() -> None:
+    task = paper_task()
+    goal = task.goal.model_copy(update={"position_tolerance_um": 30.0})
+    narrow = setup_of(task.model_copy(update={"goal": goal}))
+    chain = certify([step.rule for step in paper_chain().steps], narrow)
+    assert chain.complete
+    assert all(step.verdict is Verdict.PROVED for step in chain.steps)
+    assert not chain.reaches_goal
+    assert chain.verdict is not Verdict.PROVED
+
+
+def test_an_unfinished_plan_proves_nothing() -> None:
+    rules = [step.rule for step in paper_chain().steps]
+    setup = paper_chain().setup
+    assert certify(rules[:3], setup).verdict is not Verdict.PROVED
+    assert certify(rules[1:], setup).verdict is not Verdict.PROVED
+    assert certify([rules[0], rules[2], rules[3]], setup).verdict is not Verdict.PROVED

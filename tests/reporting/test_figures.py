@@ -1,0 +1,232 @@
+"""What is drawn is what was certified and simulated, in um and deg."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon, Rectangle
+
+from meso_robust.cli.planned import Planned
+from meso_robust.primitives.setup import PoseBox
+from meso_robust.reporting.canvas import Floats
+from meso_robust.reporting.plan_figures import GHOSTS, ghost_rows, move_figure, overview_figure
+from meso_robust.reporting.tube_figures import (
+    PATHS,
+    final_figure,
+    has_tube,
+    spread_figure,
+    thinned_paths,
+    tube_figure,
+)
+
+MOVES = range(4)
+TURN = 2  # index of the rotation
+DEG = np.pi / 180
+
+
+def rectangles(axes: Axes, label: str) -> list[Floats]:
+    """(4,) left, right, low, high of every rectangle of that name."""
+    found = [p for p in axes.patches if isinstance(p, Rectangle) and p.get_label() == label]
+    return [
+        np.array(
+            [
+                p.get_x(),
+                p.get_x() + p.get_width(),
+                p.get_y(),
+                p.get_y() + p.get_height(),
+            ]
+        )
+        for p in found
+    ]
+
+
+def face(box: PoseBox) -> Floats:
+    """(4,) x and y ends of a box, um."""
+    return np.array([box.x.lo, box.x.hi, box.y.lo, box.y.hi]) * 1e6
+
+
+def polygons(figure: Figure, label: str) -> list[Floats]:
+    patches = figure.axes[0].patches
+    return [
+        np.asarray(p.get_xy())[:4]
+        for p in patches
+        if isinstance(p, Polygon) and p.get_label() == label
+    ]
+
+
+def points(axes: Axes) -> Floats:
+    """(N, 2) all dots of a scatter."""
+    return np.concatenate([at(line) for line in axes.lines if line.get_label() == "runs"])
+
+
+def at(line: Line2D) -> Floats:
+    return np.asarray(line.get_xydata(), dtype=np.float64)
+
+
+def tips(figure: Figure, label: str) -> Floats:
+    lines = [line for line in figure.axes[0].lines if line.get_label() == label]
+    return np.array([at(line)[0] for line in lines])
+
+
+@pytest.mark.parametrize("index", MOVES)
+def test_the_part_is_drawn_where_it_is_before_and_after(proved: Planned, index: int) -> None:
+    move, figure = proved.check.nominal.moves[index], move_figure(proved, index)
+    for label, pose in (("before", move.before[0]), ("after", move.after[0])):
+        (shape,) = polygons(figure, label)
+        np.testing.assert_allclose(shape.mean(axis=0), pose[:2] * 1e6, atol=1e-6)
+        long_side = shape[1] - shape[0]
+        assert np.hypot(*long_side) == pytest.approx(proved.task.part.length_um)
+        assert np.hypot(*(shape[2] - shape[1])) == pytest.approx(proved.task.part.width_um)
+        assert np.arctan2(long_side[1], long_side[0]) == pytest.approx(pose[2], abs=1e-9)
+
+
+@pytest.mark.parametrize("index", MOVES)
+def test_ghosts_lie_on_the_way_and_leave_out_the_ends(proved: Planned, index: int) -> None:
+    path = proved.check.nominal.moves[index].path[0]
+    ghosts = polygons(move_figure(proved, index), "ghost")
+    rows = ghost_rows(len(path))
+    assert len(ghosts) == GHOSTS == len(set(rows))
+    assert 0 not in rows
+    assert len(path) - 1 not in rows
+    centres = np.array([ghost.mean(axis=0) for ghost in ghosts])
+    np.testing.assert_allclose(centres, path[list(rows), :2] * 1e6, atol=1e-6)
+
+
+@pytest.mark.parametrize("index", MOVES)
+def test_a_move_shows_its_certified_box_and_its_tips(proved: Planned, index: int) -> None:
+    figure = move_figure(proved, index)
+    post = proved.chain.steps[index].post
+    assert post is not None
+    (box,) = rectangles(figure.axes[0], "certified box")
+    np.testing.assert_allclose(box, face(post), rtol=1e-12)
+    assert not rectangles(figure.axes[0], "unproved box")
+    starts = np.array([probe.start_um for probe in proved.plan.moves[index].probes])
+    np.testing.assert_allclose(tips(figure, "active tip"), starts[:2], atol=1e-4)
+    passive = tips(figure, "passive tip")
+    assert len(passive) == (1 if index == TURN else 0)
+    np.testing.assert_allclose(passive.reshape(-1, 2), starts[2:].reshape(-1, 2), atol=1e-4)
+
+
+@pytest.mark.parametrize("index", MOVES)
+def test_everything_of_a_move_is_inside_its_panel(proved: Planned, index: int) -> None:
+    figure = move_figure(proved, index)
+    axes, travel = figure.axes[0], proved.plan.moves[index].travel_um
+    active = tips(figure, "active tip")
+    shapes = [*polygons(figure, "before"), *polygons(figure, "ghost"), *polygons(figure, "after")]
+    drawn = np.concatenate([*shapes, active, active + np.array(travel)])
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert left < drawn[:, 0].min()
+    assert drawn[:, 0].max() < right
+    assert low < drawn[:, 1].min()
+    assert drawn[:, 1].max() < high
+    place = axes.get_window_extent()
+    assert (right - left) / place.width == pytest.approx((high - low) / place.height)
+
+
+def test_only_the_last_move_shows_the_goal(proved: Planned) -> None:
+    shown = [rectangles(move_figure(proved, index).axes[0], "goal box") for index in MOVES]
+    assert [len(found) for found in shown] == [0, 0, 0, 1]
+    np.testing.assert_allclose(shown[-1][0], [-76, 76, -76, 76], rtol=1e-9)
+
+
+def test_the_overview_goes_from_start_to_goal(proved: Planned) -> None:
+    figure = overview_figure(proved)
+    (line,) = [line for line in figure.axes[0].lines if line.get_label() == "centre"]
+    way = at(line)
+    np.testing.assert_allclose(way[0], [2060.4, -9.2], atol=1e-6)
+    assert np.abs(way[-1]).max() < 76
+    assert len([t for t in figure.axes[0].texts if t.get_text().isdigit()]) == len(MOVES) + 1
+    (goal,) = polygons(figure, "goal outline")
+    np.testing.assert_allclose(goal.mean(axis=0), [0, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("index", MOVES)
+def test_the_spread_shows_every_run_and_the_certified_box(proved: Planned, index: int) -> None:
+    axes, strip = spread_figure(proved, index).axes
+    post, after = proved.chain.steps[index].post, proved.check.sampled.moves[index].after
+    assert post is not None
+    np.testing.assert_allclose(points(axes), after[:, :2] * 1e6)
+    np.testing.assert_allclose(points(strip)[:, 0], after[:, 2] / DEG)
+    (box,) = rectangles(axes, "certified box")
+    np.testing.assert_allclose(box, face(post), rtol=1e-12)
+    (band,) = rectangles(strip, "certified box")
+    np.testing.assert_allclose(band[:2], np.array([post.theta.lo, post.theta.hi]) / DEG)
+
+
+def test_the_rotation_alone_has_a_tube(proved: Planned) -> None:
+    assert [has_tube(proved, index) for index in MOVES] == [False, False, True, False]
+
+
+@pytest.mark.parametrize("up", ["y", "theta"])
+def test_the_tube_is_drawn_slice_by_slice_with_paths_over_it(proved: Planned, up: str) -> None:
+    axes = tube_figure(proved, TURN, "y" if up == "y" else "theta").axes[0]
+    knots = proved.chain.steps[TURN].tube
+    wanted = [
+        [
+            knot.box.x.lo * 1e6,
+            knot.box.x.hi * 1e6,
+            *(
+                [knot.box.y.lo * 1e6, knot.box.y.hi * 1e6]
+                if up == "y"
+                else [knot.box.theta.lo / DEG, knot.box.theta.hi / DEG]
+            ),
+        ]
+        for knot in knots
+    ]
+    np.testing.assert_allclose(rectangles(axes, "tube slice"), wanted)
+    assert len(rectangles(axes, "box")) == 2
+    paths = proved.check.sampled.moves[TURN].path
+    (bundle,) = axes.collections
+    assert isinstance(bundle, LineCollection)
+    drawn = bundle.get_segments()
+    assert len(drawn) == len(paths) == 40
+    column, unit = (1, 1e-6) if up == "y" else (2, DEG)
+    np.testing.assert_allclose(drawn[7][:, 0], paths[7, :, 0] * 1e6)
+    np.testing.assert_allclose(drawn[7][:, 1], paths[7, :, column] / unit)
+
+
+def test_many_paths_are_thinned_evenly() -> None:
+    many = np.arange(300.0)[:, None, None] * np.ones((1, 5, 3))
+    kept = thinned_paths(many)[:, 0, 0]
+    assert len(kept) == PATHS
+    assert kept[0] == 0
+    assert kept[-1] == 299
+    assert np.diff(kept).min() >= 4
+
+
+def test_the_end_shows_runs_in_the_certified_box_in_the_goal(proved: Planned) -> None:
+    axes, strip = final_figure(proved).axes
+    end = proved.chain.end
+    assert end is not None
+    (goal,), (box,) = rectangles(axes, "goal box"), rectangles(axes, "certified box")
+    np.testing.assert_allclose(goal, face(proved.setup.goal), rtol=1e-12)
+    np.testing.assert_allclose(box, face(end), rtol=1e-12)
+    np.testing.assert_allclose(points(axes), proved.check.sampled.final[:, :2] * 1e6)
+    np.testing.assert_allclose(rectangles(strip, "goal box")[0][:2], [175, 185], rtol=1e-9)
+
+
+def test_without_a_proof_no_box_is_drawn_as_certified(refuted: Planned) -> None:
+    figures = [
+        *(move_figure(refuted, index) for index in MOVES),
+        *(spread_figure(refuted, index) for index in MOVES),
+        final_figure(refuted),
+    ]
+    certified = [found for f in figures for a in f.axes for found in rectangles(a, "certified box")]
+    reached = [step for step in refuted.chain.steps if step.post is not None]
+    assert not certified
+    dashed = [rectangles(f.axes[0], "unproved box") for f in figures[:4]]
+    assert sum(map(len, dashed)) == len(reached)
+
+
+def test_runs_that_end_early_are_left_out_of_later_moves(refuted: Planned) -> None:
+    failed_in = refuted.check.sampled.failed_in
+    assert (failed_in < 4).any()
+    for index in MOVES:
+        drawn = points(spread_figure(refuted, index).axes[0])
+        assert len(drawn) == int((failed_in > index).sum())
+    ends = points(final_figure(refuted).axes[0])
+    assert len(ends) == refuted.certificate.simulation.completed

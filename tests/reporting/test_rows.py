@@ -1,0 +1,93 @@
+"""Rows of tables: margins, excesses and what is to spare at the end."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from meso_robust.cli.planned import Planned
+from meso_robust.reporting import rows
+from meso_robust.reporting.answer import answer
+from meso_robust.reporting.reading import Standing
+
+
+def with_excess(result: Planned, *excess: tuple[float, float, float]) -> Planned:
+    simulation = result.certificate.simulation.model_copy(
+        update={
+            "largest_excess_um_um_deg": excess,
+            "simulator_error_um_um_deg": (0.05, 0.05, 0.001),
+        }
+    )
+    certificate = result.certificate.model_copy(update={"simulation": simulation})
+    return replace(result, certificate=certificate)
+
+
+def test_an_excess_is_judged_by_the_simulators_own_error(proved: Planned) -> None:
+    result = with_excess(proved, (0, 0, 0), (0.04, 0, 0.001), (0, 0, 0.0011))
+    found = rows.excess_rows(result)
+    assert [row.judged for row in found] == ["none", "within", "above", "none"]
+    assert found[1].excess == ("0.040", "0", "0.0010")
+    assert found[3].excess is None
+
+
+def test_margins_go_from_tight_to_wide_and_the_binding_one_is_marked(proved: Planned) -> None:
+    margins, margin = rows.margin_rows(proved), proved.certificate.margin
+    together, *each = margins.rows
+    assert margin.binds_first is not None
+    assert [row.binds for row in each] == [True] + [False] * (len(each) - 1)
+    assert each[0].name == margin.binds_first.replace("_", " ")
+    lengths = [row.percent for row in each]
+    assert lengths == sorted(lengths)
+    assert together.percent / margins.one_percent == pytest.approx(margin.factor)
+    assert max(lengths) <= 100
+
+
+def test_what_is_to_spare_is_the_room_of_the_certified_box(proved: Planned) -> None:
+    end, found = proved.chain.end, rows.end_rows(proved)
+    assert end is not None
+    assert [row.goal for row in found] == ["0 ± 76", "0 ± 76", "180 ± 5"]
+    sides = ((end.x, 0.0, 76.0, 1e-6), (end.y, 0.0, 76.0, 1e-6), (end.theta, 180, 5, math.pi / 180))
+    for row, (side, middle, reach, unit) in zip(found, sides, strict=True):
+        room = reach - max(side.hi / unit - middle, middle - side.lo / unit)
+        assert room - 0.1 < float(row.spare) <= room + 1e-6
+
+
+def test_without_a_certified_box_the_simulated_poses_are_compared(refuted: Planned) -> None:
+    x, *_ = rows.end_rows(refuted)
+    assert x.certified == "—"
+    values = refuted.check.sampled.final[refuted.check.sampled.completed, 0] * 1e6
+    room = min(values.min() + 76, 76 - values.max())
+    shown = float(x.spare.replace("−", "-"))
+    assert room - 0.1 < shown <= room + 1e-6
+
+
+def test_moves_beyond_the_proof_have_a_row_of_their_own(refuted: Planned) -> None:
+    found = rows.step_rows(refuted)
+    assert len(found) == len(refuted.found.rules)
+    reached = len(refuted.chain.steps)
+    assert {row.standing for row in found[reached:]} == {Standing.NOT_REACHED}
+    assert found[0].proved < len(found[0].obligations)
+
+
+def test_the_answer_counts_what_is_proved(refuted: Planned) -> None:
+    verdicts = [o.verdict for step in refuted.certificate.steps for o in step.obligations]
+    said = [figure.value for figure in answer(refuted).figures]
+    assert f"{verdicts.count('PROVED')} of {len(verdicts)}" in said
+
+
+def test_a_final_box_outside_the_goal_is_told_by_how_far(proved: Planned) -> None:
+    goal = proved.setup.goal
+    narrow = replace(goal, y=replace(goal.y, lo=-30e-6))
+    setup = replace(proved.setup, goal=narrow)
+    chain = replace(proved.chain, setup=setup)
+    from meso_robust.certificates.document import undecided_document
+
+    certificate = proved.certificate.model_copy(
+        update={"verdict": "UNKNOWN", "undecided": undecided_document(chain, "nothing")}
+    )
+    found = answer(replace(proved, setup=setup, chain=chain, certificate=certificate)).open
+    assert found is not None
+    assert "leaves the goal by 11.8 µm in y;" in found.how
+    assert found.where.startswith("move 4 ")

@@ -1,0 +1,131 @@
+"""Imports point one way, and what is named exists."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import meso_robust
+from tests.strategies import paper_chain
+
+PACKAGE = Path(meso_robust.__file__).parent
+ROOT = PACKAGE.parent
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+
+BASE = {"errors", "kernels"}
+BELOW_MOTION = {"bounds", "admissibility", *BASE}
+BELOW_PLANNING = {"motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
+MAY_IMPORT = {
+    "_generated": set(),
+    "bounds": BASE,
+    "admissibility": {"bounds", "_generated", *BASE},
+    "motion": {*BELOW_MOTION, "units"},
+    "primitives": BELOW_PLANNING - {"primitives"},
+    "planning": BELOW_PLANNING,
+    "certificates": {*BELOW_PLANNING, "planning", "files"},
+    "simulator": {"errors", "units", "kernels"},
+}
+ABOVE = {"cli", "reporting", "__init__"}  # what nothing else may reach
+
+
+def part_of(path: Path) -> str:
+    """First name below the package: a folder or a module."""
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Dotted names of everything that a file imports, wherever in the file."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path.name} imports relatively"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def parts_imported(path: Path) -> set[str]:
+    """First names below meso_robust that a file imports."""
+    names = (name.split(".") for name in imported(path))
+    return {name[1] for name in names if name[0] == "meso_robust" and len(name) > 1}
+
+
+def names(path: Path) -> str:
+    return str(path.relative_to(PACKAGE))
+
+
+@pytest.mark.parametrize("part", MAY_IMPORT)
+def test_a_package_imports_only_what_lies_below_it(part: str) -> None:
+    files = [path for path in SOURCES if part_of(path) == part]
+    assert files
+    for path in files:
+        extra = parts_imported(path) - MAY_IMPORT[part] - {part}
+        assert not extra, f"{names(path)} imports {sorted(extra)}"
+
+
+def test_packages_below_the_reports_form_no_cycle() -> None:
+    graph: dict[str, set[str]] = {}
+    for path in SOURCES:
+        if part_of(path) not in ABOVE:
+            graph.setdefault(part_of(path), set()).update(parts_imported(path) - {part_of(path)})
+    order = list(graphlib.TopologicalSorter(graph).static_order())  # raises on a cycle
+    assert order.index("bounds") < order.index("motion") < order.index("planning")
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=names)
+def test_nothing_below_reaches_the_reports_the_command_line_or_the_derivations(path: Path) -> None:
+    if part_of(path) not in ABOVE:
+        assert not parts_imported(path) & ABOVE
+        assert not any(name.split(".")[0] == "derivations" for name in imported(path))
+
+
+def test_derivations_know_nothing_of_the_package() -> None:
+    for path in sorted((ROOT / "derivations").glob("*.py")):
+        assert not any(name.split(".")[0] == "meso_robust" for name in imported(path)), path.name
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=names)
+def test_only_reports_draw(path: Path) -> None:
+    if part_of(path) != "reporting":
+        assert not any(name.split(".")[0] == "matplotlib" for name in imported(path))
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=names)
+def test_no_print_and_no_assert_in_the_library(path: Path) -> None:
+    if part_of(path) in {"cli", "reporting"}:
+        return
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        assert not isinstance(node, ast.Assert), f"line {node.lineno}"
+        called = node.func if isinstance(node, ast.Call) else None
+        assert not (isinstance(called, ast.Name) and called.id == "print")
+
+
+def test_derivations_named_in_obligations_exist() -> None:
+    named = {
+        obligation.derivation
+        for step in paper_chain().steps
+        for obligation in step.obligations
+        if "/" in obligation.derivation
+    }
+    assert len(named) >= 4
+    for name in sorted(named):
+        assert (ROOT / name).is_file(), name
+
+
+def test_derivations_named_in_the_sources_exist() -> None:
+    pattern = re.compile(r"derivations/\w+\.py")
+    named = {name for path in SOURCES for name in pattern.findall(path.read_text(encoding="utf-8"))}
+    assert len(named) >= 5
+    for name in sorted(named):
+        assert (ROOT / name).is_file(), name
+
+
+def test_every_generated_module_names_its_own_derivation() -> None:
+    modules = [path for path in SOURCES if part_of(path) == "_generated"]
+    for path in modules:
+        if path.stem != "__init__":
+            assert f"Generated from derivations/{path.name} " in path.read_text(encoding="utf-8")
