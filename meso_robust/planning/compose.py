@@ -38,10 +38,14 @@ class Found:
     @property
     def settled_by(self) -> str:
         """What a user can do if the plan is not certified for the task."""
-        what = "all uncertainties" if self.only is None else f"the range of {self.only} alone"
+        if self.only is None:
+            return (
+                f"a robust plan was found with all uncertainties scaled by {self.scale}: narrow "
+                "them, or change the task so that more room is left"
+            )
         return (
-            f"a robust plan was found with {what.replace('_', ' ')} scaled by {self.scale}: narrow "
-            "them, or change the task so that more room is left"
+            f"a robust plan was found with the range of {self.only.replace('_', ' ')} alone scaled "
+            f"by {self.scale}: narrow it, or change the task so that more room is left"
         )
 
 

@@ -118,7 +118,6 @@ BREAKS: dict[str, tuple[int, dict[str, Any], str]] = {
     "tilt without travel": (TILT, {"rule": shifted(end=180)}, "reaches the part"),
     "straighten too short": (STRAIGHTEN, {"rule": shifted(end=40)}, "before the probe stops"),
     "to goal too short": (TO_GOAL, {"rule": shifted(end=150)}, "before the probe stops"),
-    "rotate too short": (ROTATE, {"rule": shifted(end=1245)}, ""),
     "rotate too far": (ROTATE, {"rule": shifted(end=-60)}, "stay on their edges"),
     "tilt far off the middle": (TILT, {"rule": shifted(y=60)}, SLIPS),
     "tilt off the edge": (TILT, {"rule": shifted(y=520)}, "tip touches the edge"),
