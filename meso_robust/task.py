@@ -159,7 +159,9 @@ def parse_task(values: dict[str, Any], source: str) -> Task:
     """
     try:
         # through JSON, because strict checking of a TOML array as a tuple would refuse the list
-        return Task.model_validate_json(json.dumps(values, allow_nan=True, default=str))
+        return Task.model_validate_json(json.dumps(values, allow_nan=True))
+    except TypeError as error:
+        raise InputError(f"{source}: dates and times have no place in a task ({error})") from error
     except ValidationError as error:
         raise InputError(f"{source}: {_first_of(error)}") from error
 

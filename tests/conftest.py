@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from meso_robust.cli.console import Reporter
-from meso_robust.cli.planned import Planned, make
+from meso_robust.job import Planned, make
 from meso_robust.task import Task, parse_task
 from meso_robust.tasks import PAPER
 
@@ -27,10 +26,10 @@ def paper_task(**changes: Any) -> Task:
 @pytest.fixture(scope="session")
 def paper_plan() -> Planned:
     """The main job on the paper's task, with the 1,000 runs that the task asks for."""
-    return make(paper_task(), 1000, 0, Reporter(quiet=True))
+    return make(paper_task(), 1000, 0)
 
 
 @pytest.fixture(scope="session")
 def wide_friction_plan() -> Planned:
     """The same task with friction anywhere from 0.05 to 0.9."""
-    return make(paper_task(uncertainty__friction=[0.05, 0.9]), 100, 0, Reporter(quiet=True))
+    return make(paper_task(uncertainty__friction=[0.05, 0.9]), 100, 0)

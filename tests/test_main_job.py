@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from meso_robust.cli.planned import Planned
+from meso_robust.job import Planned
 
 
 def test_the_paper_task_is_proved(paper_plan: Planned) -> None:

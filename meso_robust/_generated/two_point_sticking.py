@@ -11,7 +11,7 @@ from typing import Any
 
 def normal_forces(ops: Any, beta: Any, d1: Any, d2: Any, d4: Any) -> tuple[Any, ...]:
     """Return lambda_n of tips 1 and 2, times d4/(e_x |v_p| cos(beta)), m: both must be positive."""
-    x0 = d1 * ops.sin(beta) + d2 * ops.cos(beta)
+    x0 = d1*ops.sin(beta) + d2*ops.cos(beta)
     return (
         d4 - x0,
         x0,
@@ -20,7 +20,7 @@ def normal_forces(ops: Any, beta: Any, d1: Any, d2: Any, d4: Any) -> tuple[Any, 
 
 def friction_margin(ops: Any, beta: Any, mu: Any) -> tuple[Any, ...]:
     """Return mu lambda_n -+ lambda_t over e_x |v_p|: both positive where the pair sticks."""
-    x0 = mu * ops.cos(beta)
+    x0 = mu*ops.cos(beta)
     x1 = ops.sin(beta)
     return (
         x0 - x1,

@@ -59,6 +59,9 @@ class Tape:
 def compile_tape(function: ca.Function) -> Tape:
     """Copy the instructions of a CasADi function of one vector into arrays.
 
+    CasADi simplifies while a function is built (x/x becomes 1), so a tape can be defined where the
+    formula as written is not; the generated formulas hold no such quotient.
+
     Raises
     ------
     ValueError

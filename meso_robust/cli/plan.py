@@ -48,10 +48,10 @@ def _plan(
     task = load_task(task_file or PAPER)
     check_folder(out)
 
-    from meso_robust.cli.planned import make
+    from meso_robust.job import make
     from meso_robust.reporting import report
 
-    result = make(task, samples, seed, say)
+    result = make(task, samples, seed, say.doing)
     with say.doing("writing the report"):
         page = report(result)
     certificate = result.certificate.model_dump_json(by_alias=True, indent=2) + "\n"

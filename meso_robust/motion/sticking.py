@@ -33,11 +33,26 @@ def lift(start: Interval, end: Interval, depth: Interval, offset: Interval) -> I
     return enclose(condition("sticking_motion", "lift"), box)[0]
 
 
-def travel_monotone(path: Interval, depth: Interval, offset: Interval, ratio: Interval) -> bool:
-    """Whether the travel for a turn within ``path`` is proved monotone in the offset."""
-    box = {"theta": path, "d1": depth, "d2": offset, "rho": ratio}
-    proof = prove_positive(condition("sticking_motion", "shortening"), box)
-    return proof.verdict is Verdict.PROVED
+def travel_monotone(
+    path: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
+) -> bool:
+    """Whether the travel for a turn along ``path`` is proved to be monotone in the offset.
+
+    That the part turns to ``side`` all along is proved as well: without it the bounds below do not
+    hold.
+    """
+    box = {
+        "theta": path,
+        "side": Interval.point(float(side)),
+        "d1": depth,
+        "d2": offset,
+        "rho": ratio,
+    }
+    wanted = (
+        condition("one_point_sticking", "turning"),
+        condition("sticking_motion", "shortening"),
+    )
+    return all(prove_positive(of, box).verdict is Verdict.PROVED for of in wanted)
 
 
 def _travel(start: float, end: float, depth: Interval, offset: float, ratio: float) -> Interval:

@@ -295,7 +295,17 @@ def enclose_slide(
         Slide when both touch, m.
     step
         Step in h, m.
+
+    Raises
+    ------
+    ValueError
+        If the travel may end before both tips touch: there is nothing to enclose then.
     """
+    if not h_end < h_start.lo:
+        raise ValueError(
+            f"h_end = {h_end} must be below every h_start = [{h_start.lo}, {h_start.hi}]: the push "
+            "may end before both tips touch; make it longer"
+        )
     count = max(2, int(np.ceil((h_start.hi - h_end) / step)))
     h = np.linspace(h_start.hi, h_end, count + 1)
     bounds = np.full((2, count + 1), np.nan)

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from meso_robust.admissibility import condition
-from meso_robust.bounds import HALF_PI, Interval, enclose
+from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
 from meso_robust.bounds.interval import arcsin, cos, sin
 from meso_robust.motion.two_sided import Grip, SlideTube, TubeStatus, enclose_slide
 from meso_robust.primitives.approach import MODULE, Pair, Touch, approach
@@ -69,7 +69,20 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, knots: int =
     if touch is None:
         return _step(rule, pre, None, [*obligations, _undecided("the part comes to rest on both")])
     obligations += [*touch.obligations, on_edge("active", touch.active_offset, edge)]
-    tube = _slide(pair, touch, edge, setup)
+    (h_start,) = enclose(
+        condition(MODULE, "pair_position"),
+        {"theta": touch.theta, "V": pair.separation, "d1": edge.depth},
+    )
+    rests = require_order(
+        "the part rests on the passive tip before the push ends",
+        "h at the touch > h at the end",
+        h_start - pair.h_end,
+        {"h_start": h_start, "h_end": pair.h_end},
+    )
+    obligations.append(rests)
+    if rests.proof.verdict is not Verdict.PROVED:
+        return _step(rule, pre, None, obligations)
+    tube = _slide(pair, touch, h_start, edge, setup)
     obligations += _tube_obligations(tube, pair)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, obligations)
@@ -114,11 +127,7 @@ def _passive_free(pair: Pair, start: Interval, edge: Edge) -> Obligation:
     )
 
 
-def _slide(pair: Pair, touch: Touch, edge: Edge, setup: Setup) -> SlideTube:
-    (h_start,) = enclose(
-        condition(MODULE, "pair_position"),
-        {"theta": touch.theta, "V": pair.separation, "d1": edge.depth},
-    )
+def _slide(pair: Pair, touch: Touch, h_start: Interval, edge: Edge, setup: Setup) -> SlideTube:
     u = setup.uncertainty
     grip = Grip(
         separation=pair.separation,

@@ -153,7 +153,7 @@ def _arrives(
     """The probe travels far enough for the second tip to touch."""
     ratio = setup.uncertainty.film_ratio
     path = start.hull(aligned)
-    if sticking.travel_monotone(path, edge.depth, offset, ratio):
+    if sticking.travel_monotone(path, side, edge.depth, offset, ratio):
         longest = sticking.longest_travel(start, aligned, side, edge.depth, offset, ratio)
     else:
         longest = math.inf

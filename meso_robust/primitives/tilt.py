@@ -39,7 +39,7 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
     start = edge.angle(pre.theta)
     offset, reach = touch(pusher, start, edge)
     travel = reach - pusher.ahead_end
-    monotone = sticking.travel_monotone(_wide(start, side), edge.depth, offset, u.film_ratio)
+    monotone = sticking.travel_monotone(_wide(start, side), side, edge.depth, offset, u.film_ratio)
     obligations = [
         *free_at_start((pusher, idle), start, edge),
         require_order("the tip reaches the part", "travel > 0", travel, {"travel": travel}),

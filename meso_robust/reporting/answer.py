@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meso_robust.cli.planned import Planned
+from meso_robust.job import Planned
 from meso_robust.reporting.words import Side, Witness, factor, number, sides, witness_words
 
 MEANING = {

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from meso_robust.bounds import Verdict
 from meso_robust.campaigns.monte_carlo import excess
-from meso_robust.cli.planned import Planned
+from meso_robust.job import Planned
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.plan_figures import move_figure, overview_figure

@@ -8,7 +8,7 @@ from typing import Literal
 
 from meso_robust.certificates.document import ObligationDocument, StepDocument
 from meso_robust.certificates.margin import LARGEST
-from meso_robust.cli.planned import Planned
+from meso_robust.job import Planned
 from meso_robust.reporting.canvas import COLUMN, Coordinate, ends, poses_shown
 from meso_robust.reporting.reading import Standing, standings
 from meso_robust.reporting.words import (

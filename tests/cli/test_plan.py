@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from meso_robust.campaigns.monte_carlo import rectangle as original
 from meso_robust.cli import app
-from meso_robust.cli.planned import SimulatorContradictsProofError
+from meso_robust.job import SimulatorContradictsProofError
 from meso_robust.tasks import PAPER
 
 RUNNER = CliRunner()

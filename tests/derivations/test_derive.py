@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from types import ModuleType
 
 import pytest
@@ -51,11 +50,7 @@ def test_statuses_are_those_known(derived: tuple[Derivation, ...]) -> None:
 
 def test_generated_files_are_what_the_derivations_give(derived: tuple[Derivation, ...]) -> None:
     for path, text in generate.render(derived).items():
-        written = path.read_text(encoding="utf-8")
-        if path.suffix == ".py":  # the layout may differ
-            assert ast.dump(ast.parse(written)) == ast.dump(ast.parse(text)), path.name
-        else:
-            assert written == text, path.name
+        assert path.read_text(encoding="utf-8") == text, path.name
 
 
 def test_nothing_else_lies_beside_the_generated_files(derived: tuple[Derivation, ...]) -> None:
@@ -84,13 +79,8 @@ def doubled_film(twist: sp.Matrix) -> sp.Matrix:
     return sp.Integer(2) * mechanics.film(twist)
 
 
-def turned_backwards(twist: sp.Matrix, arm: sp.Matrix) -> sp.Matrix:
-    return sp.Matrix([twist[0] + twist[2] * arm[1], twist[1] - twist[2] * arm[0]])
-
-
 BREAKS = [
     (one_point_sticking, "wrench", flipped_moment),
-    (one_point_sticking, "velocity_at", turned_backwards),
     (two_point_sticking, "wrench", half_force),
     (two_point_sticking, "film", doubled_film),
     (two_sided_rotation, "wrench", flipped_moment),

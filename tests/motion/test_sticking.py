@@ -95,6 +95,7 @@ def test_angle_after_the_travel_lies_in_the_enclosure(name: str) -> None:
     sides = (case.start, case.travel, case.depth, case.offset, case.ratio)
     assert sticking.travel_monotone(
         case.start.hull(case.start + Interval.point(0.6 * case.side)),
+        case.side,
         case.depth,
         case.offset,
         case.ratio,
@@ -181,5 +182,6 @@ def test_the_monotone_range_ends_where_the_slope_changes_sign() -> None:
     ratio = Interval.point(0.3769e-6)
     turn = math.sqrt(0.3769e-6 + 4e-4**2)
     below, across = Interval(1e-4, turn * (1 - 1e-6)), Interval(1e-4, turn * (1 + 1e-6))
-    assert sticking.travel_monotone(upright, depth, below, ratio)
-    assert not sticking.travel_monotone(upright, depth, across, ratio)
+    assert sticking.travel_monotone(upright, 1, depth, below, ratio)
+    assert not sticking.travel_monotone(upright, 1, depth, across, ratio)
+    assert not sticking.travel_monotone(upright, -1, depth, below, ratio)  # it turns the other way

@@ -33,10 +33,8 @@ PLANS: dict[str, tuple[Changes, int, float]] = {
     "no Y-translation asked for": ({"plan": {"least_y_translations": 0}}, 2, 1.2),
     "start above the axis": ({"start": {"y_um": 9.0}}, 4, 1.2),
     "start 25 um above the axis": ({"start": {"y_um": 25.0}}, 4, 1.2),
-    "start 3 mm away": ({"start": {"x_um": 3000.0}}, 4, 1.2),
     "start turned by 3 deg": ({"start": {"theta_deg": 93.0}}, 4, 1.0),
     "goal of 55 um": ({"goal": {"position_tolerance_um": 55.0}}, 4, 1.2),
-    "goal of 1 deg": ({"goal": {"orientation_tolerance_deg": 1.0}}, 4, 1.2),
     "no turn": ({"goal": {"theta_deg": 90.0}}, 1, 1.2),
 }
 

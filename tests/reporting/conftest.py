@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from meso_robust.cli import planned
-from meso_robust.cli.console import Reporter
-from meso_robust.cli.planned import Planned
+from meso_robust import job
+from meso_robust.job import Planned
 from meso_robust.reporting import report
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
@@ -15,7 +14,7 @@ SAMPLES, SEED = 40, 3
 
 
 def made(task: Task) -> Planned:
-    return planned.make(task, SAMPLES, SEED, Reporter(quiet=True))
+    return job.make(task, SAMPLES, SEED)
 
 
 @pytest.fixture(scope="session")
@@ -33,7 +32,7 @@ def refuted(proved: Planned) -> Planned:
     uncertainty = hidden.uncertainty.model_copy(update={"friction": (0.05, 0.9)})
     task = hidden.model_copy(update={"uncertainty": uncertainty})
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(planned, "compose", lambda _: proved.found)
+        patch.setattr(job, "compose", lambda _: proved.found)
         result = made(task)
     assert result.certificate.verdict == "REFUTED"
     assert not result.chain.complete

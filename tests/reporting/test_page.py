@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from meso_robust.cli.planned import Planned
+from meso_robust.job import Planned
 from meso_robust.reporting import report
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}

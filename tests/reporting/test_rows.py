@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from meso_robust.cli.planned import Planned
+from meso_robust.job import Planned
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.reading import Standing

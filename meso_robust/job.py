@@ -1,9 +1,11 @@
-"""The stages of ``meso-robust plan``: compose, certify, search the margin, simulate, judge."""
+"""The main job in stages: compose, certify, search the margin, simulate, judge."""
 
 from __future__ import annotations
 
 import platform
 import subprocess
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, fields
 from importlib.metadata import version
 from pathlib import Path
@@ -25,12 +27,18 @@ from meso_robust.certificates.document import (
     undecided_document,
 )
 from meso_robust.certificates.margin import Margin, margin
-from meso_robust.cli.console import Reporter
 from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.document import PlanDocument, goal_document, plan_document
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task
+
+Doing = Callable[[str], AbstractContextManager[None]]
+
+
+def _quietly(_: str) -> AbstractContextManager[None]:
+    return nullcontext()
+
 
 KNOTS = 24  # slices of the rotation's tube that are drawn
 
@@ -72,8 +80,17 @@ class SimulatorContradictsProofError(RuntimeError):
     """A PROVED plan fails in the simulator: one of the two is wrong, and nothing is reported."""
 
 
-def make(task: Task, samples: int, seed: int, say: Reporter) -> Planned:
+def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planned:
     """Run all stages.
+
+    Parameters
+    ----------
+    task
+        What to plan for.
+    samples, seed
+        Random runs in the simulator, and the seed of their draws.
+    doing
+        Shows what is being done while a stage runs.
 
     Raises
     ------
@@ -83,13 +100,13 @@ def make(task: Task, samples: int, seed: int, say: Reporter) -> Planned:
         The simulator and the proof disagree.
     """
     setup = setup_of(task)
-    with say.doing("searching a plan (the first run compiles kernels: some 20 s)"):
+    with doing("searching a plan (the first run compiles kernels: some 20 s)"):
         found = compose(task)
-    with say.doing("certifying"):
+    with doing("certifying"):
         chain = certify(found.rules, setup, knots=KNOTS)
-    with say.doing("searching the margin"):
+    with doing("searching the margin"):
         bears = margin(found.rules, task)
-    with say.doing(f"simulating {samples} runs"):
+    with doing(f"simulating {samples} runs"):
         posts = [step.post for step in chain.steps]
         check = crosscheck(found.rules, setup, posts, samples, seed)
     if chain.verdict is Verdict.PROVED and check.failure is not None:
