@@ -1,4 +1,4 @@
-"""Two-point sticking contact of a dual-tip probe (paper, eq. 9 and Lemma 2).
+"""Two-point sticking contact of a dual-tip probe (paper, eq. 9).
 
 The part translates with the probe and the edge lies along the line through both tips,
 ``theta = pi/2 + beta``: a positive misalignment puts the upper tip ahead. (Eq. 9 holds as printed in
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations._derivation import Derivation, Statement, Status, require_zero, verdict
+from derivations._derivation import Derivation, Statement, require_zero, verdict
 from derivations.mechanics import a, beta, d1, d2, d4, e_x, film, mu, n, theta, v_p, wrench
 
 
@@ -42,7 +42,7 @@ def derive() -> Derivation:
     require_zero(shear**2 - (e_x * v_p * s) ** 2, "the shear carries the rest")
     return Derivation(
         name="two_point_sticking",
-        summary="Two-point sticking contact (paper, eq. 9, Lemma 2).",
+        summary="Two-point sticking contact (paper, eq. 9).",
         statements=(
             Statement(
                 place="eq. 9, lambda_n^1",
@@ -59,11 +59,6 @@ def derive() -> Derivation:
                 text="|lambda_n/lambda_t| = |1/tan(beta)|: sticking needs |tan(beta)| < mu",
                 status=verdict(((first + second) / shear) ** 2 - 1 / sp.tan(beta) ** 2),
             ),
-            Statement(
-                place="Lemma 2",
-                text="two-point sticking persists: its conditions hold no variable that changes",
-                status=_lemma_2(first, second, shear),
-            ),
         ),
         functions={
             "normal_forces": (
@@ -78,10 +73,3 @@ def derive() -> Derivation:
             ),
         },
     )
-
-
-def _lemma_2(*forces: sp.Expr) -> Status:
-    """The forces depend on constants of the translation only."""
-    constants = {beta, d1, d2, d4, e_x, v_p}
-    held = all(force.free_symbols <= constants for force in forces)
-    return Status.CONFIRMED if held else Status.REFUTED

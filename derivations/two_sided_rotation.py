@@ -130,13 +130,14 @@ def derive() -> Derivation:
         summary="Rotation between a moving and a passive tip on opposite edges (eqs. 10, 11).",
         statements=(
             Statement(
-                place="eq. 11, final orientation",
+                place="orientation of the two-sided rotation",
                 text="theta = atan2(V, h) + asin(w/sqrt(h^2 + V^2)) while both tips touch",
                 status=_orientation_law(c_h.subs(tangent), s_h.subs(tangent)),
             ),
             Statement(
-                place="eq. 10 and the remark on existence",
-                text="no jam needs d_v > d_w sqrt(1 + mu^2); d_v >= d_w tan(sigma) is not enough",
+                place="eq. 10 and the remark on pointed cones",
+                text="the friction cones stay pointed (no internal forces) while the tips pass each other only if "
+                "d_v > d_w sqrt(1 + mu^2); neither eq. 10 nor d_v >= d_w tan(sigma) ensures it",
                 status=_printed_existence(no_jam),
             ),
         ),
@@ -194,8 +195,13 @@ def _orientation_law(c: sp.Expr, s: sp.Expr) -> Status:
 
 
 def _printed_existence(no_jam: sp.Expr) -> Status:
-    """A pair that the remark allows and whose friction cones hold the line through both contacts."""
-    half_width, separation, friction = sp.Rational(837, 2), 857, sp.Rational(33, 100)
+    """Whether all pairs that both conditions allow have pointed cones; a witness says no.
+
+    The paper's part and errors (5 um each): eq. 10 asks for 837 + 2 5 + 2 5 um. The cones are not
+    pointed when both hold the line through the contacts.
+    """
+    half_width, friction = sp.Rational(837, 2), sp.Rational(33, 100)
+    separation = 2 * half_width + 2 * 5 + 2 * 5
     allowed = separation >= 2 * half_width * friction
     closes = no_jam.subs({V: separation, d1: half_width, mu: friction}) < 0
     return Status.REFUTED if allowed and closes else Status.CONFIRMED

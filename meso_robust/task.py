@@ -19,8 +19,11 @@ from pydantic import (
 
 from meso_robust.errors import InputError
 
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+# Limits far beyond the mesoscale: they catch a slip of the unit before it becomes a long search.
+Length = Annotated[FiniteFloat, Field(ge=1, le=1e5)]
+Coordinate = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+Error = Annotated[FiniteFloat, Field(ge=0, le=1e4)]
+Friction = Annotated[FiniteFloat, Field(ge=0, le=3)]
 Range = tuple[FiniteFloat, FiniteFloat]
 
 
@@ -36,9 +39,9 @@ def _ordered(key: str, ends: Range) -> None:
 class Part(_Section):
     """A rectangle, reference point at its centre."""
 
-    length_um: Positive
+    length_um: Length
     """Side along the part's x axis at theta = 0, um."""
-    width_um: Positive
+    width_um: Length
     """Side across it, um."""
 
     @model_validator(mode="after")
@@ -54,15 +57,15 @@ class Part(_Section):
 class Pose(_Section):
     """Position of the part's centre in um and orientation in deg, world frame."""
 
-    x_um: FiniteFloat
-    y_um: FiniteFloat
+    x_um: Coordinate
+    y_um: Coordinate
     theta_deg: Annotated[FiniteFloat, Field(ge=-360, le=360)]
 
 
 class Goal(Pose):
     """A box around a pose."""
 
-    position_tolerance_um: Positive
+    position_tolerance_um: Annotated[FiniteFloat, Field(gt=0, le=1e5)]
     """Half side in x and in y, um."""
     orientation_tolerance_deg: Annotated[FiniteFloat, Field(gt=0, lt=90)]
     """Half width in theta, deg."""
@@ -71,24 +74,29 @@ class Goal(Pose):
 class Probe(_Section):
     """The active dual-tip probe."""
 
-    tip_spacing_um: Positive
+    tip_spacing_um: Length
     """Distance of the tips across the push, um."""
-    speed_um_s: Positive
+    speed_um_s: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Speed of every move, um/s; the path does not depend on it."""
 
 
 class Uncertainty(_Section):
-    """Bounds of everything that is not known exactly; each holds at every instant."""
+    """Bounds of everything that is not known exactly.
 
-    sensed_position_um: NotNegative
+    The errors of a probe are constant during a move and may differ from move to move; the others are
+    constant during a run.
+    """
+
+    sensed_position_um: Error
     """Largest error of a sensed x or y, um."""
     sensed_orientation_deg: Annotated[FiniteFloat, Field(ge=0, lt=45)]
     """Largest error of a sensed orientation, deg."""
-    probe_position_um: NotNegative
-    """Largest error of a probe's x or y, um; the two tips of the dual-tip probe share it."""
-    friction: tuple[NotNegative, NotNegative]
+    probe_position_um: Error
+    """Largest error of a probe's x or y, um, rounding of its command included; constant during a move;
+    the two tips of the dual-tip probe share it."""
+    friction: tuple[Friction, Friction]
     """Range of the friction coefficient between tip and part."""
-    film_ratio_um2: Positive
+    film_ratio_um2: Annotated[FiniteFloat, Field(gt=0, le=1e12)]
     """Ratio of the film's rotational to its translational drag, um^2."""
     film_ratio_percent: Annotated[FiniteFloat, Field(ge=0, lt=100)]
     """Largest relative error of it, percent."""

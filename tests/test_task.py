@@ -57,12 +57,12 @@ BAD = {
     "negative length": (
         "width_um = 837.0",
         "width_um = -837.0",
-        ("part.width_um", "-837.0", "greater than 0"),
+        ("part.width_um", "-837.0", "greater than or equal to 1"),
     ),
     "zero spacing": (
         "tip_spacing_um = 580.0",
         "tip_spacing_um = 0.0",
-        ("probe.tip_spacing_um", "0.0", "greater than 0"),
+        ("probe.tip_spacing_um", "0.0", "greater than or equal to 1"),
     ),
     "negative error": (
         "sensed_position_um = 5.0",

@@ -1,4 +1,4 @@
-"""Two-point sticking contact (paper, eq. 9, Lemma 2).
+"""Two-point sticking contact (paper, eq. 9).
 
 Generated from derivations/two_point_sticking.py by `meso-robust derive`; do not edit.
 Every function takes `ops`, the arithmetic to use (casadi, numpy, ...), and returns a tuple.

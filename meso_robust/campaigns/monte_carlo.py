@@ -19,7 +19,7 @@ from meso_robust.simulator import Outcome, Push, simulate
 
 Floats = npt.NDArray[np.float64]
 
-STEP = 1e-6  # m, of the probes; its error is measured by a second run at half of it
+STEP = 2e-6  # m, of the probes; its error is measured by a second run at half of it
 STARTS_INSIDE = -1  # a run whose probe would start inside the part is not simulated further
 
 

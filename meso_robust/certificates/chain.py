@@ -50,7 +50,9 @@ class Chain:
         return None
 
 
-def certify(rules: Sequence[MoveRule], setup: Setup, *, knots: int = 0) -> Chain:
+def certify(
+    rules: Sequence[MoveRule], setup: Setup, *, knots: int = 0, whole: bool = True
+) -> Chain:
     """Certify ``rules`` from every start in ``setup.start``.
 
     Parameters
@@ -59,12 +61,14 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, knots: int = 0) -> Chain
         The moves in order, the task.
     knots
         Slices of the rotation's tube to keep for drawing.
+    whole
+        False: stop at the first step that is not proved, for a search that asks no more.
     """
     state: PoseBox | None = setup.start
     steps: list[Step] = []
     turn: Turn | None = None
     for rule in rules:
-        if state is None:
+        if state is None or not (whole or all(s.verdict is Verdict.PROVED for s in steps[-1:])):
             break
         if rule.action == "tilt":
             step, turn = certify_tilt(rule, state, setup)
@@ -74,5 +78,5 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, knots: int = 0) -> Chain
             step, turn = certify_straighten(rule, state, setup, turn), None
         steps.append(step)
         state = step.post
-    complete = len(steps) == len(rules) and state is not None
+    complete = 0 < len(steps) == len(rules) and state is not None
     return Chain(steps=tuple(steps), complete=complete, setup=setup)

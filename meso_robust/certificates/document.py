@@ -26,7 +26,9 @@ ASSUMPTIONS = (
     "the film's drag is diag(e_x, e_x, e_theta) about the part's centre; only rho = e_theta/e_x enters",
     "Coulomb friction at point contacts; at every instant mu is the same at all tips",
     "the part is the stated rectangle, rigid and exactly known; nothing but the probes touches it",
-    "each error keeps within its bound; the two tips of the active probe share one position error",
+    "each error keeps within its bound; a probe's position error is constant during a move (and may "
+    "differ in the next), and the two tips of the active probe share it",
+    "the active probe travels exactly along -x; tips are points",
     "the part rests between moves, and probes are lifted without disturbing it",
 )
 

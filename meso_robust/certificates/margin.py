@@ -48,7 +48,8 @@ def margin(
     """
 
     def proved(factor: float, only: str | None) -> bool:
-        return certify(rules, setup_of(task, factor, only)).verdict is Verdict.PROVED
+        chain = certify(rules, setup_of(task, factor, only), whole=False)
+        return chain.verdict is Verdict.PROVED
 
     progress("all uncertainties together")
     factor, refused = _bisect(lambda f: proved(f, None))

@@ -29,6 +29,7 @@ from meso_robust.bounds.interval import Interval
 from meso_robust.bounds.tape import Floats, run
 from meso_robust.kernels import fingerprint
 
+STEPS = 840  # per width of the part: about 1 um for the paper's part
 H, V, D1, SIGMA, RHO, MU = range(6)  # arguments of slide_rates
 DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, HALF_T_RATE = range(5)  # its values: which way D and S slip
 
@@ -279,7 +280,7 @@ _grow = _compiled()
 
 
 def enclose_slide(
-    grip: Grip, h_start: Interval, h_end: float, sigma: Interval, *, step: float = 1.0e-6
+    grip: Grip, h_start: Interval, h_end: float, sigma: Interval, *, coarse: float = 1.0
 ) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
@@ -293,8 +294,8 @@ def enclose_slide(
         Lower bound of h at the end, m.
     sigma
         Slide when both touch, m.
-    step
-        Step in h, m.
+    coarse
+        Factor on the step in h, which is 1/``STEPS`` of the part's width.
 
     Raises
     ------
@@ -306,6 +307,7 @@ def enclose_slide(
             f"h_end = {h_end} must be below every h_start = [{h_start.lo}, {h_start.hi}]: the push "
             "may end before both tips touch; make it longer"
         )
+    step = coarse * 2.0 * grip.depth.mid / STEPS
     count = max(2, int(np.ceil((h_start.hi - h_end) / step)))
     h = np.linspace(h_start.hi, h_end, count + 1)
     bounds = np.full((2, count + 1), np.nan)

@@ -165,7 +165,7 @@ def box_document(box: PoseBox) -> BoxDocument:
 
 
 def goal_document(box: PoseBox) -> BoxDocument:
-    """A goal in um and deg, rounded inward to a thousandth."""
+    """A goal in um and deg, rounded to a thousandth for reading."""
     return BoxDocument(
         x_um=_inward(units.to_um(box.x.lo), units.to_um(box.x.hi)),
         y_um=_inward(units.to_um(box.y.lo), units.to_um(box.y.hi)),

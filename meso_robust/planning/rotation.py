@@ -8,7 +8,7 @@ tilt is straightened, so it is chosen last, such that this is the goal.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,9 +23,10 @@ from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
 
 SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
-SCOUT_STEP = 8e-6  # m
+SCOUT = 8.0  # how much coarser than the certificate the scouting tube is
 APPROACH_UM = 60.0  # what the push by the active tip alone may take
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
+MOST_TRIALS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,9 +41,10 @@ class _Choice:
 def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
     """The robust rotation and the push to the goal after it, if any."""
     for extra in SEPARATION_STEPS_UM:
-        found = _at_separation(_least_separation_um(setup) + extra, pre, setup)
-        if found is not None:
-            return found
+        turned = _turn(_least_separation_um(setup) + extra, pre, setup)
+        if turned is not None:
+            # a larger separation leaves a larger tilt, so what fails now would fail with it too
+            return _insert(*turned, pre, setup)
     return None
 
 
@@ -53,29 +55,37 @@ def _least_separation_um(setup: Setup) -> float:
     return math.ceil(units.to_um(least + u.probe_position.width))
 
 
-def _at_separation(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
+def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice] | None:
+    """The robust rotation with the longest push at this separation, if any."""
     choice = _scout(separation, pre, setup)
-    for _ in range(6):
+    for _ in range(MOST_TRIALS):
         if choice is None:
             return None
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
+        if turned.verdict is Verdict.PROVED:
+            return turned, choice
+        choice = _shorter(choice)
+    return None
+
+
+def _insert(turned: Step, choice: _Choice, pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
+    """Add the push to the goal, and shift the pair until the part ends at the goal's height."""
+    for _ in range(MOST_TRIALS):
         if turned.verdict is not Verdict.PROVED or turned.post is None:
-            choice = _shorter(choice)
-            continue
+            return None
         inserted = to_goal(turned.post, setup)
         if inserted is None or inserted.post is None:
             return None
         off = units.to_um(inserted.post.y.mid - setup.goal.y.mid)
         if inserted.post.within(setup.goal) and abs(off) < CLOSE_ENOUGH_UM:
             return turned, inserted
-        choice = _Choice(
-            separation=choice.separation, h_end=choice.h_end, middle=choice.middle - off
-        )
+        choice = replace(choice, middle=choice.middle - off)
+        turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
     return None
 
 
 def _shorter(choice: _Choice) -> _Choice:
-    return _Choice(separation=choice.separation, h_end=choice.h_end + 15.0, middle=choice.middle)
+    return replace(choice, h_end=choice.h_end + 15.0)
 
 
 def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
@@ -94,11 +104,11 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
         )
         start = Interval(width - APPROACH_UM * units.UM, width)
         sigma_start = pre.y - Interval.point(middle * units.UM) + off
-        tube = enclose_slide(grip, start, -width, sigma_start, step=SCOUT_STEP)
+        tube = enclose_slide(grip, start, -width, sigma_start, coarse=SCOUT)
         last = int(np.isfinite(tube.upper).sum()) - 2
         if last < 1 or tube.h[last] > 0.0:
             return None
-        h_end = units.to_um(tube.h[last] + off.hi + SCOUT_STEP)
+        h_end = units.to_um(tube.h[last - 1] + off.hi)
         sigma = 0.5 * (tube.lower[last] + tube.upper[last])
         end_y = middle + units.to_um((sigma - reach) * _sine(h_end, separation, units.to_um(width)))
         middle += goal - end_y

@@ -14,7 +14,7 @@ from meso_robust.primitives.setup import Edge, PoseBox, Setup
 from meso_robust.primitives.tips import Tip
 
 MODULE = "two_sided_rotation"
-APPROACH_STEP = 8e-6  # m
+APPROACH_STEPS = 50  # per half width of the part
 MOST_APPROACH_STEPS = 40
 
 
@@ -141,7 +141,8 @@ def _alone_step(
     A box of states is guessed and kept if the motion cannot leave it within the step.
     """
     u = setup.uncertainty
-    during = Interval(0.0, APPROACH_STEP)
+    length = edge.depth.lo / APPROACH_STEPS
+    during = Interval(0.0, length)
     swept = state
     for _ in range(8):
         offset = sticking.contact_offset(swept.theta, edge.depth, pair.active.rise - swept.y)
@@ -163,7 +164,7 @@ def _alone_step(
             return None
         moved = state.moved(during, v_x, v_y, omega, closing)
         if moved.within(swept):
-            whole = Interval.point(APPROACH_STEP)
+            whole = Interval.point(length)
             return state.moved(whole, v_x, v_y, omega, closing), moved, box
         swept = swept.hull(moved).inflated()
     return None

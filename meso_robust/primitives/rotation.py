@@ -17,19 +17,13 @@ import numpy as np
 from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
 from meso_robust.bounds.interval import arcsin, cos, sin
+from meso_robust.motion import sticking
 from meso_robust.motion.two_sided import Grip, SlideTube, TubeStatus, enclose_slide
 from meso_robust.primitives.approach import MODULE, Pair, Touch, approach
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.setup import Edge, PoseBox, Setup
-from meso_robust.primitives.tips import (
-    HALF,
-    Tip,
-    free_at_start,
-    on_edge,
-    second_tip,
-    tip_of,
-)
+from meso_robust.primitives.tips import HALF, Tip, free_at_start, in_flight, on_edge, passes, tip_of
 
 PI = HALF_PI + HALF_PI
 
@@ -183,7 +177,6 @@ def _idle_tip_clear(
 
     The turn is cut where the part is safely past upright.
     """
-    dx, dy = second_tip(-1, setup)
     first, last = float(tube.h[0]), float(tube.h[-1])
     cut = first - 0.15 * (first - last)
     (at_cut, _) = enclose(
@@ -192,28 +185,16 @@ def _idle_tip_clear(
     )
     turned = HALF_PI - arcsin(at_cut)  # theta only grows: its rate is sin(theta)/T
     early, late = Interval(cut, first), Interval(last, cut)
-    parts = (
-        (early, start.hull(touch.theta).hull(turned), touch.active_offset),
-        (late, turned.hull(edge.angle(post.theta)), None),
-    )
-    return tuple(
-        require(
-            "the other tip of the active probe passes the part",
-            "sticking_motion",
-            "beside",
-            {
-                "theta": path,
-                "d2": _active_offset(tube, h, pair, edge).hull(before)
-                if before is not None
-                else _active_offset(tube, h, pair, edge),
-                "half": edge.half,
-                "dx": dx,
-                "dy": dy,
-                "side": Interval.point(1.0),
-            },
-            any_output=True,
-        )
-        for h, path, before in parts
+    offset = _active_offset(tube, early, pair, edge).hull(touch.active_offset)
+    flight = in_flight(pair.active, sticking.contact_reach(start, edge.depth, pair.active.rise))
+    upright = start.hull(touch.theta).hull(turned)
+    leaning = turned.hull(edge.angle(post.theta))
+    later = _active_offset(tube, late, pair, edge)
+    at_rest = Interval.point(0.0)
+    return (
+        passes(start, flight, touch.active_offset, 1, edge, setup, "before the touch"),
+        passes(upright, at_rest, offset, 1, edge, setup, "early in the turn"),
+        passes(leaning, at_rest, later, 1, edge, setup, "late in the turn"),
     )
 
 

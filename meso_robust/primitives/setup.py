@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
+from meso_robust.errors import InputError
 from meso_robust.task import Task
 
 
@@ -85,8 +86,8 @@ class Uncertainty:
 
 
 def _widened(range_: Interval, factor: float) -> Interval:
-    middle, reach = range_.mid, factor * 0.5 * (range_.hi - range_.lo)
-    return Interval(middle - reach, middle + reach)
+    middle = Interval.point(range_.mid)
+    return middle + (range_ - middle) * Interval.point(factor)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,4 +158,7 @@ def _both_sides(largest: Interval) -> Interval:
 
 def _inside(middle: Interval, reach: Interval) -> Interval:
     """The goal rounded inward: what lies in it lies in the exact goal."""
-    return Interval((middle - reach).hi, (middle + reach).lo)
+    low, high = (middle - reach).hi, (middle + reach).lo
+    if not low <= high:
+        raise InputError("goal: a tolerance is so small that rounding leaves nothing; widen it")
+    return Interval(low, high)

@@ -8,9 +8,17 @@ from dataclasses import dataclass
 from meso_robust.bounds import Interval
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
-from meso_robust.primitives.tips import free_at_start, on_edge, second_tip, sticks, tip_of, touch
+from meso_robust.primitives.obligation import Knot, Obligation, Step, require_order
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.tips import (
+    free_at_start,
+    in_flight,
+    on_edge,
+    passes,
+    sticks,
+    tip_of,
+    touch,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +60,10 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
         return _step(rule, pre, None, obligations), None
     path = start.hull(end)
     obligations += sticks("pushing", path, offset, side, edge, setup)
-    obligations.append(_idle_tip_clear(path, offset, side, edge, setup))
+    obligations += [
+        passes(start, in_flight(pusher, reach), offset, side, edge, setup, "before the touch"),
+        passes(path, Interval.point(0.0), offset, side, edge, setup, "while it turns"),
+    ]
     post = PoseBox(
         x=pusher.x_end - sticking.arm(end, edge.depth, offset)[0],
         y=pre.y + sticking.lift(start, end, edge.depth, offset),
@@ -64,23 +75,6 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
 def _wide(start: Interval, side: int) -> Interval:
     """All angles that the candidates of the enclosure can visit."""
     return start.hull(start + Interval.point(side * sticking.LARGEST_TURN))
-
-
-def _idle_tip_clear(
-    path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup
-) -> Obligation:
-    dx, dy = second_tip(-side, setup)
-    box = {
-        "theta": path,
-        "d2": offset,
-        "half": edge.half,
-        "dx": dx,
-        "dy": dy,
-        "side": Interval.point(float(side)),
-    }
-    return require(
-        "the other tip passes the part", "sticking_motion", "beside", box, any_output=True
-    )
 
 
 def _step(

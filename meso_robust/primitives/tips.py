@@ -55,6 +55,41 @@ def second_tip(side: int, setup: Setup) -> tuple[Interval, Interval]:
     return -(down * sin(beta) / cos(beta)), down
 
 
+def passes(
+    path: Interval,
+    flight: Interval,
+    offset: Interval,
+    side: int,
+    edge: Edge,
+    setup: Setup,
+    when: str,
+) -> Obligation:
+    """While one tip is ``flight`` short of its place on the edge, the other one is clear of the part.
+
+    ``side`` is that of the other tip; it must be off the edge's line or beyond the edge's end.
+    """
+    dx, dy = second_tip(-side, setup)
+    return require(
+        f"the other tip passes the part ({when})",
+        "sticking_motion",
+        "beside",
+        {
+            "theta": path,
+            "d2": offset,
+            "half": edge.half,
+            "dx": dx + flight,
+            "dy": dy,
+            "side": Interval.point(float(side)),
+        },
+        any_output=True,
+    )
+
+
+def in_flight(pusher: Tip, reach: Interval) -> Interval:
+    """How far the pushing tip is from the edge, from its start to its touch, m."""
+    return Interval(0.0, max(0.0, (pusher.ahead - reach).hi))
+
+
 def free_at_start(tips: tuple[Tip, ...], angle: Interval, edge: Edge) -> tuple[Obligation, ...]:
     """Both tips stand clear of the edge's line before the move."""
     return tuple(

@@ -98,7 +98,11 @@ def test_json_prints_the_certificate_and_nothing_else(tmp_path: Path) -> None:
     [
         ("length_um = 1616.0", "", ("part.length_um", "missing")),
         ("length_um = 1616.0", 'length_um = "long"', ("part.length_um", "'long'", "number")),
-        ("width_um = 837.0", "width_um = -837.0", ("part.width_um", "-837.0", "greater than 0")),
+        (
+            "width_um = 837.0",
+            "width_um = -837.0",
+            ("part.width_um", "-837.0", "greater than or equal to 1"),
+        ),
         ("friction = [0.30, 0.36]", "friction = [0.36, 0.30]", ("friction", "0.36, 0.3", "lower")),
         ("friction = [0.30, 0.36]", "friction = []", ("friction",)),
         ("x_um = 2060.4", "x_um = nan", ("start.x_um", "nan", "finite")),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,12 +12,13 @@ import pytest
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import certify
-from meso_robust.primitives.move import Aim, MoveRule, Point
+from meso_robust.primitives.move import Aim, MoveRule, Point, from_part
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.primitives.straighten import certify_straighten
 from meso_robust.primitives.tilt import certify_tilt
+from tests.conftest import paper_task as changed_task
 from tests.strategies import paper_chain, paper_task
 
 TILT, STRAIGHTEN, ROTATE, TO_GOAL = range(4)
@@ -286,3 +288,42 @@ def test_an_unfinished_plan_proves_nothing() -> None:
     assert certify(rules[:3], setup).verdict is not Verdict.PROVED
     assert certify(rules[1:], setup).verdict is not Verdict.PROVED
     assert certify([rules[0], rules[2], rules[3]], setup).verdict is not Verdict.PROVED
+
+
+@pytest.mark.parametrize("beyond_um", [0.2, 0.8])
+def test_an_idle_tip_that_would_strike_the_corner_on_its_way_is_seen(beyond_um: float) -> None:
+    """Misaligned by 5 deg before a part at 92.5 deg, the upper tip comes down over the corner.
+
+    It is beyond the end once the lower tip touches, and off the edge's line at the start, but not
+    clear of the part in between: the simulated part turns 1.4 deg further than by the tilt alone.
+    """
+    task = changed_task(
+        start__x_um=0.0,
+        start__y_um=0.0,
+        start__theta_deg=92.5,
+        uncertainty__sensed_position_um=0.0,
+        uncertainty__sensed_orientation_deg=0.0,
+        uncertainty__probe_position_um=0.0,
+        uncertainty__friction=[0.33, 0.33],
+        uncertainty__film_ratio_percent=0.0,
+        uncertainty__tip_misalignment_deg=[5.0, 5.0],
+    )
+    theta, beta, spacing, depth = math.radians(92.5), math.radians(5.0), 580.0, 418.5
+    across = -spacing * math.tan(beta) * math.cos(theta) + spacing * math.sin(theta)
+    offset = 808.0 + beyond_um - across
+    rise = offset * math.sin(theta) - depth * math.cos(theta)
+    reach = (depth + rise * math.cos(theta)) / math.sin(theta) - spacing / 2 * math.tan(beta)
+
+    def tilt(far_um: float) -> Step:
+        rule = MoveRule(
+            step=1,
+            primitive="y_translation",
+            action="tilt",
+            side=1,
+            dual=Point(x=from_part(reach + far_um), y=from_part(rise + spacing / 2)),
+            dual_end=from_part(reach - 20.0),
+        )
+        setup = setup_of(task)
+        return certify_tilt(rule, setup.start, setup)[0]
+
+    assert "the other tip passes the part (before the touch)" in open_claims(tilt(400.0))

@@ -89,5 +89,9 @@ def test_a_final_box_outside_the_goal_is_told_by_how_far(proved: Planned) -> Non
     )
     found = answer(replace(proved, setup=setup, chain=chain, certificate=certificate)).open
     assert found is not None
-    assert "leaves the goal by 11.8 µm in y;" in found.how
+    assert chain.end is not None
+    outside_um = (-30e-6 - chain.end.y.lo) * 1e6
+    said = float(found.how.split("leaves the goal by ")[1].split(" µm in y;")[0])
+    assert outside_um > 10.0
+    assert abs(said - outside_um) <= 0.05
     assert found.where.startswith("move 4 ")
