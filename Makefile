@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: demo test check lock benchmark clean
+.PHONY: demo test check lock benchmark reports clean
 
 demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
@@ -28,6 +28,11 @@ $(INSTALLED): pyproject.toml requirements.lock
 	$(BIN)/uv pip install --quiet --require-hashes --requirement requirements.lock
 	$(BIN)/uv pip install --quiet --no-deps --no-build-isolation --editable .
 	touch $@
+
+reports: $(INSTALLED)
+	$(BIN)/meso-robust derive
+	$(BIN)/meso-robust plan --out reports/paper_task
+	$(BIN)/python -m tests.benchmarks > reports/simulator_speed.txt
 
 lock:
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra dev --generate-hashes \

@@ -3,9 +3,11 @@
 Prints a small table. It is no test: it asserts nothing about time.
 """
 
+import platform
 import sys
 import time
 from collections.abc import Callable
+from importlib.metadata import version
 
 import numpy as np
 import numpy.typing as npt
@@ -85,6 +87,10 @@ def main() -> None:
         speed, share = lemke_solves(contacts)
         name = f"Lemke's method, n = {4 * contacts}, random contacts"
         lines.append((name, speed, f"{100 * share:.1f} % solved"))
+    sys.stdout.write(
+        f"one core of {platform.machine()}, Python {platform.python_version()}, "
+        f"numba {version('numba')}, meso-robust {version('meso-robust')}; best of several runs\n"
+    )
     for name, speed, note in lines:
         sys.stdout.write(f"{name:<42}{speed / 1e6:7.2f} M/s  {note}\n")
 
