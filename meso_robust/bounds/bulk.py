@@ -219,14 +219,14 @@ def _compiled() -> tuple[Callable[..., None], Callable[..., None]]:
     """The two kernels that are called from Python, kept on disk; see ``kernels.fingerprint``."""
     key = fingerprint("bounds")
 
-    @njit(cache=True)
+    @njit(cache=True, nogil=True)
     def many(
         program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, smear: Floats
     ) -> None:
         if key >= 0:
             _bound_each(program, lo, hi, lower, upper, smear)
 
-    @njit(cache=True)
+    @njit(cache=True, nogil=True)
     def whole(
         program: Program, lo: Floats, hi: Floats, slack: float, lower: Floats, upper: Floats
     ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 
 from meso_robust.bounds import Verdict
@@ -31,32 +32,24 @@ class Margin:
     """The first inequality that fails at ``refused``."""
 
 
-def margin(
-    rules: Sequence[MoveRule],
-    task: Task,
-    *,
-    progress: Callable[[str], None] = lambda _: None,
-) -> Margin:
+def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
     """Search the margin of a plan that is PROVED for its task, by bisection.
 
     Parameters
     ----------
     rules, task
         The plan and its task.
-    progress
-        Called with a word on what is tried next.
     """
 
     def proved(factor: float, only: str | None) -> bool:
         chain = certify(rules, setup_of(task, factor, only), whole=False)
         return chain.verdict is Verdict.PROVED
 
-    progress("all uncertainties together")
-    factor, refused = _bisect(lambda f: proved(f, None))
-    each = {}
-    for field in fields(Uncertainty):
-        progress(field.name.replace("_", " "))
-        each[field.name] = _bisect(lambda f, name=field.name: proved(f, name))[0]  # type: ignore[misc]
+    names = [field.name for field in fields(Uncertainty)]
+    with ThreadPoolExecutor() as pool:  # the kernels run without the interpreter's lock
+        found = list(pool.map(lambda only: _bisect(lambda f: proved(f, only)), (None, *names)))
+    factor, refused = found[0]
+    each = {name: bears for name, (bears, _) in zip(names, found[1:], strict=True)}
     binding = min(each, key=lambda name: each[name]) if factor > 0.0 else None
     return Margin(
         factor=factor,

@@ -29,7 +29,7 @@ from meso_robust.bounds.interval import Interval
 from meso_robust.bounds.tape import Floats, run
 from meso_robust.kernels import fingerprint
 
-STEPS = 840  # per width of the part: about 1 um for the paper's part
+STEPS = 420  # per width of the part: about 2 um for the paper's part
 H, V, D1, SIGMA, RHO, MU = range(6)  # arguments of slide_rates
 DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, HALF_T_RATE = range(5)  # its values: which way D and S slip
 
@@ -258,7 +258,7 @@ def _compiled() -> Callable[..., int]:
     """The kernel that is called from Python, kept on disk; see ``kernels.fingerprint``."""
     key = fingerprint("bounds", "motion")
 
-    @njit(cache=True)
+    @njit(cache=True, nogil=True)
     def grow(
         programs: _Programs,
         h: Floats,

@@ -23,7 +23,7 @@ from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
 
 SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
-SCOUT = 8.0  # how much coarser than the certificate the scouting tube is
+SCOUT = 4.0  # how much coarser than the certificate the scouting tube is
 APPROACH_UM = 60.0  # what the push by the active tip alone may take
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
 MOST_TRIALS = 6
