@@ -13,7 +13,6 @@ class Status(Enum):
     """What the machine found of a printed statement; always computed, never typed in."""
 
     CONFIRMED = "confirmed"
-    SHARPENED = "true, but only under the hypothesis that is stated with it"
     REFUTED = "refuted: the derivation gives something else"
     DERIVED = "not in the paper: derived here"
 
