@@ -9,13 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.campaigns.draws import Draws, draw, nominal
-from meso_robust.campaigns.monte_carlo import STEP, PlanRun, excess, run
+from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, STEP, PlanRun, excess, run
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.simulator import Outcome
 
 RECORD = 48  # intervals of a recorded path
 CLEAR = 4.0  # times the simulator's error: what counts as missing the goal
 ROUNDING = 1e-12  # m and rad
+REFUTING = (STARTS_INSIDE, Outcome.JAM)  # how a run can end that breaks the claim
 COMPARED = 64  # runs that are repeated at half the step
 
 
@@ -43,18 +45,18 @@ class CrossCheck:
 
     @property
     def failure(self) -> int | None:
-        """A run that was not completed, else the one that misses the goal by most.
+        """A run that could not be carried out, else the one that misses the goal by most.
 
-        None if every run is completed and no miss is clear: one within ``CLEAR`` times the
-        simulator's own error (or the rounding of doubles) proves nothing.
+        None if there is neither. A failure of the solver says nothing of the plan, and a miss
+        within ``CLEAR`` times the simulator's own error (or the rounding of doubles) nothing either.
         """
-        clear = (self.missed > CLEAR * np.array(self.error) + ROUNDING).any(axis=1)
-        if self.sampled.completed.all() and not clear.any():
-            return None
-        stuck = np.flatnonzero(~self.sampled.completed)
+        stuck = np.flatnonzero(np.isin(self.sampled.outcomes, REFUTING))
         if stuck.size:
             return int(stuck[0])
-        return int(np.argmax(self.missed.max(axis=1)))
+        clear = self.sampled.completed & _clear(self.missed, self.error).any(axis=1)
+        if not clear.any():
+            return None
+        return int(np.argmax(np.where(clear, self.missed.max(axis=1), -1.0)))
 
 
 def crosscheck(
@@ -103,7 +105,15 @@ def confirmed(rules: Sequence[MoveRule], setup: Setup, check: CrossCheck) -> boo
         return False
     again = run(rules, setup, _rows(check.draws, np.array([check.failure])), step=0.5 * STEP)
     missed = excess(again.final, setup.goal)[0]
-    return not again.completed[0] or bool((missed > CLEAR * np.array(check.error) + ROUNDING).any())
+    if not again.completed[0]:
+        return bool(again.outcomes[0] in REFUTING)
+    return bool(_clear(missed, check.error).any())
+
+
+def _clear(
+    missed: npt.NDArray[np.float64], error: tuple[float, float, float]
+) -> npt.NDArray[np.bool_]:
+    return np.asarray(missed > CLEAR * np.array(error) + ROUNDING)
 
 
 def _largest(values: npt.NDArray[np.float64]) -> tuple[float, float, float]:
