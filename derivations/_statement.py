@@ -1,0 +1,269 @@
+"""Deciding one statement: an identity, a polynomial statement over the reals, or a bound.
+
+Angles enter polynomial statements as points of the unit circle: every ``cos(t)``, ``sin(t)`` becomes
+a pair of real unknowns with ``cos^2 + sin^2 = 1``. What comes out is a :class:`Finding`, which only
+the functions of this file make; a finding that does not hold carries an exact witness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import sympy as sp
+from sympy.logic.boolalg import Boolean
+
+from derivations import _smt
+from derivations._circle import tidy
+
+Point = Mapping[sp.Symbol, sp.Expr]
+
+
+class DerivationError(AssertionError):
+    """A step of a derivation that must hold does not; the file must be mended before use."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What the machine found of one statement."""
+
+    what: str
+    """The statement in words and formulas (``$...$`` is LaTeX)."""
+    holds: bool
+    how: str
+    """By what route it was decided."""
+    witness: Mapping[str, str] = field(default_factory=dict)
+    """Where it fails (or, for an existence, where it holds): name -> exact value."""
+    query: str = ""
+    """SMT-LIB text that was decided, if that was the route; empty otherwise."""
+
+
+def require_zero(expression: sp.Expr, step: str) -> None:
+    """Stop unless ``expression`` vanishes identically.
+
+    Raises
+    ------
+    DerivationError
+        Names the step and shows what is left over.
+    """
+    rest = _rest(expression)
+    if rest != 0:
+        raise DerivationError(f"{step}: expected 0, but {rest} is left over")
+
+
+def identity(what: str, left: sp.Expr, right: sp.Expr, at: Point | None = None) -> Finding:
+    """Whether ``left`` equals ``right`` at every point.
+
+    Parameters
+    ----------
+    what
+        The statement, for the reader.
+    left, right
+        Expressions.
+    at
+        A point to show the difference at, if there is one.
+
+    Raises
+    ------
+    DerivationError
+        If it is neither shown to hold nor shown to fail.
+    """
+    rest = _rest(left - right)
+    if rest == 0:
+        return Finding(what=what, holds=True, how="identity: the difference simplifies to 0")
+    point = dict(at) if at is not None else _some_point(rest.free_symbols)
+    value = sp.expand_trig(rest).subs(point)
+    if value.free_symbols:
+        raise DerivationError(f"{what}: the point leaves {value.free_symbols} open")
+    if value.is_Rational and value != 0:
+        how = f"the two sides differ by {value} at the witness, in exact arithmetic"
+    elif abs(sp.N(value, 50)) > sp.Float("1e-40"):
+        how = f"the two sides differ by {sp.N(value, 6)} at the witness, to 50 digits"
+    else:
+        raise DerivationError(f"{what}: neither 0 nor shown to differ from it: {rest}")
+    return Finding(what=what, holds=False, how=how, witness=_shown(point))
+
+
+def for_all(what: str, given: Iterable[Boolean], then: Boolean, at: Point | None = None) -> Finding:
+    """Whether ``then`` follows from ``given`` for all real values, decided by z3.
+
+    Signs that the symbols carry (positive, negative) count as given.
+
+    Parameters
+    ----------
+    what
+        The statement, for the reader.
+    given, then
+        Polynomial relations; cosines and sines of symbols may occur.
+    at
+        A counterexample to look at first, in exact numbers.
+
+    Raises
+    ------
+    DerivationError
+        If ``at`` is no counterexample, if the premises contradict each other (the statement would
+        say nothing), or if the solver does not decide.
+    """
+    premises = list(given)
+    if at is not None:
+        if not _is_true(sp.And(*premises), at) or _is_true(then, at):
+            raise DerivationError(f"{what}: the point given is no counterexample: {_shown(at)}")
+        how = "fails at the witness, in exact arithmetic"
+        return Finding(what=what, holds=False, how=how, witness=_shown(at))
+    text = _smt.query(_algebraic([*premises, sp.Not(then)]), what)
+    answer, model = _smt.solve(text)
+    if answer == "unsat":
+        possible, _ = _smt.solve(_smt.query(_algebraic(premises), what))
+        if possible != "sat":
+            raise DerivationError(f"{what}: the premises are not shown to be possible")
+        return Finding(what=what, holds=True, how="z3: no counterexample exists", query=text)
+    if answer == "sat":
+        witness = {name: str(value) for name, value in sorted(model.items())}
+        return Finding(
+            what=what, holds=False, how="z3: a counterexample exists", witness=witness, query=text
+        )
+    raise DerivationError(f"{what}: not decided by z3")
+
+
+def there_is(what: str, such: Iterable[Boolean], at: Point) -> Finding:
+    """Whether all of ``such`` hold at the point ``at``, in exact arithmetic."""
+    holds = _is_true(sp.And(*such), at)
+    how = "holds at the witness, in exact arithmetic" if holds else "does not hold at the point"
+    return Finding(what=what, holds=holds, how=how, witness=_shown(at))
+
+
+def together(what: str, *printed: Boolean) -> Finding:
+    """Whether the printed relations can all be true of the same values, decided by z3."""
+    text = _smt.query(_algebraic(list(printed)), what)
+    answer, model = _smt.solve(text)
+    if answer == "unknown":
+        raise DerivationError(f"{what}: not decided by z3")
+    shown = {name: str(value) for name, value in sorted(model.items())}
+    how = "z3: possible" if answer == "sat" else "z3: no values satisfy all of them"
+    return Finding(what=what, holds=answer == "sat", how=how, witness=shown, query=text)
+
+
+def positive_by(
+    what: str,
+    goal: sp.Expr,
+    given: Mapping[str, sp.Expr],
+    multiplier: str,
+    combination: str,
+    on: Sequence[tuple[sp.Expr, sp.Expr]] = (),
+) -> Finding:
+    """``goal > 0`` wherever all ``given`` are positive, by a certificate checked exactly.
+
+    The certificate is the identity ``goal * multiplier = combination`` in which both are
+    polynomials in the given quantities with positive coefficients.
+
+    Parameters
+    ----------
+    what
+        The statement, for the reader.
+    goal
+        What is to be positive.
+    given
+        name -> expression that is positive.
+    multiplier, combination
+        In the names of ``given``.
+    on
+        ``(x, y)`` pairs of unknowns with ``x^2 + y^2 = 1``.
+
+    Raises
+    ------
+    DerivationError
+        If the identity does not hold or a coefficient is not positive.
+    """
+    names = {name: sp.Symbol(name) for name in given}
+    parts = [sp.sympify(text, locals=names) for text in (multiplier, combination)]
+    for part in parts:
+        if part.free_symbols - set(names.values()):
+            raise DerivationError(f"{what}: {part} uses what is not given")
+        if not all(k.is_Rational and k > 0 for k in sp.Poly(part, *names.values()).coeffs()):
+            raise DerivationError(f"{what}: {part} has a coefficient that is not positive")
+    back = {symbol: given[name] for name, symbol in names.items()}
+    scale, combined = (part.subs(back, simultaneous=True) for part in parts)
+    rest = sp.expand(goal * scale - combined)
+    for x, y in on:
+        rest = sp.rem(rest, x**2 + y**2 - 1, x) if rest.has(x) else rest
+    if sp.expand(rest) != 0:
+        raise DerivationError(f"{what}: the certificate leaves {sp.factor(rest)}")
+    left = "goal" if multiplier == "1" else f"goal * ({multiplier})"
+    named = {"goal": goal, **given}
+    meaning = ", ".join(f"{name} = {sp.sstr(value)}" for name, value in named.items())
+    how = f"certificate, checked exactly: {left} = {combination} with {meaning} all positive"
+    return Finding(what=what, holds=True, how=how)
+
+
+def angle(half_tangent: sp.Rational, of: sp.Symbol) -> dict[sp.Expr, sp.Rational]:
+    """Exact cosine and sine of an angle, as a point to evaluate at: t = tan(angle/2)."""
+    t = sp.Rational(half_tangent)
+    return {sp.cos(of): (1 - t**2) / (1 + t**2), sp.sin(of): 2 * t / (1 + t**2)}
+
+
+def _rest(expression: sp.Expr) -> sp.Expr:
+    """0 if the expression vanishes; roots and inverse functions need the general simplifier."""
+    tidied = tidy(expression)
+    return tidied if tidied == 0 else sp.simplify(tidied)
+
+
+def _is_true(relation: Boolean, at: Point) -> bool:
+    """Whether a relation holds at a point of rationals; angles given by cosine and sine.
+
+    Raises
+    ------
+    DerivationError
+        If the point leaves it open, or is not on the unit circle.
+    """
+    for key, value in at.items():
+        if isinstance(key, sp.cos) and value**2 + at[sp.sin(key.args[0])] ** 2 != 1:
+            raise DerivationError(f"{key} and its sine are not on the unit circle: {_shown(at)}")
+    signs = [s > 0 for s in at if s.is_positive] + [s < 0 for s in at if s.is_negative]
+    if not all(_signs_kept(at)):
+        raise DerivationError(f"a value has the wrong sign: {_shown(at)}, {signs}")
+    value = sp.simplify(relation.subs(dict(at), simultaneous=True))
+    if value not in (sp.true, sp.false):
+        raise DerivationError(f"{relation} is not decided at {_shown(at)}: {value}")
+    return bool(value)
+
+
+def _signs_kept(at: Point) -> Iterable[bool]:
+    for symbol, value in at.items():
+        if symbol.is_Symbol and symbol.is_positive:
+            yield bool(value > 0)
+        if symbol.is_Symbol and symbol.is_negative:
+            yield bool(value < 0)
+
+
+def _algebraic(relations: list[Boolean]) -> list[Boolean]:
+    """The relations over unknowns for cosines and sines, with what is known of every unknown."""
+    angles = sorted({f.args[0] for r in relations for f in r.atoms(sp.cos, sp.sin)}, key=str)
+    on_circle = []
+    for k, turn in enumerate(angles):
+        name = turn if turn.is_Symbol else k
+        cosine, sine = sp.Symbol(f"cos_{name}", real=True), sp.Symbol(f"sin_{name}", real=True)
+        relations = [r.subs({sp.cos(turn): cosine, sp.sin(turn): sine}) for r in relations]
+        on_circle.append(sp.Eq(cosine**2 + sine**2, 1, evaluate=False))
+    plain, known = {}, []
+    for symbol in sorted(set().union(*(r.free_symbols for r in relations)), key=str):
+        plain[symbol] = sp.Symbol(str(symbol), real=True)  # without its sign: nothing is folded
+        if symbol.is_positive:
+            known.append(plain[symbol] > 0)
+        if symbol.is_negative:
+            known.append(plain[symbol] < 0)
+    return [*known, *(r.subs(plain) for r in [*on_circle, *relations])]
+
+
+def _some_point(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Rational]:
+    ordered = sorted(symbols, key=str)
+    signs = [-1 if symbol.is_negative else 1 for symbol in ordered]
+    return {
+        symbol: sp.Rational(sign * (k + 3), 2 * k + 7)
+        for k, (symbol, sign) in enumerate(zip(ordered, signs, strict=True))
+    }
+
+
+def _shown(at: Point) -> dict[str, str]:
+    return {
+        str(key): str(value) for key, value in sorted(at.items(), key=lambda item: str(item[0]))
+    }
