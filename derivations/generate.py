@@ -1,31 +1,42 @@
-"""Write what the derivations return: generated code and a readable list of checked statements."""
+"""Run the derivations; write the generated code and the report that they give."""
 
 from __future__ import annotations
 
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+from importlib import import_module
 from pathlib import Path
 
 import sympy as sp
 from sympy.printing.pycode import PythonCodePrinter
 
-from derivations import (
-    one_point_sticking,
-    sticking_motion,
-    two_point_sticking,
-    two_sided_rotation,
-    y_translation,
-)
-from derivations._derivation import Derivation
+from derivations import report
+from derivations._derivation import Derivation, Function
+from derivations._dimension import check, require_dyadic
+from derivations._statement import DerivationError
 
 ROOT = Path(__file__).resolve().parent.parent
 GENERATED = ROOT / "meso_robust" / "_generated"
-REPORT = ROOT / "reports" / "derivations" / "statements.md"
 SOURCES = (
-    one_point_sticking,
-    sticking_motion,
-    two_point_sticking,
-    two_sided_rotation,
-    y_translation,
+    "three_point_support",
+    "time_stepping",
+    "fit_objective",
+    "invariances",
+    "one_point_sticking",
+    "sticking_motion",
+    "two_point_sticking",
+    "t2_motion",
+    "two_sided_rotation",
+    "rotation_existence",
+    "final_orientation",
+    "sampling",
+    "y_translation",
+    "final_pose",
+    "symmetries",
+    "polygon_edge",
+    "printed_numbers",
 )
+"""Derivation files, in the order in which a reader of the paper meets their claims."""
 
 HEADER = '''"""{summary}
 
@@ -55,63 +66,68 @@ class _Printer(PythonCodePrinter):
         return str(super()._print_Pow(expr, rational=rational))
 
 
-def derive_all() -> tuple[Derivation, ...]:
-    """Run every derivation.
+def derive_one(name: str) -> Derivation:
+    """Run one derivation and check the units and constants of what it would generate.
 
     Raises
     ------
     DerivationError
         If a step does not hold.
     """
-    return tuple(source.derive() for source in SOURCES)
+    derivation: Derivation = import_module(f"derivations.{name}").derive()
+    for label, function in derivation.functions.items():
+        check(function, f"{name}.{label}")
+        for result in function.results:
+            require_dyadic(result)
+    return derivation
 
 
-def render(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
-    """File contents by path: one module a derivation, and the list of statements."""
-    files = {GENERATED / f"{d.name}.py": _module(d) for d in derivations}
+def derive_all() -> tuple[Derivation, ...]:
+    """Run every derivation, on all cores.
+
+    Raises
+    ------
+    DerivationError
+        If a step does not hold, or two claims share a key.
+    """
+    with ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as pool:
+        derivations = tuple(pool.map(derive_one, SOURCES))
+    keys = [claim.key for derivation in derivations for claim in derivation.claims]
+    twice = sorted({key for key in keys if keys.count(key) > 1})
+    if twice:
+        raise DerivationError(f"claims share a key: {', '.join(twice)}")
+    return derivations
+
+
+def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
+    """Contents of the generated modules by path, one module a derivation."""
+    files = {GENERATED / f"{d.name}.py": _module(d) for d in derivations if d.functions}
     files[GENERATED / "__init__.py"] = (
         '"""Code generated from derivations/ by `meso-robust derive`; do not edit."""\n'
     )
-    files[REPORT] = _report(derivations)
     return files
+
+
+def on_disk() -> set[Path]:
+    """Every file that lies where :func:`render` writes."""
+    found = set(GENERATED.glob("*.py")) | set(report.FOLDER.rglob("*"))
+    return {path for path in found if path.is_file()}
 
 
 def _module(derivation: Derivation) -> str:
     parts = [HEADER.format(summary=derivation.summary, name=derivation.name)]
-    for name, (arguments, results, meaning) in derivation.functions.items():
-        parts.append(_function(name, arguments, results, meaning))
+    parts += [_function(name, function) for name, function in derivation.functions.items()]
     return "\n\n".join(parts)
 
 
-def _function(
-    name: str, arguments: tuple[sp.Symbol, ...], results: tuple[sp.Expr, ...], meaning: str
-) -> str:
+def _function(name: str, function: Function) -> str:
     printer = _Printer({"fully_qualified_modules": False})
-    shared, finals = sp.cse(results, order="canonical")
+    shared, finals = sp.cse(function.results, order="canonical")
     lines = [f"    {symbol} = {printer.doprint(value)}" for symbol, value in shared]
     values = "".join(f"        {printer.doprint(value)},\n" for value in finals)
-    inputs = ", ".join(f"{symbol}: Any" for symbol in arguments)
+    inputs = ", ".join(f"{symbol}: Any" for symbol in function.arguments)
     body = "".join(line + "\n" for line in lines)
     return (
         f"def {name}(ops: Any, {inputs}) -> tuple[Any, ...]:\n"
-        f'    """Return {meaning}."""\n{body}    return (\n{values}    )\n'
+        f'    """Return {function.meaning}."""\n{body}    return (\n{values}    )\n'
     )
-
-
-def _report(derivations: tuple[Derivation, ...]) -> str:
-    lines = [
-        "# Statements of the paper, checked by derivation",
-        "",
-        "Written by `meso-robust derive`; every verdict is computed.",
-        "",
-        "| place | as derived | verdict | derivation |",
-        "|---|---|---|---|",
-    ]
-    for derivation in derivations:
-        for s in derivation.statements:
-            text = s.text.replace("|", "\\|")
-            lines.append(
-                f"| {s.place} | {text} | **{s.status.name}**: {s.status.value} "
-                f"| derivations/{derivation.name}.py |"
-            )
-    return "\n".join(lines) + "\n"

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations._derivation import Derivation, Statement, Status, require_zero
+from derivations._claim import Claim
+from derivations._derivation import Derivation, Function
+from derivations._statement import identity, require_zero
 from derivations.mechanics import a, by_angle, d1, d2, n, rho, theta, v_p
 from derivations.one_point_sticking import F, solve_sticking
 
@@ -27,7 +29,7 @@ def derive() -> Derivation:
     start, end = sp.symbols("theta_start theta_end", real=True)
     R = sp.sqrt(d1**2 + d2**2)
     travel = F / R * sp.log(half_angle(end) / half_angle(start))
-    rate = -solve_sticking()["omega"] / v_p  # turn per unit of travel along -x
+    rate = -solve_sticking().twist[2] / v_p  # turn per unit of travel along -x
     require_zero(sp.diff(travel, end) * rate.subs(theta, end) - 1, "d(travel)/d(theta) = 1/rate")
     require_zero(travel.subs(end, start), "no travel, no turn")
 
@@ -52,55 +54,97 @@ def derive() -> Derivation:
     return Derivation(
         name="sticking_motion",
         summary="Closed-form motion under one-point sticking, and contact geometry.",
-        statements=(
-            Statement(
-                place="closed form of one-point sticking",
-                text="tan((theta-delta)/2) = tan((theta0-delta)/2) exp(R travel/F)",
-                status=Status.DERIVED,
-            ),
-        ),
+        claims=(_closed_form(rate),),
         functions={
-            "travel": (
-                (start, end, d1, d2, rho),
-                (travel,),
-                "m: travel of the tip in sticking contact that turns the part from start to end",
+            "travel": Function(
+                arguments=(start, end, d1, d2, rho),
+                results=(travel,),
+                unit="m",
+                meaning="m: travel of the tip in sticking contact that turns the part from start to end",
             ),
-            "arm": (
-                (theta, d1, d2),
-                (by_angle(arm[0]), by_angle(arm[1])),
-                "m: contact point minus centre, world axes",
+            "arm": Function(
+                arguments=(theta, d1, d2),
+                results=(by_angle(arm[0]), by_angle(arm[1])),
+                unit="m",
+                meaning="m: contact point minus centre, world axes",
             ),
-            "contact_offset": (
-                (theta, d1, rise),
-                (offset,),
-                "m: offset d2 along the edge of a tip that is `rise` above the centre",
+            "contact_offset": Function(
+                arguments=(theta, d1, rise),
+                results=(offset,),
+                unit="m",
+                meaning="m: offset d2 along the edge of a tip that is `rise` above the centre",
             ),
-            "contact_reach": (
-                (theta, d1, rise),
-                (reach,),
-                "m: how far right of the centre a tip that is `rise` above it meets the edge",
+            "contact_reach": Function(
+                arguments=(theta, d1, rise),
+                results=(reach,),
+                unit="m",
+                meaning="m: how far right of the centre a tip that is `rise` above it meets the edge",
             ),
-            "shortening": (
-                (theta, d1, d2, rho),
-                (by_angle(shortening),),
-                "m^2: where positive, a contact further up the edge (d2) needs less travel to turn "
+            "shortening": Function(
+                arguments=(theta, d1, d2, rho),
+                results=(by_angle(shortening),),
+                unit="m^2",
+                meaning="m^2: where positive, a contact further up the edge (d2) needs less travel to turn "
                 "the part counter-clockwise, more to turn it clockwise",
             ),
-            "lift": (
-                (start, end, d1, d2),
-                (sp.collect(sp.expand(start_arm - end_arm), [d1, d2]),),
-                "m: rise of the centre while the part turns from start to end about the contact",
+            "lift": Function(
+                arguments=(start, end, d1, d2),
+                results=(sp.collect(sp.expand(start_arm - end_arm), [d1, d2]),),
+                unit="m",
+                meaning="m: rise of the centre while the part turns from start to end about the contact",
             ),
-            "clearance": (
-                (theta, d1, dx, dy),
-                (by_angle(other_n - d1),),
-                "m: distance from the edge's line of a point (dx, dy) from the centre",
+            "clearance": Function(
+                arguments=(theta, d1, dx, dy),
+                results=(by_angle(other_n - d1),),
+                unit="m",
+                meaning="m: distance from the edge's line of a point (dx, dy) from the centre",
             ),
-            "beside": (
-                (theta, d2, half, dx, dy, side),
-                (by_angle(other_n), by_angle(side * other_a - half)),
-                "m: how far the second tip, (dx, dy) from the touching one, is off the edge's line "
+            "beside": Function(
+                arguments=(theta, d2, half, dx, dy, side),
+                results=(by_angle(other_n), by_angle(side * other_a - half)),
+                unit="m",
+                meaning="m: how far the second tip, (dx, dy) from the touching one, is off the edge's line "
                 "and beyond its end; it is clear of the part where either is positive",
             ),
         },
+    )
+
+
+def _closed_form(rate: sp.Expr) -> Claim:
+    """The travel law, by differentiation along the motion."""
+    start, xi = sp.Symbol("theta_0", real=True), sp.Symbol("xi", real=True)
+    R, delta = sp.sqrt(d1**2 + d2**2), sp.Symbol("delta", real=True)
+    half = sp.tan((start - delta) / 2) * sp.exp(R * xi / F)  # tan((theta - delta)/2)
+    motion = 2 * sp.atan(half)  # theta - delta
+    slope = sp.diff(motion, xi) - R / F * 2 * half / (1 + half**2)  # sin from the half tangent
+    push = sp.Symbol("R", positive=True)
+    by_delta = sp.sin(theta) * push * sp.cos(delta) - sp.cos(theta) * push * sp.sin(delta)
+    return Claim(
+        key="closed-form-motion",
+        title="Motion under one-point sticking in closed form",
+        place="new; the paper integrates numerically",
+        derived=r"While the contact sticks, $d\theta/d\xi = (R/F) \sin(\theta - \delta)$ with $\xi$ "
+        r"the travel, $R^2 = d_1^2 + d_2^2$, $\delta = \mathrm{atan2}(d_1, d_2)$, so "
+        r"$\tan\frac{\theta - \delta}{2} = \tan\frac{\theta_0 - \delta}{2}\, e^{R\xi/F}$. The "
+        "centre follows from the contact, which moves with the tip. Friction does not enter.",
+        steps=(
+            r"The turning rate per travel is the lever $d_2\sin\theta - d_1\cos\theta$ over $F$.",
+            r"Separating variables gives the travel $\xi = \frac{F}{R}\ln\frac{\tan((\theta - "
+            r"\delta)/2)}{\tan((\theta_0 - \delta)/2)}$, without time stepping.",
+        ),
+        hypotheses=("the contact sticks (exact sticking interval)",),
+        checks=(
+            identity(
+                r"rate: $F\,d\theta/d\xi = R\sin(\theta - \delta)$",
+                sp.expand_trig(push * sp.sin(theta - delta)),
+                by_delta,
+            ),
+            identity(
+                r"the rate is the one derived from the balance",
+                rate,
+                (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / F,
+            ),
+            identity(r"the law solves the equation", slope, sp.Integer(0)),
+            identity(r"and starts at $\theta_0$", half.subs(xi, 0), sp.tan((start - delta) / 2)),
+        ),
     )

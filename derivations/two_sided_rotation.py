@@ -1,4 +1,6 @@
-"""Rotation between a moving and a passive tip on opposite edges (paper, eqs. 10 and 11).
+"""Rotation between a moving and a passive tip on opposite edges: kinematics, forces, motion.
+
+What follows from it for the paper's eqs. 10, 11 and its remarks is in ``rotation_claims.py``.
 
 ``D`` (moving along -x) touches the upper/right edge, ``S`` (at rest) the opposite one, the part is
 ``w = 2 d1`` wide. With ``(h, V)`` the vector from S to D, ``T`` its component along ``a``::
@@ -16,7 +18,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations._derivation import Derivation, Statement, Status, require_zero
+from derivations._circle import solve_linear
+from derivations._claim import Claim
+from derivations._derivation import Derivation, Function
+from derivations._statement import identity, require_zero
 from derivations.mechanics import a, d1, d2, film, mu, n, rho, theta, velocity_at, wrench
 
 h, sigma, tau, tau_D, tau_S, p_S = sp.symbols("h sigma tau tau_D tau_S p_S", real=True)
@@ -56,7 +61,7 @@ def two_contact_balance() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     twist = sp.Matrix([centre[0], centre[1], theta_rate])
     pushes = wrench(force_D * (-n + tau_D * a), at_D) + wrench(force_S * (n + tau_S * a), at_S)
     balance = film(twist).subs(NORMAL_UNIT) - pushes
-    (solved,) = sp.solve(list(balance), (force_D, force_S, rate), dict=True)
+    solved = solve_linear(balance, (force_D, force_S, rate))
     grip = T * (T + d1 * (tau_D - tau_S))
     L_D = s * (rho + p_S * (p_S + d1 * tau_S)) / grip
     L_S = s * (rho + p_S * (p_D + d1 * tau_D)) / grip
@@ -92,7 +97,7 @@ def one_contact_motion() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     twist = sp.Matrix([v_x, v_y, omega])
     balance = film(twist).subs(NORMAL_UNIT) - wrench(force * (-n + tau * a), arm)
     follows = (velocity_at(twist, arm) - sp.Matrix([-1, 0])).dot(n)
-    (solved,) = sp.solve([*balance, follows], (v_x, v_y, omega, force), dict=True)
+    solved = solve_linear([*balance, follows], (v_x, v_y, omega, force))
     stiff = rho + d2**2 + d1 * d2 * tau
     c, s = sp.cos(theta), sp.sin(theta)
     motion = (
@@ -110,12 +115,11 @@ def one_contact_motion() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
 
 
 def derive() -> Derivation:
-    """Derive the orientation law, the slide rate and the no-jam condition."""
-    c_h, s_h, _, T_rate = kinematics()
+    """Derive the orientation law, the slide rate and the functions to generate."""
+    c_h, s_h, theta_rate, T_rate = kinematics()
     _L_D, L_S, slide = two_contact_balance()
     v_x, v_y, omega, closing = one_contact_motion()
     length = sp.sqrt(h**2 + V**2 - w**2)
-    tangent = {T: length, sp.cos(theta): c_h, sp.sin(theta): s_h}
 
     def of_h(expression: sp.Expr) -> sp.Expr:
         return expression.subs({sp.cos(theta): c_h, sp.sin(theta): s_h}).subs(T, length)
@@ -124,84 +128,103 @@ def derive() -> Derivation:
     T_of_theta = (V + w * sp.cos(theta)) / sp.sin(theta)
     pair = T_of_theta * a + w * n
     require_zero(pair[1] - V, "T of theta keeps the separation V")
-    no_jam = V**2 - w**2 * (1 + mu**2)
+    corners = tuple(corner_rate(slide, at_D, at_S) for at_D in (-1, 1) for at_S in (-1, 1))
     return Derivation(
         name="two_sided_rotation",
         summary="Rotation between a moving and a passive tip on opposite edges (eqs. 10, 11).",
-        statements=(
-            Statement(
-                place="orientation of the two-sided rotation",
-                text="theta = atan2(V, h) + asin(w/sqrt(h^2 + V^2)) while both tips touch",
-                status=_orientation_law(c_h.subs(tangent), s_h.subs(tangent)),
-            ),
-            Statement(
-                place="eq. 10 and the remark on pointed cones",
-                text="the friction cones stay pointed (no internal forces) while the tips pass each other only if "
-                "d_v > d_w sqrt(1 + mu^2); neither eq. 10 nor d_v >= d_w tan(sigma) ensures it",
-                status=_printed_existence(no_jam),
-            ),
-        ),
+        claims=(_orientation_law(of_h(c_h), of_h(s_h), theta_rate),),
         functions={
-            "orientation": (
-                (h, V, d1),
-                (of_h(c_h), of_h(s_h)),
-                "cos and sin of theta while both tips touch; (h, V): from S to D, m",
+            "orientation": Function(
+                arguments=(h, V, d1),
+                results=(of_h(c_h), of_h(s_h)),
+                unit="1",
+                meaning="cos and sin of theta while both tips touch; (h, V): from S to D, m",
             ),
-            "pair_position": (
-                (theta, V, d1),
-                (pair[0],),
-                "h, m, at which both tips touch a part of orientation theta",
+            "pair_position": Function(
+                arguments=(theta, V, d1),
+                results=(pair[0],),
+                unit="m",
+                meaning="h, m, at which both tips touch a part of orientation theta",
             ),
-            "slide_rates": (
-                (h, V, d1, sigma, rho, mu),
-                (
-                    *(of_h(corner_rate(slide, at_D, at_S)) for at_D in (-1, 1) for at_S in (-1, 1)),
-                    of_h(T_rate / 2),
-                ),
-                "d(sigma)/d(travel) at friction ratios (tau_D, tau_S) = mu (-1, -1), mu (-1, 1), "
-                "mu (1, -1), mu (1, 1), and half of dT/d(travel)",
+            "slide_rates": Function(
+                arguments=(h, V, d1, sigma, rho, mu),
+                results=(*map(of_h, corners), of_h(T_rate / 2)),
+                unit="1",
+                meaning="d(sigma)/d(travel) at friction ratios (tau_D, tau_S) = mu (-1, -1), "
+                "mu (-1, 1), mu (1, -1), mu (1, 1), and half of dT/d(travel)",
             ),
-            "pair": ((h, V, d1), (length,), "T, m: distance of the contacts along a"),
-            "passive_force": (
-                (h, V, d1, sigma, rho, tau_D, tau_S),
-                (of_h(L_S),),
-                "normal force at S over e_x and travel rate, m; where positive for all ratios, D "
-                "alone would press the part on S",
+            "pair": Function(
+                arguments=(h, V, d1),
+                results=(length,),
+                unit="m",
+                meaning="T, m: distance of the contacts along a",
             ),
-            "no_jam": ((V, d1, mu), (no_jam,), "m^2: positive where the grasp cannot close"),
-            "one_contact_motion": (
-                (theta, d1, d2, rho, tau),
-                (v_x, v_y, omega),
-                "twist per travel while D alone pushes with friction ratio tau",
+            "passive_force": Function(
+                arguments=(h, V, d1, sigma, rho, tau_D, tau_S),
+                results=(of_h(L_S),),
+                unit="1",
+                meaning="normal force at S over e_x and travel rate; where positive for all "
+                "ratios, D alone would press the part on S",
             ),
-            "closing": (
-                (theta, d1, d2, p_S, rho, tau),
-                (closing,),
-                "speed per travel at which the far edge closes on S at offset p_S, D alone pushing",
+            "no_jam": Function(
+                arguments=(V, d1, mu),
+                results=(V**2 - w**2 * (1 + mu**2),),
+                unit="m^2",
+                meaning="m^2: positive where the grasp cannot close",
+            ),
+            "one_contact_motion": Function(
+                arguments=(theta, d1, d2, rho, tau),
+                results=(v_x, v_y),
+                unit="1",
+                meaning="velocity of the centre per travel while D alone pushes with friction "
+                "ratio tau",
+            ),
+            "one_contact_turning": Function(
+                arguments=(theta, d1, d2, rho, tau),
+                results=(omega,),
+                unit="1/m",
+                meaning="turn per travel while D alone pushes with friction ratio tau",
+            ),
+            "closing": Function(
+                arguments=(theta, d1, d2, p_S, rho, tau),
+                results=(closing,),
+                unit="1",
+                meaning="speed per travel at which the far edge closes on S at offset p_S, D alone "
+                "pushing",
             ),
         },
     )
 
 
-def _orientation_law(c: sp.Expr, s: sp.Expr) -> Status:
-    """The printed angle law has the derived sine and cosine."""
+def _orientation_law(c_h: sp.Expr, s_h: sp.Expr, theta_rate: sp.Expr) -> Claim:
+    """The angle law in closed form has the derived cosine and sine."""
     reach = sp.sqrt(h**2 + V**2)
     cos_1, sin_1 = h / reach, V / reach
     sin_2, cos_2 = w / reach, sp.sqrt(h**2 + V**2 - w**2) / reach
-    printed_c, printed_s = cos_1 * cos_2 - sin_1 * sin_2, sin_1 * cos_2 + cos_1 * sin_2
-    require_zero(printed_c - c, "cosine of the orientation law")
-    require_zero(printed_s - s, "sine of the orientation law")
-    return Status.DERIVED
-
-
-def _printed_existence(no_jam: sp.Expr) -> Status:
-    """Whether all pairs that both conditions allow have pointed cones; a witness says no.
-
-    The paper's part and errors (5 um each): eq. 10 asks for 837 + 2 5 + 2 5 um. The cones are not
-    pointed when both hold the line through the contacts.
-    """
-    half_width, friction = sp.Rational(837, 2), sp.Rational(33, 100)
-    separation = 2 * half_width + 2 * 5 + 2 * 5
-    allowed = separation >= 2 * half_width * friction
-    closes = no_jam.subs({V: separation, d1: half_width, mu: friction}) < 0
-    return Status.REFUTED if allowed and closes else Status.CONFIRMED
+    return Claim(
+        key="orientation-law",
+        title="Orientation during two-sided rotation",
+        place="new; Section IX-C3 argues about the final orientation only",
+        derived=r"While both tips touch the two long edges the orientation is kinematic: with "
+        r"$(h, V)$ from the passive to the moving tip, $\theta = \mathrm{atan2}(V, h) + "
+        r"\sin^{-1}(d_w/\sqrt{h^2 + V^2})$ and $d\theta/d\xi = \sin\theta/T$, $T^2 = h^2 + V^2 - "
+        r"d_w^2$. Friction, film and slide do not enter.",
+        steps=(
+            r"Both contacts hold: $(h, V) = T a + d_w n$ with $a = (\cos\theta, \sin\theta)$, "
+            r"$n = (\sin\theta, -\cos\theta)$.",
+            r"Differentiating with $dh/d\xi = -1$ gives $d\theta/d\xi = \sin\theta/T$ and "
+            r"$dT/d\xi = -h/T$.",
+        ),
+        hypotheses=("both tips stay on their edges",),
+        checks=(
+            identity("cosine of the law", cos_1 * cos_2 - sin_1 * sin_2, c_h),
+            identity("sine of the law", sin_1 * cos_2 + cos_1 * sin_2, s_h),
+            identity(
+                r"$d\theta/d\xi = \sin\theta/T$",
+                -sp.diff(sp.atan2(V, h) + sp.asin(w / reach), h),
+                theta_rate.subs(sp.Symbol("s", real=True), s_h).subs(
+                    T, sp.sqrt(h**2 + V**2 - w**2)
+                ),
+            ),
+        ),
+    )

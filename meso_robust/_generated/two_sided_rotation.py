@@ -66,7 +66,7 @@ def pair(ops: Any, h: Any, V: Any, d1: Any) -> tuple[Any, ...]:
 
 
 def passive_force(ops: Any, h: Any, V: Any, d1: Any, sigma: Any, rho: Any, tau_D: Any, tau_S: Any) -> tuple[Any, ...]:
-    """Return normal force at S over e_x and travel rate, m; where positive for all ratios, D alone would press the part on S."""
+    """Return normal force at S over e_x and travel rate; where positive for all ratios, D alone would press the part on S."""
     x0 = V**2 + h**2
     x1 = ops.sqrt(-4*d1**2 + x0)
     x2 = (1/2)*x1
@@ -83,16 +83,21 @@ def no_jam(ops: Any, V: Any, d1: Any, mu: Any) -> tuple[Any, ...]:
 
 
 def one_contact_motion(ops: Any, theta: Any, d1: Any, d2: Any, rho: Any, tau: Any) -> tuple[Any, ...]:
-    """Return twist per travel while D alone pushes with friction ratio tau."""
+    """Return velocity of the centre per travel while D alone pushes with friction ratio tau."""
     x0 = ops.cos(theta)
     x1 = ops.sin(theta)
-    x2 = d1*tau
-    x3 = x1/(d2**2 + d2*x2 + rho)
-    x4 = rho*x3
+    x2 = rho*x1/(d1*d2*tau + d2**2 + rho)
     return (
-        -x4*(-tau*x0 + x1),
-        x4*(tau*x1 + x0),
-        x3*(d2 + x2),
+        -x2*(-tau*x0 + x1),
+        x2*(tau*x1 + x0),
+    )
+
+
+def one_contact_turning(ops: Any, theta: Any, d1: Any, d2: Any, rho: Any, tau: Any) -> tuple[Any, ...]:
+    """Return turn per travel while D alone pushes with friction ratio tau."""
+    x0 = d1*tau
+    return (
+        (d2 + x0)*ops.sin(theta)/(d2**2 + d2*x0 + rho),
     )
 
 

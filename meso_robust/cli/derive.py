@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import sys
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
+from meso_robust.cli.console import Reporter, negative, refuse
+from meso_robust.files import write_all
+
+if TYPE_CHECKING:
+    from derivations._derivation import Derivation
 
 
 def derive(
@@ -18,47 +21,58 @@ def derive(
     as_json: Annotated[bool, typer.Option("--json", help="Print the verdicts as JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
 ) -> None:
-    """Regenerate the derivations and the code that comes from them; print the verdicts."""
-    from derivations._derivation import DerivationError
-    from derivations.generate import ROOT, derive_all, render
+    """Derive, prove or refute every printed claim; regenerate the code that comes from it."""
+    from derivations import generate, report
 
-    if not (ROOT / "pyproject.toml").exists():
+    if not (generate.ROOT / "pyproject.toml").exists():
         refuse("derive: runs in a checkout of the project only, where the derivations are kept")
+    with Reporter(quiet).doing("deriving and proving"):
+        derivations, files = _derived(keep=not check)
+    stale = generate.on_disk() - set(files)
+    differing = stale | _differing(files)
+    if not check:
+        _write(files)
+        for path in stale:
+            path.unlink()
+    if as_json:
+        print(files[report.FOLDER / "register.json"], end="")
+    elif not quiet:
+        for claim in (claim for d in derivations for claim in d.claims):
+            print(f"{claim.verdict.words:32} {claim.key}: {claim.title} [{claim.place}]")
+    if check and differing:
+        names = ", ".join(sorted(str(path.relative_to(generate.ROOT)) for path in differing))
+        negative(
+            f"derive --check: differs from what is derived: {names}; run `meso-robust derive` "
+            "and look at the change before committing it"
+        )
+
+
+def _derived(*, keep: bool) -> tuple[tuple[Derivation, ...], dict[Path, str]]:
+    """All derivations and the files they give; with ``keep`` the generated code is written."""
+    from derivations import generate, report
+    from derivations._statement import DerivationError
+
     try:
-        with Reporter(quiet).doing("deriving"):
-            derivations = derive_all()
+        derivations = generate.derive_all()
+        files = generate.code(derivations)
+        if keep:
+            _write(files)  # the report's figures are drawn with the new code
+        return derivations, files | report.render(derivations)
+    except ModuleNotFoundError as error:
+        refuse(f"derive: needs {error.name}; install the project with its extra `derive`")
     except DerivationError as error:
         negative(f"derive: a step does not hold: {error}")
-    files = render(derivations)
-    differing = [
+
+
+def _differing(files: dict[Path, str]) -> set[Path]:
+    return {
         path
         for path, text in files.items()
         if not path.exists() or path.read_text(encoding="utf-8") != text
-    ]
-    if not check:
-        for path in differing:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(files[path], encoding="utf-8")
-    statements = [(d, s) for d in derivations for s in d.statements]
-    if as_json:
-        rows = [
-            {
-                "place": s.place,
-                "derived": s.text,
-                "verdict": s.status.name,
-                "derivation": f"derivations/{d.name}.py",
-            }
-            for d, s in statements
-        ]
-        print(json.dumps(rows, indent=2))
-    elif not quiet:
-        for _, s in statements:
-            print(f"{s.status.name:10} {s.place}: {s.text}")
-    if check and differing:
-        names = ", ".join(str(path.relative_to(ROOT)) for path in differing)
-        print(
-            f"meso-robust: derive --check: differs from what is derived: {names}; "
-            "run `meso-robust derive` and commit",
-            file=sys.stderr,
-        )
-        raise typer.Exit(NEGATIVE)
+    }
+
+
+def _write(files: dict[Path, str]) -> None:
+    """Write what differs, each file whole or not at all."""
+    for path in sorted(_differing(files)):
+        write_all(path.parent, {path.name: files[path]})

@@ -49,7 +49,7 @@ def _plan(
     check_folder(out)
 
     from meso_robust.job import make
-    from meso_robust.reporting import report
+    from meso_robust.reporting.page import report
 
     result = make(task, samples, seed, say.doing)
     with say.doing("writing the report"):

@@ -159,7 +159,8 @@ def _alone_step(
         }
         box["tau"] = _friction_ratio(box)
         (closing,) = enclose(condition(MODULE, "closing"), box, boxes=8)
-        v_x, v_y, omega = enclose(condition(MODULE, "one_contact_motion"), box, boxes=8)
+        v_x, v_y = enclose(condition(MODULE, "one_contact_motion"), box, boxes=8)
+        (omega,) = enclose(condition(MODULE, "one_contact_turning"), box, boxes=8)
         if not closing.lo > 0.0:
             return None
         moved = state.moved(during, v_x, v_y, omega, closing)
