@@ -1,17 +1,22 @@
-"""CasADi functions of the contact conditions, ready for numbers and for bounds.
+"""The contact conditions, evaluated in four ways from one formula.
 
 The formulas come from ``meso_robust/_generated``; this package only names their arguments.
+:func:`condition` gives CasADi numbers and outward-rounded bounds, :func:`values` NumPy arrays,
+:func:`balls` rigorous balls of any precision. Each way imports what it needs when it is asked for:
+arrays and balls do without CasADi.
 """
 
 from __future__ import annotations
 
-import inspect
 from functools import cache
-from importlib import import_module
+from typing import TYPE_CHECKING
 
-import casadi as ca
+from meso_robust.admissibility.arrays import values as values
+from meso_robust.admissibility.ball import balls as balls
+from meso_robust.admissibility.formula import formula, inputs
 
-from meso_robust.bounds import Bounded, bounded
+if TYPE_CHECKING:
+    from meso_robust.bounds import Bounded
 
 
 @cache
@@ -30,8 +35,11 @@ def condition(module: str, name: str) -> Bounded:
     >>> condition("two_sided_rotation", "no_jam").inputs
     ('V', 'd1', 'mu')
     """
-    generated = getattr(import_module(f"meso_robust._generated.{module}"), name)
-    inputs = tuple(inspect.signature(generated).parameters)[1:]
-    x = ca.SX.sym("x", len(inputs))
-    values = ca.vertcat(*generated(ca, *ca.vertsplit(x)))
-    return bounded(f"{module}.{name}", inputs, ca.Function(name, [x], [ca.densify(values)]))
+    import casadi as ca
+
+    from meso_robust.bounds import bounded
+
+    names = inputs(module, name)
+    x = ca.SX.sym("x", len(names))
+    results = ca.vertcat(*formula(module, name)(ca, *ca.vertsplit(x)))
+    return bounded(f"{module}.{name}", names, ca.Function(name, [x], [ca.densify(results)]))

@@ -1,6 +1,5 @@
 """Reports for people; the only package that draws.
 
-Import it where a report is written, not before: it brings in the plotting library.
+Import :mod:`meso_robust.reporting.page` where a report is written, not before: it brings in the
+plotting library.
 """
-
-from meso_robust.reporting.page import report as report

@@ -71,14 +71,16 @@ def test_derived_sticking_solution_by_hand(offset: Fraction) -> None:
         sp.cos(theta): sp.Rational(3, 5),
         sp.sin(theta): sp.Rational(4, 5),
     }
-    derived = [expression.subs(at) for expression in _solved().values()]
+    derived = [expression.subs(at) for expression in _solved()]
     assert [Fraction(int(x.p), int(x.q)) for x in derived] == one_point(offset)
 
 
 @cache
-def _solved() -> dict[str, sp.Expr]:
+def _solved() -> tuple[sp.Expr, ...]:
     """Written in cos and sin of theta itself, so that rational values can be put in."""
-    return {name: sp.expand_trig(sp.expand(value)) for name, value in solve_sticking().items()}
+    solved = solve_sticking()
+    values = (*solved.twist, solved.normal, solved.tangential)
+    return tuple(sp.expand_trig(sp.expand(value)) for value in values)
 
 
 @pytest.mark.parametrize("offset", OFFSETS)
@@ -208,7 +210,11 @@ def test_one_contact_with_given_friction_ratio_by_hand(ratio: Fraction) -> None:
     )
     rows.append([*velocity_row(arm, N), Fraction(0)])
     *twist, _ = solve(rows, [Fraction(0), Fraction(0), Fraction(0), -N[0]])
-    found = two_sided_rotation.one_contact_motion(OPS, ANY, DEPTH, offset, RHO, ratio)
+    at = (OPS, ANY, DEPTH, offset, RHO, ratio)
+    found = (
+        *two_sided_rotation.one_contact_motion(*at),
+        *two_sided_rotation.one_contact_turning(*at),
+    )
     assert list(found) == twist
     far_arm = plus((far, A), (DEPTH, INWARD))  # the point of the far edge in front of S
     towards_S = velocity_row(far_arm, INWARD)

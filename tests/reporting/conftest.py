@@ -6,7 +6,7 @@ import pytest
 
 from meso_robust import job
 from meso_robust.job import Planned
-from meso_robust.reporting import report
+from meso_robust.reporting.page import report
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
 

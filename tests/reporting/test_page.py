@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 import pytest
 
 from meso_robust.job import Planned
-from meso_robust.reporting import report
+from meso_robust.reporting.page import report
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 NAMESPACES = {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
