@@ -1,0 +1,12 @@
+; a force of size at most $L$ has at most $L$ in every direction; summed over the supports: $|P| \le \mu_s W$
+(set-logic QF_NRA)
+(declare-const L Real)
+(declare-const f_x Real)
+(declare-const f_y Real)
+(declare-const u_x Real)
+(declare-const u_y Real)
+(assert (> L 0))
+(assert (<= (+ (* f_x f_x) (* f_y f_y)) (* L L)))
+(assert (= (+ (* u_x u_x) (* u_y u_y)) 1))
+(assert (> (+ (* f_x u_x) (* f_y u_y)) L))
+(check-sat)

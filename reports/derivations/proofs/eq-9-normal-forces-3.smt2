@@ -1,0 +1,13 @@
+; both positive $\Leftrightarrow$ the centre between the tips
+(set-logic QF_NRA)
+(declare-const cos_beta Real)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const d4 Real)
+(declare-const sin_beta Real)
+(assert (> d1 0))
+(assert (> d4 0))
+(assert (= (+ (* cos_beta cos_beta) (* sin_beta sin_beta)) 1))
+(assert (> cos_beta 0))
+(assert (not (= (and (> (+ (* cos_beta d2) (* d1 sin_beta)) 0) (> (+ (* (- 1) cos_beta d2) (* (- 1) d1 sin_beta) d4) 0)) (and (< (* cos_beta d2) (+ (* (- 1) d1 sin_beta) d4)) (< (* (- 1) d1 sin_beta) (* cos_beta d2))))))
+(check-sat)

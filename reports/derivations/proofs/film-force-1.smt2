@@ -1,0 +1,12 @@
+; a straight push at one of the printed speeds takes at most 50 µN
+(set-logic QF_NRA)
+(declare-const e_x Real)
+(declare-const force Real)
+(declare-const speed Real)
+(assert (> e_x 0))
+(assert (> speed 0))
+(assert (and (>= e_x (/ 32177 200)) (<= e_x (/ 32179 200))))
+(assert (or (= speed (/ 37 5000000)) (= speed (/ 3 40000)) (= speed (/ 7 50000))))
+(assert (= force (* e_x speed)))
+(assert (<= force (/ 1 20000)))
+(check-sat)

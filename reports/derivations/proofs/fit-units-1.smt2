@@ -1,0 +1,7 @@
+; the three entries have one dimension (exponent of length)
+(set-logic QF_NRA)
+(declare-const exponent Real)
+(assert (= exponent 1))
+(assert (= exponent 1))
+(assert (= exponent 1))
+(check-sat)

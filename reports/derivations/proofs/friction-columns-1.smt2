@@ -1,0 +1,12 @@
+; $n_d$ directions for each contact make $2n_c + n_d n_s$ columns
+(set-logic QF_NRA)
+(declare-const n_c Real)
+(declare-const n_d Real)
+(declare-const n_s Real)
+(assert (> n_c 0))
+(assert (> n_d 0))
+(assert (> n_s 0))
+(assert (= (* n_d (+ n_c n_s)) (+ (* 2 n_c) (* n_d n_s))))
+(assert (>= n_c 1))
+(assert (>= n_d 3))
+(check-sat)

@@ -1,0 +1,12 @@
+; $|Y| = 38$, 2.3° to 5°: outside
+(set-logic QF_NRA)
+(declare-const Y Real)
+(declare-const c Real)
+(declare-const s Real)
+(assert (= (+ (* c c) (* s s)) 1))
+(assert (> c 0))
+(assert (>= s (/ 401 10000)))
+(assert (<= s (/ 109 1250)))
+(assert (= Y 38))
+(assert (<= (+ (* 2 Y) (* 837 c) (* 1616 s)) 976))
+(check-sat)

@@ -1,0 +1,10 @@
+; straight parts fit up to 69.5 µm only
+(set-logic QF_NRA)
+(declare-const Y Real)
+(declare-const c Real)
+(declare-const s Real)
+(assert (= s 0))
+(assert (= c 1))
+(assert (<= (+ (* 2 Y) (* 837 c) (* 1616 s)) 976))
+(assert (> (* 2 Y) 139))
+(check-sat)

@@ -1,0 +1,10 @@
+; starting within 0.1 µm or more, up to 1.7 mm/s, inertia is below the drag
+(set-logic QF_NRA)
+(declare-const speed Real)
+(declare-const way Real)
+(assert (> speed 0))
+(assert (> way 0))
+(assert (<= speed (/ 17 10000)))
+(assert (>= way (/ 1 10000000)))
+(assert (>= (* (/ 2789721 6250000000000) (* speed speed)) (* (/ 16089 50000) speed way)))
+(check-sat)

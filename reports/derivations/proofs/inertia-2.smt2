@@ -1,0 +1,10 @@
+; and below 50 nN up to 140 µm/s
+(set-logic QF_NRA)
+(declare-const speed Real)
+(declare-const way Real)
+(assert (> speed 0))
+(assert (> way 0))
+(assert (<= speed (/ 7 50000)))
+(assert (>= way (/ 1 10000000)))
+(assert (>= (* (/ 2789721 6250000000000) (* speed speed)) (* (/ 1 10000000) way)))
+(check-sat)

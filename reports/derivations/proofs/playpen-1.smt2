@@ -1,0 +1,10 @@
+; 1.63 mm is 0.641 inch
+(set-logic QF_NRA)
+(declare-const inch Real)
+(declare-const mm Real)
+(assert (> inch 0))
+(assert (> mm 0))
+(assert (and (>= mm (/ 13 8)) (<= mm (/ 327 200))))
+(assert (and (>= inch (/ 1281 2000)) (<= inch (/ 1283 2000))))
+(assert (= mm (* (/ 127 5) inch)))
+(check-sat)

@@ -1,0 +1,10 @@
+; ten times 1.15 mm is 0.454 inch
+(set-logic QF_NRA)
+(declare-const inch Real)
+(declare-const mm Real)
+(assert (> inch 0))
+(assert (> mm 0))
+(assert (and (>= (* (/ 1 10) mm) (/ 229 200)) (<= (* (/ 1 10) mm) (/ 231 200))))
+(assert (and (>= inch (/ 907 2000)) (<= inch (/ 909 2000))))
+(assert (= mm (* (/ 127 5) inch)))
+(check-sat)

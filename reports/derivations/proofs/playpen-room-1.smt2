@@ -1,0 +1,13 @@
+; less than 1.4°
+(set-logic QF_NRA)
+(declare-const c Real)
+(declare-const s Real)
+(declare-const x Real)
+(assert (= (+ (* c c) (* s s)) 1))
+(assert (>= c 0))
+(assert (>= s 0))
+(assert (>= x 0))
+(assert (<= (+ (* 1616 c) (* 837 s) (* 2 x)) 1635))
+(assert (<= (+ (* 837 c) (* 1616 s)) 1155))
+(assert (>= s (/ 2443 100000)))
+(check-sat)

@@ -1,0 +1,12 @@
+; a place exists only if $u' < 0 < v'$ and $d_4 < v' - u'$
+(set-logic QF_NRA)
+(declare-const d4 Real)
+(declare-const lever Real)
+(declare-const u Real)
+(declare-const v Real)
+(assert (> lever 0))
+(assert (< lever d4))
+(assert (< lever v))
+(assert (> (+ (* (- 1) d4) lever) u))
+(assert (not (and (> d4 0) (> v 0) (< d4 (+ (* (- 1) u) v)) (< u 0))))
+(check-sat)

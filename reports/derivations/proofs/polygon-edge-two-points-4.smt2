@@ -1,0 +1,11 @@
+; then $\Lambda = d_4 v'/(v' - u')$ is one
+(set-logic QF_NRA)
+(declare-const d4 Real)
+(declare-const u Real)
+(declare-const v Real)
+(assert (< u 0))
+(assert (> v 0))
+(assert (> d4 0))
+(assert (< d4 (+ (* (- 1) u) v)))
+(assert (not (and (> (* d4 v (/ 1 (+ (* (- 1) u) v))) 0) (> (+ (* d4 v (/ 1 (+ (* (- 1) u) v))) (* (- 1) d4)) u) (< (* d4 v (/ 1 (+ (* (- 1) u) v))) d4) (< (* d4 v (/ 1 (+ (* (- 1) u) v))) v))))
+(check-sat)

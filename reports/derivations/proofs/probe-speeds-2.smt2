@@ -1,0 +1,13 @@
+; and at 30 Hz moves by less than a pixel per frame
+(set-logic QF_NRA)
+(declare-const frame_um Real)
+(declare-const pixel_um Real)
+(declare-const speed_um Real)
+(assert (> frame_um 0))
+(assert (> pixel_um 0))
+(assert (> speed_um 0))
+(assert (or (= speed_um (/ 37 5)) (= speed_um 75) (= speed_um 140)))
+(assert (= (* 30 frame_um) speed_um))
+(assert (and (>= pixel_um (/ 1051 200)) (<= pixel_um (/ 1053 200))))
+(assert (>= frame_um pixel_um))
+(check-sat)

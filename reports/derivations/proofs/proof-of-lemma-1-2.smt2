@@ -1,0 +1,13 @@
+; (8) is positive before $\pi - \tan^{-1}(d_2/d_1)$
+(set-logic QF_NRA)
+(declare-const cos_theta Real)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const sin_theta Real)
+(assert (> d1 0))
+(assert (= (+ (* cos_theta cos_theta) (* sin_theta sin_theta)) 1))
+(assert (> d2 0))
+(assert (> sin_theta 0))
+(assert (> (+ (* cos_theta d2) (* d1 sin_theta)) 0))
+(assert (<= (+ (* cos_theta d2) (* d1 sin_theta)) 0))
+(check-sat)

@@ -1,0 +1,11 @@
+; corner rates that increase leave exactly one state
+(set-logic QF_NRA)
+(declare-const g Real)
+(declare-const r_0 Real)
+(declare-const r_e Real)
+(declare-const r_m Real)
+(assert (> g 0))
+(assert (< r_0 r_m))
+(assert (< r_m r_e))
+(assert (not (and (not (and (>= r_0 (* (/ 1 2) g)) (<= r_e (* (- (/ 1 2)) g)))) (not (and (>= r_0 (* (/ 1 2) g)) (or (and (> r_0 (* (/ 1 2) g)) (< r_m (* (/ 1 2) g))) (and (> r_m (* (/ 1 2) g)) (< r_0 (* (/ 1 2) g)))))) (not (and (>= r_0 (* (/ 1 2) g)) (or (and (> r_e (* (- (/ 1 2)) g)) (< r_m (* (- (/ 1 2)) g))) (and (> r_m (* (- (/ 1 2)) g)) (< r_e (* (- (/ 1 2)) g)))))) (not (and (<= r_e (* (- (/ 1 2)) g)) (or (and (> r_0 (* (/ 1 2) g)) (< r_m (* (/ 1 2) g))) (and (> r_m (* (/ 1 2) g)) (< r_0 (* (/ 1 2) g)))))) (not (and (<= r_e (* (- (/ 1 2)) g)) (or (and (> r_e (* (- (/ 1 2)) g)) (< r_m (* (- (/ 1 2)) g))) (and (> r_m (* (- (/ 1 2)) g)) (< r_e (* (- (/ 1 2)) g)))))) (not (and (or (and (> r_0 (* (/ 1 2) g)) (< r_m (* (/ 1 2) g))) (and (> r_m (* (/ 1 2) g)) (< r_0 (* (/ 1 2) g)))) (or (and (> r_e (* (- (/ 1 2)) g)) (< r_m (* (- (/ 1 2)) g))) (and (> r_m (* (- (/ 1 2)) g)) (< r_e (* (- (/ 1 2)) g)))))) (not (and (>= r_0 (* (/ 1 2) g)) (>= r_m (* (- (/ 1 2)) g)) (<= r_m (* (/ 1 2) g)))) (not (and (>= r_m (* (- (/ 1 2)) g)) (<= r_e (* (- (/ 1 2)) g)) (<= r_m (* (/ 1 2) g)))) (not (and (>= r_m (* (- (/ 1 2)) g)) (<= r_m (* (/ 1 2) g)) (or (and (> r_0 (* (/ 1 2) g)) (< r_m (* (/ 1 2) g))) (and (> r_m (* (/ 1 2) g)) (< r_0 (* (/ 1 2) g)))))) (not (and (>= r_m (* (- (/ 1 2)) g)) (<= r_m (* (/ 1 2) g)) (or (and (> r_e (* (- (/ 1 2)) g)) (< r_m (* (- (/ 1 2)) g))) (and (> r_m (* (- (/ 1 2)) g)) (< r_e (* (- (/ 1 2)) g)))))))))
+(check-sat)

@@ -1,0 +1,13 @@
+; in the sense of (12): $\beta + \theta_0 < \pi/2$ leaves a counter-clockwise turn to $\pi/2 - \beta$
+(set-logic QF_NRA)
+(declare-const cos_beta Real)
+(declare-const cos_theta_0 Real)
+(declare-const sin_beta Real)
+(declare-const sin_theta_0 Real)
+(assert (= (+ (* cos_beta cos_beta) (* sin_beta sin_beta)) 1))
+(assert (= (+ (* cos_theta_0 cos_theta_0) (* sin_theta_0 sin_theta_0)) 1))
+(assert (> cos_beta 0))
+(assert (> sin_theta_0 0))
+(assert (> (+ (* cos_beta cos_theta_0) (* (- 1) sin_beta sin_theta_0)) 0))
+(assert (<= (+ (* cos_beta cos_theta_0) (* (- 1) sin_beta sin_theta_0)) 0))
+(check-sat)

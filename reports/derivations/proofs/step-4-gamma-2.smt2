@@ -1,0 +1,11 @@
+; $\tan^{-1}(d_1/d_2) \le \tan^{-1}(d_1/d_3)$ at an offset $0 < d_2 < d_3$
+(set-logic QF_NRA)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const d3 Real)
+(assert (> d1 0))
+(assert (> d3 0))
+(assert (> d2 0))
+(assert (< d2 d3))
+(assert (<= (* d1 (/ 1 d2)) (* d1 (/ 1 d3))))
+(check-sat)

@@ -1,0 +1,12 @@
+; $X$ rises with $\beta$ where $d_2 \cos\beta > |d_1 \sin\beta|$
+(set-logic QF_NRA)
+(declare-const cos_beta Real)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const sin_beta Real)
+(assert (> d1 0))
+(assert (= (+ (* cos_beta cos_beta) (* sin_beta sin_beta)) 1))
+(assert (> (* cos_beta d2) (* d1 sin_beta)))
+(assert (> (* cos_beta d2) (* (- 1) d1 sin_beta)))
+(assert (<= (+ (* cos_beta d2) (* d1 sin_beta)) 0))
+(check-sat)

@@ -1,0 +1,13 @@
+; $X$ rises with $\beta \ge 0$ for $d_2 > 0$
+(set-logic QF_NRA)
+(declare-const cos_beta Real)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const sin_beta Real)
+(assert (> d1 0))
+(assert (= (+ (* cos_beta cos_beta) (* sin_beta sin_beta)) 1))
+(assert (> d2 0))
+(assert (> cos_beta 0))
+(assert (>= sin_beta 0))
+(assert (<= (+ (* cos_beta d2) (* d1 sin_beta)) 0))
+(check-sat)

@@ -1,0 +1,11 @@
+; both margins positive exactly for $|d_2| < \mu(\rho + d_1^2)/d_1$
+(set-logic QF_NRA)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const mu Real)
+(declare-const rho Real)
+(assert (> d1 0))
+(assert (> mu 0))
+(assert (> rho 0))
+(assert (not (= (and (> (+ (* mu (* d1 d1)) (* (- 1) d1 d2) (* mu rho)) 0) (> (+ (* mu (* d1 d1)) (* d1 d2) (* mu rho)) 0)) (and (< (* (- 1) d1 d2) (* mu (+ (* d1 d1) rho))) (< (* d1 d2) (* mu (+ (* d1 d1) rho)))))))
+(check-sat)

@@ -1,0 +1,12 @@
+; tilt and offset to one side turn the part further to that side
+(set-logic QF_NRA)
+(declare-const d1 Real)
+(declare-const delta Real)
+(declare-const epsilon Real)
+(declare-const q_xx Real)
+(assert (> d1 0))
+(assert (> epsilon 0))
+(assert (> delta 0))
+(assert (>= q_xx 0))
+(assert (<= (* (/ 1 (+ (* d1 d1) q_xx)) (+ (* d1 epsilon) delta)) 0))
+(check-sat)

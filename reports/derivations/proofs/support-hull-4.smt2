@@ -1,0 +1,12 @@
+; a load above 0: strictly on the inner side
+(set-logic QF_NRA)
+(declare-const N_i Real)
+(declare-const S Real)
+(declare-const S_i Real)
+(declare-const W Real)
+(assert (> W 0))
+(assert (= (* N_i S) (* S_i W)))
+(assert (distinct S 0))
+(assert (> N_i 0))
+(assert (<= (* S S_i) 0))
+(check-sat)

@@ -1,0 +1,12 @@
+; column X: the average of 1996, 1975, 1559 is 1843 µm
+(set-logic QF_NRA)
+(declare-const X_1 Real)
+(declare-const X_2 Real)
+(declare-const X_3 Real)
+(declare-const X_mean Real)
+(assert (and (>= X_1 (/ 3991 2)) (<= X_1 (/ 3993 2))))
+(assert (and (>= X_2 (/ 3949 2)) (<= X_2 (/ 3951 2))))
+(assert (and (>= X_3 (/ 3117 2)) (<= X_3 (/ 3119 2))))
+(assert (and (>= X_mean (/ 3685 2)) (<= X_mean (/ 3687 2))))
+(assert (= (* 3 X_mean) (+ X_1 X_2 X_3)))
+(check-sat)

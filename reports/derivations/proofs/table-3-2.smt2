@@ -1,0 +1,12 @@
+; column Y: the average of 19, 18, 20 is 19 µm
+(set-logic QF_NRA)
+(declare-const Y_1 Real)
+(declare-const Y_2 Real)
+(declare-const Y_3 Real)
+(declare-const Y_mean Real)
+(assert (and (>= Y_1 (/ 37 2)) (<= Y_1 (/ 39 2))))
+(assert (and (>= Y_2 (/ 35 2)) (<= Y_2 (/ 37 2))))
+(assert (and (>= Y_3 (/ 39 2)) (<= Y_3 (/ 41 2))))
+(assert (and (>= Y_mean (/ 37 2)) (<= Y_mean (/ 39 2))))
+(assert (= (* 3 Y_mean) (+ Y_1 Y_2 Y_3)))
+(check-sat)

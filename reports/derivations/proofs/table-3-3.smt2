@@ -1,0 +1,12 @@
+; column θ: the average of 0.6, 0.5, 1.1 is 0.7°
+(set-logic QF_NRA)
+(declare-const theta_1 Real)
+(declare-const theta_2 Real)
+(declare-const theta_3 Real)
+(declare-const theta_mean Real)
+(assert (and (>= theta_1 (/ 11 20)) (<= theta_1 (/ 13 20))))
+(assert (and (>= theta_2 (/ 9 20)) (<= theta_2 (/ 11 20))))
+(assert (and (>= theta_3 (/ 21 20)) (<= theta_3 (/ 23 20))))
+(assert (and (>= theta_mean (/ 13 20)) (<= theta_mean (/ 3 4))))
+(assert (= (* 3 theta_mean) (+ theta_1 theta_2 theta_3)))
+(check-sat)

@@ -1,0 +1,10 @@
+; two errors of ±5 µm make an excess of 7 to 9 µm
+(set-logic QF_NRA)
+(declare-const e_end Real)
+(declare-const e_start Real)
+(declare-const excess Real)
+(assert (and (>= excess 7) (<= excess 9)))
+(assert (= excess (+ e_end (* (- 1) e_start))))
+(assert (and (>= e_start (- 5)) (<= e_start 5)))
+(assert (and (>= e_end (- 5)) (<= e_end 5)))
+(check-sat)

@@ -1,0 +1,11 @@
+; then the last is at least 2 µm too high and the first at least 2 µm too low
+(set-logic QF_NRA)
+(declare-const e_end Real)
+(declare-const e_start Real)
+(declare-const excess Real)
+(assert (and (>= excess 7) (<= excess 9)))
+(assert (= excess (+ e_end (* (- 1) e_start))))
+(assert (and (>= e_start (- 5)) (<= e_start 5)))
+(assert (and (>= e_end (- 5)) (<= e_end 5)))
+(assert (not (and (>= e_end 2) (<= e_start (- 2)))))
+(check-sat)

@@ -1,0 +1,12 @@
+; column X: the average of 381, 434, 370 is 382 µm
+(set-logic QF_NRA)
+(declare-const X_1 Real)
+(declare-const X_2 Real)
+(declare-const X_3 Real)
+(declare-const X_mean Real)
+(assert (and (>= X_1 (/ 761 2)) (<= X_1 (/ 763 2))))
+(assert (and (>= X_2 (/ 867 2)) (<= X_2 (/ 869 2))))
+(assert (and (>= X_3 (/ 739 2)) (<= X_3 (/ 741 2))))
+(assert (and (>= X_mean (/ 763 2)) (<= X_mean (/ 765 2))))
+(assert (= (* 3 X_mean) (+ X_1 X_2 X_3)))
+(check-sat)

@@ -1,0 +1,12 @@
+; column Y: the average of 34, 32, 14 is 27 µm
+(set-logic QF_NRA)
+(declare-const Y_1 Real)
+(declare-const Y_2 Real)
+(declare-const Y_3 Real)
+(declare-const Y_mean Real)
+(assert (and (>= Y_1 (/ 67 2)) (<= Y_1 (/ 69 2))))
+(assert (and (>= Y_2 (/ 63 2)) (<= Y_2 (/ 65 2))))
+(assert (and (>= Y_3 (/ 27 2)) (<= Y_3 (/ 29 2))))
+(assert (and (>= Y_mean (/ 53 2)) (<= Y_mean (/ 55 2))))
+(assert (= (* 3 Y_mean) (+ Y_1 Y_2 Y_3)))
+(check-sat)

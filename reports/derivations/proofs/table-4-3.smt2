@@ -1,0 +1,12 @@
+; column θ: the average of 88, 90, 90 is 89°
+(set-logic QF_NRA)
+(declare-const theta_1 Real)
+(declare-const theta_2 Real)
+(declare-const theta_3 Real)
+(declare-const theta_mean Real)
+(assert (and (>= theta_1 (/ 175 2)) (<= theta_1 (/ 177 2))))
+(assert (and (>= theta_2 (/ 179 2)) (<= theta_2 (/ 181 2))))
+(assert (and (>= theta_3 (/ 179 2)) (<= theta_3 (/ 181 2))))
+(assert (and (>= theta_mean (/ 177 2)) (<= theta_mean (/ 179 2))))
+(assert (= (* 3 theta_mean) (+ theta_1 theta_2 theta_3)))
+(check-sat)

@@ -1,0 +1,12 @@
+; 45° (from 44.5° on) at $\rho = 0.3769$ mm² needs more than 953 µm
+(set-logic QF_NRA)
+(declare-const rho_mm Real)
+(declare-const travel Real)
+(declare-const turn Real)
+(assert (> rho_mm 0))
+(assert (and (>= rho_mm (/ 7537 20000)) (<= rho_mm (/ 7539 20000))))
+(assert (>= turn (/ 27960151 36000000)))
+(assert (<= (* 4 rho_mm (* turn turn)) (* travel travel)))
+(assert (>= travel 0))
+(assert (<= travel (/ 953 1000)))
+(check-sat)

@@ -1,0 +1,12 @@
+; $4\rho > \mu^2 d_1^2$ implies the hypothesis
+(set-logic QF_NRA)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const mu Real)
+(declare-const rho Real)
+(assert (> d1 0))
+(assert (> mu 0))
+(assert (> rho 0))
+(assert (> (* 4 rho) (* (* d1 d1) (* mu mu))))
+(assert (not (and (> (+ (* (- 1) d1 d2 mu) (* d2 d2) rho) 0) (> (+ (* d1 d2 mu) (* d2 d2) rho) 0))))
+(check-sat)
