@@ -20,7 +20,7 @@ class Verdict(Enum):
         "the printed statement fails as it stands and is proved under the added hypotheses"
     )
     SHARPENED = "the printed statement is proved, and so is a stronger one"
-    REFUTED = "the printed statement fails at the witness"
+    REFUTED = "the printed statement is shown to fail"
     INCONSISTENT = "the printed statements cannot all be true"
     NEW = "not in the paper: derived and proved here"
 
@@ -51,7 +51,7 @@ class Claim:
     hypotheses: tuple[str, ...] = ()
     """What the derived statement needs."""
     added: tuple[str, ...] = ()
-    """Those of them that the print lacks."""
+    """Hypotheses that the print lacks; readers see them with the others."""
     checks: tuple[Finding, ...] = ()
     """Findings on the derived statement; all must hold."""
     of_print: tuple[Finding, ...] = ()
@@ -71,13 +71,15 @@ class Claim:
         DerivationError
             Names the claim and the finding.
         """
-        for finding in (*self.checks, *self.sharper):
+        for finding in (*self.checks, *self.sharper, *self.with_added):
             if not finding.holds:
                 raise DerivationError(
                     f"{self.key}: {finding.what}: {finding.how} {dict(finding.witness)}"
                 )
         if not self.findings:
             raise DerivationError(f"{self.key}: nothing was checked")
+        if not self.printed and self.findings != self.checks:
+            raise DerivationError(f"{self.key}: findings on a print that is not given")
         if bool(self.added) != bool(self.with_added):
             raise DerivationError(f"{self.key}: added hypotheses and findings under them differ")
         _ = self.verdict
@@ -106,8 +108,4 @@ class Claim:
             return Verdict.SHARPENED if self.sharper else Verdict.CONFIRMED
         if not self.of_print:
             raise DerivationError(f"{self.key}: nothing was found of the printed statement")
-        if not self.with_added:
-            return Verdict.REFUTED
-        if all(finding.holds for finding in self.with_added):
-            return Verdict.CONFIRMED_WITH_ADDED_HYPOTHESIS
-        raise DerivationError(f"{self.key}: fails even under the added hypotheses")
+        return Verdict.CONFIRMED_WITH_ADDED_HYPOTHESIS if self.with_added else Verdict.REFUTED

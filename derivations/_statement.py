@@ -34,6 +34,9 @@ class Finding:
     """By what route it was decided."""
     witness: Mapping[str, str] = field(default_factory=dict)
     """Where it fails (or, for an existence, where it holds): name -> exact value."""
+    formal: str
+    """What exactly was decided, in SymPy's notation; no assumption is left out but the signs that
+    symbols carry."""
     query: str = ""
     """SMT-LIB text that was decided, if that was the route; empty otherwise."""
 
@@ -68,10 +71,13 @@ def identity(what: str, left: sp.Expr, right: sp.Expr, at: Point | None = None) 
     DerivationError
         If it is neither shown to hold nor shown to fail.
     """
+    formal = f"{sp.sstr(left)} = {sp.sstr(right)}"
     rest = _rest(left - right)
     if rest == 0:
-        return Finding(what=what, holds=True, how="identity: the difference simplifies to 0")
+        how = "identity: the difference simplifies to 0"
+        return Finding(what=what, holds=True, how=how, formal=formal)
     point = dict(at) if at is not None else _some_point(rest.free_symbols)
+    _require_exact(point)
     value = sp.expand_trig(rest).subs(point)
     if value.free_symbols:
         raise DerivationError(f"{what}: the point leaves {value.free_symbols} open")
@@ -81,7 +87,7 @@ def identity(what: str, left: sp.Expr, right: sp.Expr, at: Point | None = None) 
         how = f"the two sides differ by {sp.N(value, 6)} at the witness, to 50 digits"
     else:
         raise DerivationError(f"{what}: neither 0 nor shown to differ from it: {rest}")
-    return Finding(what=what, holds=False, how=how, witness=_shown(point))
+    return Finding(what=what, holds=False, how=how, formal=formal, witness=_shown(point))
 
 
 def for_all(what: str, given: Iterable[Boolean], then: Boolean, at: Point | None = None) -> Finding:
@@ -105,42 +111,39 @@ def for_all(what: str, given: Iterable[Boolean], then: Boolean, at: Point | None
         say nothing), or if the solver does not decide.
     """
     premises = list(given)
+    formal = f"{_listed(premises)} => {sp.sstr(then)}" if premises else sp.sstr(then)
     if at is not None:
         if not _is_true(sp.And(*premises), at) or _is_true(then, at):
             raise DerivationError(f"{what}: the point given is no counterexample: {_shown(at)}")
         how = "fails at the witness, in exact arithmetic"
-        return Finding(what=what, holds=False, how=how, witness=_shown(at))
-    text = _smt.query(_algebraic([*premises, sp.Not(then)]), what)
-    answer, model = _smt.solve(text)
+        return Finding(what=what, holds=False, how=how, formal=formal, witness=_shown(at))
+    answer, text, witness = _ask(what, [*premises, sp.Not(then)])
     if answer == "unsat":
-        possible, _ = _smt.solve(_smt.query(_algebraic(premises), what))
-        if possible != "sat":
+        if _ask(what, premises)[0] != "sat":
             raise DerivationError(f"{what}: the premises are not shown to be possible")
-        return Finding(what=what, holds=True, how="z3: no counterexample exists", query=text)
-    if answer == "sat":
-        witness = {name: str(value) for name, value in sorted(model.items())}
-        return Finding(
-            what=what, holds=False, how="z3: a counterexample exists", witness=witness, query=text
-        )
-    raise DerivationError(f"{what}: not decided by z3")
+        how = "z3: no counterexample exists"
+        return Finding(what=what, holds=True, how=how, formal=formal, query=text)
+    how = "z3: a counterexample exists"
+    return Finding(what=what, holds=False, how=how, formal=formal, witness=witness, query=text)
 
 
 def there_is(what: str, such: Iterable[Boolean], at: Point) -> Finding:
     """Whether all of ``such`` hold at the point ``at``, in exact arithmetic."""
-    holds = _is_true(sp.And(*such), at)
+    conditions = list(such)
+    holds = _is_true(sp.And(*conditions), at)
     how = "holds at the witness, in exact arithmetic" if holds else "does not hold at the point"
-    return Finding(what=what, holds=holds, how=how, witness=_shown(at))
+    formal = _listed(conditions)
+    return Finding(what=what, holds=holds, how=how, formal=formal, witness=_shown(at))
 
 
 def together(what: str, *printed: Boolean) -> Finding:
     """Whether the printed relations can all be true of the same values, decided by z3."""
-    text = _smt.query(_algebraic(list(printed)), what)
-    answer, model = _smt.solve(text)
-    if answer == "unknown":
-        raise DerivationError(f"{what}: not decided by z3")
-    shown = {name: str(value) for name, value in sorted(model.items())}
+    answer, text, shown = _ask(what, list(printed))
     how = "z3: possible" if answer == "sat" else "z3: no values satisfy all of them"
-    return Finding(what=what, holds=answer == "sat", how=how, witness=shown, query=text)
+    formal = _listed(printed)
+    return Finding(
+        what=what, holds=answer == "sat", how=how, formal=formal, witness=shown, query=text
+    )
 
 
 def positive_by(
@@ -188,17 +191,26 @@ def positive_by(
         rest = sp.rem(rest, x**2 + y**2 - 1, x) if rest.has(x) else rest
     if sp.expand(rest) != 0:
         raise DerivationError(f"{what}: the certificate leaves {sp.factor(rest)}")
+    circles = [sp.Eq(x**2 + y**2, 1) for x, y in on]
+    if _ask(what, [*circles, *(value > 0 for value in given.values())])[0] != "sat":
+        raise DerivationError(f"{what}: what is given is not shown to be possible")
     left = "goal" if multiplier == "1" else f"goal * ({multiplier})"
     named = {"goal": goal, **given}
     meaning = ", ".join(f"{name} = {sp.sstr(value)}" for name, value in named.items())
     how = f"certificate, checked exactly: {left} = {combination} with {meaning} all positive"
-    return Finding(what=what, holds=True, how=how)
+    formal = f"{_listed([value > 0 for value in given.values()])} => {sp.sstr(goal)} > 0"
+    return Finding(what=what, holds=True, how=how, formal=formal)
 
 
 def angle(half_tangent: sp.Rational, of: sp.Symbol) -> dict[sp.Expr, sp.Rational]:
     """Exact cosine and sine of an angle, as a point to evaluate at: t = tan(angle/2)."""
     t = sp.Rational(half_tangent)
     return {sp.cos(of): (1 - t**2) / (1 + t**2), sp.sin(of): 2 * t / (1 + t**2)}
+
+
+def _listed(relations: Iterable[Boolean]) -> str:
+    """Relations in the order in which they were stated."""
+    return "; ".join(map(sp.sstr, relations))
 
 
 def _rest(expression: sp.Expr) -> sp.Expr:
@@ -215,16 +227,51 @@ def _is_true(relation: Boolean, at: Point) -> bool:
     DerivationError
         If the point leaves it open, or is not on the unit circle.
     """
-    for key, value in at.items():
-        if isinstance(key, sp.cos) and value**2 + at[sp.sin(key.args[0])] ** 2 != 1:
-            raise DerivationError(f"{key} and its sine are not on the unit circle: {_shown(at)}")
-    signs = [s > 0 for s in at if s.is_positive] + [s < 0 for s in at if s.is_negative]
-    if not all(_signs_kept(at)):
-        raise DerivationError(f"a value has the wrong sign: {_shown(at)}, {signs}")
+    _require_exact(at)
     value = sp.simplify(relation.subs(dict(at), simultaneous=True))
     if value not in (sp.true, sp.false):
         raise DerivationError(f"{relation} is not decided at {_shown(at)}: {value}")
     return bool(value)
+
+
+def _ask(what: str, relations: list[Boolean]) -> tuple[str, str, dict[str, str]]:
+    """Whether all relations can hold: z3's answer, the query, and the rational part of a model.
+
+    A model that is rational throughout is put into the relations again: division by zero, say, has
+    some value for the solver and none for us.
+    """
+    plain = _algebraic(relations)
+    text = _smt.query(plain, what)
+    answer, model = _smt.solve(text)
+    if answer not in ("sat", "unsat"):
+        raise DerivationError(f"{what}: not decided by z3")
+    symbols = set().union(*(relation.free_symbols for relation in plain))
+    values = {symbol: model[str(symbol)] for symbol in symbols if str(symbol) in model}
+    complete = answer == "sat" and len(values) == len(symbols)
+    if complete and not all(_holds(relation, values) for relation in plain):
+        raise DerivationError(f"{what}: z3's example does not hold in exact arithmetic")
+    return answer, text, {name: str(value) for name, value in sorted(model.items())}
+
+
+def _holds(relation: Boolean, values: Mapping[sp.Symbol, sp.Rational]) -> bool:
+    try:
+        return bool(relation.subs(values) == sp.true)
+    except TypeError:  # undefined there: a division by zero
+        return False
+
+
+def _require_exact(at: Point) -> None:
+    """Stop unless a point is exact, on the circles, and keeps the signs of its symbols."""
+    for key, value in at.items():
+        exact = sp.sympify(value)
+        if not (exact.is_algebraic and exact.is_real) or exact.has(sp.Float):
+            raise DerivationError(f"{key} = {value} is not an exact number")
+        if isinstance(key, sp.cos | sp.sin):
+            turn = key.args[0]
+            if at.get(sp.cos(turn), 2) ** 2 + at.get(sp.sin(turn), 2) ** 2 != 1:
+                raise DerivationError(f"{turn} is not on the unit circle: {_shown(at)}")
+    if not all(_signs_kept(at)):
+        raise DerivationError(f"a value has the wrong sign: {_shown(at)}")
 
 
 def _signs_kept(at: Point) -> Iterable[bool]:
@@ -239,13 +286,20 @@ def _algebraic(relations: list[Boolean]) -> list[Boolean]:
     """The relations over unknowns for cosines and sines, with what is known of every unknown."""
     angles = sorted({f.args[0] for r in relations for f in r.atoms(sp.cos, sp.sin)}, key=str)
     on_circle = []
-    for k, turn in enumerate(angles):
-        name = turn if turn.is_Symbol else k
-        cosine, sine = sp.Symbol(f"cos_{name}", real=True), sp.Symbol(f"sin_{name}", real=True)
+    for turn in angles:
+        if not turn.is_Symbol:
+            raise DerivationError(f"an angle must be a symbol, not {turn}: expand it first")
+        cosine, sine = sp.Symbol(f"cos_{turn}", real=True), sp.Symbol(f"sin_{turn}", real=True)
         relations = [r.subs({sp.cos(turn): cosine, sp.sin(turn): sine}) for r in relations]
         on_circle.append(sp.Eq(cosine**2 + sine**2, 1, evaluate=False))
     plain, known = {}, []
-    for symbol in sorted(set().union(*(r.free_symbols for r in relations)), key=str):
+    symbols = sorted(set().union(*(r.free_symbols for r in relations)), key=str)
+    names = [str(symbol) for symbol in symbols]
+    if len(set(names)) != len(names) or set(angles) & set(symbols):
+        raise DerivationError(
+            f"symbols that share a name, or an angle outside cos and sin: {names}"
+        )
+    for symbol in symbols:
         plain[symbol] = sp.Symbol(str(symbol), real=True)  # without its sign: nothing is folded
         if symbol.is_positive:
             known.append(plain[symbol] > 0)

@@ -40,10 +40,22 @@ A, B, C = d1 * d2, rho + d1**2, rho + d2**2
 F = rho + d1**2 + d2**2
 c, s = sp.cos(theta), sp.sin(theta)
 HERE: Direction = (c, s)
-UPPER: Direction = (-(A + mu * B), C + mu * A)
-"""Where sticking ends while the part turns counter-clockwise."""
-LOWER: Direction = (mu * B - A, C - mu * A)
-"""Where it ends clockwise."""
+
+
+def upper(A: sp.Expr, B: sp.Expr, C: sp.Expr) -> Direction:
+    """Where sticking ends while the part turns counter-clockwise."""
+    return -(A + mu * B), C + mu * A
+
+
+def lower(A: sp.Expr, B: sp.Expr, C: sp.Expr) -> Direction:
+    """Where sticking ends while the part turns clockwise."""
+    return mu * B - A, C - mu * A
+
+
+UPPER, LOWER = upper(A, B, C), lower(A, B, C)
+LETTERS = sp.symbols("A B C")
+STILL: Direction = (d2, d1)
+"""Where the push goes through the centre and turns nothing."""
 EXAMPLE = {**PAPER, d2: sp.Integer(350)}
 IN_UM = "lengths in µm"
 
@@ -289,14 +301,14 @@ def _compact_slope(solved: Sticking) -> sp.Expr:
 
 def sticking_arc(forces: Scaled) -> Claim:
     """The exact set of orientations at which a contact sticks: an open arc between two directions."""
-    lower, upper = turn(LOWER, HERE), turn(HERE, UPPER)
+    from_lo, to_hi = turn(LOWER, HERE), turn(HERE, UPPER)
     return Claim(
         key="sticking-arc",
         title="Exact sticking interval of one point",
         place="new; replaces eq. (6)",
         derived=r"The contact sticks exactly for $\theta_{lo} < \theta < \theta_{hi}$ with "
-        r"$\theta_{hi} = \pi - \mathrm{atan2}(C + \mu A,\ A + \mu B)$ and $\theta_{lo} = "
-        r"\mathrm{atan2}(C - \mu A,\ \mu B - A)$, where $A = d_1 d_2$, $B = \rho + d_1^2$, "
+        rf"$\theta_{{hi}} = \pi - {_atan2(-upper(*LETTERS)[0], upper(*LETTERS)[1])}$ and "
+        rf"$\theta_{{lo}} = {_atan2(*lower(*LETTERS))}$, where $A = d_1 d_2$, $B = \rho + d_1^2$, "
         r"$C = \rho + d_2^2$. The arc is never empty and always shorter than $\pi$. Example "
         rf"($2 d_1 = 837$, $d_2 = 350$ µm, $\rho = 0.3769$ mm², $\mu = 0.33$): "
         f"{degrees(LOWER, EXAMPLE)}° to {degrees(UPPER, EXAMPLE)}°.",
@@ -308,17 +320,21 @@ def sticking_arc(forces: Scaled) -> Claim:
             r"The cross product of the two is $2\mu\rho F > 0$, so the half planes meet in an arc "
             "that goes counter-clockwise from the first to the second, by less than half a turn.",
         ),
-        hypotheses=(r"$\rho, d_1, \mu > 0$; $d_2$ of either sign",),
+        hypotheses=(
+            r"$\rho, d_1, \mu > 0$; $d_2$ of either sign",
+            r"the tip moves towards the edge, $0 < \theta < \pi$: then no other motion exists "
+            "(uniqueness under one contact)",
+        ),
         checks=(
             identity(
                 r"$\mu N + \lambda_t F/(e_x|v_p|)$ is the turn from $\theta_{lo}$ to $\theta$",
                 mu * forces.normal + forces.tangential,
-                lower,
+                from_lo,
             ),
             identity(
                 r"$\mu N - \lambda_t F/(e_x|v_p|)$ is the turn from $\theta$ to $\theta_{hi}$",
                 mu * forces.normal - forces.tangential,
-                upper,
+                to_hi,
             ),
             identity(
                 r"turn from $\theta_{lo}$ to $\theta_{hi}$ is $2\mu\rho F$",
@@ -327,7 +343,7 @@ def sticking_arc(forces: Scaled) -> Claim:
             ),
             for_all(
                 r"both turns positive imply $\lambda_n > 0$",
-                [lower > 0, upper > 0],
+                [from_lo > 0, to_hi > 0],
                 forces.normal > 0,
             ),
         ),
@@ -337,6 +353,7 @@ def sticking_arc(forces: Scaled) -> Claim:
 def turning_over_the_arc(turning: sp.Expr) -> Claim:
     """In which sense the part turns within the sticking arc."""
     q = sp.symbols("q_x q_y", real=True)
+    within = [turn(LOWER, q) > 0, turn(q, UPPER) > 0]
     lever = turning.subs({c: q[0], s: q[1]}, simultaneous=True)
 
     def at(direction: Direction) -> sp.Expr:
@@ -347,7 +364,7 @@ def turning_over_the_arc(turning: sp.Expr) -> Claim:
         title="Sense of turning while sticking",
         place="new",
         derived=r"While the contact sticks the part turns counter-clockwise throughout if $d_2 "
-        r"> \mu d_1$ and clockwise throughout if $d_2 < -\mu d_1$. For $|d_2| \le \mu d_1$ the "
+        r"\ge \mu d_1$ and clockwise throughout if $d_2 \le -\mu d_1$. For $|d_2| < \mu d_1$ the "
         r"sense changes at $\theta = \mathrm{atan2}(d_1, d_2)$, where the push goes through the "
         "centre and from which the part turns away on either side.",
         steps=(
@@ -360,22 +377,22 @@ def turning_over_the_arc(turning: sp.Expr) -> Claim:
         checks=(
             identity(r"lever at $\theta_{lo}$", at(LOWER), F * (d2 - mu * d1)),
             identity(r"lever at $\theta_{hi}$", at(UPPER), F * (d2 + mu * d1)),
-            *(
-                positive_by(
-                    f"lever within the arc, {sense}",
-                    sign * lever,
-                    {
-                        "from_lo": turn(LOWER, q),
-                        "to_hi": turn(q, UPPER),
-                        "width": turn(LOWER, UPPER),
-                        "at_lo": sign * at(LOWER),
-                        "at_hi": sign * at(UPPER),
-                    },
-                    multiplier="width",
-                    combination="at_lo*to_hi + at_hi*from_lo",
-                )
-                for sense, sign in (("counter-clockwise", 1), ("clockwise", -1))
+            for_all(
+                r"counter-clockwise in the whole arc if $d_2 \ge \mu d_1$",
+                [*within, d2 >= mu * d1],
+                lever > 0,
             ),
+            for_all(
+                r"clockwise in the whole arc if $d_2 \le -\mu d_1$",
+                [*within, d2 <= -mu * d1],
+                lever < 0,
+            ),
+            for_all(
+                r"for $|d_2| < \mu d_1$ the direction $(d_2, d_1)$ lies in the arc",
+                [d2 < mu * d1, -d2 < mu * d1],
+                sp.And(turn(LOWER, STILL) > 0, turn(STILL, UPPER) > 0),
+            ),
+            identity("the lever is the turn from that direction", lever, turn(STILL, q)),
         ),
     )
 
@@ -394,7 +411,7 @@ def _signs_before_6(solved: Sticking) -> Claim:
         derived=r"(8) is positive up to $\pi - \tan^{-1}(d_2/d_1)$: the quotient in (6) stands "
         r"upside down. It is not needed: $v_\theta$ itself stays positive up to $\pi + "
         r"\tan^{-1}(d_1/d_2)$. The second term of (6) is where $\lambda_n$ vanishes, $N = 0$; "
-        r"the ratio stops growing before, at $D = 0$, $\theta = \pi - \tan^{-1}(C/A)$.",
+        r"the magnitude of the ratio falls from $D = 0$ on, $\theta = \pi - \tan^{-1}(C/A)$.",
         steps=(
             r"$d_2 \cos\theta + d_1 \sin\theta = R \cos(\theta - \delta)$ with $\delta = "
             r"\mathrm{atan2}(d_1, d_2)$ is positive for $\theta < \delta + \pi/2$.",
@@ -408,10 +425,25 @@ def _signs_before_6(solved: Sticking) -> Claim:
             ),
         ),
         checks=(
-            for_all(
-                r"(8) is positive before $\pi - \tan^{-1}(d_2/d_1)$",
-                [d2 > 0, s > 0, s * d1 + c * d2 > 0],
-                slope > 0,
+            identity(
+                r"(8) is the turn from $\theta$ to $\pi - \tan^{-1}(d_2/d_1)$",
+                slope,
+                turn(HERE, (-d1, d2)),
+            ),
+            identity(
+                r"$\lambda_n$ is the turn from $\theta$ to $\pi - \tan^{-1}(A/B)$",
+                scaled(solved).normal,
+                turn(HERE, (-B, A)),
+            ),
+            identity(
+                r"$\lambda_t$ is the turn from $\theta$ to $\pi - \tan^{-1}(C/A)$",
+                -scaled(solved).tangential,
+                turn(HERE, (-A, C)),
+            ),
+            identity(
+                r"$v_\theta$ is the turn from $\tan^{-1}(d_1/d_2)$ to $\theta$",
+                scaled(solved).turning,
+                turn(STILL, HERE),
             ),
         ),
     )
@@ -429,7 +461,6 @@ def _lemma_1(forces: Scaled) -> Claim:
     first: Direction = (sp.cos(start), sp.sin(start))
     later = turn(first, HERE)
     q0, q1 = sp.symbols("p_x p_y", real=True), sp.symbols("q_x q_y", real=True)
-    still: Direction = (d2, d1)  # where the push goes through the centre
     slipping = {**EXAMPLE, **angle(sp.Integer(1), start), **angle(sp.Rational(48, 25), theta)}
     example = {"d1": "418.5", "d2": "350"}
     printed_limit = degrees((-d2, d1), EXAMPLE)
@@ -441,13 +472,14 @@ def _lemma_1(forces: Scaled) -> Claim:
         r"so until $\theta$ reaches $\pi - \max\{\tan^{-1}(d_1/d_2),\ \tan^{-1}(d_1 d_2 e_x/"
         r"(e_\theta + d_1^2 e_x))\}$",
         derived=r"It keeps sticking and turning exactly until $\theta_{hi} = \pi - "
-        r"\mathrm{atan2}(C + \mu A,\ A + \mu B)$; the turning never ends first. "
+        rf"{_atan2(-upper(*LETTERS)[0], upper(*LETTERS)[1])}$ (or until $\pi$, where the tip no "
+        r"longer moves towards the edge); the turning never ends first. "
         rf"Example ($d_1 = {example['d1']}$, $d_2 = {example['d2']}$ "
         rf"µm, $\rho = 0.3769$ mm², $\mu = 0.33$): printed {printed_limit}°, exact "
         f"{degrees(UPPER, EXAMPLE)}°.",
         steps=(
-            r"$N/D$ does grow with $\theta$, (7), but only up to the pole at $D = 0$; beyond it "
-            r"$|N/D|$ falls from $\infty$ and sticking is lost where $-D = \mu N$.",
+            r"$|N/D|$ does grow with $\theta$, (7), but only up to the pole at $D = 0$; beyond it "
+            r"$N/D$ grows from $-\infty$, so $|N/D|$ falls, and sticking is lost where $-D = \mu N$.",
             r"The sticking orientations are an arc (see the exact sticking interval), so a part "
             "inside it stays inside until it reaches the end that it turns towards.",
             r"The turning lever is linear in the direction, positive at the start and, as "
@@ -478,17 +510,17 @@ def _lemma_1(forces: Scaled) -> Claim:
             ),
             for_all(
                 r"a part that sticks and turns counter-clockwise has $d_2 + \mu d_1 > 0$",
-                [turn(LOWER, q0) > 0, turn(q0, UPPER) > 0, turn(still, q0) > 0],
+                [turn(LOWER, q0) > 0, turn(q0, UPPER) > 0, turn(STILL, q0) > 0],
                 d2 + mu * d1 > 0,
             ),
             positive_by(
                 r"turning between the start and $\theta_{hi}$",
-                turn(still, q1),
+                turn(STILL, q1),
                 {
                     "start_hi": turn(q0, UPPER),
                     "to_hi": turn(q1, UPPER),
                     "later": turn(q0, q1),
-                    "lever_start": turn(still, q0),
+                    "lever_start": turn(STILL, q0),
                     "beyond": d2 + mu * d1,
                     "F": F,
                 },
@@ -498,7 +530,7 @@ def _lemma_1(forces: Scaled) -> Claim:
             identity(
                 "the lever of the certificate is the one derived",
                 forces.turning,
-                turn(still, HERE),
+                turn(STILL, HERE),
             ),
         ),
     )
@@ -519,18 +551,26 @@ def _uniqueness() -> Claim:
         key="uniqueness-one-contact",
         title="Uniqueness of the motion under one contact",
         place="new; the paper's remark on uniqueness concerns two contacts",
-        derived=r"Under one Coulomb contact on a film the forces and the motion are unique for "
-        r"every tip velocity if $\rho + d_2^2 > \mu d_1 |d_2|$; without it two motions can exist.",
+        derived=r"Under one Coulomb contact on a film there is at most one motion if the tip moves "
+        r"towards the edge, whatever friction and film. If it moves along the edge or away, the same "
+        r"holds if $\rho + d_2^2 > \mu d_1 |d_2|$; otherwise two motions can exist.",
         steps=(
             "In the edge's own frame the balance gives the part's velocity at the contact as a "
             "linear function of the two forces; with Coulomb's law and unilateral contact written "
             "out, two different solutions are shown to be impossible.",
         ),
-        hypotheses=(r"$\rho + d_2^2 > \mu d_1 |d_2|$; it holds for all $d_2$ if $4\rho > \mu^2 "
-                    r"d_1^2$",),
+        hypotheses=(
+            r"for tips that do not move towards the edge: $\rho + d_2^2 > \mu d_1 |d_2|$, which holds "
+            r"for all $d_2$ if $4\rho > \mu^2 d_1^2$",
+        ),
         checks=(
             for_all(
-                "two solutions of the complete contact law are equal",
+                "a tip that moves towards the edge: two solutions of the complete law are equal",
+                [u_n < 0, *first[1], *second[1]],
+                same,
+            ),
+            for_all(
+                "under the hypothesis, any tip: two solutions of the complete law are equal",
                 [*clear, *first[1], *second[1]],
                 same,
             ),
@@ -545,7 +585,7 @@ def _uniqueness() -> Claim:
                 sp.And(*clear),
             ),
         ),
-    )  # fmt: skip
+    )
 
 
 def _contact(tag: str) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Basic, ...]]:
@@ -562,6 +602,10 @@ def _contact(tag: str) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Basic, ...]]:
     slip = sp.expand(rho * (velocity.dot(along) - u_t))
     opening = sp.expand(-rho * (velocity.dot(out) - u_n))
     return (normal, tangential), coulomb(normal, tangential, slip, opening)
+
+
+def _atan2(cosine: sp.Expr, sine: sp.Expr) -> str:
+    return rf"\mathrm{{atan2}}({_latex(sine)},\ {_latex(cosine)})"
 
 
 def _latex(expression: sp.Expr) -> str:

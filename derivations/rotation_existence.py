@@ -55,9 +55,10 @@ from derivations.two_sided_rotation import (
 
 c, s = sp.cos(theta), sp.sin(theta)
 CLOSING = T * c + w * s  # this is h: positive while the tips approach each other
-PASSING = {**PAPER, T: sp.Rational(401, 2), sigma: sp.Integer(0)}
-"""The paper's part between tips 857 um apart across the push (eq. 10), 79.5 um before they pass."""
-SEPARATION, AHEAD = sp.Integer(857), sp.Rational(159, 2)
+SEPARATION = sp.Integer(857)
+"""Of the tips across the push, um: what eq. 10 asks for with errors of 5 um."""
+ALONG_AND_AHEAD = sp.Integer(480)
+"""T + h, um: the instant at which the line through the contacts has just entered both cones."""
 WEDGED = {
     d1: sp.Integer(1), rho: sp.Integer(1), mu: sp.Rational(1, 2), T: sp.Rational(9, 10),
     sigma: sp.Integer(0), **angle(sp.Rational(9, 2), theta),
@@ -119,15 +120,16 @@ def derive() -> Derivation:
 def _pointed_cone() -> Claim:
     """The printed condition for pointed cones, and the derived one."""
     forces = _inner_forces()
-    place = _configuration(SEPARATION, AHEAD)
-    reach, width = PASSING[T], 2 * PAPER[d1]  # along the line through both contacts
-    wedge = dict(zip(forces.symbols, (width, -reach, width, reach), strict=True))
+    place = _configuration()
+    along = dict(zip(forces.symbols, (w, -T, w, T), strict=True))  # the line through both contacts
+    wedge = {force: value.subs(place) for force, value in along.items()}
     return Claim(
         key="remark-pointed-cone",
         title="Pointed cone, needed for existence",
         place="remark under eq. (11), Section IX-C3",
         printed=r"“In order to guarantee existence, the pointed cone assumption requires $d_v \ge "
-        r"d_w \tan\sigma$, where $\sigma = \tan^{-1}\mu$. This is clearly satisfied by (10).”",
+        r"d_w \tan\sigma$, where $\sigma = \tan^{-1}\mu$ is the angle of the friction cone. This is "
+        r"clearly satisfied by (10).”",
         derived=r"The cones are pointed exactly where $T > \mu d_w$, $T$ being the distance of the "
         r"contacts along the edges; while the tips pass each other $T$ falls to "
         r"$\sqrt{d_v^2 - d_w^2}$, so the whole push needs $d_v > d_w \sqrt{1 + \mu^2}$. The print "
@@ -140,7 +142,7 @@ def _pointed_cone() -> Claim:
         of_print=(
             for_all(
                 r"$d_v \ge \mu d_w$ excludes inner forces (lengths in µm; $d_v = 857$, the paper's "
-                "part, tips 79.5 µm before they pass)",
+                f"part, tips {float(place[h]):.1f} µm before they pass)",
                 [mu * w <= V, *forces.balanced, *forces.in_cones],
                 forces.vanish,
                 at={**place, **wedge},
@@ -151,6 +153,11 @@ def _pointed_cone() -> Claim:
                 r"$T > \mu d_w$ excludes inner forces",
                 [mu * w < T, *forces.balanced, *forces.in_cones],
                 forces.vanish,
+            ),
+            for_all(
+                r"$T \le \mu d_w$ allows them: forces $(d_w, T)$ along the line through both contacts",
+                [mu * w >= T],
+                sp.And(*(r.subs(along) for r in (*forces.balanced, *forces.in_cones))),
             ),
             for_all(
                 r"$d_v > d_w\sqrt{1 + \mu^2}$ gives $T > \mu d_w$ at every $h$",
@@ -184,25 +191,27 @@ def _inner_forces() -> _Inner:
     return _Inner(problem.forces, none, cones, sp.And(sp.Eq(N_D, 0), sp.Eq(N_S, 0)))
 
 
-def _configuration(separation: sp.Expr, ahead: sp.Expr) -> Point:
-    """The paper's part between the tips: T, orientation and separation that belong together."""
-    reach, width = PASSING[T], 2 * PAPER[d1]
-    square = reach**2 + width**2
-    if square != separation**2 + ahead**2:
-        raise ValueError(f"T = {reach} does not belong to h = {ahead}, V = {separation}")
+def _configuration() -> Point:
+    """The paper's part between the tips: T, h and orientation that belong to the separation."""
+    width = 2 * PAPER[d1]
+    difference = (SEPARATION**2 - width**2) / ALONG_AND_AHEAD  # T - h
+    along, ahead = (ALONG_AND_AHEAD + difference) / 2, (ALONG_AND_AHEAD - difference) / 2
+    square = along**2 + width**2
     return {
-        **PASSING,
-        V: separation,
+        **PAPER,
+        sigma: sp.Integer(0),
+        T: along,
+        V: SEPARATION,
         h: ahead,
-        c: (reach * ahead - width * separation) / square,
-        s: (width * ahead + reach * separation) / square,
+        c: (along * ahead - width * SEPARATION) / square,
+        s: (width * ahead + along * SEPARATION) / square,
     }
 
 
 def _equation_10() -> Claim:
     """At the printed separation the problem has no solution."""
     problem = law()
-    place = _configuration(SEPARATION, AHEAD)
+    place = _configuration()
     numbers = [relation.subs(place, simultaneous=True) for relation in problem.relations]
     limit = float(2 * PAPER[d1] * sp.sqrt(1 + PAPER[mu] ** 2))
     return Claim(
@@ -216,14 +225,15 @@ def _equation_10() -> Claim:
         "errors of 5 µm gives 857 µm, and there the part jams: no contact mode has a solution.",
         steps=(
             "Balance, unilateral contact and Coulomb's law of both tips are written out for the "
-            "paper's part at the printed separation, shortly before the tips pass each other.",
+            "paper's part at the printed separation, at the instant at which the line through both "
+            r"contacts has just entered both friction cones ($T$ slightly below $\mu d_w$).",
             "No forces satisfy them: every combination of sticking, slipping and separating is "
             "excluded at once.",
         ),
         of_print=(
             together(
-                r"a motion exists at $d_v = 857$ µm, $h = 79.5$ µm, $\rho = 0.3769$ mm², "
-                r"$\mu = 0.33$, part centred between the tips",
+                rf"a motion exists at $d_v = 857$ µm, $h = {float(place[h]):.1f}$ µm, $\rho = 0.3769$ "
+                r"mm², $\mu = 0.33$, part centred between the tips",
                 *numbers,
             ),
         ),
@@ -318,10 +328,28 @@ def _walk_is_continuous(balance: _Balance) -> tuple[Finding, ...]:
     )
 
 
+def _both_press(balance: _Balance) -> tuple[Finding, ...]:
+    """No motion in which a tip carries no force: pressing tips stay in contact."""
+    problem = law()
+    N_D, R_D, N_S, R_S = problem.forces
+    unit = {d1: sp.Integer(1)}
+    # directions of any length, so that the circle does not burden the solver
+    plain = {**unit, c: sp.Symbol("a_x", real=True), s: sp.Symbol("a_y", real=True)}
+    approaching = [r.subs(plain) for r in (s > 0, *balance.pressing())]
+    return tuple(
+        for_all(
+            f"no motion without force at {name} (half width 1)",
+            approaching,
+            sp.Not(sp.And(*(r.subs({**plain, normal: 0, along: 0}) for r in problem.relations))),
+        )
+        for name, normal, along in (("S", N_S, R_S), ("D", N_D, R_D))
+    )
+
+
 def _existence(balance: _Balance) -> Claim:
     """Existence, and uniqueness, of the motion between two tips."""
     r_0, r_m, r_e = sp.symbols("r_0 r_m r_e", real=True)
-    g = sp.Symbol("g", positive=True)
+    g = sp.Symbol("g", real=True)  # h/T
     states = _states(r_0, r_m, r_e, g)
     exclusive = [sp.Not(sp.And(p, q)) for k, p in enumerate(states) for q in states[:k]]
     first = balance.at(balance.rate, -mu, mu) - balance.at(balance.rate, -mu, -mu)
@@ -345,7 +373,12 @@ def _existence(balance: _Balance) -> Claim:
         hypotheses=(r"$d_v > d_w\sqrt{1 + \mu^2}$", PRESSING, "the same $\\mu$ at both tips"),
         checks=(
             *_walk_is_continuous(balance),
-            for_all("one of the five states holds, whatever the corner rates", [], sp.Or(*states)),
+            for_all(
+                r"one of the five states holds, whatever the corner rates ($h \ge 0$)",
+                [g >= 0],
+                sp.Or(*states),
+            ),
+            *_both_press(balance),
             identity(
                 r"$r(-\mu, \mu) - r(-\mu, -\mu)$ is a positive multiple of $L_S$'s numerator",
                 first,
@@ -356,9 +389,19 @@ def _existence(balance: _Balance) -> Claim:
                 last,
                 scale * balance.at(balance.active, mu, mu),
             ),
+            identity(
+                r"$h < 0$: $r(\mu, -\mu) - r(-\mu, -\mu)$, likewise with $L_D$",
+                balance.at(balance.rate, mu, -mu) - balance.at(balance.rate, -mu, -mu),
+                scale * balance.at(balance.active, -mu, -mu),
+            ),
+            identity(
+                r"$h < 0$: $r(\mu, \mu) - r(\mu, -\mu)$, likewise with $L_S$",
+                balance.at(balance.rate, mu, mu) - balance.at(balance.rate, mu, -mu),
+                scale * balance.at(balance.passive, mu, mu),
+            ),
             for_all(
                 "corner rates that increase leave exactly one state",
-                [r_0 < r_m, r_m < r_e],
+                [r_0 < r_m, r_m < r_e, g >= 0],
                 sp.And(*exclusive),
             ),
             identity(
@@ -399,16 +442,22 @@ def _jam(balance: _Balance) -> Claim:
         title="The part jams between tips that are too close",
         place="new; what happens at the separation of eq. (10)",
         derived=r"While the tips approach each other ($h > 0$) and $T < \mu d_w$, no contact mode "
-        "has a solution if both tips press and the slip at D would still be upwards with both "
-        r"ratios at $+\mu$. For $d_v < d_w\sqrt{1 + \mu^2}$ this stretch exists: the push jams "
-        "before the tips have passed.",
+        "has a solution if both tips press and D would slip up even with both friction forces "
+        r"driving the part up along the edge. For $d_v < d_w\sqrt{1 + \mu^2}$ there is such a "
+        r"stretch $T < \mu d_w$, $h > 0$; a push that satisfies the conditions in it jams where it "
+        "enters it.",
         steps=(
             *WALK[:2],
             r"For $T < \mu d_w$ the denominator vanishes inside the allowed ratios; on one side of "
             "it the forces would have to pull, on the other the slips have the wrong sense.",
         ),
-        hypotheses=(PRESSING, r"$r(\mu, \mu) + h/(2T) > 0$", r"$h > 0$, $T < \mu d_w$"),
+        hypotheses=(
+            PRESSING,
+            r"$r(\mu, \mu) + h/(2T) > 0$, the slip at D with both ratios at $\mu$",
+            r"$h > 0$, $T < \mu d_w$",
+        ),
         checks=(
+            *_both_press(balance),
             for_all(
                 "ratios within the cones that fit their slips need a tip to pull (half width 1)",
                 [relation.subs(plain) for relation in situation],

@@ -117,8 +117,6 @@ def _closed_form(rate: sp.Expr) -> Claim:
     half = sp.tan((start - delta) / 2) * sp.exp(R * xi / F)  # tan((theta - delta)/2)
     motion = 2 * sp.atan(half)  # theta - delta
     slope = sp.diff(motion, xi) - R / F * 2 * half / (1 + half**2)  # sin from the half tangent
-    push = sp.Symbol("R", positive=True)
-    by_delta = sp.sin(theta) * push * sp.cos(delta) - sp.cos(theta) * push * sp.sin(delta)
     return Claim(
         key="closed-form-motion",
         title="Motion under one-point sticking in closed form",
@@ -135,9 +133,12 @@ def _closed_form(rate: sp.Expr) -> Claim:
         hypotheses=("the contact sticks (exact sticking interval)",),
         checks=(
             identity(
-                r"rate: $F\,d\theta/d\xi = R\sin(\theta - \delta)$",
-                sp.expand_trig(push * sp.sin(theta - delta)),
-                by_delta,
+                r"rate: $R\sin(\theta - \delta)$ is the lever, with $\cos\delta = d_2/R$, "
+                r"$\sin\delta = d_1/R$",
+                (R * sp.expand_trig(sp.sin(theta - delta))).subs(
+                    {sp.cos(delta): d2 / R, sp.sin(delta): d1 / R}
+                ),
+                d2 * sp.sin(theta) - d1 * sp.cos(theta),
             ),
             identity(
                 r"the rate is the one derived from the balance",
@@ -145,6 +146,5 @@ def _closed_form(rate: sp.Expr) -> Claim:
                 (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / F,
             ),
             identity(r"the law solves the equation", slope, sp.Integer(0)),
-            identity(r"and starts at $\theta_0$", half.subs(xi, 0), sp.tan((start - delta) / 2)),
         ),
     )

@@ -203,11 +203,12 @@ def _exact(needs: Conditions) -> Claim:
         place="new; sharpens Lemma 3",
         derived=r"Let the first contact stick and turn counter-clockwise at a start with $\theta_0 "
         r"+ \beta < \pi/2$. Then one-point sticking lasts until both tips touch exactly if "
-        r"$-\tan\beta < (A + \mu B)/(C + \mu A)$, and two-point sticking follows exactly if in "
-        r"addition $|\tan\beta| < \mu$ and $d_2\cos\beta - d_1\sin\beta < d_4$. The printed bound "
-        r"$d_2/d_1$ is redundant; the third printed bound is needed for $\beta < 0$ only and is "
-        r"stricter than necessary; for $|d_2| \le d_1$, $\mu \le 1$ the exact one follows from "
-        r"$|\tan\beta| < \mu$.",
+        r"$(A + \mu B)\cos\beta + (C + \mu A)\sin\beta > 0$, and two-point sticking follows exactly "
+        r"if in addition $|\tan\beta| < \mu$ and $d_2\cos\beta - d_1\sin\beta < d_4$. For $\beta \ge "
+        r"0$ the first always holds; for $\beta < 0$ it is $\tan|\beta| < (A + \mu B)/(C + \mu A)$ "
+        r"(where $C + \mu A > 0$, as for $d_2 \ge 0$), which the printed third bound implies, and "
+        r"which follows from $|\tan\beta| < \mu$ if $|d_2| \le d_1$, $\mu \le 1$. The printed bound "
+        r"$d_2/d_1$ is not needed.",
         steps=(
             r"One-point sticking ends at $\theta_{hi}$ (exact sticking interval). Both tips touch at "
             r"$\pi/2 - \beta$; it comes first exactly if the turn from there to $\theta_{hi}$ is "
@@ -238,8 +239,8 @@ def _exact(needs: Conditions) -> Claim:
                 limit,
             ),
             for_all(
-                r"for $\beta \ge 0$, $d_2 > 0$ the exact bound holds by itself",
-                [*begins, s >= 0, d2 > 0],
+                r"for $\beta \ge 0$ the exact bound holds by itself",
+                [*begins, s >= 0],
                 limit,
             ),
             for_all(
@@ -247,7 +248,8 @@ def _exact(needs: Conditions) -> Claim:
                 [*begins, *steep(), d2 <= d1, d2 >= -d1, mu <= 1],
                 limit,
             ),
-            for_all(r"$d_2/d_1 > \tan\beta$ is redundant", begins, d2 * c > d1 * s),
+            for_all(r"$\tan\beta < d_2/d_1$ holds by itself", begins, d2 * c > d1 * s),
+            for_all(r"$C + \mu A > 0$ for $d_2 \ge 0$", [d2 >= 0], C + mu * A > 0),
             for_all(
                 r"and so is $\lambda_n^2 > 0$",
                 begins,

@@ -37,8 +37,10 @@ from derivations.invariances import (
     law_is_a_cone,
     math,
     placed,
+    rotation,
 )
 from derivations.mechanics import a, cross, d1, d2, mu, n, rho, theta, v_p, velocity_at, wrench
+from derivations.one_point_sticking import F
 
 W, mu_s = sp.symbols("W mu_s", positive=True)
 q_xx, q_xy, q_yy, epsilon, delta = sp.symbols("q_xx q_xy q_yy epsilon delta", real=True)
@@ -178,19 +180,22 @@ def _columns_from_power() -> tuple[Finding, ...]:
 def _inertia_of_the_part() -> Finding:
     """Virtual power of the inertia of a rectangular part, integrated over it."""
     x, y, m, length, width = sp.symbols("x y m l w", positive=True)
-    a_x, a_y, alpha, omega = sp.symbols("a_x a_y alpha omega", real=True)
+    t, omega = sp.symbols("t omega", real=True)
+    rates = sp.symbols("a_x a_y alpha", real=True)
     trial = sp.Matrix(sp.symbols("u_x u_y u_omega", real=True))
-    arm = sp.Matrix([x, y])
-    turning = sp.Matrix([-y, x])
-    at_point = sp.Matrix([a_x, a_y]) + alpha * turning - omega**2 * arm
-    power = sp.expand(at_point.dot(velocity_at(trial, arm)) * m / (length * width))
-    over_x = sp.integrate(power, (x, -length / 2, length / 2))
-    total = sp.expand(sp.integrate(over_x, (y, -width / 2, width / 2)))
+    pose = [sp.Function(name)(t) for name in ("X", "Y", "q")]
+    arm = rotation(pose[2]) * sp.Matrix([x, y])
+    moved = sp.Matrix(pose[:2]) + arm
+    power = sp.diff(moved, t, 2).dot(velocity_at(trial, arm)) * m / (length * width)
+    swap = [(sp.diff(entry, t, 2), rate) for entry, rate in zip(pose, rates, strict=True)]
+    here = power.subs([*swap, (sp.diff(pose[2], t), omega), (pose[2], theta)])
+    over_x = sp.integrate(sp.expand(here), (x, -length / 2, length / 2))
+    total = sp.expand(sp.integrate(sp.expand(over_x), (y, -width / 2, width / 2)))
     return equal(
         r"the inertia that (1) leaves out is exactly $(m a_x, m a_y, I\alpha)$ with "
         r"$I = m(l^2 + w^2)/12$, at every angular velocity",
         [sp.diff(total, entry) for entry in trial],
-        [m * a_x, m * a_y, m * (length**2 + width**2) / 12 * alpha],
+        [m * rates[0], m * rates[1], m * (length**2 + width**2) / 12 * rates[2]],
     )
 
 
@@ -220,6 +225,7 @@ def _balance_of_equation_1() -> Claim:
 def _columns() -> Claim:
     """The number of columns of W_f."""
     n_c, n_s, n_d = sp.symbols("n_c n_s n_d", positive=True)
+    each, printed = n_d * (n_c + n_s), 2 * n_c + n_d * n_s
     return Claim(
         key="friction-columns",
         title="Columns of the friction matrix",
@@ -236,10 +242,12 @@ def _columns() -> Claim:
         consistent=(
             together(
                 r"$n_d$ directions for each contact make $2n_c + n_d n_s$ columns",
-                sp.Eq(n_d * (n_c + n_s), 2 * n_c + n_d * n_s),
-                n_c >= 1,
+                sp.Eq(each, printed),
                 n_d >= 3,
             ),
+        ),
+        checks=(
+            identity("the two numbers differ by $n_c (n_d - 2)$", each - printed, n_c * (n_d - 2)),
         ),
     )
 
@@ -371,7 +379,7 @@ def _centre_of_friction() -> Claim:
                 r"a force of size at most $L$ has at most $L$ in every direction; summed over the "
                 r"supports: $|P| \le \mu_s W$",
                 [f[0] ** 2 + f[1] ** 2 <= limit**2, sp.Eq(u[0] ** 2 + u[1] ** 2, 1)],
-                f[0] * u[0] + f[1] * u[1] <= limit,
+                sp.Matrix(f).dot(sp.Matrix(u)) <= limit,
             ),
         ),
     )
@@ -408,7 +416,7 @@ def _maximum_dissipation() -> Claim:
             for_all(
                 "Coulomb's law of a support: no force of the disc dissipates more",
                 [friction(force, velocity, limit), trial.dot(trial) <= limit**2],
-                -trial.dot(velocity) <= -force.dot(velocity),
+                force.dot(velocity) <= trial.dot(velocity),
             ),
             for_all(
                 r"a force of the disc that dissipates as much as $-L v/|v|$ is that force",
@@ -773,7 +781,8 @@ def _not_unique() -> Claim:
     """The same trajectory from different triangles."""
     radii = {name: _radius(name) for name in TABLE_I}
     shown = " and ".join(rf"{float(r):.0f} µm for ${name}$" for name, r in radii.items())
-    names = sp.symbols("R_1 R_2", positive=True)
+    first, second = radii.values()
+    names = sp.symbols("R_1 R_2 gap", positive=True)
     return Claim(
         key="support-points-not-unique",
         title="Different support points, same path",
@@ -794,8 +803,8 @@ def _not_unique() -> Claim:
         checks=(
             there_is(
                 "the mean distances of the two sets of Table I differ by more than 27 µm",
-                [names[1] - names[0] > 27],
-                dict(zip(names, radii.values(), strict=True)),
+                [sp.Eq(names[1], names[0] + names[2]), names[2] > 27],
+                dict(zip(names, (first, second, second - first), strict=True)),
             ),
         ),
     )
@@ -815,8 +824,8 @@ def _mean(expression: sp.Expr, x: sp.Symbol, y: sp.Symbol) -> sp.Expr:
     return sum(factor * moments[power] for power, factor in terms)
 
 
-def straight_push_rate() -> sp.Expr:
-    """Turn per travel next to the straight push, exact to first order in the deviation.
+def near_the_straight_push() -> tuple[sp.Expr, sp.Expr]:
+    """Turn per travel, and slope of the probe's force, to first order in the deviation.
 
     The edge is off upright by ``t epsilon``, the contact off the centre by ``t delta``.
     """
@@ -829,14 +838,14 @@ def straight_push_rate() -> sp.Expr:
     each = wrench(-mu_s * velocity / speed, sp.Matrix([x, y]))
     arm = (d2 * a + d1 * n).subs({theta: sp.pi / 2 + t * epsilon, d2: t * delta})
     push = wrench(sp.Matrix([-mu_s * W, 0]) + t * sp.Matrix(force), arm)
-    held = velocity_at(twist, arm) - sp.Matrix([v_p, 0])
+    held = velocity_at(twist, arm)  # the tip's velocity does not change
     rows = [
         _mean(sp.diff(p, t).subs(t, 0), x, y) + sp.diff(q, t).subs(t, 0)
         for p, q in zip(each, push, strict=True)
     ]
     rows += [sp.diff(entry, t).subs(t, 0) for entry in held]
     (solution,) = sp.solve(rows, [*drift, *force], dict=True)
-    return sp.factor(solution[drift[2]] / -v_p)
+    return sp.factor(solution[drift[2]] / -v_p), sp.factor(solution[force[1]] / (-mu_s * W))
 
 
 def _second_moment(name: str) -> sp.Expr:
@@ -852,10 +861,10 @@ def _growth(moment: sp.Expr) -> float:
 
 def _straight_push() -> Claim:
     """The straight push is unstable, and how strongly."""
-    rate = straight_push_rate()
+    rate, slope = near_the_straight_push()
     start = float(sp.deg(5 / HALF_SHORT)) + 0.005
     shown = ", ".join(rf"{_growth(_second_moment(name)):.2f} for ${name}$" for name in TABLE_I)
-    on_film = (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / (rho + d1**2 + d2**2)
+    on_film = (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / F
     t = sp.Symbol("t", positive=True)
     film = sp.diff(on_film.subs({theta: sp.pi / 2 + t * epsilon, d2: t * delta}), t).subs(t, 0)
     most = _growth(sp.Integer(0))
@@ -877,8 +886,8 @@ def _straight_push() -> Claim:
             "Expand the friction of a sliding support and the sticking contact to first order about "
             r"the translation; sums over the supports are $\sum N_i = W$, $\sum N_i r_i = 0$ and "
             r"$\sum N_i x_i^2$.",
-            "The probe's force is tilted by a first-order amount only, so the contact sticks for "
-            r"every $\mu_t > 0$.",
+            rf"The probe's force gets the slope {tex(slope)}, of first order like the tilt of the edge, "
+            r"so the contact sticks for every $\mu_t > 0$.",
         ),
         hypotheses=("first order in the deviation; the probe pushes along $-x$",),
         of_print=(

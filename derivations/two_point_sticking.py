@@ -106,7 +106,7 @@ def _equation_9(first: sp.Expr, second: sp.Expr, shear: sp.Expr) -> tuple[Claim,
             r"0$, $\lambda_n^2 = -e_x v_p \cos\beta\,(d_1 \sin\beta + d_2\cos\beta)/d_4 > 0$",
             derived=r"As printed, with $d_4$ the spacing of the tips across the push and $\theta = "
             r"\pi/2 + \beta$. Both are positive exactly if $-d_1\tan\beta < d_2 < d_4/\cos\beta - "
-            r"d_1\tan\beta$: the centre lies between the tips.",
+            r"d_1\tan\beta$: the centre lies between the tips, measured across the push.",
             steps=steps,
             hypotheses=(r"$|\beta| < \pi/2$",),
             of_print=(
@@ -160,7 +160,7 @@ def _lemma_2() -> Claim:
         key="lemma-2",
         title="Lemma 2: two-point sticking lasts",
         place="Lemma 2, Section IX-C2",
-        printed="“If the part starts with two-point sticking contact, then the pushing will stay in "
+        printed="“If the part starts with two-point sticking contact, … then the pushing will stay in "
         "the two-point sticking contact mode.”",
         derived="As printed. Moreover no other motion is possible beside it.",
         steps=(
@@ -176,8 +176,8 @@ def _lemma_2() -> Claim:
                 [c > 0, *cleared],
                 sp.And(sp.Eq(v_x, v_p), sp.Eq(v_y, 0), sp.Eq(omega, 0)),
             ),
+            *_only_motion(),
         ),
-        checks=_only_motion(),
     )
 
 

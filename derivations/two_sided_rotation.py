@@ -21,7 +21,7 @@ import sympy as sp
 from derivations._circle import solve_linear
 from derivations._claim import Claim
 from derivations._derivation import Derivation, Function
-from derivations._statement import identity, require_zero
+from derivations._statement import for_all, identity, require_zero
 from derivations.mechanics import a, d1, d2, film, mu, n, rho, theta, velocity_at, wrench
 
 h, sigma, tau, tau_D, tau_S, p_S = sp.symbols("h sigma tau tau_D tau_S p_S", real=True)
@@ -199,6 +199,7 @@ def derive() -> Derivation:
 def _orientation_law(c_h: sp.Expr, s_h: sp.Expr, theta_rate: sp.Expr) -> Claim:
     """The angle law in closed form has the derived cosine and sine."""
     reach = sp.sqrt(h**2 + V**2)
+    reached = sp.Symbol("T", real=True)
     cos_1, sin_1 = h / reach, V / reach
     sin_2, cos_2 = w / reach, sp.sqrt(h**2 + V**2 - w**2) / reach
     return Claim(
@@ -215,8 +216,16 @@ def _orientation_law(c_h: sp.Expr, s_h: sp.Expr, theta_rate: sp.Expr) -> Claim:
             r"Differentiating with $dh/d\xi = -1$ gives $d\theta/d\xi = \sin\theta/T$ and "
             r"$dT/d\xi = -h/T$.",
         ),
-        hypotheses=("both tips stay on their edges",),
+        hypotheses=(
+            "both tips stay on their edges",
+            r"$d_v > d_w$; the moving tip is then ahead along the edge, $T > 0$",
+        ),
         checks=(
+            for_all(
+                r"$d_v > d_w$ means $T > 0$",
+                [sp.sin(theta) > 0, sp.Eq(V, reached * sp.sin(theta) - w * sp.cos(theta)), w < V],
+                reached > 0,
+            ),
             identity("cosine of the law", cos_1 * cos_2 - sin_1 * sin_2, c_h),
             identity("sine of the law", sin_1 * cos_2 + cos_1 * sin_2, s_h),
             identity(

@@ -191,6 +191,7 @@ def _found_json(found: Found) -> dict[str, Any]:
         "holds": found.finding.holds,
         "route": found.route,
         "how": found.finding.how,
+        "formal": found.finding.formal,
         "witness": dict(found.finding.witness),
         "proof": found.proof or None,
         "answer": found.answer or None,

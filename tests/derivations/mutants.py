@@ -24,10 +24,17 @@ from derivations import report
 from derivations.generate import GENERATED, ROOT, SOURCES
 
 FOLDER = ROOT / "derivations"
-SHARED = {"mechanics": ("one_point_sticking", "two_point_sticking", "two_sided_rotation"),
-          "_arc": ("one_point_sticking",)}  # fmt: skip
-"""Files that contribute through others: which of these show it."""
+SHOWN_BY = {
+    "mechanics": ("one_point_sticking", "two_point_sticking", "two_sided_rotation"),
+    "_arc": ("one_point_sticking",),
+    "one_point_sticking": ("one_point_sticking", "t2_motion"),
+    "two_point_sticking": ("two_point_sticking", "t2_motion"),
+    "two_sided_rotation": ("two_sided_rotation", "rotation_existence"),
+    "symmetries": ("symmetries", "sampling", "final_pose", "polygon_edge"),
+}
+"""Files whose formulas others use: which contributions show a change (default: the file's own)."""
 SECONDS = 120.0
+STOPS, DECIDES, SHOWS = "the derivation stops", "a finding changes", "a formula or witness changes"
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,37 +100,52 @@ def caught(mutant: Mutant) -> str:
         copy = Path(name) / "derivations"
         shutil.copytree(FOLDER, copy, ignore=shutil.ignore_patterns("__pycache__"))
         (copy / f"{mutant.file}.py").write_text(flipped(mutant), encoding="utf-8")
-        path = os.pathsep.join([name, str(ROOT)])
-        for source in SHARED.get(mutant.file, (mutant.file,)):
-            run = [sys.executable, "-m", "tests.derivations.mutants", "--contribution", source]
-            try:
-                done = subprocess.run(
-                    run,
-                    cwd=name,
-                    env={**os.environ, "PYTHONPATH": path},
-                    capture_output=True,
-                    text=True,
-                    timeout=SECONDS,
-                    check=False,
-                )
-            except subprocess.TimeoutExpired:
-                return "runs out of time"
-            if done.returncode != 0:
-                return done.stderr.strip().splitlines()[-1]
-            if done.stdout != committed(source):
-                return "what it contributes differs"
+        for source in SHOWN_BY.get(mutant.file, (mutant.file,)):
+            if how := _compared(source, Path(name)):
+                return how
     return ""
+
+
+def _compared(source: str, folder: Path) -> str:
+    """How what a file contributes differs from what is committed, derived anew in ``folder``."""
+    run = [sys.executable, "-m", "tests.derivations.mutants", "--contribution", source]
+    path = os.pathsep.join([str(folder), str(ROOT)])
+    try:
+        done = subprocess.run(
+            run,
+            cwd=folder,
+            env={**os.environ, "PYTHONPATH": path},
+            capture_output=True,
+            text=True,
+            timeout=SECONDS,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return STOPS
+    if done.returncode != 0:
+        return STOPS
+    expected = committed(source)
+    if done.stdout == expected:
+        return ""
+    return SHOWS if _verdicts(done.stdout) == _verdicts(expected) else DECIDES
+
+
+def _verdicts(text: str) -> list[object]:
+    claims = json.loads(text.splitlines()[0])
+    return [(claim["verdict"], [f["holds"] for f in claim["findings"]]) for claim in claims]
 
 
 def contribution(source: str) -> str:
     """What a derivation file adds to the register and the code, as text."""
     from derivations.generate import code, derive_one
-    from derivations.report.register import as_json, chapters
+    from derivations.report.register import as_json, chapters, proof_files
 
     derivation = derive_one(source)
     modules = [text for path, text in code((derivation,)).items() if path.stem == source]
-    claims = json.loads(as_json(chapters((derivation,))))["claims"]
-    return json.dumps(claims, sort_keys=True) + "".join(modules)
+    register = chapters((derivation,))
+    claims = json.loads(as_json(register))["claims"]
+    proofs = proof_files(register)
+    return json.dumps(claims, sort_keys=True) + "\n" + "".join([*proofs.values(), *modules])
 
 
 def committed(source: str) -> str:
@@ -131,23 +153,29 @@ def committed(source: str) -> str:
     register = json.loads((report.FOLDER / "register.json").read_text(encoding="utf-8"))
     place = f"derivations/{source}.py"
     claims = [claim for claim in register["claims"] if claim["derivation"] == place]
+    proofs = [report.FOLDER / f["proof"] for c in claims for f in c["findings"] if f["proof"]]
     module = GENERATED / f"{source}.py"
-    text = module.read_text(encoding="utf-8") if module.exists() else ""
-    return json.dumps(claims, sort_keys=True) + text
+    files = [*proofs, *([module] if module.exists() else [])]
+    texts = [path.read_text(encoding="utf-8") for path in files]
+    return json.dumps(claims, sort_keys=True) + "\n" + "".join(texts)
 
 
 def main(names: list[str]) -> int:
     """Run all mutants of the named files (default: all) and print what was not noticed."""
-    chosen = [m for name in names or [*SHARED, *SOURCES] for m in mutants(name)]
+    missed: list[Mutant] = []
+    total = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        outcomes = list(zip(chosen, pool.map(caught, chosen), strict=True))
-    missed = [mutant for mutant, how in outcomes if not how]
-    for name in dict.fromkeys(mutant.file for mutant in chosen):
-        mine = [how for mutant, how in outcomes if mutant.file == name]
-        print(f"{name:22} {len(mine):4} signs flipped, {sum(map(bool, mine)):4} noticed")
-    for mutant in missed:
-        print(f"not noticed: {mutant}")
-    print(f"{len(chosen)} in all, {len(chosen) - len(missed)} noticed")
+        for name in names or dict.fromkeys([*SHOWN_BY, *SOURCES]):
+            mine = list(mutants(name))
+            outcomes = list(pool.map(caught, mine))
+            counts = "; ".join(f"{outcomes.count(how)} {how}" for how in (STOPS, DECIDES, SHOWS))
+            print(f"{name}: {len(mine)} signs flipped: {counts}", flush=True)
+            for mutant, how in zip(mine, outcomes, strict=True):
+                if not how:
+                    missed.append(mutant)
+                    print(f"    not noticed: {mutant}", flush=True)
+            total += len(mine)
+    print(f"{total} in all, {total - len(missed)} noticed")
     return int(bool(missed))
 
 

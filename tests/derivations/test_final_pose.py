@@ -211,7 +211,7 @@ def test_step_2_witness_by_the_solver(claims: dict[str, Claim]) -> None:
 @pytest.mark.parametrize(
     ("where", "name", "wrong", "claim", "message"),
     [
-        (symmetries, "wrench", lambda f, arm: wrench(f, -arm), "_largest_tilt", "certificate"),
+        (symmetries, "wrench", lambda f, arm: wrench(f, -arm), "_largest_tilt", "example"),
         (symmetries, "n", -n, "_box", "no counterexample"),
         (symmetries, "n", a, "_box", "readings"),
         (final_pose, "LEAST_MU", sp.Rational(34, 100), "_step_2", "no counterexample"),

@@ -243,7 +243,6 @@ def _sticky(n: Any, t: Any, slip: Any, opening: Any) -> Any:
         ("film", _uneven_film, invariances._isotropy),
         ("film", _dry_film, invariances._rate),
         ("film", _dry_film, invariances._film_scale),
-        ("coulomb", _pushing_friction, invariances._complete_conditions),
         ("coulomb", _sticky, invariances._rate),
         ("coulomb", _sticky, invariances._film_scale),
     ],
@@ -257,6 +256,14 @@ def test_a_broken_ingredient_is_noticed(
     monkeypatch.setattr(invariances, name, broken)
     with pytest.raises(DerivationError):
         claim()
+
+
+def test_friction_that_pushes_leaves_the_slipping_modes_without_a_motion(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(invariances, "coulomb", _pushing_friction)
+    holds = [finding.holds for finding in invariances._one_contact_modes()]
+    assert holds == [True, False, False, True]  # sticking and leaving do not slip
 
 
 def test_the_other_edges_need_the_moment_to_turn_with_the_part(

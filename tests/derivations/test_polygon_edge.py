@@ -12,7 +12,7 @@ import sympy as sp
 
 from derivations import polygon_edge, symmetries
 from derivations._claim import Claim, Verdict
-from derivations._derivation import Function
+from derivations._derivation import Derivation, Function
 from derivations._statement import DerivationError
 from derivations.mechanics import d1, d2, n, rho
 
@@ -23,8 +23,13 @@ PENTAGON = [(-700.0, -300.0), (500.0, -450.0), (900.0, 50.0), (200.0, 520.0), (-
 
 
 @pytest.fixture(scope="module")
-def claims() -> dict[str, Claim]:
-    return {claim.key: claim for claim in polygon_edge.derive().claims}
+def derived() -> Derivation:
+    return polygon_edge.derive()
+
+
+@pytest.fixture(scope="module")
+def claims(derived: Derivation) -> dict[str, Claim]:
+    return {claim.key: claim for claim in derived.claims}
 
 
 def test_all_claims_are_new(claims: dict[str, Claim]) -> None:
@@ -47,8 +52,8 @@ def call(function: Function, *values: float | Fraction | sp.Expr) -> tuple[sp.Ex
 
 
 @pytest.fixture(scope="module")
-def functions() -> dict[str, Function]:
-    return dict(polygon_edge.derive().functions)
+def functions(derived: Derivation) -> dict[str, Function]:
+    return dict(derived.functions)
 
 
 def test_a_3_4_5_edge_by_hand(functions: dict[str, Function]) -> None:

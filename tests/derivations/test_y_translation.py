@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -12,7 +13,7 @@ import sympy as sp
 
 from derivations import symmetries, y_translation
 from derivations._claim import Claim, Verdict
-from derivations._derivation import Function
+from derivations._derivation import Derivation, Function
 from derivations._statement import DerivationError
 from derivations.mechanics import n, velocity_at, wrench
 from tests.derivations.test_symmetries import motion
@@ -32,13 +33,18 @@ VERDICTS = {
 
 
 @pytest.fixture(scope="module")
-def claims() -> dict[str, Claim]:
-    return {claim.key: claim for claim in y_translation.derive().claims}
+def derived() -> Derivation:
+    return y_translation.derive()
 
 
 @pytest.fixture(scope="module")
-def gain() -> Function:
-    return y_translation.derive().functions["gain"]
+def claims(derived: Derivation) -> dict[str, Claim]:
+    return {claim.key: claim for claim in derived.claims}
+
+
+@pytest.fixture(scope="module")
+def gain(derived: Derivation) -> Function:
+    return derived.functions["gain"]
 
 
 def test_verdicts(claims: dict[str, Claim]) -> None:
@@ -192,20 +198,46 @@ def turns(angle: float, offset: float, friction: float, sense: int) -> bool:
     return mode == "stick" and twist[2] * sense > 0
 
 
+Again = Callable[[], object]
+
+
+def between_tilted_ends() -> sp.Expr:
+    """The gain as the claims on errors take it."""
+    t0, t1, t2 = y_translation.t0, y_translation.t1, y_translation.t2
+    tilts = (y_translation.alpha, y_translation.phi, y_translation.end_tilt)
+    ends = {t: sp.pi / 2 + tilt for t, tilt in zip((t0, t1, t2), tilts, strict=True)}
+    return y_translation.gain().subs(ends)
+
+
+def bound_again() -> Claim:
+    return y_translation._error_bound(between_tilted_ends())
+
+
+def step_3_again() -> Claim:
+    return y_translation._step_3(between_tilted_ends())
+
+
 @pytest.mark.parametrize(
-    ("where", "name", "wrong"),
+    ("where", "name", "wrong", "again"),
     [
-        (y_translation, "n", -n),
-        (y_translation, "velocity_at", lambda twist, arm: velocity_at(twist, -arm)),
-        (symmetries, "wrench", lambda force, arm: wrench(force, -arm)),
-        (y_translation, "MISALIGNED", sp.Rational(1, 2000)),
-        (y_translation, "SENSED", sp.Rational(1, 2000)),
-        (y_translation, "LEFT", sp.Rational(1, 2000)),
+        (y_translation, "n", -n, y_translation.derive),
+        (y_translation, "velocity_at", lambda v, r: velocity_at(v, -r), y_translation.derive),
+        (symmetries, "wrench", lambda f, r: wrench(f, -r), y_translation._limit),
+        (y_translation, "MISALIGNED", sp.Rational(1, 2000), bound_again),
+        (y_translation, "SENSED", sp.Rational(1, 2000), bound_again),
+        (y_translation, "LEFT", sp.Rational(1, 2000), step_3_again),
     ],
 )
 def test_a_wrong_ingredient_is_noticed(
-    monkeypatch: pytest.MonkeyPatch, where: object, name: str, wrong: object
+    monkeypatch: pytest.MonkeyPatch, where: object, name: str, wrong: object, again: Again
 ) -> None:
     monkeypatch.setattr(where, name, wrong)
     with pytest.raises(DerivationError):
-        y_translation.derive()
+        again()
+
+
+def test_a_first_contact_below_turns_the_sign(monkeypatch: pytest.MonkeyPatch) -> None:
+    """l_AB counts from the lower to the upper contact: the other way round nothing fits."""
+    monkeypatch.setattr(y_translation, "APART", -y_translation.APART)
+    with pytest.raises(DerivationError):
+        bound_again()

@@ -22,7 +22,6 @@
 (assert (= (+ (* e_x_other v_y) (* (- 1) lambda_n)) 0))
 (assert (= (+ (* (- 1) d1 lambda_t) (* (- 1) d2 lambda_n) (* e_x omega rho)) 0))
 (assert (= (+ (* (- 1) d1 lambda_t) (* (- 1) d2 lambda_n) (* e_x_other omega rho_other)) 0))
-(assert (> lambda_n 0))
 (assert (distinct omega 0))
 (assert (not (and (= e_x e_x_other) (= (* e_x rho) (* e_x_other rho_other)))))
 (check-sat)

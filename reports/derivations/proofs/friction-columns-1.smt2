@@ -7,6 +7,5 @@
 (assert (> n_d 0))
 (assert (> n_s 0))
 (assert (= (* n_d (+ n_c n_s)) (+ (* 2 n_c) (* n_d n_s))))
-(assert (>= n_c 1))
 (assert (>= n_d 3))
 (check-sat)

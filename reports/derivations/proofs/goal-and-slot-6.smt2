@@ -1,10 +1,11 @@
-; straight parts fit up to 69.5 µm only
+; $|Y| = 38$, 2.3° or more: outside
 (set-logic QF_NRA)
 (declare-const Y Real)
-(declare-const c Real)
-(declare-const s Real)
-(assert (= s 0))
-(assert (= c 1))
-(assert (<= (+ (* 2 Y) (* 837 c) (* 1616 s)) 976))
-(assert (> (* 2 Y) 139))
+(declare-const cos_psi Real)
+(declare-const sin_psi Real)
+(assert (= (+ (* cos_psi cos_psi) (* sin_psi sin_psi)) 1))
+(assert (> cos_psi 0))
+(assert (>= sin_psi (/ 401 10000)))
+(assert (= Y 38))
+(assert (<= (+ (* 2 Y) (* 837 cos_psi) (* 1616 sin_psi)) 976))
 (check-sat)

@@ -1,4 +1,4 @@
-; for $\beta \ge 0$, $d_2 > 0$ the exact bound holds by itself
+; for $\beta \ge 0$ the exact bound holds by itself
 (set-logic QF_NRA)
 (declare-const cos_beta Real)
 (declare-const d1 Real)
@@ -19,6 +19,5 @@
 (assert (> (+ (* (- 1) d1 d2 p_y) (* mu (+ (* d1 d2 p_x) (* p_y (+ (* d1 d1) rho)))) (* p_x (+ (* (- 1) (* d2 d2)) (* (- 1) rho)))) 0))
 (assert (> (+ (* (- 1) d1 p_x) (* d2 p_y)) 0))
 (assert (>= sin_beta 0))
-(assert (> d2 0))
 (assert (<= (+ (* cos_beta (+ (* d1 d2) (* mu (+ (* d1 d1) rho)))) (* sin_beta (+ (* d1 d2 mu) (* d2 d2) rho))) 0))
 (check-sat)

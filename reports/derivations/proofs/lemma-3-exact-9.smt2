@@ -1,4 +1,4 @@
-; $d_2/d_1 > \tan\beta$ is redundant
+; $\tan\beta < d_2/d_1$ holds by itself
 (set-logic QF_NRA)
 (declare-const cos_beta Real)
 (declare-const d1 Real)

@@ -1,15 +1,12 @@
-; $d_v > d_w\sqrt{1 + \mu^2}$ gives $T > \mu d_w$ at every $h$
+; $T \le \mu d_w$ allows them: forces $(d_w, T)$ along the line through both contacts
 (set-logic QF_NRA)
 (declare-const T Real)
-(declare-const V Real)
 (declare-const d1 Real)
-(declare-const h Real)
 (declare-const mu Real)
+(declare-const sigma Real)
 (assert (> T 0))
-(assert (> V 0))
 (assert (> d1 0))
 (assert (> mu 0))
-(assert (= (* T T) (+ (* V V) (* (- 4) (* d1 d1)) (* h h))))
-(assert (< (* 4 (* d1 d1) (+ (* mu mu) 1)) (* V V)))
 (assert (>= (* 2 d1 mu) T))
+(assert (not (and (= (+ (* (- 4) T d1) (* (- 2) d1 (+ (* (- 1) T) (* (- 2) sigma))) (* 2 d1 (+ T (* (- 2) sigma)))) 0) (>= (* 2 d1 mu) T))))
 (check-sat)

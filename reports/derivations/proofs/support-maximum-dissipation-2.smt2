@@ -10,5 +10,5 @@
 (assert (> L 0))
 (assert (and (<= (+ (* f_x f_x) (* f_y f_y)) (* L L)) (or (and (= v_x 0) (= v_y 0)) (and (= (+ (* f_x f_x) (* f_y f_y)) (* L L)) (= (+ (* f_x v_y) (* (- 1) f_y v_x)) 0) (<= (+ (* f_x v_x) (* f_y v_y)) 0)))))
 (assert (<= (+ (* g_x g_x) (* g_y g_y)) (* L L)))
-(assert (> (+ (* (- 1) g_x v_x) (* (- 1) g_y v_y)) (+ (* (- 1) f_x v_x) (* (- 1) f_y v_y))))
+(assert (> (+ (* f_x v_x) (* f_y v_y)) (+ (* g_x v_x) (* g_y v_y))))
 (check-sat)

@@ -7,5 +7,5 @@
 (assert (= excess (+ e_end (* (- 1) e_start))))
 (assert (and (>= e_start (- 5)) (<= e_start 5)))
 (assert (and (>= e_end (- 5)) (<= e_end 5)))
-(assert (not (and (>= e_end 2) (<= e_start (- 2)))))
+(assert (not (and (>= e_end 2) (>= (* (- 1) e_start) 2))))
 (check-sat)

@@ -1,4 +1,4 @@
-; two solutions of the complete contact law are equal
+; a tip that moves towards the edge: two solutions of the complete law are equal
 (set-logic QF_NRA)
 (declare-const d1 Real)
 (declare-const d2 Real)
@@ -13,8 +13,7 @@
 (assert (> d1 0))
 (assert (> mu 0))
 (assert (> rho 0))
-(assert (> (+ (* (- 1) d1 d2 mu) (* d2 d2) rho) 0))
-(assert (> (+ (* d1 d2 mu) (* d2 d2) rho) 0))
+(assert (< u_n 0))
 (assert (>= lambda_n1 0))
 (assert (<= lambda_t1 (* lambda_n1 mu)))
 (assert (<= (* (- 1) lambda_t1) (* lambda_n1 mu)))

@@ -1,0 +1,11 @@
+; straight parts fit up to 69.5 µm only
+(set-logic QF_NRA)
+(declare-const Y Real)
+(declare-const cos_psi Real)
+(declare-const sin_psi Real)
+(assert (= (+ (* cos_psi cos_psi) (* sin_psi sin_psi)) 1))
+(assert (= sin_psi 0))
+(assert (= cos_psi 1))
+(assert (<= (+ (* 2 Y) (* 837 cos_psi) (* 1616 sin_psi)) 976))
+(assert (> (* 2 Y) 139))
+(check-sat)

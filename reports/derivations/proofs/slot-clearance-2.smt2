@@ -1,0 +1,13 @@
+; 139 µm would fit
+(set-logic QF_NRA)
+(declare-const channel Real)
+(declare-const gap Real)
+(declare-const part Real)
+(assert (> channel 0))
+(assert (> gap 0))
+(assert (> part 0))
+(assert (and (>= channel (/ 1951 2)) (<= channel (/ 1953 2))))
+(assert (and (>= part (/ 1673 2)) (<= part (/ 1675 2))))
+(assert (and (>= gap (/ 277 2)) (<= gap (/ 279 2))))
+(assert (= gap (+ channel (* (- 1) part))))
+(check-sat)

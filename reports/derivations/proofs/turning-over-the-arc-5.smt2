@@ -1,0 +1,13 @@
+; for $|d_2| < \mu d_1$ the direction $(d_2, d_1)$ lies in the arc
+(set-logic QF_NRA)
+(declare-const d1 Real)
+(declare-const d2 Real)
+(declare-const mu Real)
+(declare-const rho Real)
+(assert (> d1 0))
+(assert (> mu 0))
+(assert (> rho 0))
+(assert (< d2 (* d1 mu)))
+(assert (< (* (- 1) d2) (* d1 mu)))
+(assert (not (and (> (+ (* mu (* d1 d1 d1)) (* (- 1) d2 (* d1 d1)) (* d1 mu (* d2 d2)) (* d1 mu rho) (* (- 1) (* d2 d2 d2)) (* (- 1) d2 rho)) 0) (> (+ (* mu (* d1 d1 d1)) (* d2 (* d1 d1)) (* d1 mu (* d2 d2)) (* d1 mu rho) (* d2 d2 d2) (* d2 rho)) 0))))
+(check-sat)
