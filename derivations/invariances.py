@@ -192,7 +192,6 @@ def derive() -> Derivation:
             _rate(),
             _size(),
             _isotropy(),
-            _other_edges(),
             _twist_of_one_contact(),
             _identify_from_a_twist(),
             _identify_while_sticking(),
@@ -482,80 +481,6 @@ def _isotropy() -> Claim:
                 sp.Eq(e_x, e_y),
             ),
             _turned_conditions(),
-        ),
-    )
-
-
-def mirrored(one: Contact) -> Contact:
-    """The contact seen in the x axis; ``along`` is kept counter-clockwise of ``out``."""
-    flip = sp.diag(1, -1)
-    return Contact(
-        flip * one.arm,
-        -flip * one.along,
-        flip * one.out,
-        flip * one.tip,
-        one.normal,
-        -one.tangential,
-    )
-
-
-def _mirror() -> tuple[Finding, ...]:
-    """The reflection in the x axis carries motions into motions."""
-    pair = (contact("1"), contact("2"))
-    after = quantities(sp.diag(1, -1, -1) * TWIST, [mirrored(one) for one in pair])
-    before = quantities(TWIST, pair)
-    signs = (1, -1, -1, -1, -1, 1, 1)
-    force, shear, slip, opening = sp.symbols("lambda_n lambda_t slip opening", real=True)
-    image = mirrored(one_contact())
-    at = {theta: sp.pi - theta, d2: -d2}
-    return (
-        equal(
-            "reflect part, tips and velocities: the balance is reflected, slips change sign, "
-            "openings do not (two contacts)",
-            after,
-            [sign * entry for sign, entry in zip(signs, before, strict=True)],
-        ),
-        for_all(
-            "Coulomb's law stays true when tangential force and slip change sign",
-            coulomb(force, shear, slip, opening),
-            sp.And(*coulomb(force, -shear, -slip, opening)),
-        ),
-        equal(
-            r"the image of the contact at $(\theta, d_2)$ is the contact at $(180° - \theta, "
-            r"-d_2)$ with the same $d_1$",
-            [*image.arm, *image.along],
-            [*ARM.subs(at, simultaneous=True), *a.subs(at)],
-        ),
-    )
-
-
-def _other_edges() -> Claim:
-    """The cases that the paper leaves to the reader."""
-    one = one_contact()
-    short = {**UNIT, d1: sp.Integer(808), d2: sp.Integer(200), v_p: sp.Integer(-1)}
-    point = solved_point([one], {**short, **angle(1, theta)}, [one.slip(TWIST), one.opening(TWIST)])
-    return Claim(
-        key="other-edges",
-        title="Short edge, left side, clockwise",
-        place="Section IX-C1",
-        printed="“other cases, such as pushing on the short edge or the left side of the part, can "
-        "be analyzed similarly”",
-        derived=r"Left side: turn the plane by $180°$. Clockwise: reflect, which sends $(\theta, "
-        r"d_2)$ to $(180° - \theta, -d_2)$ and changes the signs of $\lambda_t$, slip and "
-        r"$\omega$. Short edge: the same formulas with $d_1$ half the long side and $|d_2|$ up to "
-        r"half the short one; $\rho$ and $\mu$ stay.",
-        steps=(
-            "Rotations and the reflection carry balance and contact law into themselves.",
-            r"No condition says which edge is pushed: $d_1$ and $d_2$ are free.",
-        ),
-        of_print=(
-            _turned_conditions(),
-            *_mirror(),
-            there_is(
-                r"a sticking push on the short edge: $d_1 = 808$, $d_2 = 200$ µm, $\theta = 90°$",
-                conditions([one], short),
-                point,
-            ),
         ),
     )
 

@@ -33,7 +33,6 @@ VERDICTS = {
     "rate-film": Verdict.NEW,
     "size-invariance": Verdict.NEW,
     "film-isotropy": Verdict.NEW,
-    "other-edges": Verdict.CONFIRMED,
     "twist-of-one-contact": Verdict.NEW,
     "identify-from-a-twist": Verdict.NEW,
     "identify-while-sticking": Verdict.NEW,
@@ -264,10 +263,3 @@ def test_friction_that_pushes_leaves_the_slipping_modes_without_a_motion(
     monkeypatch.setattr(invariances, "coulomb", _pushing_friction)
     holds = [finding.holds for finding in invariances._one_contact_modes()]
     assert holds == [True, False, False, True]  # sticking and leaving do not slip
-
-
-def test_the_other_edges_need_the_moment_to_turn_with_the_part(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(invariances, "film", _uneven_film)
-    assert invariances._other_edges().verdict is Verdict.REFUTED
