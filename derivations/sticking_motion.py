@@ -146,5 +146,10 @@ def _closed_form(rate: sp.Expr) -> Claim:
                 (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / F,
             ),
             identity(r"the law solves the equation", slope, sp.Integer(0)),
+            identity(
+                r"and starts at $\theta_0$",
+                half.subs(xi, 0),
+                sp.tan(start / 2 - delta / 2),
+            ),
         ),
     )
