@@ -328,7 +328,7 @@ def test_the_page_links_to_the_stored_proofs(read: Reader, files: dict[str, str]
 
 def test_a_query_with_an_unknown_answer_is_refused() -> None:
     (finding,) = sample()[1].claims[0].of_print
-    strange = replace(finding, how="z3: perhaps", query="(check-sat)")
+    strange = replace(finding, holds=True, how="z3: perhaps", query="(check-sat)")
     with pytest.raises(DerivationError, match=r"lonely: no known answer .* perhaps"):
         register.chapters(alone(checks=(strange,)))
 
