@@ -312,7 +312,6 @@ def _states(r_0: sp.Symbol, r_m: sp.Symbol, r_e: sp.Symbol, g: sp.Symbol) -> tup
 
 def _walk_is_continuous(balance: _Balance) -> tuple[Finding, ...]:
     inside = [tau_D <= mu, tau_D >= -mu, tau_S <= mu, tau_S >= -mu]
-    middle = balance.at(balance.grip, mu, -mu)
     return (
         for_all(
             r"$T > \mu d_w$: the denominator is positive for all ratios",
@@ -324,7 +323,6 @@ def _walk_is_continuous(balance: _Balance) -> tuple[Finding, ...]:
             [*inside, sp.Or(sp.Eq(tau_S, -mu), sp.Eq(tau_D, mu))],
             balance.grip > 0,
         ),
-        for_all("also at the middle corner", [T > 0], middle > 0),
     )
 
 
