@@ -44,8 +44,7 @@ def kinematics() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     theta_rate_cs = sp.simplify(sp.simplify(rates[theta_rate]).subs(unit))
     require_zero(theta_rate_cs - s / T, "theta' = sin(theta)/T")
     T_rate_cs = sp.simplify(sp.simplify(rates[T_rate]).subs(unit))
-    circle = {h: sp.sqrt(T**2 + w**2 - V**2)}
-    require_zero((T_rate_cs.subs(angle) + h / T).subs(circle), "T' = -h/T")
+    require_zero(T_rate_cs.subs(angle) + h / T, "T' = -h/T")
     return sp.simplify(angle[c]), sp.simplify(angle[s]), theta_rate_cs, -h / T
 
 
