@@ -105,6 +105,8 @@ class Claim:
         if not all(finding.holds for finding in self.consistent):
             return Verdict.INCONSISTENT
         if self.of_print and all(finding.holds for finding in self.of_print):
+            if self.added:
+                raise DerivationError(f"{self.key}: hypotheses added to a print that stands")
             return Verdict.SHARPENED if self.sharper else Verdict.CONFIRMED
         if not self.of_print:
             raise DerivationError(f"{self.key}: nothing was found of the printed statement")

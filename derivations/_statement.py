@@ -2,7 +2,7 @@
 
 Angles enter polynomial statements as points of the unit circle: every ``cos(t)``, ``sin(t)`` becomes
 a pair of real unknowns with ``cos^2 + sin^2 = 1``. What comes out is a :class:`Finding`, which only
-the functions of this file make; a finding that does not hold carries an exact witness.
+the functions of this file make; one that does not hold carries a witness or the query that shows it.
 """
 
 from __future__ import annotations

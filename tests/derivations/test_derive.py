@@ -268,6 +268,7 @@ def test_the_verdict_follows_from_the_findings(
         {"printed": "p", "of_print": (TRUE,), "sharper": (FALSE,)},
         {"printed": "p", "of_print": (FALSE,), "with_added": (FALSE,), "added": ("h",)},
         {"printed": "p", "of_print": (FALSE,), "with_added": (TRUE,)},
+        {"printed": "p", "of_print": (TRUE,), "with_added": (TRUE,), "added": ("h",)},
     ],
 )
 def test_findings_that_do_not_add_up_are_refused(fields: dict[str, object]) -> None:
