@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: demo test check lock benchmark reports clean
+.PHONY: demo test check lock benchmark reports campaign clean
 
 demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
@@ -17,8 +17,12 @@ check: $(INSTALLED)
 	$(BIN)/mypy
 	$(BIN)/meso-robust derive --check
 
+# The peers live in a folder of their own, seen by this target alone.
+benchmark: PEERS := .venv/peers
 benchmark: $(INSTALLED)
-	$(BIN)/python -m tests.benchmarks
+	test -d $(PEERS)/mujoco || $(BIN)/uv pip install --quiet --no-deps --require-hashes \
+	  --python $(BIN)/python --target $(PEERS) --requirement tests/benchmarks/requirements.lock
+	PYTHONPATH=$(PEERS) $(BIN)/python -m tests.benchmarks --peers --out reports/simulator/speed.md
 
 $(INSTALLED): pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -32,7 +36,13 @@ $(INSTALLED): pyproject.toml requirements.lock
 reports: $(INSTALLED)
 	$(BIN)/meso-robust derive
 	$(BIN)/meso-robust plan --out reports/paper_task
-	$(BIN)/python -m tests.benchmarks > reports/simulator_speed.txt
+	$(BIN)/python -m tests.simulator.convergence --out reports/simulator/convergence.md
+	$(BIN)/python -m tests.simulator.inertia_report --out reports/simulator
+	$(BIN)/python -m tests.simulator.effects_report --out reports/simulator/effects.md
+
+# The full form of the simulator's property campaign: most of an hour on two cores.
+campaign: $(INSTALLED)
+	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
 
 lock:
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra dev --generate-hashes \

@@ -100,7 +100,7 @@ def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planne
         The simulator and the proof disagree.
     """
     setup = setup_of(task)
-    with doing("searching a plan (the first run compiles kernels: some 20 s)"):
+    with doing("searching a plan (the first run compiles kernels: about a minute)"):
         found = compose(task)
     with doing("certifying"):
         chain = certify(found.rules, setup, knots=KNOTS)

@@ -1,9 +1,44 @@
-"""Keys for compiled code that is kept on disk."""
+"""Compiled code: functions inside kernels, and keys for what is kept on disk."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import ParamSpec, TypeVar, cast
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def inner(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Compile a function that only kernels call and that makes no array.
+
+    It counts no references: its arrays outlive it, and counting was measured to take most of the
+    time of a simulation step. Numba refuses to compile a function that makes an array this way.
+    """
+    from numba import njit
+
+    return cast("Callable[_P, _R]", njit(error_model="numpy", _nrt=False)(function))
+
+
+def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Compile as `inner` does, without an entry from Python.
+
+    The code that unpacks the arguments can take longer to compile than the function.
+    """
+    from numba import njit
+
+    compile_ = njit(error_model="numpy", _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    return cast("Callable[_P, _R]", compile_(function))
+
+
+def maker(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Compile a function that only kernels call and that makes arrays."""
+    from numba import njit
+
+    # Said although it is the default: a function compiled on behalf of another inherits its choice.
+    return cast("Callable[_P, _R]", njit(error_model="numpy", _nrt=True)(function))
 
 
 def fingerprint(*packages: str) -> int:

@@ -28,7 +28,8 @@ MAY_IMPORT = {
     "primitives": BELOW_PLANNING - {"primitives"},
     "planning": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
-    "simulator": {"errors", "units", "kernels"},
+    "simulator": {"errors", "kernels"},
+    "recordings": {"errors", "files"},
 }
 ABOVE = {"cli", "reporting", "__init__"}  # what nothing else may reach
 
@@ -65,6 +66,21 @@ def test_a_package_imports_only_what_lies_below_it(part: str) -> None:
     for path in files:
         extra = parts_imported(path) - MAY_IMPORT[part] - {part}
         assert not extra, f"{names(path)} imports {sorted(extra)}"
+
+
+def test_the_two_engines_of_the_simulator_share_nothing() -> None:
+    events = PACKAGE / "simulator" / "events"
+    allowed = (
+        "meso_robust.simulator.events",
+        "meso_robust.simulator.outcome",
+        "meso_robust.kernels",
+    )
+    for path in sorted(events.glob("*.py")):
+        own = [name for name in imported(path) if name.startswith("meso_robust")]
+        assert all(name.startswith(allowed) for name in own), path.name
+    for path in sorted((PACKAGE / "simulator").glob("*.py")):
+        if path.stem not in {"exact", "__init__"}:
+            assert not any("simulator.events" in name for name in imported(path)), path.name
 
 
 def test_packages_form_no_cycle() -> None:

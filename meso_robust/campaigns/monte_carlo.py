@@ -37,6 +37,8 @@ class MoveRun:
     """(N, P, 2) displacement of the tips, m."""
     path: Floats
     """(N, record + 1, 3) poses during the move."""
+    modes: npt.NDArray[np.int8]
+    """(N, record + 1, P) contact mode of each tip during the move; see `PushResult.modes`."""
     after: Floats
     """(N, 3) true poses."""
 
@@ -95,9 +97,10 @@ def run(
         outcomes[inside], failed_in[inside] = STARTS_INSIDE, k
         alive &= ~inside
         after, path = poses.copy(), np.repeat(poses[:, None], record + 1, axis=1)
+        modes = np.zeros((len(poses), record + 1, tips.shape[1]), dtype=np.int8)
         if alive.any():
             result = simulate(
-                Push(
+                Push.straight(
                     vertices=rectangle(setup),
                     poses=poses[alive],
                     tips=tips[alive],
@@ -110,10 +113,18 @@ def run(
             )
             after[alive], outcomes[alive] = result.poses, result.outcomes
             if record:
-                path[alive] = result.path
+                path[alive], modes[alive] = result.path, result.modes
             failed_in[alive & (outcomes != Outcome.COMPLETED)] = k
         moves.append(
-            MoveRun(before=poses, sensed=sensed, tips=tips, travel=travel, path=path, after=after)
+            MoveRun(
+                before=poses,
+                sensed=sensed,
+                tips=tips,
+                travel=travel,
+                path=path,
+                modes=modes,
+                after=after,
+            )
         )
         poses = after
     return PlanRun(moves=tuple(moves), outcomes=outcomes, failed_in=failed_in)

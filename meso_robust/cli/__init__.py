@@ -14,6 +14,7 @@ import typer
 from meso_robust.cli.derive import derive
 from meso_robust.cli.plan import plan
 from meso_robust.cli.schema import schema
+from meso_robust.cli.simulate import simulate
 
 app = typer.Typer(
     help="Plans pushes for mesoscale parts that are proved to work, and says why when none is.",
@@ -22,7 +23,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (plan, derive, schema):
+for verb in (plan, simulate, derive, schema):
     app.command()(verb)
 
 

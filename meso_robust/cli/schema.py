@@ -11,19 +11,21 @@ from meso_robust.cli.console import refuse
 
 
 def schema(
-    name: Annotated[str, typer.Argument(help="task, plan or certificate")],
+    name: Annotated[str, typer.Argument(help="task, plan, certificate or recordings")],
 ) -> None:
     """Print the JSON Schema of a document."""
     from pydantic import BaseModel
 
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.planning.document import PlanDocument
+    from meso_robust.recordings import SetDocument
     from meso_robust.task import Task
 
     models: dict[str, type[BaseModel]] = {
         "task": Task,
         "plan": PlanDocument,
         "certificate": CertificateDocument,
+        "recordings": SetDocument,
     }
     if name not in models:
         refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")

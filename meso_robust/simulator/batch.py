@@ -1,133 +1,87 @@
-"""Batches of runs, one after the other or in parallel, and the entry point of the simulator."""
+"""Batches of runs, on one core or all, and the entry point of the simulator."""
 
+from __future__ import annotations
+
+import itertools
+import os
 from collections.abc import Callable
-from typing import NamedTuple, TypeAlias, cast
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import fields
+from typing import TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit, prange
+from numba import njit
 
-from meso_robust.kernels import fingerprint
-from meso_robust.simulator.contact import polygon_faces
+from meso_robust.kernels import fingerprint, inner
+from meso_robust.simulator.arrange import Inputs, Outputs, case_of, inputs_of, outputs_of
+from meso_robust.simulator.case import new_state
+from meso_robust.simulator.geometry import tracked_of_reference
+from meso_robust.simulator.outline import refuse
 from meso_robust.simulator.push import Push, PushResult
-from meso_robust.simulator.rows import Case
+from meso_robust.simulator.record import (
+    FIXTURE_MODE,
+    FORCE,
+    PER_PROBE,
+    POSE,
+    PROBE_MODE,
+    PROBES,
+    TIME,
+    TIP,
+)
 from meso_robust.simulator.stepping import run
-from meso_robust.simulator.support import arm_scale
+from meso_robust.simulator.tables import CONTACT, COUNT, MAX_CONTACTS, WHO, Work, workspace
 
 _F = npt.NDArray[np.float64]
 
+_CHUNKS = 4  # pieces of a batch for each core
 
-class Inputs(NamedTuple):
-    """Fields of a push as the kernels take them; shapes as in `Push`."""
-
-    faces: _F
-    """(V, 6) table of `polygon_faces`."""
-    tips: _F
-    travel: _F
-    friction: _F
-    film_ratio: _F
+Kernel: TypeAlias = Callable[[Inputs, int, int, Outputs], None]
+"""A batch kernel: inputs, first run, last run (exclusive) and outputs."""
 
 
-class Outputs(NamedTuple):
-    """Arrays the kernels fill; shapes as in `PushResult`."""
-
-    poses: _F
-    """The poses at the start on entry."""
-    outcomes: npt.NDArray[np.int8]
-    max_penetration: _F
-    path: _F
-
-
-Kernel: TypeAlias = Callable[[Inputs, int, bool, Outputs], None]
-"""A batch kernel; see `run_serial`."""
+@inner
+def _keep_contacts(work: Work, ended: _F) -> None:
+    """Copy the contacts of the step in which a run ended."""
+    for c in range(work.contacts.shape[0]):
+        for k in range(CONTACT):
+            ended[c, k] = work.contacts[c, k]
+        ended[c, CONTACT] = work.marks[c, WHO] if c < work.step[COUNT] else -1.0
 
 
-@njit(error_model="numpy")
-def _case(i: int, inputs: Inputs, steps: int) -> Case:
-    """Pick one run."""
-    move = np.empty((inputs.travel.shape[1], 2))
-    unit = 0.0
-    for tip in range(move.shape[0]):
-        move[tip, 0] = inputs.travel[i, tip, 0] / max(steps, 1)
-        move[tip, 1] = inputs.travel[i, tip, 1] / max(steps, 1)
-        unit = max(unit, np.hypot(move[tip, 0], move[tip, 1]))
-    return Case(
-        inputs.faces,
-        inputs.tips[i],
-        move,
-        unit,
-        inputs.friction[i],
-        arm_scale(inputs.film_ratio[i]),
-    )
-
-
-@njit(error_model="numpy")
-def _run_one(i: int, inputs: Inputs, steps: int, warm: bool, outputs: Outputs) -> None:
-    """Take one run.
-
-    The results are written here because Numba was seen to lose the outcomes when the parallel
-    loop itself wrote them into the named tuple.
-    """
-    case = _case(i, inputs, steps)
-    outcome, depth = run(case, steps, warm, outputs.poses[i], outputs.path[i])
-    outputs.outcomes[i] = outcome
-    outputs.max_penetration[i] = depth
-
-
-def _compiled(parallel: bool) -> Kernel:
+def _compiled() -> Kernel:
     """Make the batch kernel, compiled at its first call and kept on disk; see ``fingerprint``."""
-    key = 2 * fingerprint("simulator") + parallel
+    key = fingerprint("simulator")
 
-    @njit(cache=True, error_model="numpy", parallel=parallel)
-    def kernel(inputs: Inputs, steps: int, warm: bool, outputs: Outputs) -> None:
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def kernel(inputs: Inputs, start: int, stop: int, outputs: Outputs) -> None:
         if key < 0:  # never, but it makes the key part of the function
             return
-        for i in prange(inputs.tips.shape[0]):
-            _run_one(np.int64(i), inputs, steps, warm, outputs)
+        work = workspace(MAX_CONTACTS)
+        for i in range(start, stop):
+            case = case_of(i, inputs)
+            state = new_state(case)
+            outcome, depth = run(case, state, work, outputs.poses[i], outputs.record[i])
+            outputs.outcomes[i] = outcome
+            outputs.max_penetration[i] = depth
+            if outputs.ended.shape[0] > 0:
+                _keep_contacts(work, outputs.ended[i])
 
     return cast(Kernel, kernel)
 
 
-run_serial = _compiled(parallel=False)
-"""Take the runs one after the other on one core.
-
-Called with the inputs, the number of steps, whether to try the contact modes of the last step
-before Lemke's method, and the outputs, which it fills.
-"""
-
-run_parallel = _compiled(parallel=True)
-"""Take the runs on all cores; arguments and results as in `run_serial`."""
+run_range = _compiled()
+"""Take a range of runs one after the other on one core; releases the interpreter."""
 
 
-def prepare(push: Push, record: int = 0) -> tuple[Inputs, Outputs]:
-    """Arrange a push for the kernels.
-
-    Parameters
-    ----------
-    push
-        The move.
-    record
-        Number of intervals of the recorded path; zero for none.
-
-    Returns
-    -------
-    tuple
-        What the kernels read and what they fill.
-    """
-    runs = push.poses.shape[0]
-    inputs = Inputs(
-        polygon_faces(push.vertices), push.tips, push.travel, push.friction, push.film_ratio
-    )
-    outputs = Outputs(
-        push.poses.copy(),
-        np.zeros(runs, dtype=np.int8),
-        np.zeros(runs),
-        np.zeros((runs, record + 1 if record > 0 else 0, 3)),
-    )
-    return inputs, outputs
-
-
-def simulate(push: Push, *, record: int = 0) -> PushResult:
+def simulate(
+    push: Push,
+    *,
+    record: int = 0,
+    instants: _F | None = None,
+    unique: bool = False,
+    workers: int | None = None,
+) -> PushResult:
     """Push the part of every run through the move.
 
     Parameters
@@ -135,8 +89,15 @@ def simulate(push: Push, *, record: int = 0) -> PushResult:
     push
         The move and its N runs.
     record
-        Number of intervals of the recorded path: ``record + 1`` poses at evenly spaced parts of
-        the move. Zero records nothing.
+        Number of intervals of the record: ``record + 1`` instants, evenly spaced from the first
+        waypoint to the last. Zero records nothing.
+    instants
+        (1|N, R) times to record instead, s, increasing.
+    unique
+        Look for a second motion in every step, and end the run where there is one
+        (`Outcome.NON_UNIQUE`). Slow: all contact modes of every step are tried.
+    workers
+        Threads; all cores by default.
 
     Returns
     -------
@@ -147,22 +108,68 @@ def simulate(push: Push, *, record: int = 0) -> PushResult:
     Raises
     ------
     ValueError
-        If `record` is negative.
+        If `record` is negative or `instants` do not fit the move.
     """
-    if record < 0:
-        raise ValueError(
-            f"record: {record}; must not be negative; give the number of path intervals or 0"
-        )
-    steps = push.steps
-    inputs, outputs = prepare(push, record)
-    kernel = run_parallel if len(push.poses) > 1 else run_serial
-    kernel(inputs, steps, True, outputs)
-    for array in outputs:
-        array.flags.writeable = False
-    return PushResult(
-        poses=outputs.poses,
+    if workers is not None and workers < 1:
+        refuse("workers", f"{workers}", "must be at least 1", "leave it out to use all cores")
+    chosen = _instants(push, record, instants)
+    outputs = outputs_of(push, chosen)
+    if len(push.poses):
+        inputs = inputs_of(push, unique)
+        _in_pieces(inputs, outputs, len(push.poses), workers or os.cpu_count() or 1)
+    return _result(push, outputs)
+
+
+def _result(push: Push, outputs: Outputs) -> PushResult:
+    table, record = push.effects.table, outputs.record
+    path = np.ascontiguousarray(record[:, :, POSE : POSE + 3])
+    each = record[:, :, PROBES:].reshape(*record.shape[:2], len(push.shapes), PER_PROBE)
+    result = PushResult(
+        poses=tracked_of_reference(outputs.poses, table),
         outcomes=outputs.outcomes,
         max_penetration=outputs.max_penetration,
-        path=outputs.path,
-        steps=steps,
+        times=record[:, :, TIME].copy(),
+        path=tracked_of_reference(path, table) if path.size else path,
+        tips=each[..., TIP : TIP + 2].copy(),
+        forces=each[..., FORCE : FORCE + 2].copy(),
+        modes=each[..., PROBE_MODE].astype(np.int8),
+        fixture_modes=record[:, :, FIXTURE_MODE].astype(np.int8),
+        steps=push.steps,
     )
+    for item in fields(result):
+        if item.name != "steps":
+            getattr(result, item.name).flags.writeable = False
+    return result
+
+
+def _instants(push: Push, record: int, instants: _F | None) -> _F | None:
+    if record < 0:
+        refuse("record", f"{record}", "must not be negative", "give the number of intervals or 0")
+    if instants is None:
+        if record == 0:
+            return None
+        start, end = push.times[:, :1], push.times[:, -1:]
+        return np.asarray(start + (end - start) * np.linspace(0.0, 1.0, record + 1))
+    chosen = np.array(instants, dtype=np.float64)
+    if chosen.ndim != 2 or len(chosen) not in (1, len(push.poses)):
+        refuse("instants", f"shape {chosen.shape}", "must be (1|N, R)", "reshape it")
+    if not np.all(np.diff(chosen, axis=1) > 0.0):
+        refuse("instants", "times that do not increase", "must increase", "sort them")
+    if not np.all((chosen >= push.times[:, :1]) & (chosen <= push.times[:, -1:])):
+        refuse("instants", "a time outside the move", "must lie within its times", "leave it out")
+    return chosen
+
+
+def _in_pieces(inputs: Inputs, outputs: Outputs, runs: int, workers: int) -> None:
+    """Take the runs in pieces, one after the other or by several threads that share the arrays."""
+    if workers == 1 or runs < 2 * workers:
+        run_range(inputs, 0, runs, outputs)
+        return
+    ends = np.unique(np.linspace(0, runs, _CHUNKS * workers + 1).astype(int))
+    with ThreadPoolExecutor(workers) as pool:
+        pieces = [
+            pool.submit(run_range, inputs, int(a), int(b), outputs)
+            for a, b in itertools.pairwise(ends)
+        ]
+        for piece in pieces:
+            piece.result()

@@ -1,41 +1,51 @@
 """Checks of the inputs of a push, each with the argument, its value, the rule and what to do."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from typing import NoReturn
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.simulator.contact import polygon_faces
-from meso_robust.simulator.support import check_film_ratio
+from meso_robust.simulator.environment import FLOW_SLOTS
+from meso_robust.simulator.geometry import radii, reference_of_tracked, stretch
+from meso_robust.simulator.motion_model import FirstOrder
+from meso_robust.simulator.outline import edge_table, refuse, thickness
+from meso_robust.simulator.support import FILM_SLOTS, LAYS, THINNING
+from meso_robust.simulator.tips import Flat
+from meso_robust.simulator.touch import EDGE
+
+if TYPE_CHECKING:
+    from meso_robust.simulator.effects import Effects
+    from meso_robust.simulator.push import Push
+    from meso_robust.simulator.support_models import Tables
 
 _F = npt.NDArray[np.float64]
 
-MAX_TIPS = 6
-"""Most tips in one move: the proof of a jam tries 4^tips contact modes."""
+MAX_PROBES = 6
+"""Most probes in one move."""
 MAX_STEPS = 10**8
 """Most steps in one move."""
+THICK = 0.5
+"""Longest step over the thinnest place of a solid."""
 START_DEPTH = 0.05
-"""Depth of a tip at the start, in steps, that counts as touching.
+"""Depth at the start, in steps, that counts as touching.
 
 The part is left this deep in a tip, at most, by the linear steps of a move before; the first step
 takes it back.
 """
 
-_STRICT = 1e-9  # of the size of the part: a corner this flat is no corner
 
-
-def _refuse(argument: str, value: str, rule: str, advice: str) -> NoReturn:
-    raise ValueError(f"{argument}: {value}; {rule}; {advice}")
-
-
-def check_arrays(arrays: Mapping[str, _F]) -> None:
+def check_arrays(arrays: Mapping[str, _F], shapes: int) -> None:
     """Refuse arrays of the wrong shape or with values that are not finite.
 
     Parameters
     ----------
     arrays
         The array fields of a push by name.
+    shapes
+        Number of tip shapes that are given, zero for none.
 
     Raises
     ------
@@ -43,157 +53,279 @@ def check_arrays(arrays: Mapping[str, _F]) -> None:
         Naming the argument, its shape or value, and what it should be.
     """
     runs = arrays["poses"].shape[0] if arrays["poses"].ndim else 0
-    tips = arrays["tips"].shape[1] if arrays["tips"].ndim > 1 else 0
+    way = arrays["waypoints"].shape
+    points, probes = (way[1], way[2]) if len(way) == 4 else (0, 0)
     corners = arrays["vertices"].shape[0] if arrays["vertices"].ndim else 0
-    shapes = {
+    wanted: dict[str, tuple[tuple[int, ...], str]] = {
         "vertices": ((corners, 2), "(V, 2)"),
         "poses": ((runs, 3), "(N, 3)"),
-        "tips": ((runs, tips, 2), "(N, P, 2)"),
-        "travel": ((runs, tips, 2), "(N, P, 2)"),
-        "friction": ((runs,), "(N,)"),
-        "film_ratio": ((runs,), "(N,)"),
+        "waypoints": ((runs, points, probes, 2), "(1|N, T, P, 2)"),
+        "times": ((runs, points), "(1|N, T)"),
+        "friction": ((runs, probes), "(N,) or (1|N, P)"),
     }
-    for name, (shape, letters) in shapes.items():
-        if arrays[name].shape != shape:
-            _refuse(
+    for name, (shape, letters) in wanted.items():
+        one = (1, *shape[1:]) if letters.find("1|N") >= 0 else shape
+        if arrays[name].shape not in (shape, one):
+            refuse(
                 name,
                 f"shape {arrays[name].shape}",
-                f"must be {letters} with N runs as in poses and P tips as in tips",
+                f"must be {letters} with N runs as in poses and P probes as in waypoints",
                 f"reshape it to {shape}",
             )
         if not np.all(np.isfinite(arrays[name])):
             where = tuple(int(k) for k in np.argwhere(~np.isfinite(arrays[name]))[0])
             value = f"{arrays[name][where]} at {where}"
-            _refuse(name, value, "must be finite", "remove the run or mend the value")
-    if not 1 <= tips <= MAX_TIPS:
-        advice = "leave out the tips that stay away from the part"
-        _refuse("tips", f"{tips} tips", f"must be 1 to {MAX_TIPS}", advice)
+            refuse(name, value, "must be finite", "remove the run or mend the value")
+    if points < 2:
+        refuse("waypoints", f"{points} instants", "must be at least 2", "give start and end")
+    if not 1 <= probes <= MAX_PROBES:
+        advice = "leave out the probes that stay away from the part"
+        refuse("waypoints", f"{probes} probes", f"must be 1 to {MAX_PROBES}", advice)
+    if shapes not in (0, probes):
+        refuse("shapes", f"{shapes} shapes", f"must be {probes}, one a probe", "give all or none")
 
 
-def check_polygon(vertices: _F) -> None:
-    """Refuse corners that are not those of a convex part about its reference point.
-
-    Parameters
-    ----------
-    vertices
-        (V, 2) corners in m, body frame.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than three corners, if they are not in counter-clockwise order or not
-        strictly convex, or if the origin is not inside.
-    """
-    count = vertices.shape[0]
-    if count < 3:
-        _refuse("vertices", f"{count} corners", "must be at least 3", "give the whole outline")
-    advice = "give the corners of a convex outline counter-clockwise, each once"
-    flat = _STRICT * float(np.max(np.ptp(vertices, axis=0)))
-    edge = np.roll(vertices, -1, axis=0) - vertices
-    short = np.flatnonzero(np.hypot(edge[:, 0], edge[:, 1]) <= flat)
-    if short.size:
-        corner = int(short[0])
-        _refuse("vertices", f"corner {corner} and the next coincide", "must differ", advice)
-    faces = polygon_faces(vertices)
-    distance = faces[:, 2:4] @ vertices.T - faces[:, 4:5]  # of corner j out of edge i
-    for i in range(count):
-        others = [j for j in range(count) if j not in (i, (i + 1) % count)]
-        worst = max(others, key=lambda j: float(distance[i, j]))
-        if distance[i, worst] > -flat:
-            value = f"corner {worst} is {distance[i, worst]:g} m outside the edge from corner {i}"
-            _refuse("vertices", value, "must be strictly convex and counter-clockwise", advice)
-    if np.any(faces[:, 4] <= 0.0):
-        _refuse(
-            "vertices",
-            f"the origin is {-np.min(faces[:, 4]):g} m outside",
-            "must contain the reference point, the origin of the body frame",
-            "subtract the centre of the part from the corners",
-        )
-
-
-def check_numbers(friction: _F, film_ratio: _F, step: float) -> None:
-    """Refuse a negative friction, a film ratio or a step that is not positive.
+def check_numbers(friction: _F, times: _F, step: float, time_step: float) -> None:
+    """Refuse a negative friction, clocks that do not go on, and steps that are not positive.
 
     Parameters
     ----------
     friction
-        (N,) values of μ.
-    film_ratio
-        (N,) values of ρ in m².
+        (1|N, P) values of μ.
+    times
+        (1|N, T) in s.
     step
         Longest tip displacement of one step in m.
+    time_step
+        Longest duration of one step in s.
 
     Raises
     ------
     ValueError
         Naming the argument and the first wrong run.
     """
-    wrong = np.flatnonzero(friction < 0.0)
-    if wrong.size:
-        value = f"run {wrong[0]} has {friction[wrong[0]]:g}"
-        _refuse("friction", value, "must not be negative", "give μ as a number such as 0.33")
-    check_film_ratio(film_ratio)
+    for run, probe in np.argwhere(friction < 0.0):
+        value = f"run {run} has {friction[run, probe]:g}"
+        refuse("friction", value, "must not be negative", "give μ as a number such as 0.33")
+    for run, k in np.argwhere(~(np.diff(times, axis=1) > 0.0)):
+        value = f"run {run} goes from {times[run, k]:g} to {times[run, k + 1]:g} s"
+        refuse("times", value, "must increase", "give every waypoint a later time")
     if not (np.isfinite(step) and step > 0.0):
-        _refuse("step", f"{step} m", "must be positive and finite", "try 1e-6 m")
+        refuse("step", f"{step} m", "must be positive and finite", "try 1e-6 m")
+    if not (np.isfinite(time_step) and time_step > 0.0):
+        refuse("time_step", f"{time_step} s", "must be positive and finite", "try 0.02 s")
 
 
-def check_steps(longest: float, step: float) -> None:
-    """Refuse a step so small that the move would not end.
-
-    Parameters
-    ----------
-    longest
-        Longest travel of any tip in m.
-    step
-        Longest tip displacement of one step in m.
+def check_tables(tables: Tables, effects: Effects, runs: int) -> None:
+    """Refuse tables made for another number of runs, and a support that does not do.
 
     Raises
     ------
     ValueError
-        If the move has more than `MAX_STEPS` steps.
+        Naming the argument.
     """
-    if not longest / step <= MAX_STEPS:
-        _refuse(
+    for name, array in (*zip(tables._fields, tables, strict=True), ("effects", effects.table)):
+        if len(array) not in (1, runs):
+            refuse(name, f"{len(array)} runs", f"must be 1 or {runs}, as in poses", "repeat it")
+    film = tables.film[:, 0] > 0.0
+    if runs and not (film.any() or tables.points[..., 2:].any() or tables.surface.any()):
+        refuse("support", "no film and no dry contact", "must resist motion", "give a film")
+    if runs and not film.all() and effects.is_on(*FILM_SLOTS, *FLOW_SLOTS, THINNING):
+        on = ", ".join(effects.values)
+        refuse("effects", on, "need a film where they change its drag", "give a Film or a Mixture")
+
+
+def check_effects(push: Push) -> None:
+    """Refuse effects that have no meaning for this push.
+
+    Raises
+    ------
+    ValueError
+        If an edge does not exist, if the lays of stage and part add up to a drag that is not
+        positive, or if the support is changed although the motion model has none.
+    """
+    table = push.effects.table
+    edge, corners = table[:, EDGE], len(push.vertices)
+    for run in np.flatnonzero((edge != np.floor(edge)) | (edge >= corners)):
+        refuse(
+            "effects.edge_dependent_friction.edge",
+            f"run {run} has {edge[run]:g}",
+            f"must be a whole number below {corners}, the corners of the part",
+            "count the edges from 0, by their first corner",
+        )
+    for run in np.flatnonzero(np.abs(table[:, LAYS]).sum(axis=1) >= 1.0):
+        refuse(
+            "effects",
+            f"the fractions of both lays of run {run} add up to 1 or more",
+            "must leave a positive drag in every direction",
+            "lower anisotropic_drag or part_anisotropic_drag",
+        )
+    if isinstance(push.motion, FirstOrder) and push.effects.is_on(*range(32), *FLOW_SLOTS):
+        on = ", ".join(push.effects.values)
+        refuse("effects", on, "need a support, and FirstOrder has none", "use Dynamic")
+
+
+def check_steps(push: Push) -> None:
+    """Refuse steps so short that the move would not end, or longer than what they meet is thick.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument and the limit.
+    """
+    longest, count = push.longest_leg, push.longest_leg / push.step
+    if not count <= MAX_STEPS:
+        refuse(
             "step",
-            f"{step:g} m for a travel of {longest:g} m",
+            f"{push.step:g} m for a travel of {longest:g} m",
             f"must give at most {MAX_STEPS:g} steps",
             "give lengths in m and a longer step",
         )
+    if not push.steps <= MAX_STEPS:
+        refuse(
+            "time_step",
+            f"{push.time_step:g} s for {np.ptp(push.times):g} s",
+            f"must give at most {MAX_STEPS:g} steps",
+            "give times in s and a longer time step",
+        )
+    solids = [("vertices", push.vertices)]
+    solids += [
+        (f"shapes[{p}]", s.corners) for p, s in enumerate(push.shapes) if isinstance(s, Flat)
+    ]
+    solids += [(f"fixture.outlines[{k}]", o) for k, o in enumerate(push.fixture.outlines)]
+    for name, corners in solids:
+        thin = thickness(corners)
+        if push.step > THICK * thin:
+            refuse(
+                "step",
+                f"{push.step:g} m where {name} is {thin:g} m thick",
+                f"must be at most {THICK:g} of it",
+                f"give at most {THICK * thin:.3g} m",
+            )
 
 
-def check_tips_outside(vertices: _F, poses: _F, tips: _F, step: float) -> None:
-    """Refuse a tip that starts inside the part.
+def check_start(push: Push) -> None:
+    """Refuse a part that starts inside a tip or inside the fixture.
+
+    Parameters
+    ----------
+    push
+        The move, its other fields being checked.
+
+    Raises
+    ------
+    ValueError
+        Naming the run, the probe or solid, and the depth.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # lengths that overflow end out of range
+        _check_start(push)
+
+
+def _check_start(push: Push) -> None:
+    limit, table = START_DEPTH * push.step, push.effects.table
+    poses = reference_of_tracked(push.poses, table)
+    scale = stretch(push.vertices, table)
+    for p, shape in enumerate(push.shapes):
+        start = np.broadcast_to(push.waypoints[:, 0, p], (len(poses), 2))
+        if isinstance(shape, Flat):
+            depth = _overlap(push.vertices, scale, poses, shape.corners, start)
+        else:
+            radius = radii(np.array([shape.radius]), table)[:, 0]
+            own = in_body(poses, start) / scale
+            depth = depth_inside(push.vertices, own) * scale.min(axis=1) + radius
+        _refuse_overlap("waypoints", f"probe {p}", depth, limit, "the part")
+    for k, outline in enumerate(push.fixture.outlines):
+        depth = _overlap(push.vertices, scale, poses, outline, np.zeros_like(poses[:, :2]))
+        _refuse_overlap("poses", "the part", depth, limit, f"fixture.outlines[{k}]")
+
+
+def _refuse_overlap(argument: str, what: str, depth: _F, limit: float, other: str) -> None:
+    for run in np.flatnonzero(depth > limit):
+        refuse(
+            argument,
+            f"{what} of run {run} starts {1e6 * depth[run]:.4g} µm inside {other}",
+            "must start outside or touching",
+            "move them apart",
+        )
+
+
+def in_body(poses: _F, points: _F) -> _F:
+    """(N, 2) world points in the body frames of (N, 3) poses."""
+    offset = points - poses[:, :2]
+    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x = cos * offset[:, 0] + sin * offset[:, 1]
+    return np.column_stack([x, cos * offset[:, 1] - sin * offset[:, 0]])
+
+
+def _in_world(poses: _F, points: _F) -> _F:
+    """(N, V, 2) body points (1|N, V, 2) in the world, for each of (N, 3) poses."""
+    cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+    x = poses[:, :1] + cos * points[..., 0] - sin * points[..., 1]
+    y = poses[:, 1:2] + sin * points[..., 0] + cos * points[..., 1]
+    return np.stack([x, y], axis=2)
+
+
+def depth_inside(vertices: _F, points: _F) -> _F:
+    """Depth of points inside an outline.
 
     Parameters
     ----------
     vertices
-        (V, 2) corners in m, body frame.
-    poses
-        (N, 3) poses at the start, m, m, rad.
-    tips
-        (N, P, 2) tips at the start in m, world frame.
-    step
-        Longest tip displacement of one step in m; depths below `START_DEPTH` of it pass.
+        (V, 2) corners, the solid on the left of the edges.
+    points
+        (N, 2)
 
-    Raises
-    ------
-    ValueError
-        Naming the run, the tip and its depth.
+    Returns
+    -------
+    ndarray
+        (N,) distance to the nearest edge, negative for points outside.
     """
-    faces = polygon_faces(vertices)
-    offset = tips - poses[:, None, :2]
-    cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
-    x = cos * offset[..., 0] + sin * offset[..., 1]
-    y = cos * offset[..., 1] - sin * offset[..., 0]
-    gap = np.full(x.shape, -np.inf)
-    for face in faces:  # edge by edge, to keep the memory at one number per tip
-        gap = np.maximum(gap, face[2] * x + face[3] * y - face[4])
-    inside = np.argwhere(gap < -START_DEPTH * step)
-    if inside.size:
-        run, tip = (int(k) for k in inside[0])
-        _refuse(
-            "tips",
-            f"tip {tip} of run {run} starts {-1e6 * gap[run, tip]:.4g} µm inside the part",
-            "must start outside or touching",
-            "move the tip or the part apart",
-        )
+    nearest = np.full(len(points), np.inf)
+    winding = np.zeros(len(points))
+    for row in edge_table(vertices):  # edge by edge, to keep the memory at a few numbers a point
+        offset = points - row[:2]
+        along = np.clip(row[2] * offset[:, 1] - row[3] * offset[:, 0], 0.0, row[5])
+        foot = np.outer(along, [-row[3], row[2]])
+        nearest = np.minimum(nearest, np.hypot(*(offset - foot).T))
+        end = offset - row[5] * np.array([-row[3], row[2]])
+        cross = offset[:, 0] * end[:, 1] - offset[:, 1] * end[:, 0]
+        winding += np.arctan2(cross, np.sum(offset * end, axis=1))
+    free = np.sum(np.cross(*_two(vertices))) < 0.0  # clockwise: the solid is outside
+    inside = (winding > np.pi) if not free else (winding > -np.pi)
+    return np.asarray(np.where(inside, nearest, -nearest))
+
+
+def _two(vertices: _F) -> tuple[_F, _F]:
+    flat = np.column_stack([vertices, np.zeros(len(vertices))])
+    return flat, np.roll(flat, -1, axis=0)
+
+
+def _overlap(vertices: _F, scale: _F, poses: _F, outline: _F, origin: _F) -> _F:
+    """(N,) depth of the part in a solid or of the solid in the part, by corners and crossings.
+
+    The part is stretched by (1|N, 2) factors.
+    """
+    world = _in_world(poses, vertices * scale[:, None]) - origin[:, None]
+    depth = np.full(len(poses), -np.inf)
+    for k in range(len(vertices)):
+        depth = np.maximum(depth, depth_inside(outline, world[:, k]))
+    for corner in outline:
+        own = in_body(poses, corner + origin) / scale
+        depth = np.maximum(depth, depth_inside(vertices, own) * scale.min(axis=1))
+    crossing = np.zeros(len(poses), dtype=bool)
+    for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        crossing |= _crosses(world, np.roll(world, -1, axis=1), a, b)
+    # Solids that cross although no corner of one is in the other are deep in each other.
+    return np.asarray(np.where(crossing & (depth < 0.0), np.inf, depth))
+
+
+def _crosses(start: _F, end: _F, a: _F, b: _F) -> npt.NDArray[np.bool_]:
+    """(N,) whether a segment from a to b properly crosses any of (N, V) segments."""
+
+    def side(p: _F, q: _F, r: _F) -> _F:
+        u, v = q - p, r - p
+        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+    one = side(start, end, a) * side(start, end, b) < 0.0
+    two = side(a, b, start) * side(a, b, end) < 0.0
+    return np.asarray((one & two).any(axis=1))

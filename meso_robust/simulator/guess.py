@@ -9,11 +9,29 @@ only if they pass the check of the whole problem (`rows.is_solution`).
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from meso_robust.simulator.rows import TOLERANCE, Work, move_by_forces
+from meso_robust.kernels import inner
+from meso_robust.simulator.rows import TOLERANCE, deflection, move_by_forces
+from meso_robust.simulator.tables import (
+    FEATURE,
+    LN,
+    LT,
+    MODE,
+    MOTION,
+    MU,
+    OLD_FEATURE,
+    OLD_MODE,
+    OLD_WHO,
+    QN,
+    QT,
+    SOFT,
+    WHO,
+    WN,
+    WT,
+)
 
 _F = npt.NDArray[np.float64]
+_I = npt.NDArray[np.int64]
 
 SEPARATE = 0
 """No force."""
@@ -27,41 +45,67 @@ GLIDE = 4
 """Force along the normal, as in a push without slip through the centre, or with μ = 0."""
 
 
-@njit(error_model="numpy")
-def remember_modes(work: Work, friction: float) -> None:
+@inner
+def remember_modes(contacts: _F, marks: _I, count: int) -> None:
     """Read the modes of the step off its forces."""
-    for c in range(work.force.shape[0]):
-        ln, lt = work.force[c, 0], work.force[c, 1]
+    for c in range(count):
+        ln, lt, friction = contacts[c, LN], contacts[c, LT], contacts[c, MU]
         if ln <= TOLERANCE:
-            work.modes[c] = SEPARATE
+            marks[c, MODE] = SEPARATE
         elif abs(lt) <= TOLERANCE * ln:
-            work.modes[c] = GLIDE
+            marks[c, MODE] = GLIDE
         elif abs(lt) < (friction - TOLERANCE) * ln:
-            work.modes[c] = STICK
+            marks[c, MODE] = STICK
         else:
-            work.modes[c] = SLIP_PLUS if lt > 0.0 else SLIP_MINUS
+            marks[c, MODE] = SLIP_PLUS if lt > 0.0 else SLIP_MINUS
 
 
-@njit(error_model="numpy")
-def guess_forces(work: Work, friction: float, system: _F) -> bool:
-    """Write the forces and the motion that the last modes imply.
+@inner
+def keep_modes(marks: _I, count: int) -> None:
+    """Keep features and modes of the step for the next one."""
+    for c in range(count):
+        for k in range(3):
+            marks[c, OLD_WHO + k] = marks[c, WHO + k]
+    marks[marks.shape[0] - 1, 0] = count
+
+
+@inner
+def forget_modes(marks: _I) -> None:
+    """Start without modes of a last step."""
+    marks[marks.shape[0] - 1, 0] = 0
+
+
+@inner
+def recall_modes(marks: _I, count: int) -> None:
+    """Give every contact the mode that it had in the last step, if it was there."""
+    old = marks[marks.shape[0] - 1, 0]
+    for c in range(count):
+        marks[c, MODE] = SEPARATE
+        for b in range(old):
+            if marks[b, OLD_WHO] == marks[c, WHO] and marks[b, OLD_FEATURE] == marks[c, FEATURE]:
+                marks[c, MODE] = marks[b, OLD_MODE]
+
+
+@inner
+def guess_forces(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> bool:
+    """Write the forces and the motion that the modes imply.
 
     Parameters
     ----------
-    work
-        Workspace with the rows of this step and the modes of the last.
-    friction
-        μ.
+    contacts, marks, step
+        Tables of the step, its rows and modes being written.
     system
         (9, 3) workspace: wrenches that must not move, wrenches of unit forces, and the columns of
         the linear system.
+    count
+        Number of contacts.
 
     Returns
     -------
     bool
         False if the modes hold no contact or leave a singular system.
     """
-    size = _collect(work, friction, system)
+    size = _collect(contacts, marks, step, system, count)
     if size < 1 or size > 3:
         return False
     for a in range(3):
@@ -72,71 +116,100 @@ def guess_forces(work: Work, friction: float, system: _F) -> bool:
                 for k in range(3):
                     entry += system[a, k] * system[3 + b, k]
             system[6 + b, a] = entry
-    return _solve(work, friction, system)
+    if step[SOFT] != 0.0:
+        _soften(contacts, marks, step, system, count)
+    return _solve(contacts, marks, step, system, count)
 
 
-@njit(error_model="numpy")
-def _collect(work: Work, friction: float, system: _F) -> int:
-    """List the unknowns of the modes; ``work.motion`` takes the right-hand side."""
-    rows, motion = work.rows, work.motion
+@inner
+def _slope(mode: int, friction: float) -> float:
+    """λ_t / λ_n of a slipping contact."""
+    return friction if mode == SLIP_PLUS else (-friction if mode == SLIP_MINUS else 0.0)
+
+
+@inner
+def _collect(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> int:
+    """List the unknowns of the modes; the motion takes the right-hand side."""
     for k in range(3):
-        motion[k] = 0.0
+        step[MOTION + k] = 0.0
     size = 0
-    for c in range(rows.shape[0]):
-        mode = work.modes[c]
+    for c in range(count):
+        mode = marks[c, MODE]
         if mode == SEPARATE:
             continue
         if size + (2 if mode == STICK else 1) > 3:
             return 4
-        slope = friction if mode == SLIP_PLUS else (-friction if mode == SLIP_MINUS else 0.0)
+        slope = _slope(mode, contacts[c, MU])
         for k in range(3):
-            system[size, k] = rows[c, 2 + k]
-            system[3 + size, k] = rows[c, 2 + k] + slope * rows[c, 5 + k]
-        motion[size] = -rows[c, 0]
+            system[size, k] = contacts[c, WN + k]
+            system[3 + size, k] = contacts[c, WN + k] + slope * contacts[c, WT + k]
+        step[MOTION + size] = -contacts[c, QN]
         size += 1
         if mode == STICK:
             for k in range(3):
-                system[size, k] = rows[c, 5 + k]
-                system[3 + size, k] = rows[c, 5 + k]
-            motion[size] = -rows[c, 1]
+                system[size, k] = contacts[c, WT + k]
+                system[3 + size, k] = contacts[c, WT + k]
+            step[MOTION + size] = -contacts[c, QT]
             size += 1
     return size
 
 
-@njit(error_model="numpy")
+@inner
+def _soften(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> None:
+    """Add the deflection of the probes to the linear system of the modes."""
+    i = 0
+    for a in range(count):
+        if marks[a, MODE] == SEPARATE:
+            continue
+        j = 0
+        for b in range(count):
+            if marks[b, MODE] == SEPARATE:
+                continue
+            along, across = deflection(contacts, marks, step[SOFT], a, b)
+            slope, sticks = _slope(marks[b, MODE], contacts[b, MU]), marks[b, MODE] == STICK
+            system[6 + j, i] += along - slope * across
+            if sticks:
+                system[7 + j, i] -= across
+            if marks[a, MODE] == STICK:
+                system[6 + j, i + 1] += across + slope * along
+                if sticks:
+                    system[7 + j, i + 1] += along
+            j += 2 if sticks else 1
+        i += 2 if marks[a, MODE] == STICK else 1
+
+
+@inner
 def _triple(a: _F, b: _F, c: _F) -> float:
     """Return the determinant of three columns."""
-    return (
+    return float(
         a[0] * (b[1] * c[2] - b[2] * c[1])
         + a[1] * (b[2] * c[0] - b[0] * c[2])
         + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
 
 
-@njit(error_model="numpy")
-def _solve(work: Work, friction: float, system: _F) -> bool:
+@inner
+def _solve(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> bool:
     """Solve by Cramer's rule and spread the unknowns over the contacts."""
-    A, B, C, right = system[6], system[7], system[8], work.motion
+    A, B, C, right = system[6], system[7], system[8], step[MOTION : MOTION + 3]
     determinant = _triple(A, B, C)
     if determinant == 0.0:
         return False
     x0 = _triple(right, B, C) / determinant
     x1 = _triple(A, right, C) / determinant
     x2 = _triple(A, B, right) / determinant
-    for c in range(work.modes.shape[0]):
-        mode = work.modes[c]
-        work.force[c, 0] = 0.0
-        work.force[c, 1] = 0.0
+    for c in range(count):
+        mode = marks[c, MODE]
+        contacts[c, LN] = 0.0
+        contacts[c, LT] = 0.0
         if mode == SEPARATE:
             continue
-        work.force[c, 0] = x0
+        contacts[c, LN] = x0
         if mode == STICK:
-            work.force[c, 1] = x1
+            contacts[c, LT] = x1
             x0 = x2
         else:
-            work.force[c, 1] = friction * x0 if mode == SLIP_PLUS else 0.0
-            if mode == SLIP_MINUS:
-                work.force[c, 1] = -friction * x0
+            contacts[c, LT] = _slope(mode, contacts[c, MU]) * x0
             x0, x1 = x1, x2
-    move_by_forces(work)
+    move_by_forces(contacts, step, count)
     return True

@@ -21,6 +21,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from meso_robust.kernels import inner
+
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int64]
 
@@ -45,7 +47,7 @@ _ZERO = 1e-10  # a z_0 this small has left, even if rounding let another row lea
 _PIVOTS_PER_ROW = 30
 
 
-@njit(cache=True, error_model="numpy")
+@inner
 def lemke(n: int, M: _F, q: _F, z: _F, tableau: _F, index: _I) -> int:
     """Solve ``0 ≤ z ⊥ M z + q ≥ 0``.
 
@@ -99,7 +101,7 @@ def lemke(n: int, M: _F, q: _F, z: _F, tableau: _F, index: _I) -> int:
     return PIVOT_LIMIT
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True)
 def _start(n: int, M: _F, q: _F, first: int, tableau: _F, index: _I) -> None:
     """Fill the tableau with ``w = q + M z + 1 z_0`` after ``w_first`` was exchanged for ``z_0``.
 
@@ -125,7 +127,7 @@ def _start(n: int, M: _F, q: _F, first: int, tableau: _F, index: _I) -> None:
     index[2 * n + 1 + first] = n
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True)
 def _pivot(n: int, tableau: _F, row: int, column: int) -> None:
     """Exchange the basic variable of `row` with the nonbasic variable of `column`.
 
@@ -151,7 +153,7 @@ def _pivot(n: int, tableau: _F, row: int, column: int) -> None:
     tableau[column, row] = inverse
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True)
 def _blocking_row(n: int, tableau: _F, index: _I, column: int) -> int:
     """Row that blocks the growth of the driving variable first, or -1 on a ray."""
     # Choices by value and few branches: which row blocks is as good as random to the processor.
@@ -179,7 +181,7 @@ def _blocking_row(n: int, tableau: _F, index: _I, column: int) -> int:
     return best
 
 
-@njit(cache=True, error_model="numpy")
+@inner
 def _goes_first(n: int, tableau: _F, index: _I, column: int, i: int, best: int) -> bool:
     """Break a tie between two rows: the artificial variable first, then lexicographically."""
     if index[i] == 2 * n or index[best] == 2 * n:
@@ -201,7 +203,7 @@ def _goes_first(n: int, tableau: _F, index: _I, column: int, i: int, best: int) 
     return False
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True)
 def _read(n: int, M: _F, q: _F, z: _F, tableau: _F, index: _I, row: int, column: int) -> int:
     """Exchange ``z_0`` for the driving variable, write the solution and check it.
 

@@ -13,11 +13,15 @@ slip −        λ_n, w_f+, λ_f−, γ        force on the − edge of the cone
 ============  ========================  =====================================
 
 The four cover all sixteen choices, since λ_n = 0 forces λ_f± = 0, and w_f± = γ = 0 is a stick.
-So the problem has a solution if and only if, for one of the 4^k combinations, ``q`` is a
-non-negative sum of the columns ``e_i`` (for ``w_i``) and ``−M_i`` (for ``z_i``). The sums are
-decided by the first phase of the simplex method, which takes singular modes (two contacts that
-stick) as they come; a sum that it finds is checked against the columns as given. Nothing is shared
-with the pivots of Lemke's method.
+So the problem has a solution if and only if, for one of the 4^k combinations, ``q`` lies in the cone
+of the columns ``e_i`` (for ``w_i``) and ``−M_i`` (for ``z_i``). The nearest point of the cone is
+sought (`nonnegative`), which takes singular modes (two contacts that stick) as they come. Where it
+is q itself, the sum is checked against the columns as given. Where it is not, the residual r proves
+it: no column has ``A_jᵀ r > ε |A_j| |r|`` and so no sum with forces below ``|r| / ε``, which must be
+`_LARGEST`, is q. A mode that is neither is undecided. Nothing is shared with the pivots of Lemke's method.
+
+The combinations are walked through as a tree, one contact after the other. A contact whose mode is
+not chosen yet may use both columns of each pair; if q is not in that cone, no mode below holds.
 
 Source: the contact modes of D. E. Stewart, J. C. Trinkle 1996,
 doi:10.1002/(SICI)1097-0207(19960815)39:15<2673::AID-NME972>3.0.CO;2-I.
@@ -25,20 +29,30 @@ doi:10.1002/(SICI)1097-0207(19960815)39:15<2673::AID-NME972>3.0.CO;2-I.
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from meso_robust.kernels import inner, maker
+from meso_robust.simulator.nonnegative import nearest
 
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int64]
 
 _TOLERANCE = 1e-9  # of a sum that equals q, relative to its largest term from 1 to _LARGEST
 _LARGEST = 1e4
-_NOISE = 1e-12  # entries below this part of the largest of their column are rounding
-_PIVOTS_PER_ROW = 60
+_APART = 1e-6  # a residual that proves something
+_SMALL = 1e-9  # weight of the forces beside the residual: columns that all but depend do no harm
 
-_NONE, _FOUND, _UNDECIDED = 0, 1, 2
+NONE = 0
+"""No contact mode solves the step: a jam, within rounding."""
+FOUND = 1
+"""A contact mode solves the step."""
+UNDECIDED = 2
+"""Some mode could be neither found nor excluded, and no other holds."""
+
+_FREE = 4  # a contact whose mode is not chosen yet
+_TREE_LIMIT = 200_000  # nodes
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def some_mode_holds(n: int, M: _F, q: _F) -> bool:
     """Tell whether any contact mode solves the step.
 
@@ -58,18 +72,76 @@ def some_mode_holds(n: int, M: _F, q: _F) -> bool:
         True if the linear complementarity problem has a solution, or if that could not be
         decided; False proves a jam, within rounding.
     """
+    state = new_walk(n)
+    return next_mode(n, M, q, np.empty(n), state) != NONE
+
+
+@maker
+def new_walk(n: int) -> _I:
+    """Start of a walk through the contact modes of a problem of size n; see `next_mode`."""
+    state = np.full(n // 4 + 2, _FREE, np.int64)
+    state[0], state[1] = 0, 0  # depth, and whether a node was undecided
+    return state
+
+
+@maker
+def next_mode(n: int, M: _F, q: _F, z: _F, state: _I) -> int:  # noqa: C901
+    """Walk on to the next contact mode that solves the step.
+
+    Parameters
+    ----------
+    n, M, q
+        As in `some_mode_holds`.
+    z
+        (≥n,) receives a solution of that mode.
+    state
+        Place of the walk, from `new_walk`; it goes on from there at the next call.
+
+    Returns
+    -------
+    int
+        `FOUND`; or, when the walk has ended, `NONE` or `UNDECIDED`.
+    """
     contacts = n // 4
-    table = np.empty((n + 1, n + 1))
-    basic = np.empty(n, np.int64)
-    for code in range(4**contacts):
-        _fill(n, M, q, code, table)
-        outcome = _first_phase(n, table, basic)
-        if outcome == _UNDECIDED or (outcome == _FOUND and _equals(n, M, q, code, table, basic)):
-            return True
-    return False
+    columns, x, r = np.empty((2 * n, n)), np.empty(2 * n), np.empty(3 * n)
+    weighed = np.zeros((2 * n, 3 * n))
+    space, order = np.empty((3 * n + 4, 3 * n + 1)), np.empty(4 * n, np.int64)
+    goal = np.zeros(3 * n)
+    for j in range(n):
+        goal[j] = q[j]
+        weighed[j, n + j] = weighed[n + j, 2 * n + j] = _SMALL
+    modes = state[2:]
+    for _ in range(_TREE_LIMIT):
+        depth = state[0]
+        if depth < 0:
+            return UNDECIDED if state[1] else NONE
+        if modes[depth] == _FREE:
+            modes[depth] = 0
+        elif modes[depth] == 3:
+            modes[depth] = _FREE
+            state[0] -= 1
+            continue
+        else:
+            modes[depth] += 1
+        used = _fill(n, M, modes, columns)
+        outcome = UNDECIDED
+        if nearest(columns[:used], goal[:n], x, r[:n], space, order):
+            outcome = _verdict(columns[:used], x, r[:n])
+        if outcome == UNDECIDED:
+            weighed[:used, :n] = columns[:used]
+            if nearest(weighed[:used], goal, x, r, space, order):
+                outcome = _verdict(columns[:used], x, r[:n])
+        if outcome != NONE and depth < contacts - 1:
+            state[0] += 1
+        elif outcome == UNDECIDED:
+            state[1] = 1
+        elif outcome == FOUND:
+            _write_solution(n, modes, x, z)
+            return FOUND
+    return UNDECIDED
 
 
-@njit(cache=True, error_model="numpy")
+@inner
 def _uses_z(mode: int, unknown: int) -> bool:
     """Whether `unknown` (0 λ_n, 1 λ_f+, 2 λ_f−, 3 γ) rather than its complement may be positive."""
     if mode == 0:  # separate
@@ -79,93 +151,50 @@ def _uses_z(mode: int, unknown: int) -> bool:
     return unknown != 4 - mode  # slip + leaves out λ_f−, slip − leaves out λ_f+
 
 
-@njit(cache=True, error_model="numpy")
-def _entry(M: _F, code: int, i: int, j: int) -> float:
-    """Return entry i of the column that the modes choose for the pair j."""
-    if _uses_z((code >> (2 * (j // 4))) & 3, j % 4):
-        return -M[i, j]
-    return 1.0 if i == j else 0.0
+@inner
+def _fill(n: int, M: _F, modes: _I, columns: _F) -> int:
+    """Write the columns that the modes allow, one a row; return their number.
 
-
-@njit(cache=True, error_model="numpy")
-def _fill(n: int, M: _F, q: _F, code: int, table: _F) -> None:
-    """Write ``[columns | q]`` with q ≥ 0, and below it the sum of the rows (the reduced cost)."""
-    for j in range(n + 1):
-        table[n, j] = 0.0
-    for i in range(n):
-        sign = -1.0 if q[i] < 0.0 else 1.0
-        for j in range(n):
-            table[i, j] = sign * _entry(M, code, i, j)
-            table[n, j] += table[i, j]
-        table[i, n] = sign * q[i]
-        table[n, n] += table[i, n]
-
-
-@njit(cache=True, error_model="numpy")
-def _first_phase(n: int, table: _F, basic: _I) -> int:
-    """First phase of the simplex method with Bland's rule; artificial columns are not kept."""
-    for i in range(n):
-        basic[i] = n  # artificial
-    for _ in range(_PIVOTS_PER_ROW * n):
-        if table[n, n] <= _TOLERANCE:
-            return _FOUND
-        column, row = np.int64(0), np.int64(-1)
-        while row < 0 and column < n:
-            row = _leaving_row(n, table, basic, column)
-            column += 1
-        if row < 0:
-            return _NONE
-        basic[row] = column - 1
-        _eliminate(n, table, row, column - 1)
-    return _UNDECIDED
-
-
-@njit(cache=True, error_model="numpy")
-def _leaving_row(n: int, table: _F, basic: _I, column: int) -> int:
-    """Row with the smallest ratio, or -1 if the column does not lessen the infeasibility.
-
-    Among ties an artificial variable leaves first, then the lowest variable (Bland).
+    Column j stands for the pair j as its mode chooses; the second columns of free contacts follow.
     """
-    noise = _NOISE
-    for i in range(n):
-        noise = max(noise, _NOISE * abs(table[i, column]))
-    row = -1
-    least = np.inf
-    for i in range(n if table[n, column] > n * noise else 0):
-        if table[i, column] > noise:
-            ratio = table[i, n] / table[i, column]
-            rank = -1 if basic[i] == n else basic[i]
-            if ratio < least or (ratio == least and basic[row] != n and rank < basic[row]):
-                least = ratio
-                row = i
-    return row
+    used = n
+    for j in range(n):
+        mode = modes[j // 4]
+        chosen = mode != _FREE and _uses_z(mode, j % 4)
+        for i in range(n):
+            columns[j, i] = -M[i, j] if chosen else (1.0 if i == j else 0.0)
+        if mode == _FREE:
+            for i in range(n):
+                columns[used, i] = -M[i, j]
+            used += 1
+    return used
 
 
-@njit(cache=True, error_model="numpy")
-def _equals(n: int, M: _F, q: _F, code: int, table: _F, basic: _I) -> bool:
-    """Check the sum that was found against the columns and the vector as they were given."""
-    largest = 1.0
-    for i in range(n):
-        largest = max(largest, table[i, n])
-    limit = _TOLERANCE * min(largest, _LARGEST)
-    for i in range(n):
-        rest = -q[i]
-        for r in range(n):
-            if basic[r] < n:
-                rest += table[r, n] * _entry(M, code, i, basic[r])
-        if not abs(rest) <= limit:
-            return False
-    return True
+@inner
+def _verdict(columns: _F, x: _F, r: _F) -> int:
+    """Tell whether q is in the cone, from the nearest point of the cone."""
+    largest, size = 1.0, 0.0
+    for j in range(columns.shape[0]):
+        largest = max(largest, x[j])
+    for i in range(r.shape[0]):
+        size = max(size, abs(r[i]))
+    if size <= _TOLERANCE * min(largest, _LARGEST):
+        return FOUND
+    square = 0.0
+    for i in range(r.shape[0]):
+        square += r[i] * r[i]
+    for j in range(columns.shape[0]):
+        along, length = 0.0, 0.0
+        for i in range(r.shape[0]):
+            along += columns[j, i] * r[i]
+            length += columns[j, i] ** 2
+        if not _LARGEST * along <= np.sqrt(length) * square:
+            return UNDECIDED
+    return NONE if size > _APART else UNDECIDED
 
 
-@njit(cache=True, error_model="numpy")
-def _eliminate(n: int, table: _F, row: int, column: int) -> None:
-    """Gauss-Jordan step on the rows and the reduced cost."""
-    pivot = table[row, column]
-    for j in range(n + 1):
-        table[row, j] /= pivot
-    for i in range(n + 1):
-        factor = table[i, column]
-        if i != row and factor != 0.0:
-            for j in range(n + 1):
-                table[i, j] -= factor * table[row, j]
+@inner
+def _write_solution(n: int, modes: _I, x: _F, z: _F) -> None:
+    """Write z of a sum, all modes being chosen."""
+    for j in range(n):
+        z[j] = x[j] if _uses_z(modes[j // 4], j % 4) else 0.0

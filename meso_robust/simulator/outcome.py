@@ -14,6 +14,7 @@ class Outcome(IntEnum):
     JAM = 1
     SOLVER_FAILURE = 2
     OUT_OF_RANGE = 3
+    NON_UNIQUE = 4
 
     @property
     def message(self) -> str:
@@ -24,7 +25,7 @@ class Outcome(IntEnum):
 _MESSAGES = {
     Outcome.COMPLETED: "the move was completed",
     Outcome.JAM: (
-        "the part jammed: no contact mode balances the film while the tips go on; "
+        "the part jammed: no contact mode balances the support while the tips go on; "
         "the pose is that of the last step taken"
     ),
     Outcome.SOLVER_FAILURE: (
@@ -32,7 +33,11 @@ _MESSAGES = {
         "the pose is that of the last step taken, try a smaller step"
     ),
     Outcome.OUT_OF_RANGE: (
-        "a step was not finite or turned the part too far for contact taken as linear; "
-        "the pose is that of the last step taken, try a smaller step"
+        "a step was not finite, turned the part or let it in too far for contact taken as linear, or "
+        "met too many contacts; the pose is that of the last step taken, try a smaller step"
+    ),
+    Outcome.NON_UNIQUE: (
+        "the model allows more than one motion of the next step; "
+        "the pose is that of the last step with one motion only"
     ),
 }

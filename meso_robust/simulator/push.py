@@ -1,88 +1,190 @@
 """One move for a batch of runs: what is pushed, how, and what came of it."""
 
-from dataclasses import dataclass, fields
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator.checks import (
     check_arrays,
+    check_effects,
     check_numbers,
-    check_polygon,
+    check_start,
     check_steps,
-    check_tips_outside,
+    check_tables,
 )
+from meso_robust.simulator.effects import REFERENCE_SPEED, Effects
+from meso_robust.simulator.fixture import Fixture
+from meso_robust.simulator.motion_model import MotionModel, QuasiStatic
+from meso_robust.simulator.outline import check_part, refuse
+from meso_robust.simulator.support_models import Film, Support
+from meso_robust.simulator.tips import Point, Tip
 
 _F = npt.NDArray[np.float64]
 
 _ROUNDING = 1e-9  # of a step, so that a travel of 10 steps is not cut into 11
+_RATES = (*range(56), *range(64, 80))  # columns of effects that act in time: not of geometry
+_ARRAYS = ("vertices", "poses", "waypoints", "times", "friction")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Push:
-    """One move for N runs of a part pushed by P point tips.
+    """One move for N runs of a part met by P probes.
 
-    Arrays are copied to float64 and made read-only. During the move all tips go along straight
-    lines, each in the same proportion of its travel; only their path matters, not their speed.
+    Arrays are copied to float64 and made read-only. An array whose leading length is 1 holds for
+    all runs. On a film alone only the path of the tips matters, not their speed.
 
     Attributes
     ----------
     vertices
-        (V, 2) corners of the part in m, body frame, counter-clockwise, strictly convex, with the
-        reference point (the centre of the film drag) as origin.
+        (V, 2) corners of the part in m, body frame, counter-clockwise, convex or not, with the
+        reference point as origin.
     poses
         (N, 3) x, y in m and θ in rad at the start, world frame.
-    tips
-        (N, P, 2) tips at the start in m, world frame.
-    travel
-        (N, P, 2) displacement of the tips during the move in m, world frame; zero for a passive
-        tip, which stays where it is.
+    waypoints
+        (1|N, T, P, 2) commanded positions of the probes in m, world frame, joined by straight lines.
+    times
+        (1|N, T) of the waypoints in s, increasing.
     friction
-        (N,) μ between tip and part.
-    film_ratio
-        (N,) ρ = e_θ/e_x in m².
+        (1|N, P) μ between each probe and the part; (N,) for the same at all probes is taken as well.
+    support
+        What the part slides on.
+    shapes
+        Shapes of the P tips; without any, points.
+    fixture
+        Solids at rest.
+    effects
+        Physics beyond the plain model.
+    motion
+        What resists besides the support.
     step
         Longest tip displacement of one step in m.
+    time_step
+        Longest duration of one step in s; matters only where something goes on without the tips.
+    frame
+        Where in a step displacements are turned between world and body: about its middle (second
+        order), or at its start (first order, eq. 2 of the paper).
 
     Raises
     ------
     ValueError
-        If a shape or value is out of its rule, or if a tip starts inside the part.
+        If a shape or value is out of its rule, or if the part starts inside a tip or the fixture.
     """
 
     vertices: _F
     poses: _F
-    tips: _F
-    travel: _F
+    waypoints: _F
+    times: _F
     friction: _F
-    film_ratio: _F
+    support: Support
     step: float
+    shapes: tuple[Tip, ...] = ()
+    fixture: Fixture = field(default_factory=Fixture)
+    effects: Effects = field(default_factory=Effects)
+    motion: MotionModel = field(default_factory=QuasiStatic)
+    time_step: float = 0.02
+    frame: Literal["middle", "start"] = "middle"
 
     def __post_init__(self) -> None:
         """Copy, freeze and check the fields."""
-        names = [field.name for field in fields(self) if field.name != "step"]
-        arrays = {name: np.array(getattr(self, name), dtype=np.float64) for name in names}
-        check_arrays(arrays)
+        arrays = {name: np.array(getattr(self, name), dtype=np.float64) for name in _ARRAYS}
+        if arrays["friction"].ndim == 1 and arrays["waypoints"].ndim == 4:
+            arrays["friction"] = np.repeat(
+                arrays["friction"][:, None], arrays["waypoints"].shape[2], axis=1
+            )
+        check_arrays(arrays, len(self.shapes))
         for name, array in arrays.items():
             array = np.ascontiguousarray(array)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
-        check_polygon(self.vertices)
-        check_numbers(self.friction, self.film_ratio, self.step)
-        check_steps(self._longest(), self.step)
-        check_tips_outside(self.vertices, self.poses, self.tips, self.step)
+        if not self.shapes:
+            object.__setattr__(self, "shapes", (Point(),) * self.waypoints.shape[2])
+        check_part(self.vertices)
+        check_numbers(self.friction, self.times, self.step, self.time_step)
+        check_tables(self.support.tables(), self.effects, len(self.poses))
+        check_effects(self)
+        if self.frame not in ("middle", "start"):
+            refuse("frame", repr(self.frame), 'must be "middle" or "start"', "leave it out")
+        check_steps(self)
+        check_start(self)
 
-    def _longest(self) -> float:
-        length = np.hypot(self.travel[..., 0], self.travel[..., 1])
-        return float(np.max(length, initial=0.0))
+    @classmethod
+    def straight(
+        cls,
+        *,
+        tips: _F,
+        travel: _F,
+        film_ratio: _F | float | None = None,
+        speed: float = REFERENCE_SPEED,
+        **rest: object,
+    ) -> Push:
+        """Push along straight lines, all probes at once, from start to end.
+
+        Parameters
+        ----------
+        tips
+            (N, P, 2) probes at the start in m, world frame.
+        travel
+            (N, P, 2) their displacements in m; zero for a passive probe.
+        film_ratio
+            ρ in m², a number or (N,), for the film ``diag(1, 1, ρ)``; or give `support`.
+        speed
+            Of the fastest probe of each run, m/s.
+        rest
+            Further fields of a push.
+
+        Raises
+        ------
+        ValueError
+            As `Push`; also if the speed is not positive.
+        """
+        if not 0.0 < speed < np.inf:
+            raise ValueError(f"speed: {speed} m/s; must be positive and finite; try 75e-6 m/s")
+        start, way = np.asarray(tips, dtype=np.float64), np.asarray(travel, dtype=np.float64)
+        if start.ndim != 3 or start.shape != way.shape:
+            raise ValueError(
+                f"travel: shape {way.shape} for tips of {start.shape}; "
+                "must be (N, P, 2) both; reshape them"
+            )
+        longest = np.hypot(way[..., 0], way[..., 1]).max(axis=1, initial=0.0)
+        duration = np.where(longest > 0.0, longest / speed, 1.0)
+        if film_ratio is not None:
+            rest["support"] = Film.ratio(film_ratio)
+        return cls(
+            waypoints=np.stack([start, start + way], axis=1),
+            times=np.column_stack([np.zeros(len(start)), duration]),
+            **rest,  # type: ignore[arg-type]
+        )
+
+    def _legs(self) -> _F:
+        """(1|N, T − 1) longest displacement of a probe between two waypoints, m."""
+        way = np.diff(self.waypoints, axis=1)
+        return np.asarray(np.hypot(way[..., 0], way[..., 1]).max(axis=2, initial=0.0))
+
+    @property
+    def longest_leg(self) -> float:
+        """Longest displacement of a probe between two waypoints, m."""
+        return float(self._legs().max(initial=0.0))
+
+    @property
+    def steps_of_legs(self) -> npt.NDArray[np.int64]:
+        """(T − 1,) steps between two waypoints, the same for every run."""
+        count = np.ceil(self._legs().max(axis=0, initial=0.0) / self.step - _ROUNDING)
+        if self.effects.is_on(*_RATES) or not isinstance(self.motion, QuasiStatic):
+            duration = np.diff(self.times, axis=1).max(axis=0, initial=0.0)
+            count = np.maximum(count, np.ceil(duration / self.time_step - _ROUNDING))
+        return np.maximum(count, 1.0).astype(np.int64)
 
     @property
     def steps(self) -> int:
-        """Number of steps of every run: the longest travel over `step`, rounded up."""
-        return int(np.ceil(self._longest() / self.step - _ROUNDING))
+        """Number of steps of every run."""
+        return int(self.steps_of_legs.sum())
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PushResult:
     """What a move did to the part in each of N runs.
 
@@ -94,10 +196,21 @@ class PushResult:
     outcomes
         (N,) values of `Outcome`, int8.
     max_penetration
-        (N,) deepest penetration of a tip in m, from the start of the run to its end.
+        (N,) deepest penetration in m, from the start of the run to its end.
+    times
+        (N, R) instants of the record, s.
     path
-        (N, record + 1, 3) poses at evenly spaced parts of the move, the start and the end
-        included, the last pose repeated after a run has ended; (N, 0, 3) without a record.
+        (N, R, 3) poses at the instants, the last pose repeated after a run has ended; the other
+        records have the same R, zero without a record.
+    tips
+        (N, R, P, 2) true positions of the probes, m, world frame.
+    forces
+        (N, R, P, 2) force of each probe on the part, world frame, over the film's drag e_x: m/s.
+    modes
+        (N, R, P) int8 contact mode of each probe: 0 separate, 1 stick, 2 slip +, 3 slip −. In slip +
+        the friction on the part points along the inward normal turned by +90°.
+    fixture_modes
+        (N, R) int8, the same of the fixture's most loaded contact.
     steps
         Number of steps of the move.
     """
@@ -105,5 +218,10 @@ class PushResult:
     poses: _F
     outcomes: npt.NDArray[np.int8]
     max_penetration: _F
+    times: _F
     path: _F
+    tips: _F
+    forces: _F
+    modes: npt.NDArray[np.int8]
+    fixture_modes: npt.NDArray[np.int8]
     steps: int

@@ -1,30 +1,53 @@
 r"""The contact rows of a step and the complementarity problem they make.
 
-All vectors are in the body frame at the start of the step; lengths are divided by the longest tip
-displacement of the step, and the third component of a motion is ``√ρ Δθ`` (see `support`). For a
-contact with outward normal ``n`` the part is pushed along ``m = −n``; ``t`` is ``m`` turned by
-+90°. With the wrenches ``w_n = (m, p × m / √ρ)`` and ``w_t = (t, p × t / √ρ)`` the motion is
-``Δ = Σ (w_n λ_n + w_t λ_t)``, and the relative displacement of part and tip is
+All vectors are in the body frame at the start of the step; lengths are divided by a unit, the
+longest tip displacement of the step. The support resists a motion Δ with ``K Δ − s`` (`support`),
+K symmetric and positive definite; with ``K / k = L Lᵀ``, k its first entry, the motion is measured
+as ``Δ' = Lᵀ Δ`` and a wrench as ``w' = L⁻¹ w``, so that the resistance is the identity. For a contact
+with outward normal ``n`` the part is pushed along ``m = −n``; ``t`` is ``m`` turned by +90°. With
+``w_n = L⁻¹ (m, p × m)`` and ``w_t = L⁻¹ (t, p × t)`` the motion is ``Δ' = s' + Σ (w_n λ_n + w_t λ_t)``,
+and the relative displacement of part and tip is
 
-    normal      v_n = w_n · Δ + q_n,   q_n = gap − m · Δtip
-    tangential  v_t = w_t · Δ + q_t,   q_t = − t · Δtip
+    normal      v_n = w_n · (Δ' − s') + c λ_n + q_n,   q_n = gap − m · Δtip + w_n · s'
+    tangential  v_t = w_t · (Δ' − s') + c λ_t + q_t,   q_t = − t · Δtip + w_t · s'
 
-so that one step is, for every contact,
+where c is the compliance of the probe (`actuation`), so that one step is, for every contact,
 
     0 ≤ v_n ⊥ λ_n ≥ 0,   0 ≤ ± v_t + γ ⊥ λ_f± ≥ 0,   0 ≤ μ λ_n − λ_f+ − λ_f− ⊥ γ ≥ 0.
 
+Two contacts of one compliant probe share its deflection: the compliance then also couples them.
+
 Source: D. E. Stewart, J. C. Trinkle 1996, equations of the time-stepping scheme,
 doi:10.1002/(SICI)1097-0207(19960815)39:15<2673::AID-NME972>3.0.CO;2-I, with the inertia replaced
-by the film drag.
+by the resistance of the support.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from meso_robust.simulator.contact import locate
+from meso_robust.kernels import inner
+from meso_robust.simulator.tables import (
+    ACTIVE,
+    DX,
+    DY,
+    FACTOR,
+    GAP,
+    LN,
+    LT,
+    MOTION,
+    MU,
+    NX,
+    NY,
+    PX,
+    PY,
+    QN,
+    QT,
+    SHIFT,
+    SOFT,
+    WHO,
+    WN,
+    WT,
+)
 
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int64]
@@ -35,162 +58,119 @@ LARGEST = 1e4
 """Forces beyond this do not loosen the residual check any more."""
 
 
-class Case(NamedTuple):
-    """One run as the kernels see it."""
-
-    faces: _F
-    """(V, 6) table of `polygon_faces`."""
-    tips: _F
-    """(P, 2) tips at the start, m, world frame."""
-    move: _F
-    """(P, 2) displacement of each tip in one step, m, world frame."""
-    unit: float
-    """Longest tip displacement of one step, m."""
-    friction: float
-    """μ."""
-    arm: float
-    """1/√ρ in 1/m."""
-
-
-class Work(NamedTuple):
-    """Workspace of one run, for P contacts."""
-
-    rows: _F
-    """(P, 8): q_n, q_t, w_n (3), w_t (3)."""
-    force: _F
-    """(P, 2): λ_n, λ_t of the last step."""
-    motion: _F
-    """(3,): Δ of the last step."""
-    modes: _I
-    """(P,): modes of the last step, from `guess`."""
-    active: _I
-    """(P,): contacts in the complementarity problem."""
-    matrix: _F
-    """(4P, 4P)."""
-    vector: _F
-    """(2, 4P): q and z."""
-    tableau: _F
-    """(4P + 3, 4P), for Lemke's method."""
-    labels: _I
-    """(16P + 2,), for Lemke's method."""
+@inner
+def write_rows(contacts: _F, step: _F, count: int, unit: float) -> bool:
+    """Write the rows of the first `count` contacts; False if one is not finite."""
+    f0, f1, f2 = step[FACTOR], step[FACTOR + 1], step[FACTOR + 2]
+    f3, f4, f5 = step[FACTOR + 3], step[FACTOR + 4], step[FACTOR + 5]
+    s0, s1, s2 = step[SHIFT], step[SHIFT + 1], step[SHIFT + 2]
+    scale = 1.0 / unit
+    total = s0 + s1 + s2
+    for c in range(count):
+        row = contacts[c]
+        nx, ny, px, py, dx, dy = row[NX], row[NY], row[PX], row[PY], row[DX], row[DY]
+        arm_n, arm_t = py * nx - px * ny, -(px * nx + py * ny)
+        n0, n1, n2 = -f0 * nx, -f1 * nx - f2 * ny, -f3 * nx - f4 * ny + f5 * arm_n
+        t0, t1, t2 = f0 * ny, f1 * ny - f2 * nx, f3 * ny - f4 * nx + f5 * arm_t
+        row[WN], row[WN + 1], row[WN + 2] = n0, n1, n2
+        row[WT], row[WT + 1], row[WT + 2] = t0, t1, t2
+        row[QN] = (row[GAP] + nx * dx + ny * dy) * scale + n0 * s0 + n1 * s1 + n2 * s2
+        row[QT] = (nx * dy - ny * dx) * scale + t0 * s0 + t1 * s1 + t2 * s2
+        total += row[QN] + row[QT] + n2 + t2
+    return bool(np.isfinite(total))
 
 
-@njit(error_model="numpy")
-def workspace(tips: int) -> Work:
-    """Allocate the workspace of a run with `tips` contacts."""
-    n = 4 * tips
-    return Work(
-        np.zeros((tips, 8)),
-        np.zeros((tips, 2)),
-        np.zeros(3),
-        np.zeros(tips, np.int64),
-        np.zeros(tips, np.int64),
-        np.zeros((n, n)),
-        np.zeros((2, n)),
-        np.zeros((n + 3, n)),
-        np.zeros(4 * n + 2, np.int64),
+@inner
+def deflection(contacts: _F, marks: _I, soft: float, a: int, b: int) -> tuple[float, float]:
+    """Displacement of the tip of contact a by a unit normal force at b, along n and t of a.
+
+    Of the same probe only. A unit tangential force gives the same pair turned: (−t, n).
+    """
+    if marks[a, WHO] != marks[b, WHO]:
+        return 0.0, 0.0
+    ax, ay, bx, by = contacts[a, NX], contacts[a, NY], contacts[b, NX], contacts[b, NY]
+    return soft * (ax * bx + ay * by), soft * (ax * by - ay * bx)
+
+
+@inner
+def _dot(contacts: _F, a: int, i: int, b: int, j: int) -> float:
+    """Product of three columns of contact a from i and three of b from j."""
+    return float(
+        contacts[a, i] * contacts[b, j]
+        + contacts[a, i + 1] * contacts[b, j + 1]
+        + contacts[a, i + 2] * contacts[b, j + 2]
     )
 
 
-@njit(error_model="numpy")
-def measure(case: Case, pose: _F, done: float, rows: _F) -> float:
-    """Write the contact rows at a pose and return the smallest gap.
-
-    Parameters
-    ----------
-    case
-        The run.
-    pose
-        (3,) x, y in m and θ in rad.
-    done
-        Steps taken so far, which places the tips.
-    rows
-        (P, 8) receives the rows.
-
-    Returns
-    -------
-    float
-        The smallest gap of any tip in m, negative where a tip is inside the part; NaN if a row
-        is not finite.
-    """
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    scale = 1.0 / case.unit
-    smallest = np.inf
-    total = 0.0
-    for c in range(rows.shape[0]):
-        mx, my = case.move[c, 0], case.move[c, 1]
-        rx = case.tips[c, 0] + done * mx - pose[0]
-        ry = case.tips[c, 1] + done * my - pose[1]
-        dx, dy = cos * mx + sin * my, cos * my - sin * mx
-        gap, nx, ny, px, py = locate(case.faces, cos * rx + sin * ry, cos * ry - sin * rx, dx, dy)
-        rows[c, 0] = (gap + nx * dx + ny * dy) * scale
-        rows[c, 1] = (nx * dy - ny * dx) * scale
-        rows[c, 2] = -nx
-        rows[c, 3] = -ny
-        rows[c, 4] = (py * nx - px * ny) * case.arm
-        rows[c, 5] = ny
-        rows[c, 6] = -nx
-        rows[c, 7] = -(px * nx + py * ny) * case.arm
-        smallest = min(smallest, gap)
-        total += rows[c, 0] + rows[c, 1] + rows[c, 4] + rows[c, 7]
-    return smallest if np.isfinite(total) else np.nan
-
-
-@njit(error_model="numpy")
-def assemble(work: Work, count: int, friction: float) -> int:
-    """Write M and q of the first `count` contacts of ``work.active``; return their size."""
-    rows, M, q = work.rows, work.matrix, work.vector[0]
+@inner
+def assemble(contacts: _F, marks: _I, step: _F, count: int, M: _F, q: _F) -> int:
+    """Write M and q of the first `count` active contacts; return their size."""
+    soft = step[SOFT]
     for a in range(count):
-        ca, i = work.active[a], 4 * a
+        ca, i = marks[a, ACTIVE], 4 * a
+        mu = contacts[ca, MU]
         for b in range(count):
-            cb, j = work.active[b], 4 * b
-            nn = rows[ca, 2] * rows[cb, 2] + rows[ca, 3] * rows[cb, 3] + rows[ca, 4] * rows[cb, 4]
-            nt = rows[ca, 2] * rows[cb, 5] + rows[ca, 3] * rows[cb, 6] + rows[ca, 4] * rows[cb, 7]
-            tn = rows[ca, 5] * rows[cb, 2] + rows[ca, 6] * rows[cb, 3] + rows[ca, 7] * rows[cb, 4]
-            tt = rows[ca, 5] * rows[cb, 5] + rows[ca, 6] * rows[cb, 6] + rows[ca, 7] * rows[cb, 7]
+            cb, j = marks[b, ACTIVE], 4 * b
+            nn, nt = _dot(contacts, ca, WN, cb, WN), _dot(contacts, ca, WN, cb, WT)
+            tn, tt = _dot(contacts, ca, WT, cb, WN), _dot(contacts, ca, WT, cb, WT)
+            if soft != 0.0:
+                along, across = deflection(contacts, marks, soft, ca, cb)
+                nn, nt, tn, tt = nn + along, nt - across, tn + across, tt + along
             same = 1.0 if a == b else 0.0
             M[i, j], M[i, j + 1], M[i, j + 2], M[i, j + 3] = nn, nt, -nt, 0.0
             M[i + 1, j], M[i + 1, j + 1], M[i + 1, j + 2], M[i + 1, j + 3] = tn, tt, -tt, same
             M[i + 2, j], M[i + 2, j + 1], M[i + 2, j + 2], M[i + 2, j + 3] = -tn, -tt, tt, same
-            M[i + 3, j], M[i + 3, j + 1] = friction * same, -same
+            M[i + 3, j], M[i + 3, j + 1] = mu * same, -same
             M[i + 3, j + 2], M[i + 3, j + 3] = -same, 0.0
-        q[i], q[i + 1], q[i + 2], q[i + 3] = rows[ca, 0], rows[ca, 1], -rows[ca, 1], 0.0
+        qn, qt = contacts[ca, QN], contacts[ca, QT]
+        q[i], q[i + 1], q[i + 2], q[i + 3] = qn, qt, -qt, 0.0
     return 4 * count
 
 
-@njit(error_model="numpy")
-def move_by_forces(work: Work) -> None:
-    """Write the motion of the part, ``Δ = Σ (w_n λ_n + w_t λ_t)``."""
-    rows, force, motion = work.rows, work.force, work.motion
+@inner
+def move_by_forces(contacts: _F, step: _F, count: int) -> None:
+    """Write the motion of the part, ``Δ' = s' + Σ (w_n λ_n + w_t λ_t)``."""
     for k in range(3):
-        motion[k] = 0.0
-    for c in range(rows.shape[0]):
-        for k in range(3):
-            motion[k] += force[c, 0] * rows[c, 2 + k] + force[c, 1] * rows[c, 5 + k]
+        step[MOTION + k] = step[SHIFT + k]
+        for c in range(count):
+            ln, lt = contacts[c, LN], contacts[c, LT]
+            step[MOTION + k] += ln * contacts[c, WN + k] + lt * contacts[c, WT + k]
 
 
-@njit(error_model="numpy")
-def is_solution(work: Work, friction: float) -> bool:
+@inner
+def slips(contacts: _F, marks: _I, step: _F, count: int, c: int) -> tuple[float, float]:
+    """Relative displacements v_n and v_t of a contact under the forces and motion of the step."""
+    vn, vt = contacts[c, QN], contacts[c, QT]
+    for k in range(3):
+        way = step[MOTION + k] - step[SHIFT + k]
+        vn += contacts[c, WN + k] * way
+        vt += contacts[c, WT + k] * way
+    if step[SOFT] != 0.0:
+        for b in range(count):
+            along, across = deflection(contacts, marks, step[SOFT], c, b)
+            vn += along * contacts[b, LN] - across * contacts[b, LT]
+            vt += across * contacts[b, LN] + along * contacts[b, LT]
+    return vn, vt
+
+
+@inner
+def is_solution(contacts: _F, marks: _I, step: _F, count: int) -> bool:
     """Check forces and motion against every condition of the step, for all contacts.
 
     This is the residual check of the whole problem, contacts left out of it included, with γ put
     at its only possible value ``|v_t|``; it is what makes a guess of the modes safe.
     """
-    rows, force, motion = work.rows, work.force, work.motion
     largest = 1.0
-    for c in range(rows.shape[0]):
-        largest = max(largest, force[c, 0])
+    for c in range(count):
+        largest = max(largest, contacts[c, LN])
     limit = TOLERANCE * min(largest, LARGEST)
-    for c in range(rows.shape[0]):
-        ln, lt = force[c, 0], force[c, 1]
-        vn, vt = rows[c, 0], rows[c, 1]
-        for k in range(3):
-            vn += rows[c, 2 + k] * motion[k]
-            vt += rows[c, 5 + k] * motion[k]
+    for c in range(count):
+        ln, lt = contacts[c, LN], contacts[c, LT]
+        vn, vt = slips(contacts, marks, step, count, c)
         # Written so that a NaN fails.
         if not (ln >= -limit and vn >= -limit and min(ln, vn) <= limit):
             return False
-        spare = friction * ln - abs(lt)
+        spare = contacts[c, MU] * ln - abs(lt)
         if not (spare >= -limit and min(spare, abs(vt)) <= limit):
             return False
         if abs(vt) > limit and abs(lt) > limit and lt * vt > 0.0:

@@ -1,166 +1,311 @@
-r"""One run of the simulator: semi-implicit steps along the path of the tips.
+r"""One run of the simulator: semi-implicit steps along the paths of the tips.
 
-The path of all tips is cut into equal steps; nothing depends on the speed. In each step the gaps
-and normals are taken at its start, the complementarity problem of `rows` is solved for the
-displacement of the part, and the pose is updated. The turn of the part is not linear, so a step of
-length h leaves gaps of order h², which the gap term of the next step takes back.
+The path of all tips is cut into steps, equal between two waypoints. In each step the gaps and normals
+are taken at its start, the complementarity problem of `rows` is solved for the displacement of the
+part, and the pose is updated. The turn of the part is not linear, so a step of length h leaves gaps
+of order h², which the gap term of the next step takes back.
 
-A step without a solution is a jam only if no contact mode solves it (`modes`).
+Displacements of tips and part are turned between world and body at an angle that is ahead of the
+start by half the turn of the last step, about the middle of this one: a point that sticks then goes
+where the tip goes to the third order of the step, and smooth motion is integrated to the second. With
+the angle at the start, eq. (2) as printed, it is the first.
+
+On a viscous film, without forces but those of the tips, the balance is solved in displacements:
+nothing depends on the speed. A support law that is not linear is solved by its tangent (`support`)
+until the twist agrees.
+
+A step without a solution is a jam only if no contact mode solves it (`modes`), not even one that
+leaves a penetration of the steps before as it is. If Lemke's method ends on a ray although a mode
+holds, the solution of that mode is taken.
 """
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from meso_robust.simulator.guess import guess_forces, remember_modes
-from meso_robust.simulator.lemke import RAY, RESIDUAL, SOLVED, lemke
-from meso_robust.simulator.modes import some_mode_holds
-from meso_robust.simulator.outcome import Outcome
-from meso_robust.simulator.rows import (
-    TOLERANCE,
+from meso_robust.kernels import inner
+from meso_robust.simulator.actuation import COMPLIANCE, drifted, drive
+from meso_robust.simulator.advance import advance, closes, is_ambiguous
+from meso_robust.simulator.case import (
+    AHEAD,
+    BEFORE,
+    FILM,
+    IDLE,
+    UNIQUE,
     Case,
-    Work,
-    assemble,
-    is_solution,
-    measure,
-    move_by_forces,
-    workspace,
+    Kind,
+    State,
+    kind_of,
 )
+from meso_robust.simulator.guess import forget_modes, keep_modes, recall_modes
+from meso_robust.simulator.outcome import Outcome
+from meso_robust.simulator.record import on_part, record_rest, record_step
+from meso_robust.simulator.resistance import general_step
+from meso_robust.simulator.rows import write_rows
+from meso_robust.simulator.scene import find_contacts, smallest_gap
+from meso_robust.simulator.support import AGE, factorise, older
+from meso_robust.simulator.tables import (
+    COS,
+    COUNT,
+    FACTOR,
+    FROM_X,
+    FROM_Y,
+    GAP,
+    MOTION,
+    MOVE_X,
+    MOVE_Y,
+    MOVED,
+    NEXT,
+    OLD,
+    PLAYED_X,
+    SHIFT,
+    SIN,
+    SOFT,
+    TIME,
+    VELOCITY,
+    WHO,
+    Work,
+    X,
+    Y,
+)
+from meso_robust.simulator.touch import attraction_reach, friction_of_contacts
 
 _F = npt.NDArray[np.float64]
 
-_COMPLETED = int(Outcome.COMPLETED)
-_JAM = int(Outcome.JAM)
-_SOLVER_FAILURE = int(Outcome.SOLVER_FAILURE)
-_OUT_OF_RANGE = int(Outcome.OUT_OF_RANGE)
+COMPLETED = int(Outcome.COMPLETED)
+JAM = int(Outcome.JAM)
+OUT_OF_RANGE = int(Outcome.OUT_OF_RANGE)
+NON_UNIQUE = int(Outcome.NON_UNIQUE)
 
-_NEAR = 4.0  # tip displacements: contacts farther off are first left out of a step
+_REACH = 16.0  # units: contacts farther off are first not looked for
+_HARDLY = 1e-3  # steps: tips that move less are taken as at rest when lengths are scaled
+_DEEPEST = 8.0  # units: deeper than this the steps are too long for the contact
 MAX_TURN = 0.05
 """Largest turn of the part in one step, rad; beyond it contact is no longer linear."""
 
 
-@njit(error_model="numpy")
-def run(case: Case, steps: int, warm: bool, pose: _F, path: _F) -> tuple[int, float]:
+@inner
+def run(case: Case, state: State, work: Work, pose: _F, record: _F) -> tuple[int, float]:
     """Push the part through one move.
 
     Parameters
     ----------
     case
         The run.
-    steps
-        Number of steps.
-    warm
-        Whether to try the contact modes of the last step before Lemke's method.
+    state
+        Its start, from `new_state`.
+    work
+        Workspace, from `tables.workspace`.
     pose
         (3,) x, y in m and θ in rad; the start on entry, the end on return.
-    path
-        (R + 1, 3) receives evenly spaced poses; not written if it has no rows.
+    record
+        (R, 5 + 5 P) table of `record`.
 
     Returns
     -------
     tuple
-        The outcome as an integer and the deepest penetration of a tip in m.
+        The outcome as an integer and the deepest penetration in m.
     """
-    work = workspace(case.tips.shape[0])
-    system = np.zeros((9, 3))
-    before = pose.copy()
-    outcome = _COMPLETED
-    deepest = 0.0
-    start = np.int64(0)  # of a fixed type, not to compile for a literal
-    next_sample = _record(path, start, start, steps, before, pose)
-    for step in range(steps if case.unit > 0.0 else 0):
-        gap = measure(case, pose, float(step), work.rows)
-        outcome = _advance(work, case.friction, warm, system) if gap == gap else _OUT_OF_RANGE
-        turn = work.motion[2] * case.arm * case.unit
-        if outcome == _COMPLETED and not abs(turn) <= MAX_TURN:
-            outcome = _OUT_OF_RANGE
-        if outcome != _COMPLETED:
+    kind = kind_of(case)
+    before = state.space[BEFORE]
+    outcome, deepest = COMPLETED, 0.0
+    sample = int(np.int64(0))  # of a fixed type, not to compile for a literal
+    forget_modes(work.marks)
+    work.step[SOFT] = 0.0
+    for k in range(3):
+        work.step[SHIFT + k] = 0.0
+    if kind.plain and not factorise(case.law[FILM : FILM + 6], work.step):
+        return OUT_OF_RANGE, 0.0
+    for leg in range(case.legs.shape[0] - 1):
+        n = int(case.legs[leg, 1])
+        dt = (case.legs[leg + 1, 0] - case.legs[leg, 0]) / n
+        for step in range(n):
+            unit = _drive(case, kind.driven, state, leg, step, n, dt)
+            for k in range(3):
+                before[k] = pose[k]
+            outcome, gap, count = _step(case, kind, state, work, pose, dt, unit)
+            deepest = max(deepest, -gap)
+            if outcome != COMPLETED:
+                break
+            _arrive(case, state, work, count, unit)
+            if sample < record.shape[0]:
+                end = case.legs[leg, 0] + dt * (step + 1)
+                sample = record_step(
+                    record, sample, end, dt, unit, before, pose, state.body, state.obstacles,
+                    work.contacts, work.marks, work.step, count,
+                )  # fmt: skip
+        if outcome != COMPLETED:
             break
-        deepest = max(deepest, -gap)
-        for k in range(3):
-            before[k] = pose[k]
-        _displace(pose, work.motion, turn, case.unit)
-        next_sample = _record(path, next_sample, step + 1, steps, before, pose)
-    for sample in range(next_sample, path.shape[0]):
-        for k in range(3):
-            path[sample, k] = pose[k]
-    if outcome == _COMPLETED and case.unit > 0.0:
-        deepest = max(deepest, -measure(case, pose, float(steps), work.rows))
+    record_rest(record, sample, pose, state.obstacles)
+    if outcome == COMPLETED:
+        count = find_contacts(
+            case.scene, state.obstacles, pose, state.body, 0.0, work.contacts, work.marks
+        )
+        deepest = max(deepest, -smallest_gap(work.contacts, min(count, work.contacts.shape[0])))
     return outcome, deepest
 
 
-@njit(error_model="numpy")
-def _displace(pose: _F, motion: _F, turn: float, unit: float) -> None:
-    """Add the displacement of a step, turned from the body frame into the world."""
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    pose[0] += unit * (cos * motion[0] - sin * motion[1])
-    pose[1] += unit * (sin * motion[0] + cos * motion[1])
+@inner
+def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, dt: float) -> float:
+    """Write the displacements of the tips in the next step; return the unit of length."""
+    square = 0.0
+    share = (step + 1) / n
+    obstacles = state.obstacles
+    for p in range(case.waypoints.shape[1]):
+        length = 0.0
+        for a in range(2):
+            start, end = case.waypoints[leg, p, a], case.waypoints[leg + 1, p, a]
+            target = start + (end - start) * share if step + 1 < n else end
+            if driven:
+                time = case.legs[leg, 0] - case.legs[0, 0] + dt * (step + 1)
+                played = drive(case.effects, target, obstacles[p, PLAYED_X + a])
+                obstacles[p, PLAYED_X + a] = played
+                target = played + drifted(case.effects, a, time)
+            move = target - obstacles[p, X + a]
+            obstacles[p, MOVE_X + a] = move
+            length += move * move
+        square = max(square, length)
+    longest, idle = np.sqrt(square), case.law[IDLE]
+    # Tips that hardly move are no measure: what else moves the part goes on without them.
+    return float(longest if longest > _HARDLY * idle else idle)
+
+
+@inner
+def _step(
+    case: Case, kind: Kind, state: State, work: Work, pose: _F, dt: float, unit: float
+) -> tuple[int, float, int]:
+    """Take one step; return the outcome, the smallest gap at its start and the contacts."""
+    reach = _REACH * unit
+    if kind.pulled:
+        reach += attraction_reach(case.effects)
+    angle = pose[2] + case.law[AHEAD] * state.body[MOVED + 2]
+    state.body[COS], state.body[SIN] = np.cos(angle), np.sin(angle)
+    moved = np.inf
+    while moved > reach:
+        outcome, gap, count = _contacts(case, state, work, pose, reach, unit)
+        if outcome == COMPLETED:
+            outcome = _forces(case, kind, state, work, count, pose, dt, unit)
+        if outcome == JAM and gap < 0.0:
+            _let_be(work, count)
+            outcome = _forces(case, kind, state, work, count, pose, dt, unit)
+        if outcome != COMPLETED:
+            return outcome, gap, count
+        moved = _displacement(state.body, work.step, unit, case.scene.size)
+        if not moved < np.inf:
+            return OUT_OF_RANGE, gap, count
+        if moved > reach:
+            reach, moved = 2.0 * moved, np.inf
+    if case.law[UNIQUE] != 0.0 and is_ambiguous(work, count):
+        return NON_UNIQUE, gap, count
+    keep_modes(work.marks, count)
+    _displace(case, kind.plain, state.body, pose, dt)
+    return COMPLETED, gap, count
+
+
+@inner
+def _contacts(
+    case: Case, state: State, work: Work, pose: _F, reach: float, unit: float
+) -> tuple[int, float, int]:
+    """Find the contacts within reach, with their friction and the modes of the last step."""
+    contacts, marks = work.contacts, work.marks
+    count = find_contacts(case.scene, state.obstacles, pose, state.body, reach, contacts, marks)
+    if count > contacts.shape[0]:
+        return OUT_OF_RANGE, 0.0, 0
+    work.step[COUNT] = count
+    gap = smallest_gap(contacts, count)
+    if gap < -_DEEPEST * max(unit, case.law[IDLE]):
+        return OUT_OF_RANGE, gap, count
+    friction_of_contacts(case.effects, state.obstacles, contacts, marks, count)
+    recall_modes(marks, count)
+    return COMPLETED, gap, count
+
+
+@inner
+def _let_be(work: Work, count: int) -> None:
+    """Take penetrations for touching.
+
+    Two tips that hold the part between their friction cones cannot give back even the rounding of
+    the step before; that is no jam as long as the part need not go deeper.
+    """
+    for c in range(count):
+        work.contacts[c, GAP] = max(work.contacts[c, GAP], 0.0)
+    recall_modes(work.marks, count)
+
+
+@inner
+def _forces(
+    case: Case,
+    kind: Kind,
+    state: State,
+    work: Work,
+    count: int,
+    pose: _F,
+    dt: float,
+    unit: float,
+) -> int:
+    """Find forces and motion of the step."""
+    if not kind.plain:
+        return general_step(case, kind, state, work, count, pose, dt, unit)
+    if not write_rows(work.contacts, work.step, count, unit):
+        return OUT_OF_RANGE
+    if closes(work.contacts, work.marks, work.step, count):
+        return advance(work, count)
+    return COMPLETED
+
+
+@inner
+def _displacement(body: _F, w: _F, unit: float, size: float) -> float:
+    """Write the displacement of the part; return how far any point of it or a tip moves.
+
+    Infinite if the part turns too far.
+    """
+    m0, m1, m2 = w[MOTION], w[MOTION + 1], w[MOTION + 2]
+    x = unit * (w[FACTOR] * m0 + w[FACTOR + 1] * m1 + w[FACTOR + 3] * m2)
+    y = unit * (w[FACTOR + 2] * m1 + w[FACTOR + 4] * m2)
+    turn = unit * w[FACTOR + 5] * m2
+    body[NEXT], body[NEXT + 1], body[NEXT + 2] = x, y, turn
+    if not abs(turn) <= MAX_TURN:
+        return np.inf
+    return float(abs(x) + abs(y) + abs(turn) * size + unit)
+
+
+@inner
+def _displace(case: Case, plain: bool, body: _F, pose: _F, dt: float) -> None:
+    """Move the part."""
+    cos, sin, x, y, turn = body[COS], body[SIN], body[NEXT], body[NEXT + 1], body[NEXT + 2]
+    body[MOVED], body[MOVED + 1], body[MOVED + 2] = x, y, turn
+    pose[0] += cos * x - sin * y
+    pose[1] += sin * x + cos * y
     pose[2] += turn
+    if plain:
+        return
+    body[VELOCITY] = (cos * x - sin * y) / dt
+    body[VELOCITY + 1] = (sin * x + cos * y) / dt
+    body[VELOCITY + 2] = turn / dt
+    body[TIME] += dt
+    if case.effects[AGE] != 0.0:
+        # The mean square of the slip over the area, by the film's ratio of drags.
+        slip = np.sqrt(x * x + y * y + case.law[FILM + 5] * turn * turn)
+        body[OLD] = older(body[OLD], slip, dt, case.effects)
 
 
-@njit(error_model="numpy")
-def _record(path: _F, sample: int, step: int, steps: int, before: _F, pose: _F) -> int:
-    """Write the samples that fall into the last step; return the next one to write."""
-    samples = path.shape[0] - 1
-    while sample <= samples and sample * steps <= step * samples:
-        # Share of the last step that was still to come at the sample.
-        share = float(step) - sample * steps / max(samples, 1)
-        for k in range(3):
-            path[sample, k] = pose[k] - share * (pose[k] - before[k])
-        sample += 1
-    return sample
+@inner
+def _arrive(case: Case, state: State, work: Work, count: int, unit: float) -> None:
+    """Put the tips where they are at the end of the step, bent by the forces on them.
 
-
-@njit(error_model="numpy")
-def _advance(work: Work, friction: float, warm: bool, system: _F) -> int:
-    """Find the forces and the motion of one step."""
-    tips = work.rows.shape[0]
-    closing = False
-    for c in range(tips):
-        closing |= not work.rows[c, 0] >= -TOLERANCE
-    if not closing:
-        for k in range(3):
-            work.motion[k] = 0.0
-        return _COMPLETED
-    if warm and guess_forces(work, friction, system) and is_solution(work, friction):
-        return _COMPLETED
-    count = _collect(work, _NEAR)
-    status = _solve(work, count, friction)
-    if status != SOLVED and count < tips:
-        count = _collect(work, np.inf)
-        status = _solve(work, count, friction)
-    if status == SOLVED:
-        remember_modes(work, friction)
-        return _COMPLETED
-    if status == RAY and not some_mode_holds(4 * count, work.matrix, work.vector[0]):
-        return _JAM
-    return _SOLVER_FAILURE
-
-
-@njit(error_model="numpy")
-def _collect(work: Work, reach: float) -> int:
-    """List the contacts that may close in this step."""
-    count = 0
-    for c in range(work.rows.shape[0]):
-        if work.rows[c, 0] <= reach:
-            work.active[count] = c
-            count += 1
-    return count
-
-
-@njit(error_model="numpy")
-def _solve(work: Work, count: int, friction: float) -> int:
-    """Solve the step by Lemke's method and check it for all contacts."""
-    n = assemble(work, count, friction)
-    z = work.vector[1]
-    status = lemke(n, work.matrix, work.vector[0], z, work.tableau, work.labels)
-    if status != SOLVED:
-        return int(status)
-    for c in range(work.force.shape[0]):
-        work.force[c, 0] = 0.0
-        work.force[c, 1] = 0.0
-    for a in range(count):
-        work.force[work.active[a], 0] = z[4 * a]
-        work.force[work.active[a], 1] = z[4 * a + 1] - z[4 * a + 2]
-    move_by_forces(work)
-    return SOLVED if is_solution(work, friction) else RESIDUAL
+    The contacts are in the body frame at the start of the step.
+    """
+    probes, obstacles = case.waypoints.shape[1], state.obstacles
+    for p in range(probes):
+        obstacles[p, FROM_X], obstacles[p, FROM_Y] = obstacles[p, X], obstacles[p, Y]
+        obstacles[p, X] += obstacles[p, MOVE_X]
+        obstacles[p, Y] += obstacles[p, MOVE_Y]
+    compliance = case.effects[COMPLIANCE]
+    if compliance == 0.0:
+        return
+    cos, sin = state.body[COS], state.body[SIN]
+    for c in range(count):
+        p = work.marks[c, WHO]
+        if p < probes:
+            fx, fy = on_part(work.contacts, c, work.step[SOFT] * unit, compliance)
+            obstacles[p, X] -= cos * fx - sin * fy
+            obstacles[p, Y] -= sin * fx + cos * fy

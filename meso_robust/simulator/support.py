@@ -1,54 +1,516 @@
-"""The viscous film under the part.
+r"""What the part slides on: the resistance of film and dry contact to a twist of the part.
 
-The drag about the centre of the part is ``E = diag(e_x, e_x, e_θ)``, and the quasi-static balance
-of the contact wrenches is ``E v = Σ_i (w_n^i λ_n^i + w_t^i λ_t^i)``. Multiplying every force by
-``e_x`` leaves the motion as it is, so that only the film ratio ``ρ = e_θ / e_x`` (m²) matters.
+The support resists the twist ``v = (v_x, v_y, ω)`` (body axes, at the reference point) with the
+wrench ``D(v)``. Everything is divided by the film's translational drag e_x, so that forces are speeds;
+without a film the scale of the forces is of no effect. Four laws add up:
 
-With the angle measured as the length ``√ρ θ`` the drag is the identity: a unit force at the lever
-arm ``a`` then has the third component ``a / √ρ``, and the part moves by exactly the sum of the
-wrenches. The simulator works in these coordinates throughout.
+* film, ``D = E v``, E symmetric and positive definite; the paper's is ``diag(1, 1, ρ)``, ρ = e_θ / e_x;
+* Coulomb points, ``D = Σ c_i J_iᵀ u_i / |u_i|`` with the speed ``u_i = J_i v`` of the point i: the
+  three support points of the paper's Section V are of this kind, and so is an area;
+* ellipsoidal limit surface, ``D = A v / √(vᵀ A v)``, the law whose forces lie on ``fᵀ A⁻¹ f = 1``
+  (R. D. Howe, M. R. Cutkosky 1996, doi:10.1177/027836499601500603);
+* the effects below, integrated over the area of the part by `outline.quadrature`. Its nodes are
+  drawn together or apart until the second moment of the area is ρ, so that the nodes of a plain film
+  have just the drag ``diag(1, 1, ρ)``.
+
+Source of the film and the points: the paper, Sections V-A and IX-B; derivations/three_point_support.py
+derives the points' law from maximum dissipation.
+
+A step solves ``K Δ − s = contact forces`` with the tangent K of D at the last twist, again and again
+until the twist agrees. For the Coulomb laws K is the primal-dual tangent of M. Hintermüller and
+G. Stadler 2006, doi:10.1137/040613263: for a point with force f, ``(c I − f ûᵀ) / |u|``, made symmetric.
+The law of a point is smoothed to ``c u / √(|u|² + ε²)``, ε = `_CREEP` tip speeds: a point that rests
+creeps at about ε.
 """
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from meso_robust.kernels import inner
+from meso_robust.simulator.effects import REFERENCE_SPEED, Effect, Parameter, Stage
+from meso_robust.simulator.tables import FACTOR
+
+_F = npt.NDArray[np.float64]
+
+_RATIO = Parameter(
+    key="ratio", unit="", to_si=REFERENCE_SPEED, low=0.0, meaning="force over film drag at 75 µm/s"
+)
+_UM, _DEG = 1e-6, np.pi / 180.0
+
+SUPPORT = Stage(
+    name="support",
+    base=0,
+    slots=32,
+    effects=(
+        Effect(
+            name="dry_friction",
+            equation="f = −τ u/|u| on every part of the area",
+            source="E. C. Bingham 1922; Coulomb friction under the film",
+            parameters=(_RATIO,),
+        ),
+        Effect(
+            name="stribeck_friction",
+            equation="f = −τ exp(−(|u|/v_s)²) u/|u|, in addition to dry friction",
+            source="B. Armstrong-Hélouvry et al. 1994, doi:10.1016/0005-1098(94)90209-7",
+            parameters=(
+                _RATIO,
+                Parameter(
+                    key="speed_um_s",
+                    unit="µm/s",
+                    to_si=_UM,
+                    default=30.0,
+                    low=1e-3,
+                    size=False,
+                    meaning="speed over which the excess decays",
+                ),
+            ),
+        ),
+        Effect(
+            name="shear_thinning",
+            equation="f = −|u/v₀|^(n−1) u on every part of the area, n = 1 − drop",
+            source="W. Ostwald 1925; power-law fluid",
+            parameters=(
+                Parameter(
+                    key="exponent_drop",
+                    unit="",
+                    to_si=1.0,
+                    low=-0.9,
+                    high=0.9,
+                    meaning="1 − n, positive for thinning",
+                ),
+            ),
+        ),
+        Effect(
+            name="anisotropic_drag",
+            equation="f = −(I + a S(φ − θ)) u, S(φ) = [[cos 2φ, sin 2φ], [sin 2φ, −cos 2φ]]",
+            source="lay of the stage's surface; D. Ma, A. Rodriguez 2018, doi:10.1109/LRA.2018.2851026",
+            parameters=(
+                Parameter(
+                    key="fraction",
+                    unit="",
+                    to_si=1.0,
+                    low=-0.9,
+                    high=0.9,
+                    meaning="a: drag along the direction over the mean, less one",
+                ),
+                Parameter(
+                    key="direction_deg",
+                    unit="deg",
+                    to_si=_DEG,
+                    size=False,
+                    meaning="φ, direction of the largest drag, stage frame",
+                ),
+            ),
+        ),
+        Effect(
+            name="part_anisotropic_drag",
+            equation="f = −(I + a S(φ)) u, in the frame of the part",
+            source="finish of the part's lower side; as anisotropic_drag",
+            parameters=(
+                Parameter(
+                    key="fraction",
+                    unit="",
+                    to_si=1.0,
+                    low=-0.9,
+                    high=0.9,
+                    meaning="a: drag along the direction over the mean, less one",
+                ),
+                Parameter(
+                    key="direction_deg",
+                    unit="deg",
+                    to_si=_DEG,
+                    size=False,
+                    meaning="φ, direction of the largest drag, frame of the part",
+                ),
+            ),
+        ),
+        Effect(
+            name="drag_centre_offset",
+            equation="E → Tᵀ E T, T v = velocity at the centre of drag c",
+            source="uneven film; derivations/mechanics.py, `film` at another point",
+            parameters=(
+                Parameter(key="x_um", unit="µm", to_si=_UM, meaning="c_x, frame of the part"),
+                Parameter(key="y_um", unit="µm", to_si=_UM, meaning="c_y, frame of the part"),
+            ),
+        ),
+        Effect(
+            name="drag_gradient",
+            equation="k(x) = exp(g · x), x the place on the stage",
+            source="thickness of the film; drag η A / h",
+            parameters=(
+                Parameter(key="x_per_mm", unit="1/mm", to_si=1e3, low=-2, high=2, meaning="g_x"),
+                Parameter(key="y_per_mm", unit="1/mm", to_si=1e3, low=-2, high=2, meaning="g_y"),
+            ),
+        ),
+        Effect(
+            name="drag_drift",
+            equation="E(t) = E exp(r t)",
+            source="draining, drying or warming film; J. Stefan 1874",
+            parameters=(
+                Parameter(
+                    key="rate_percent_s",
+                    unit="%/s",
+                    to_si=0.01,
+                    low=-100,
+                    high=100,
+                    meaning="r, relative growth of the drag",
+                ),
+            ),
+        ),
+        Effect(
+            name="breakaway_friction",
+            equation="f = −τ ln(1 + a/a₀) u/|u|, age a' = 1 − a v/D, a₀ = 1 s",
+            source="A. Ruina 1983, doi:10.1029/JB088iB12p10359 (ageing law)",
+            parameters=(
+                _RATIO,
+                Parameter(
+                    key="distance_um",
+                    unit="µm",
+                    to_si=_UM,
+                    default=2.0,
+                    low=1e-3,
+                    size=False,
+                    meaning="D, distance over which the age is lost",
+                ),
+            ),
+        ),
+        Effect(
+            name="uneven_support",
+            equation="f = −τ max(1 + q · r, 0) u/|u| on every part of the area",
+            source="pressure that varies linearly over the area; M. T. Mason 1986",
+            parameters=(
+                _RATIO,
+                Parameter(
+                    key="x_um",
+                    unit="µm",
+                    to_si=_UM,
+                    size=False,
+                    meaning="centre of pressure x, frame of the part, exact while no pressure is negative",
+                ),
+                Parameter(
+                    key="y_um",
+                    unit="µm",
+                    to_si=_UM,
+                    size=False,
+                    meaning="centre of pressure y, likewise",
+                ),
+            ),
+        ),
+    ),
+)
+
+_DRY = SUPPORT.slot("dry_friction", "ratio")
+_STRIBECK = SUPPORT.slot("stribeck_friction", "ratio")
+_STRIBECK_SPEED = SUPPORT.slot("stribeck_friction", "speed_um_s")
+_DROP = SUPPORT.slot("shear_thinning", "exponent_drop")
+_STAGE_LAY = SUPPORT.slot("anisotropic_drag", "fraction")
+_STAGE_LAY_ANGLE = SUPPORT.slot("anisotropic_drag", "direction_deg")
+_PART_LAY = SUPPORT.slot("part_anisotropic_drag", "fraction")
+_PART_LAY_ANGLE = SUPPORT.slot("part_anisotropic_drag", "direction_deg")
+_CENTRE_X = SUPPORT.slot("drag_centre_offset", "x_um")
+_CENTRE_Y = SUPPORT.slot("drag_centre_offset", "y_um")
+_GRADIENT_X = SUPPORT.slot("drag_gradient", "x_per_mm")
+_GRADIENT_Y = SUPPORT.slot("drag_gradient", "y_per_mm")
+_DRIFT = SUPPORT.slot("drag_drift", "rate_percent_s")
+_AGEING = SUPPORT.slot("breakaway_friction", "ratio")
+_AGEING_DISTANCE = SUPPORT.slot("breakaway_friction", "distance_um")
+_UNEVEN = SUPPORT.slot("uneven_support", "ratio")
+_PRESSURE_X = SUPPORT.slot("uneven_support", "x_um")
+_PRESSURE_Y = SUPPORT.slot("uneven_support", "y_um")
+
+NODE_SLOTS = (
+    _DRY,
+    _STRIBECK,
+    _DROP,
+    _AGEING,
+    _UNEVEN,
+    _STAGE_LAY,
+    _PART_LAY,
+    _GRADIENT_X,
+    _GRADIENT_Y,
+)
+"""Columns of effects that act on every part of the area."""
+DRY_SLOTS = (_DRY, _STRIBECK, _DROP, _AGEING, _UNEVEN)
+"""Columns of effects that are not linear in the twist."""
+LAYS = [_STAGE_LAY, _PART_LAY]
+"""Columns of the fractions of the two lays."""
+THINNING = _DROP
+"""Column of the effect that needs a film although it is not linear."""
+FILM_SLOTS = (
+    _STAGE_LAY, _PART_LAY, _GRADIENT_X, _GRADIENT_Y, _CENTRE_X, _CENTRE_Y, _DRIFT
+)  # fmt: skip
+"""Columns of effects that change the film's drag matrix."""
+AGE = _AGEING
+"""Column of the effect that needs the age of the contact."""
+
+_CREEP = 1e-6  # tip speeds
+_RIDGE = 1e-3  # share of the secant in the tangent, for a matrix that is positive definite
 
 
-@njit(cache=True, error_model="numpy")
-def arm_scale(film_ratio: float) -> float:
-    """Inverse drag of the angle, split evenly between wrench and motion.
+@inner
+def add_point(K: _F, x: float, y: float, a: float, b: float, c: float) -> None:
+    """Add ``Jᵀ [[a, b], [b, c]] J`` of the point (x, y) to a packed matrix.
+
+    A symmetric 3×3 matrix is packed as its upper triangle by rows, (6,).
+    """
+    K[0] += a
+    K[1] += b
+    K[2] += b * x - a * y
+    K[3] += c
+    K[4] += c * x - b * y
+    K[5] += a * y * y - 2.0 * b * x * y + c * x * x
+
+
+@inner
+def multiply(K: _F, v: _F, out: _F, sign: float) -> None:
+    """Add ``sign K v`` of a packed matrix to `out`."""
+    out[0] += sign * (K[0] * v[0] + K[1] * v[1] + K[2] * v[2])
+    out[1] += sign * (K[1] * v[0] + K[3] * v[1] + K[4] * v[2])
+    out[2] += sign * (K[2] * v[0] + K[4] * v[1] + K[5] * v[2])
+
+
+@inner
+def film_matrix(film: _F, points: _F, effects: _F, pose: _F, time: float, out: _F) -> None:
+    """Write the film's drag matrix with the effects that leave it linear.
 
     Parameters
     ----------
-    film_ratio
-        ρ = e_θ / e_x in m².
-
-    Returns
-    -------
-    float
-        1/√ρ in 1/m: turns a lever arm (m) into the third component of a wrench, and the third
-        component of a motion (m) into an angle (rad).
+    film
+        (6,) packed drag matrix without effects, over e_x.
+    points
+        (K, 4) table of `Inputs.points`; the fourth column holds the share of the area.
+    effects
+        (S,) values of the effects.
+    pose
+        (3,) x, y in m and θ in rad.
+    time
+        Since the start of the run, s.
+    out
+        (6,) receives the matrix, packed.
     """
-    return 1.0 / np.sqrt(film_ratio)
+    for k in range(6):
+        out[k] = film[k]
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    gx, gy = effects[_GRADIENT_X], effects[_GRADIENT_Y]
+    stage, part = effects[_STAGE_LAY], effects[_PART_LAY]
+    if gx != 0.0 or gy != 0.0 or stage != 0.0 or part != 0.0:
+        angle = 2.0 * (effects[_STAGE_LAY_ANGLE] - pose[2])
+        own = 2.0 * effects[_PART_LAY_ANGLE]
+        along = stage * np.cos(angle) + part * np.cos(own)
+        across = stage * np.sin(angle) + part * np.sin(own)
+        for i in range(points.shape[0]):
+            w, x, y = points[i, 3], points[i, 0], points[i, 1]
+            if w == 0.0:
+                continue
+            wx, wy = pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y
+            k = np.exp(gx * wx + gy * wy)
+            plus, minus = k * (1.0 + along) - 1.0, k * (1.0 - along) - 1.0
+            add_point(out, x, y, w * plus, w * k * across, w * minus)
+    cx, cy = effects[_CENTRE_X], effects[_CENTRE_Y]
+    if cx != 0.0 or cy != 0.0:
+        _move_centre(out, cx, cy)
+    if effects[_DRIFT] != 0.0:
+        growth = np.exp(effects[_DRIFT] * time)
+        for k in range(6):
+            out[k] *= growth
 
 
-def check_film_ratio(film_ratio: npt.NDArray[np.float64]) -> None:
-    """Refuse a film ratio that is not positive.
+@inner
+def _move_centre(K: _F, x: float, y: float) -> None:
+    """Congruence ``K → Tᵀ K T`` with ``T v = (v_x − y ω, v_y + x ω, ω)``."""
+    K[5] += 2.0 * (x * K[4] - y * K[2]) + y * y * K[0] - 2.0 * x * y * K[1] + x * x * K[3]
+    K[2] += x * K[1] - y * K[0]
+    K[4] += x * K[3] - y * K[1]
+
+
+@inner
+def pressure_slope(points: _F, effects: _F) -> tuple[float, float]:
+    """Slope q of the pressure ``1 + q · r`` that has the given centre, 1/m."""
+    xx, xy, yy = 0.0, 0.0, 0.0
+    for i in range(points.shape[0]):
+        w, x, y = points[i, 3], points[i, 0], points[i, 1]
+        xx, xy, yy = xx + w * x * x, xy + w * x * y, yy + w * y * y
+    size = xx * yy - xy * xy
+    if size <= 0.0:
+        return 0.0, 0.0
+    px, py = effects[_PRESSURE_X], effects[_PRESSURE_Y]
+    return (yy * px - xy * py) / size, (xx * py - xy * px) / size
+
+
+@inner
+def resist_dry(
+    points: _F,
+    surface: _F,
+    effects: _F,
+    slope: tuple[float, float],
+    age: float,
+    creep: float,
+    v: _F,
+    force: _F,
+    K: _F,
+    out: _F,
+) -> None:
+    """Add tangent and offset of all laws but the film's at the twist v.
 
     Parameters
     ----------
-    film_ratio
-        (N,) values of ρ in m².
-
-    Raises
-    ------
-    ValueError
-        If a value is zero or negative: the film would not resist rotation.
+    points
+        (K, 4) rows x, y in m, strength c and share of the area of each point.
+    surface
+        (6,) packed matrix A of the limit surface; zeros for none.
+    effects
+        (S,) values of the effects.
+    slope
+        From `pressure_slope`.
+    age
+        Age of the contact, s.
+    creep
+        ε, the speed at which a resting point creeps, m/s.
+    v
+        (3,) twist, body frame.
+    force
+        (K, 2) forces of the Coulomb law at the points, as far as they are known.
+    K
+        (6,) packed matrix, receives the tangent.
+    out
+        (3,) receives ``K v − D(v)``.
     """
-    wrong = np.flatnonzero(~(film_ratio > 0.0))
-    if wrong.size:
-        run = int(wrong[0])
-        raise ValueError(
-            f"film_ratio: run {run} has {film_ratio[run]:g} m²; "
-            "e_θ/e_x must be positive; give the ratio of rotational to translational drag in m²"
-        )
+    for i in range(points.shape[0]):
+        x, y = points[i, 0], points[i, 1]
+        ux, uy = v[0] - v[2] * y, v[1] + v[2] * x
+        m = np.sqrt(ux * ux + uy * uy + creep * creep)
+        c, film, drop = _strength(points, i, effects, slope, age, m)
+        hx, hy = ux / m, uy / m
+        fx, fy = force[i, 0] / m, force[i, 1] / m
+        a = c * (1.0 + _RIDGE) / m + film - fx * hx - drop * hx * hx
+        b = -0.5 * (fx * hy + fy * hx) - drop * hx * hy
+        d = c * (1.0 + _RIDGE) / m + film - fy * hy - drop * hy * hy
+        add_point(K, x, y, a, b, d)
+        whole = c / m + film
+        px, py = a * ux + b * uy - whole * ux, b * ux + d * uy - whole * uy
+        out[0] += px
+        out[1] += py
+        out[2] += x * py - y * px
+    if surface[0] > 0.0:
+        _resist_surface(surface, creep, v, K, out)
+
+
+@inner
+def _strength(
+    points: _F, i: int, effects: _F, slope: tuple[float, float], age: float, speed: float
+) -> tuple[float, float, float]:
+    """Coulomb strength of a point, viscous coefficient beyond the film's, and its loss with speed."""
+    c, w = points[i, 2], points[i, 3]
+    if w == 0.0:
+        return c, 0.0, 0.0
+    dry = effects[_DRY] + effects[_AGEING] * np.log(1.0 + age)
+    if effects[_STRIBECK] != 0.0:
+        dry += effects[_STRIBECK] * np.exp(-((speed / effects[_STRIBECK_SPEED]) ** 2))
+    if effects[_UNEVEN] != 0.0:
+        pressure = 1.0 + slope[0] * points[i, 0] + slope[1] * points[i, 1]
+        dry += effects[_UNEVEN] * max(pressure, 0.0)
+    drop = effects[_DROP]
+    if drop == 0.0:
+        return c + w * dry, 0.0, 0.0
+    thin = w * (speed / REFERENCE_SPEED) ** -drop
+    return c + w * dry, thin - w, drop * thin
+
+
+@inner
+def _resist_surface(surface: _F, creep: float, v: _F, K: _F, out: _F) -> None:
+    """Add tangent and offset of the limit surface, ``D = A v / n`` with ``n = √(vᵀ A v)``."""
+    px = surface[0] * v[0] + surface[1] * v[1] + surface[2] * v[2]
+    py = surface[1] * v[0] + surface[3] * v[1] + surface[4] * v[2]
+    pz = surface[2] * v[0] + surface[4] * v[1] + surface[5] * v[2]
+    floor = creep * np.sqrt(surface[0])
+    norm = np.sqrt(max(px * v[0] + py * v[1] + pz * v[2], 0.0))
+    moving = norm > floor
+    n = max(norm, floor)
+    share = (1.0 - _RIDGE) / n**3 if moving else 0.0
+    K[0] += surface[0] / n - share * px * px
+    K[1] += surface[1] / n - share * px * py
+    K[2] += surface[2] / n - share * px * pz
+    K[3] += surface[3] / n - share * py * py
+    K[4] += surface[4] / n - share * py * pz
+    K[5] += surface[5] / n - share * pz * pz
+    loss = share * norm * norm  # of K v against D
+    out[0] -= loss * px
+    out[1] -= loss * py
+    out[2] -= loss * pz
+
+
+@inner
+def update_forces(
+    points: _F,
+    effects: _F,
+    slope: tuple[float, float],
+    age: float,
+    creep: float,
+    v: _F,
+    new: _F,
+    force: _F,
+) -> None:
+    """Update the forces of the Coulomb law from the last twist to the new one, inside their discs."""
+    for i in range(points.shape[0]):
+        x, y = points[i, 0], points[i, 1]
+        ux, uy = v[0] - v[2] * y, v[1] + v[2] * x
+        dx, dy = new[0] - new[2] * y - ux, new[1] + new[2] * x - uy
+        m = np.sqrt(ux * ux + uy * uy + creep * creep)
+        c, _, _ = _strength(points, i, effects, slope, age, m)
+        fx, fy = c * (ux + dx) / m, c * (uy + dy) / m
+        along = (ux * dx + uy * dy) / (m * m)
+        fx -= force[i, 0] * along
+        fy -= force[i, 1] * along
+        size = np.hypot(fx, fy)
+        shrink = c / size if size > c else 1.0
+        force[i, 0] = shrink * fx
+        force[i, 1] = shrink * fy
+
+
+@inner
+def add_film(film: _F, K: _F) -> None:
+    """Add a packed film matrix to the tangent; a linear law has no offset."""
+    for k in range(6):
+        K[k] += film[k]
+
+
+@inner
+def older(age: float, distance: float, dt: float, effects: _F) -> float:
+    """Age of the contact after a step of `dt` in which it slid by `distance`.
+
+    Exact for a constant speed: ``a' = 1 − a v / D``.
+    """
+    if distance == 0.0:
+        return age + dt
+    steady = dt * effects[_AGEING_DISTANCE] / distance
+    return float(steady + (age - steady) * np.exp(-distance / effects[_AGEING_DISTANCE]))
+
+
+@inner
+def factorise(K: _F, step: _F) -> bool:
+    """Write the lower triangle of ``L⁻¹`` by rows and k, ``K / k = L Lᵀ``; False if impossible."""
+    k = K[0]
+    if not (k > 0.0 and k < np.inf):
+        return False
+    l21, l31 = K[1] / k, K[2] / k
+    s22 = K[3] / k - l21 * l21
+    if not s22 > 0.0:
+        return False
+    l22 = np.sqrt(s22)
+    l32 = (K[4] / k - l31 * l21) / l22
+    s33 = K[5] / k - l31 * l31 - l32 * l32
+    if not s33 > 0.0:
+        return False
+    l33 = np.sqrt(s33)
+    step[FACTOR], step[FACTOR + 2], step[FACTOR + 5] = 1.0, 1.0 / l22, 1.0 / l33
+    step[FACTOR + 1] = -l21 / l22
+    step[FACTOR + 4] = -l32 / (l22 * l33)
+    step[FACTOR + 3] = -(l31 + l32 * step[FACTOR + 1]) / l33
+    step[FACTOR + 6] = k
+    return True
+
+
+@inner
+def creep_speed(speed: float) -> float:
+    """Speed at which a resting point creeps, for tips of the given speed."""
+    return _CREEP * speed

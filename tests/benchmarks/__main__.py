@@ -1,98 +1,72 @@
-"""Speed of the simulator on one core: ``python -m tests.benchmarks``.
+"""Speed of the simulator beside its peers: ``python -m tests.benchmarks [--peers] [--out FILE]``.
 
-Prints a small table. It is no test: it asserts nothing about time.
+Prints Markdown tables. It is no test: it asserts nothing about time. The peers (MuJoCo, pymunk,
+QuantEcon) are installed by ``make benchmark``.
 """
 
+import argparse
+import os
 import platform
-import sys
-import time
-from collections.abc import Callable
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-from numba import njit
+from tests.benchmarks import complementarity, events, processes, side_by_side, steps
 
-from meso_robust.simulator import Push
-from meso_robust.simulator.batch import prepare, run_serial
-from meso_robust.simulator.lemke import SOLVED, lemke
-from tests.simulator.problems import UM, contact_problems, random_rows, two_sided
-
-F = npt.NDArray[np.float64]
-I = npt.NDArray[np.int64]  # noqa: E741
-
-REPEATS = 7
+_PACKAGES = ("meso-robust", "numba", "numpy", "scipy")
+_PEERS = ("mujoco", "pymunk", "quantecon")
 
 
-@njit
-def solve_all(M: F, q: F, status: I) -> None:
-    """Lemke's method on every problem, one after the other."""
-    n = q.shape[1]
-    z = np.zeros(n)
-    tableau = np.zeros((n + 3, n))
-    index = np.zeros(4 * n + 2, np.int64)
-    for i in range(q.shape[0]):
-        status[i] = lemke(n, M[i], q[i], z, tableau, index)
+def _processor() -> str:
+    """Name of the processor, where the system tells it."""
+    source = Path("/proc/cpuinfo")
+    lines = source.read_text(encoding="utf-8").splitlines() if source.exists() else []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
 
 
-def best_time(work: Callable[[], None]) -> float:
-    """Shortest of a few times in s, the first call (which may compile) left out."""
-    work()
-    times = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return min(times)
+def _version(name: str) -> str:
+    """Name and version of a package."""
+    try:
+        return f"{name} {version(name)}"
+    except PackageNotFoundError:
+        return f"{name} not installed"
 
 
-def steps_per_second(push: Push, warm: bool) -> float:
-    """Steps of both tips in contact, all of each step included."""
-
-    def work() -> None:
-        inputs, outputs = prepare(push)
-        run_serial(inputs, push.steps, warm, outputs)
-
-    return len(push.poses) * push.steps / best_time(work)
-
-
-def lemke_solves(contacts: int, count: int = 20_000) -> tuple[float, float]:
-    """Solves per second of the solvable problems with a closing gap, and their share."""
-    rng = np.random.default_rng(0)
-    rows = random_rows(count, contacts, rng)
-    rows = rows[np.min(rows[..., 0], axis=1) < 0]
-    M, q = contact_problems(rows, rng.uniform(0, 1, len(rows)))
-    status = np.zeros(len(q), dtype=np.int64)
-    solve_all(M, q, status)
-    solved = status == SOLVED
-    some = np.flatnonzero(solved)[:2000]  # small enough for the cache, as in a run
-    M, q = M[some], q[some]
-
-    def work() -> None:
-        for _ in range(20):
-            solve_all(M, q, status)
-
-    return 20 * len(some) / best_time(work), float(np.mean(solved))
+def head(peers: bool) -> list[str]:
+    """First lines of the report: machine, versions, and how to read the numbers."""
+    names = _PACKAGES + (_PEERS if peers else ())
+    versions = ", ".join(_version(name) for name in names)
+    return [
+        "# Speed of the simulator",
+        "",
+        f"{_processor()}, {os.cpu_count()} cores, {platform.system()}, "
+        f"Python {platform.python_version()}; {versions}.",
+        "",
+        "Best of several runs, one thread unless said, random numbers of seed 0. CPU time is what the "
+        "process itself used, wall clock includes what else ran on the machine; targets are held "
+        "against CPU time, which is itself longer where another process shares the core. Made by `make benchmark`.",
+        "",
+    ]
 
 
 def main() -> None:
-    """Print the table."""
-    # Both tips stay on the part, without a jam, over the whole of this move.
-    push = two_sided(np.linspace(900, 1300, 200) * UM, 1000 * UM, 0.5 * UM)
-    lines = [
-        ("two-contact steps, modes guessed first", steps_per_second(push, warm=True), ""),
-        ("two-contact steps, Lemke's method only", steps_per_second(push, warm=False), ""),
-    ]
-    for contacts in (1, 2, 3):
-        speed, share = lemke_solves(contacts)
-        name = f"Lemke's method, n = {4 * contacts}, random contacts"
-        lines.append((name, speed, f"{100 * share:.1f} % solved"))
-    sys.stdout.write(
-        f"one core of {platform.machine()}, Python {platform.python_version()}, "
-        f"numba {version('numba')}, meso-robust {version('meso-robust')}; best of several runs\n"
-    )
-    for name, speed, note in lines:
-        sys.stdout.write(f"{name:<42}{speed / 1e6:7.2f} M/s  {note}\n")
+    """Print the report, and write it to a file if one is named."""
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
+    parser.add_argument("--peers", action="store_true", help="time the peers as well")
+    parser.add_argument("--out", type=Path, help="file to write the report to")
+    chosen = parser.parse_args()
+    lines = head(chosen.peers)
+    lines += steps.section()
+    lines += events.section()
+    lines += side_by_side.section(chosen.peers)
+    lines += complementarity.section(chosen.peers)
+    lines += processes.threads()
+    lines += processes.compiling()
+    report = "\n".join(lines)
+    print(report)
+    if chosen.out is not None:
+        chosen.out.parent.mkdir(parents=True, exist_ok=True)
+        chosen.out.write_text(report, encoding="utf-8")
 
 
 if __name__ == "__main__":

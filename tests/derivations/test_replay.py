@@ -31,7 +31,7 @@ def pushed(
 ) -> Push:
     """The witness's part at the origin, with given tips (µm)."""
     half_short = at["d1"] * UM
-    return Push(
+    return Push.straight(
         vertices=rectangle(808 * UM, half_short),
         poses=np.array([[0.0, 0.0, theta]]),
         tips=np.array([tips]) * UM,
@@ -51,8 +51,9 @@ def contact(at: dict[str, float], theta: float, offset: float) -> list[float]:
 
 def offsets(push: Push, path: F, tip: int = 0) -> F:
     """Place of a tip along the edge during the push, in m."""
+    start, end = push.waypoints[0, :, tip]
     share = np.linspace(0, 1, path.shape[0])[:, None]
-    return in_body(path, push.tips[0, tip] + share * push.travel[0, tip])[:, 0]
+    return in_body(path, start + share * (end - start))[:, 0]
 
 
 def test_lemma_1_the_contact_slips_before_the_printed_limit() -> None:

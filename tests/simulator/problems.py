@@ -5,7 +5,29 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.simulator import Push
+from meso_robust.simulator import Fixture, Point, Push
+from meso_robust.simulator.arrange import case_of, prepare
+from meso_robust.simulator.scene import find_contacts
+from meso_robust.simulator.tables import (
+    ACTIVE,
+    CONTACT,
+    COS,
+    MARKS,
+    MAX_CONTACTS,
+    MOVE_X,
+    MOVED,
+    MU as FRICTION,
+    QN,
+    QT,
+    SIN,
+    WHO,
+    WN,
+    WT,
+    Work,
+    X,
+    workspace,
+)
+from meso_robust.simulator.tips import Tip
 
 F = npt.NDArray[np.float64]
 
@@ -24,7 +46,7 @@ def rectangle(half_long: float = HALF_LONG, half_short: float = HALF_SHORT) -> F
 
 def one_point(d2: float, travel: float, step: float, mu: float = MU) -> Push:
     """One tip on the right-hand long edge, d2 beside the centre, going left; θ starts at 90°."""
-    return Push(
+    return Push.straight(
         vertices=rectangle(),
         poses=np.array([[0.0, 0.0, np.pi / 2]]),
         tips=np.array([[[HALF_SHORT, d2]]]),
@@ -46,7 +68,7 @@ def two_sided(
     tips[:, 1] = np.column_stack([np.full(runs, HALF_SHORT), V / 2])
     moves = np.zeros((runs, 2, 2))
     moves[:, 1, 0] = -travel
-    return Push(
+    return Push.straight(
         vertices=rectangle(half_long),
         poses=np.tile([0.0, 0.0, np.pi / 2], (runs, 1)),
         tips=tips,
@@ -55,6 +77,56 @@ def two_sided(
         film_ratio=np.full(runs, RHO),
         step=step,
     )
+
+
+def single(  # noqa: PLR0913 - each of them is one number of a push
+    vertices: F,
+    start: Sequence[float] | F,
+    travel: Sequence[float] | F,
+    *,
+    shape: Tip | None = None,
+    pose: Sequence[float] | F = (0.0, 0.0, 0.0),
+    mu: float = MU,
+    fixture: Fixture | None = None,
+    rho: float = RHO,
+    step: float = 1 * UM,
+) -> Push:
+    """One probe and one run; lengths in m."""
+    return Push.straight(
+        vertices=vertices,
+        poses=np.array([pose], dtype=np.float64),
+        tips=np.array([[start]], dtype=np.float64),
+        travel=np.array([[travel]], dtype=np.float64),
+        friction=np.array([mu]),
+        film_ratio=rho,
+        shapes=(shape or Point(),),
+        fixture=fixture or Fixture(),
+        step=step,
+    )
+
+
+def contacts_at(
+    push: Push, pose: F, tips: F, way: F, *, last: F | None = None, reach: float
+) -> tuple[F, npt.NDArray[np.int64]]:
+    """Contacts that the simulator finds with the probes at `tips`, about to move by `way`.
+
+    Returns
+    -------
+    tuple
+        (k, 7) rows of gap, normal, point, displacement of the obstacle, body frame; (k,) obstacles.
+    """
+    case = case_of(0, prepare(push)[0])
+    obstacles, probes = case.obstacles.copy(), len(push.shapes)
+    obstacles[:probes, X : X + 2] = tips
+    obstacles[:probes, MOVE_X : MOVE_X + 2] = way
+    contacts, marks = np.zeros((MAX_CONTACTS, CONTACT)), np.zeros((MAX_CONTACTS + 1, MARKS), int)
+    body = np.zeros(32)
+    body[MOVED : MOVED + 3] = 0.0 if last is None else last
+    ahead = pose[2] + 0.5 * body[MOVED + 2]  # where displacements are turned
+    body[COS], body[SIN] = np.cos(ahead), np.sin(ahead)
+    count = find_contacts(case.scene, obstacles, pose, body, reach, contacts, marks)
+    assert count <= MAX_CONTACTS
+    return contacts[:count, :7], marks[:count, WHO]
 
 
 def in_body(poses: F, points: F) -> F:
@@ -75,6 +147,23 @@ def random_rows(count: int, contacts: int, rng: np.random.Generator) -> F:
         [rng.uniform(-1, 0.5, (count, contacts)), rng.uniform(-1, 1, (count, contacts))], axis=-1
     )
     return np.concatenate([q, m, arms[0][..., None], t, arms[1][..., None]], axis=-1)
+
+
+def workspace_of(rows: F, friction: float | F) -> Work:
+    """Workspace with rows (k, 8) of as many probes, all active, no modes to try."""
+    work = workspace(len(rows))
+    fill(work, rows, friction)
+    return work
+
+
+def fill(work: Work, rows: F, friction: float | F) -> None:
+    """Write rows (k, 8) into a workspace."""
+    work.contacts[:] = 0.0
+    work.marks[:] = 0
+    work.contacts[:, QN], work.contacts[:, QT] = rows[:, 0], rows[:, 1]
+    work.contacts[:, WN : WN + 3], work.contacts[:, WT : WT + 3] = rows[:, 2:5], rows[:, 5:8]
+    work.contacts[:, FRICTION] = friction
+    work.marks[:-1, WHO] = work.marks[:-1, ACTIVE] = np.arange(len(rows))
 
 
 def contact_problems(rows: F, friction: F) -> tuple[F, F]:

@@ -1,0 +1,135 @@
+"""The witness of a REFUTED certificate, read back number for number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import ValidationError
+
+from meso_robust.campaigns.draws import Draws
+from meso_robust.campaigns.replay import Feedback, Player, limits
+from meso_robust.certificates.document import CertificateDocument, WitnessDocument
+from meso_robust.errors import InputError
+from meso_robust.planning.document import PlanDocument
+from meso_robust.planning.reading import first_of, read_text
+from meso_robust.task import Task
+
+Floats = npt.NDArray[np.float64]
+
+ROUNDING = 1e-15  # m and rad; of the first sensing error, which follows from the start
+
+
+def read_witness(path: Path, task: Task, plan: PlanDocument, player: Player) -> Floats:
+    """Read the witness of a certificate for this task and plan.
+
+    Parameters
+    ----------
+    path
+        The certificate.
+    task, plan, player
+        What it must be about.
+
+    Returns
+    -------
+    ndarray
+        (1, D) the run of the witness.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, breaks a rule, is about another task or plan, is not REFUTED, or
+        its witness lies outside the bounds of the task.
+    """
+    try:
+        found = CertificateDocument.model_validate_json(read_text(path), strict=True)
+    except ValidationError as error:
+        raise InputError(f"{path}: {first_of(error, 'certificate')}") from error
+    if found.task_hash != task.hash:
+        raise InputError(
+            f"{path}: key task_hash = {found.task_hash!r}: must be the hash {task.hash!r} of the "
+            "task; give the certificate of this task"
+        )
+    if found.policy != plan.policy or not isinstance(player, Feedback):
+        raise InputError(
+            f"{path}: key policy: must be the policy of the plan; give the certificate of this plan"
+        )
+    if found.verdict != "REFUTED" or found.witness is None:
+        raise InputError(
+            f"{path}: key verdict = {found.verdict!r}: must be 'REFUTED' with a witness; only such "
+            "a certificate holds a run to replay"
+        )
+    return witness_row(found.witness, player, str(path))
+
+
+def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floats:
+    """(1, D) the run of a witness.
+
+    Parameters
+    ----------
+    witness, player
+        The witness, and the plan it belongs to.
+    source
+        Names the certificate in messages.
+
+    Raises
+    ------
+    InputError
+        A number is not a finite hexadecimal double, there are not as many as moves, or one lies
+        outside its bounds (then it would break nothing that was claimed).
+    """
+    moves = len(player.rules)
+    draws = Draws(
+        start=_numbers([witness.start], f"{source}: key witness.start"),
+        friction=_numbers([[witness.friction]], f"{source}: key witness.friction")[0],
+        film_ratio=_numbers([[witness.film_ratio_m2]], f"{source}: key witness.film_ratio_m2")[0],
+        misalignment=_numbers(
+            [[witness.misalignment_rad]], f"{source}: key witness.misalignment_rad"
+        )[0],
+        sensing=_per_move(witness.sensing, moves, f"{source}: key witness.sensing"),
+        dual=_per_move(witness.dual_probe, moves, f"{source}: key witness.dual_probe"),
+        single=_per_move(witness.single_probe, moves, f"{source}: key witness.single_probe"),
+    )
+    row = player.rows_of(draws)
+    _check_bounds(row[0], player, source)
+    implied = np.array(player.setup.start.mid) - draws.start[0]
+    if not np.abs(draws.sensing[0, 0] - implied).max() <= ROUNDING:
+        raise InputError(
+            f"{source}: key witness.sensing.0 = {list(witness.sensing[0])}: must be the task's start "
+            "minus witness.start, as the first pose is sensed as the task states it"
+        )
+    return row
+
+
+def _check_bounds(row: Floats, player: Feedback, source: str) -> None:
+    low, high = limits(player)
+    outside = np.flatnonzero(~((low <= row) & (row <= high)))
+    if outside.size:
+        column = player.columns[int(outside[0])]
+        raise InputError(
+            f"{source}: key witness: {column.name} = {row[outside[0]]:g}; must lie within "
+            f"[{column.low:g}, {column.high:g}], the bounds of the task"
+        )
+
+
+def _per_move(values: Sequence[Sequence[str]], moves: int, key: str) -> Floats:
+    if len(values) != moves:
+        raise InputError(f"{key}: {len(values)} entries; must be {moves}, one for each move")
+    return _numbers(values, key)[None]
+
+
+def _numbers(values: Sequence[Sequence[str]], key: str) -> Floats:
+    return np.array([[_number(value, key) for value in row] for row in values])
+
+
+def _number(value: str, key: str) -> float:
+    try:
+        found = float.fromhex(value)
+    except (ValueError, OverflowError):
+        found = math.nan
+    if not math.isfinite(found):
+        raise InputError(f"{key} = {value!r}: must be a finite double in hexadecimal (float.hex)")
+    return found

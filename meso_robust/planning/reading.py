@@ -1,0 +1,176 @@
+"""``plan.json`` read back: checked against the task it was made for, and turned into rules."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from meso_robust.errors import InputError
+from meso_robust.planning.document import AimDocument, MoveDocument, PlanDocument, RuleDocument
+from meso_robust.primitives.move import Aim, Anchor, MoveRule, Point
+from meso_robust.task import Task
+
+LARGEST_UM = 1e6  # as for the coordinates of a task: catches a slip of the unit
+MOST_PROBES = 6  # of one move, as many as the simulator takes
+
+
+def read_plan(path: Path, task: Task) -> PlanDocument:
+    """Read a plan and check that it was made for ``task``.
+
+    Parameters
+    ----------
+    path
+        The file.
+    task
+        What the plan must have been made for.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not JSON, a value breaks a rule, or the plan was made for
+        another task; the message names file, key, value and rule.
+    """
+    plan = _parse(read_text(path), str(path))
+    if plan.task_hash != task.hash:
+        raise InputError(
+            f"{path}: key task_hash = {plan.task_hash!r}: must be the hash {task.hash!r} of the "
+            f"task; the plan was made for another task ({plan.task!r}), plan this one anew"
+        )
+    return plan
+
+
+def rules_of(plan: PlanDocument) -> tuple[MoveRule, ...]:
+    """The policy of a plan as rules; empty for an open-loop plan."""
+    return tuple(_rule(rule) for rule in plan.policy)
+
+
+def read_text(path: Path) -> str:
+    """Text of a JSON file in UTF-8, refused if a key is given twice in one place.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or is not JSON.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        json.loads(text, object_pairs_hook=_each_once)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give a JSON file") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is not a JSON file in UTF-8 ({error})") from error
+    return text
+
+
+def first_of(error: ValidationError, document: str) -> str:
+    """The first thing that is wrong: key, value and rule."""
+    first = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in first["loc"]) or document
+    if first["type"] == "missing":
+        return f"key {key} is missing; `meso-robust schema {document}` lists all keys"
+    if first["type"] == "extra_forbidden":
+        return f"key {key} is unknown; `meso-robust schema {document}` lists all keys"
+    return f"key {key} = {first['input']!r}: {first['msg']}"
+
+
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"key {twice} is given twice; give it once")
+    return found
+
+
+def _parse(text: str, source: str) -> PlanDocument:
+    values = json.loads(text)
+    if isinstance(values, dict) and "schema" not in values:
+        raise InputError(
+            f"{source}: key schema is missing; `meso-robust schema plan` lists all keys"
+        )
+    try:
+        plan = PlanDocument.model_validate_json(text, strict=True)
+    except ValidationError as error:
+        raise InputError(f"{source}: {first_of(error, 'plan')}") from error
+    wrong = next(_wrong(plan), None)
+    if wrong is not None:
+        raise InputError(f"{source}: key {wrong}")
+    return plan
+
+
+def _wrong(plan: PlanDocument) -> Iterator[str]:
+    """What is wrong with a plan beyond its types: key, value, rule and advice."""
+    for key, value in _numbers(plan.model_dump(), ""):
+        if not math.isfinite(value):
+            yield f"{key} = {value}: must be finite"
+        elif "_um" in key and not abs(value) <= LARGEST_UM:
+            yield f"{key} = {value}: must lie within {LARGEST_UM:g}; give lengths in um"
+    if not plan.policy and not plan.moves:
+        yield "moves = []: must hold a move, as there is no policy either"
+    if plan.policy and len(plan.moves) != len(plan.policy):
+        yield (
+            f"moves: {len(plan.moves)} moves; must be {len(plan.policy)}, one for each rule of "
+            "policy; leave policy empty for an open-loop plan"
+        )
+    for k, rule in enumerate(plan.policy):
+        yield from _wrong_rule(rule, f"policy.{k}")
+    for k, move in enumerate(plan.moves):
+        yield from _wrong_move(move, f"moves.{k}")
+
+
+def _numbers(value: Any, key: str) -> Iterator[tuple[str, float]]:
+    """Key and value of every number of a document."""
+    if isinstance(value, float):
+        yield key, value
+    elif isinstance(value, dict | tuple):
+        items = value.items() if isinstance(value, dict) else enumerate(value)
+        for name, item in items:
+            yield from _numbers(item, f"{key}.{name}" if key else str(name))
+
+
+def _wrong_rule(rule: RuleDocument, key: str) -> Iterator[str]:
+    if rule.side not in (-1, 0, 1):
+        yield f"{key}.side = {rule.side}: must be -1, 0 or 1"
+    if (rule.single_x is None) != (rule.single_y is None):
+        absent = "single_x" if rule.single_x is None else "single_y"
+        yield f"{key}.{absent} = null: must be given with the other one, or both null"
+
+
+def _wrong_move(move: MoveDocument, key: str) -> Iterator[str]:
+    names = [probe.name for probe in move.probes]
+    if not 1 <= len(names) <= MOST_PROBES:
+        yield f"{key}.probes: {len(names)} probes; must be 1 to {MOST_PROBES}"
+    elif not all(names) or len(set(names)) < len(names):
+        yield f"{key}.probes: names {names}; every probe must have a name of its own"
+    elif all(probe.passive for probe in move.probes):
+        yield f"{key}.probes: all are passive; at least one must travel"
+    if not move.speed_um_s > 0.0:
+        yield f"{key}.speed_um_s = {move.speed_um_s}: must be positive"
+    if move.expect is not None:
+        for name, (low, high) in move.expect.model_dump().items():
+            if not low <= high:
+                yield f"{key}.expect.{name} = {[low, high]}: the lower end must not exceed the upper"
+
+
+def _rule(rule: RuleDocument) -> MoveRule:
+    single = None
+    if rule.single_x is not None and rule.single_y is not None:
+        single = Point(x=_aim(rule.single_x), y=_aim(rule.single_y))
+    return MoveRule(
+        step=rule.step,
+        primitive=rule.primitive,
+        action=rule.action,
+        side=rule.side,
+        dual=Point(x=_aim(rule.dual_x), y=_aim(rule.dual_y)),
+        dual_end=_aim(rule.dual_end_x),
+        single=single,
+    )
+
+
+def _aim(aim: AimDocument) -> Aim:
+    return Aim(anchor=Anchor(aim.relative_to), offset_um=aim.offset_um)

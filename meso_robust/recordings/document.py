@@ -1,0 +1,195 @@
+"""``set.toml`` as users write it: keys, units and rules, and the JSON Schema that follows."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    ValidationError,
+    model_validator,
+)
+
+from meso_robust.errors import InputError
+from meso_robust.recordings.outline import outline_fault
+from meso_robust.recordings.rules import file_fault, probe_fault, twice_fault
+
+SCHEMA = "meso-robust/recordings/1"
+SET_FILE = "set.toml"
+"""Name of the file in the folder of a set."""
+
+# Limits far beyond the mesoscale, as in a task: they catch a slip of the unit.
+Length = Annotated[FiniteFloat, Field(ge=1, le=1e5)]
+Coordinate = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
+_LONGEST_SHOWN = 60  # characters of a wrong value in a message
+
+
+def _raise_if(fault: str | None) -> None:
+    if fault:
+        raise ValueError(fault)
+
+
+def _file(name: str) -> str:
+    _raise_if(file_fault(name))
+    return name
+
+
+def _probe(name: str) -> str:
+    _raise_if(probe_fault(name))
+    return name
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, title=None)
+
+
+class PartSection(_Section):
+    """The outline: a rectangle (length_um and width_um) or a polygon (polygon_um)."""
+
+    length_um: Length | None = None
+    """Side along the part's x axis at theta = 0, the long one, um."""
+    width_um: Length | None = None
+    """Side across it, um."""
+    polygon_um: (
+        Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(max_length=1000)] | None
+    ) = None
+    """Corners about the reference point, counter-clockwise, um."""
+
+    @model_validator(mode="after")
+    def _one_outline(self) -> Self:
+        given = (self.length_um is not None, self.width_um is not None)
+        if self.polygon_um is not None:
+            if any(given):
+                raise ValueError("length_um or width_um beside polygon_um; give one outline only")
+            _raise_if(_in_polygon(outline_fault(np.array(self.polygon_um).reshape(-1, 2))))
+        elif not all(given):
+            raise ValueError("no outline; give length_um and width_um, or polygon_um")
+        elif (self.width_um or 0.0) > (self.length_um or 0.0):
+            raise ValueError(
+                f"width_um = {self.width_um} exceeds length_um = {self.length_um}; give the long "
+                "side as length_um"
+            )
+        return self
+
+
+def _in_polygon(fault: str | None) -> str | None:
+    return fault and f"polygon_um: {fault}"
+
+
+class ProbeSection(_Section):
+    """The probes, all of one kind."""
+
+    tip_radius_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)]
+    """Radius of a tip, um; 0: a point."""
+    position_source: Literal["controller", "camera"]
+    """Where positions of probes are from: "controller": commanded, "camera": seen."""
+
+
+class SensorSection(_Section):
+    """The camera and the tracker."""
+
+    position_sigma_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)] | None = None
+    """Standard deviation of a seen x or y, um; estimated from still frames when absent."""
+    orientation_sigma_deg: Annotated[FiniteFloat, Field(ge=0, le=90)] | None = None
+    """Standard deviation of a seen theta, deg; estimated from still frames when absent."""
+    frame_rate_hz: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
+    """Frames a second."""
+
+
+class RecordingSection(_Section):
+    """One recording."""
+
+    file: Annotated[str, AfterValidator(_file)]
+    """Plain name of its CSV file, in the same folder."""
+    probes: tuple[Annotated[str, AfterValidator(_probe)], ...]
+    """Names of its probes, as in the columns."""
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> Self:
+        _raise_if(twice_fault(self.probes))
+        return self
+
+
+class SetDocument(_Section):
+    """A recording set, file set.toml."""
+
+    schema_: Annotated[Literal["meso-robust/recordings/1"], Field(alias="schema")]
+    part: PartSection
+    probe: ProbeSection
+    sensor: SensorSection
+    recording: Annotated[tuple[RecordingSection, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _files_differ(self) -> Self:
+        fault = twice_fault([recording.file for recording in self.recording])
+        _raise_if(fault and f"recording: file {fault}")
+        return self
+
+
+def load_document(path: Path) -> SetDocument:
+    """Read and check a ``set.toml``.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
+        value and rule.
+    """
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}); give the folder of a recording set"
+        ) from error
+    except ValueError as error:  # of TOML, of UTF-8, or of a number too long for Python
+        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
+    return parse_document(values, str(path))
+
+
+def parse_document(values: dict[str, Any], source: str) -> SetDocument:
+    """Check the values of a ``set.toml``; ``source`` names them in messages.
+
+    Raises
+    ------
+    InputError
+        A value breaks a rule.
+    """
+    try:
+        # through JSON, because strict checking of a TOML array as a tuple would refuse the list
+        return SetDocument.model_validate_json(json.dumps(values, allow_nan=True))
+    except ValidationError as error:
+        raise InputError(f"{source}: {_first_of(error)}") from error
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{source}: has a date, a time or an endless number ({error}); give plain values"
+        ) from error
+
+
+def _first_of(error: ValidationError) -> str:
+    first = error.errors(include_url=False)[0]
+    key = _path(first["loc"]) or "set"
+    rule = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "missing":
+        return f"key {key} is missing; `meso-robust schema recordings` lists all keys"
+    if first["type"] == "extra_forbidden":
+        return f"key {key} is unknown; `meso-robust schema recordings` lists all keys"
+    if first["type"] == "value_error":
+        return f"key {key}: {rule}"
+    shown = repr(first["input"])
+    shown = shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}…"
+    return f"key {key} = {shown}: {rule}"
+
+
+def _path(keys: Sequence[str | int]) -> str:
+    """Key as in ``recording[0].file``."""
+    text = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
+    return text.removeprefix(".")

@@ -1,0 +1,63 @@
+"""A recording set from its folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from meso_robust.errors import InputError
+from meso_robust.recordings.document import SET_FILE, PartSection, SensorSection, load_document
+from meso_robust.recordings.outline import Polygon, Rectangle
+from meso_robust.recordings.rules import DEG, UM
+from meso_robust.recordings.table import read_table
+from meso_robust.recordings.values import RecordingSet, SensorInfo
+
+
+def read_set(folder: Path) -> RecordingSet:
+    """Read and check the form of a recording set; its content is taken as it is.
+
+    Parameters
+    ----------
+    folder
+        Folder with ``set.toml`` and the CSV files named there; other files are passed over.
+
+    Returns
+    -------
+    RecordingSet
+        In SI; angles may wrap, see `unwrapped`.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read or breaks a rule; the message names file, key or line, value and rule.
+    """
+    document = load_document(folder / SET_FILE)
+    return RecordingSet(
+        part=_part(document.part, folder / SET_FILE),
+        tip_radius=document.probe.tip_radius_um * UM,
+        position_source=document.probe.position_source,
+        sensor=_sensor(document.sensor),
+        recordings=tuple(
+            read_table(folder / recording.file, recording.probes)
+            for recording in document.recording
+        ),
+    )
+
+
+def _part(section: PartSection, path: Path) -> Rectangle | Polygon:
+    if section.length_um is not None and section.width_um is not None:
+        return Rectangle(length=section.length_um * UM, width=section.width_um * UM)
+    try:
+        return Polygon(corners=np.array(section.polygon_um) * UM)
+    except ValueError as error:  # corners so close that they meet in metres
+        raise InputError(f"{path}: key part.polygon_um, in metres: {error}") from error
+
+
+def _sensor(section: SensorSection) -> SensorInfo:
+    position, orientation = section.position_sigma_um, section.orientation_sigma_deg
+    return SensorInfo(
+        frame_rate=section.frame_rate_hz,
+        position_sigma=None if position is None else position * UM,
+        orientation_sigma=None if orientation is None else orientation * DEG,
+    )

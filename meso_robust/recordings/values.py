@@ -1,0 +1,192 @@
+"""Recordings in memory, in SI, frozen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal, NoReturn, TypeAlias, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.recordings.outline import Polygon, Rectangle
+from meso_robust.recordings.rules import clock_fault, file_fault, probe_fault, twice_fault
+
+Floats = npt.NDArray[np.float64]
+PositionSource: TypeAlias = Literal["controller", "camera"]
+"""Where the positions of the probes are from: commanded, or seen in the images."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorInfo:
+    """What is known of the camera and the tracker that made a set.
+
+    Attributes
+    ----------
+    frame_rate
+        Frames a second, in Hz.
+    position_sigma
+        Standard deviation of x and of y in m; None where it is unknown.
+    orientation_sigma
+        Standard deviation of θ in rad; None where it is unknown.
+
+    Raises
+    ------
+    ValueError
+        If the rate is not positive, a deviation is negative, or a number is not finite.
+    """
+
+    frame_rate: float
+    position_sigma: float | None = None
+    orientation_sigma: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        if not 0.0 < self.frame_rate < math.inf:
+            rule = "must be positive and finite"
+            _refuse("frame_rate", f"{self.frame_rate} Hz", rule, "try 30 Hz")
+        for name in ("position_sigma", "orientation_sigma"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 <= value < math.inf:
+                rule = "must be finite and not negative"
+                _refuse(name, f"{value}", rule, "give None where it is unknown")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recording:
+    """One recording: T instants of a part and P probes; NaN is "not seen".
+
+    Arrays are copied to float64 and made read-only.
+
+    Attributes
+    ----------
+    file
+        Name of its file in the folder of the set.
+    probe_names
+        P names, in the order of the arrays.
+    times
+        (T,) instants in s, strictly increasing; lost frames may be missing.
+    poses
+        (T, 3) x, y of the reference point in m and θ in rad, world frame; θ may wrap.
+    probes
+        (T, P, 2) centres of the tips in m, world frame.
+    forces
+        (T, P, 2) forces at the probes in N, world frame; None if no force was recorded.
+
+    Raises
+    ------
+    ValueError
+        If a name, a shape or the clock breaks its rule, or a value is infinite.
+    """
+
+    file: str
+    probe_names: tuple[str, ...]
+    times: Floats
+    poses: Floats
+    probes: Floats
+    forces: Floats | None = None
+
+    def __post_init__(self) -> None:
+        """Copy, freeze and check the fields."""
+        _check_names(self.file, self.probe_names)
+        for name in ("times", "poses", "probes", "forces"):
+            if getattr(self, name) is not None:
+                array = np.array(getattr(self, name), dtype=np.float64)
+                array.flags.writeable = False
+                object.__setattr__(self, name, array)
+        self._check_shapes()
+        fault = clock_fault(self.times)
+        if fault:
+            raise ValueError(f"times[{fault[0]}]: {fault[1]}")
+        for name in ("poses", "probes", "forces"):
+            if getattr(self, name) is not None and np.any(np.isinf(getattr(self, name))):
+                _refuse(name, "infinite", "must be finite or NaN", "give NaN where not seen")
+
+    def _check_shapes(self) -> None:
+        rows, tips = self.times.size, len(self.probe_names)
+        shapes = {"times": (rows,), "poses": (rows, 3), "probes": (rows, tips, 2)}
+        if self.forces is not None:
+            shapes["forces"] = (rows, tips, 2)
+        for name, shape in shapes.items():
+            found = getattr(self, name).shape
+            if found != shape:
+                rule = f"must be {shape}, as there are {rows} instants and {tips} probes"
+                _refuse(name, f"shape {found}", rule, "reshape it")
+        if not rows:
+            _refuse(
+                "times",
+                f"no instants in {self.file}",
+                "must be at least one",
+                "leave the recording out",
+            )
+        if self.forces is not None and not tips:
+            _refuse("forces", "no probes", "belong to probes", "give None")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RecordingSet:
+    """Recordings of one part with one kind of tip and one sensor.
+
+    Attributes
+    ----------
+    part
+        The outline of the part; ``part.outline`` has its corners.
+    tip_radius
+        Radius of the tips in m.
+    position_source
+        Where the positions of the probes are from.
+    sensor
+        The camera and the tracker.
+    recordings
+        At least one, each with a file of its own.
+
+    Raises
+    ------
+    ValueError
+        If a field breaks its rule.
+    """
+
+    part: Rectangle | Polygon
+    tip_radius: float
+    position_source: PositionSource
+    sensor: SensorInfo
+    recordings: tuple[Recording, ...]
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        if not 0.0 <= self.tip_radius < math.inf:
+            rule = "must be finite and not negative"
+            _refuse("tip_radius", f"{self.tip_radius} m", rule, "give 0 for a point")
+        if self.position_source not in get_args(PositionSource):
+            rule = f"must be one of {', '.join(get_args(PositionSource))}"
+            _refuse("position_source", repr(self.position_source), rule, "change it")
+        if not self.recordings:
+            _refuse("recordings", "none", "must be at least one", "add one")
+        fault = twice_fault([recording.file for recording in self.recordings])
+        if fault:
+            raise ValueError(f"recordings: file {fault}")
+
+
+def unwrapped(recording: Recording) -> Recording:
+    """The recording with θ made continuous: no step from one seen θ to the next exceeds π.
+
+    Instants where θ was not seen stay NaN and are passed over. A true turn of more than π between
+    two seen angles cannot be told from a wrap.
+    """
+    poses = recording.poses.copy()
+    seen = np.isfinite(poses[:, 2])
+    poses[seen, 2] = np.unwrap(poses[seen, 2])
+    return replace(recording, poses=poses)
+
+
+def _check_names(file: str, probe_names: tuple[str, ...]) -> None:
+    fault = file_fault(file)
+    if fault:
+        raise ValueError(f"file: {fault}")
+    faults = [*map(probe_fault, probe_names), twice_fault(probe_names)]
+    for fault in filter(None, faults):
+        raise ValueError(f"probe_names: {fault}")
+
+
+def _refuse(argument: str, value: str, rule: str, advice: str) -> NoReturn:
+    raise ValueError(f"{argument}: {value}; {rule}; {advice}")

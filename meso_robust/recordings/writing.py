@@ -1,0 +1,90 @@
+"""A recording set into its folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from meso_robust.files import write_all
+from meso_robust.recordings.document import SCHEMA, SET_FILE, parse_document
+from meso_robust.recordings.outline import Polygon, Rectangle
+from meso_robust.recordings.rules import DEG, UM
+from meso_robust.recordings.table import table_text
+from meso_robust.recordings.values import RecordingSet
+
+
+def write_set(folder: Path, recordings: RecordingSet) -> None:
+    """Write a recording set so that `read_set` returns it to 1e-6 um, deg and uN.
+
+    Parameters
+    ----------
+    folder
+        Made if needed; files of other names in it stay. ``set.toml`` is put in place last.
+    recordings
+        The set.
+
+    Raises
+    ------
+    InputError
+        If a value is beyond the limits of the format, or a file cannot be written.
+    """
+    values = _values(recordings)
+    parse_document(values, str(folder / SET_FILE))
+    tables = {recording.file: table_text(recording) for recording in recordings.recordings}
+    write_all(folder, {**tables, SET_FILE: _toml(values)})
+
+
+def _values(recordings: RecordingSet) -> dict[str, Any]:
+    """Content of ``set.toml``."""
+    sensor = recordings.sensor
+    sigmas = {
+        "position_sigma_um": _in(sensor.position_sigma, UM),
+        "orientation_sigma_deg": _in(sensor.orientation_sigma, DEG),
+    }
+    return {
+        "schema": SCHEMA,
+        "part": _outline(recordings.part),
+        "probe": {
+            "tip_radius_um": _in(recordings.tip_radius, UM),
+            "position_source": recordings.position_source,
+        },
+        "sensor": {
+            **{key: value for key, value in sigmas.items() if value is not None},
+            "frame_rate_hz": float(sensor.frame_rate),
+        },
+        "recording": [
+            {"file": recording.file, "probes": list(recording.probe_names)}
+            for recording in recordings.recordings
+        ],
+    }
+
+
+def _outline(part: Rectangle | Polygon) -> dict[str, Any]:
+    if isinstance(part, Rectangle):
+        return {"length_um": _in(part.length, UM), "width_um": _in(part.width, UM)}
+    return {"polygon_um": [[_in(x, UM) for x in corner] for corner in part.corners.tolist()]}
+
+
+def _in(value: float | None, unit: float) -> float | None:
+    """A value in the unit, to twelve digits: 12.5e-6 m is 12.5 um, not 12.500000000000002."""
+    return None if value is None else float(f"{value / unit:.12g}")
+
+
+def _toml(values: dict[str, Any]) -> str:
+    """Lay out the content as TOML."""
+    lines = [f"schema = {_literal(values['schema'])}"]
+    for section in ("part", "probe", "sensor"):
+        lines += [f"[{section}]", *_keys(values[section])]
+    for recording in values["recording"]:
+        lines += ["[[recording]]", *_keys(recording)]
+    return "\n".join(lines) + "\n"
+
+
+def _keys(section: dict[str, Any]) -> list[str]:
+    return [f"{key} = {_literal(value)}" for key, value in section.items()]
+
+
+def _literal(value: str | float | list[Any]) -> str:
+    # numbers, arrays and strings without control characters look the same in JSON and in TOML
+    return json.dumps(value, ensure_ascii=False)

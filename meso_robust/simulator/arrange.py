@@ -1,0 +1,248 @@
+"""A push arranged for the kernels: what they read and what they fill."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import inner, maker
+from meso_robust.simulator.case import AHEAD, FILM, IDLE, INERTIA, LAW, SURFACE, UNIQUE, Case
+from meso_robust.simulator.environment import POST_RADIUS
+from meso_robust.simulator.geometry import EXCESS, outlines, radii, reference_of_tracked
+from meso_robust.simulator.outline import edge_table, quadrature, refuse, thickness
+from meso_robust.simulator.push import Push
+from meso_robust.simulator.record import PER_PROBE, PROBES, TIME
+from meso_robust.simulator.scene import Scene
+from meso_robust.simulator.support import NODE_SLOTS
+from meso_robust.simulator.support_models import Tables
+from meso_robust.simulator.tables import (
+    CONTACT,
+    DEPTH,
+    FIRST,
+    FRICTION,
+    LAST,
+    MAX_CONTACTS,
+    OBSTACLE,
+    RADIUS,
+    X,
+    Y,
+)
+from meso_robust.simulator.tips import Flat, Point
+
+_F = npt.NDArray[np.float64]
+
+_DEPTH = 20.0  # steps: what lies deeper than this is another side of the part
+_NODES = 6  # cells along the part for effects that act on its whole area
+
+
+class Inputs(NamedTuple):
+    """A push as the kernels take it: the fields of `Case` with a leading length of 1 or N runs."""
+
+    part: _F
+    """(1|N, V, 9)"""
+    edges: _F
+    """(E, 9)"""
+    size: _F
+    """(1|N,)"""
+    depth: float
+    obstacles: _F
+    """(1|N, O, OBSTACLE)"""
+    waypoints: _F
+    """(1|N, T, P, 2)"""
+    legs: _F
+    """(1|N, T, 2)"""
+    law: _F
+    """(1|N, LAW)"""
+    points: _F
+    """(1|N, K, 4)"""
+    effects: _F
+    """(1|N, S)"""
+
+
+class Outputs(NamedTuple):
+    """Arrays the kernels fill."""
+
+    poses: _F
+    """(N, 3), the poses at the start on entry."""
+    outcomes: npt.NDArray[np.int8]
+    """(N,)"""
+    max_penetration: _F
+    """(N,)"""
+    record: _F
+    """(N, R, 5 + 5 P) table of `record`, its times on entry."""
+    ended: _F
+    """(N, C, CONTACT + 1) contacts of the step in which each run ended, and their obstacle (−1 for
+    none); or no runs, where that is not wanted."""
+
+
+@inner
+def _of(i: int, length: int) -> int:
+    """Row of run i in an array of 1 or N rows."""
+    return i if length > 1 else 0
+
+
+@maker
+def case_of(i: int, inputs: Inputs) -> Case:
+    """Pick one run."""
+    scene = Scene(
+        inputs.part[_of(i, inputs.part.shape[0])],
+        inputs.edges,
+        inputs.size[_of(i, inputs.size.shape[0])],
+        inputs.depth,
+    )
+    return Case(
+        scene,
+        inputs.obstacles[_of(i, inputs.obstacles.shape[0])],
+        inputs.waypoints[_of(i, inputs.waypoints.shape[0])],
+        inputs.legs[_of(i, inputs.legs.shape[0])],
+        inputs.law[_of(i, inputs.law.shape[0])],
+        inputs.points[_of(i, inputs.points.shape[0])],
+        inputs.effects[_of(i, inputs.effects.shape[0])],
+    )
+
+
+def prepare(
+    push: Push, instants: _F | None = None, *, unique: bool = False
+) -> tuple[Inputs, Outputs]:
+    """Arrange a push for the kernels.
+
+    Parameters
+    ----------
+    push
+        The move.
+    instants
+        (1|N, R) times of the record, s; none without it.
+    unique
+        Whether to look for a second motion in every step.
+
+    Returns
+    -------
+    tuple
+        What the kernels read and what they fill.
+    """
+    return inputs_of(push, unique), outputs_of(push, instants)
+
+
+def inputs_of(push: Push, unique: bool) -> Inputs:
+    """What the kernels read; see `prepare`. The push must have runs."""
+    table, tables = push.effects.table, push.support.tables()
+    outline = outlines(push.vertices, table)
+    edges, obstacles = _obstacles(push)
+    return Inputs(
+        np.stack([edge_table(corners) for corners in outline]),
+        edges,
+        np.hypot(outline[..., 0], outline[..., 1]).max(axis=1),
+        _depth(push, push.vertices),
+        obstacles,
+        push.waypoints,
+        _legs(push),
+        _law(push, tables, unique),
+        _points(push, tables),
+        table,
+    )
+
+
+def outputs_of(push: Push, instants: _F | None) -> Outputs:
+    """What the kernels fill; see `prepare`."""
+    runs, probes = len(push.poses), push.waypoints.shape[2]
+    times = np.zeros((1, 0)) if instants is None else instants
+    record = np.zeros((runs, times.shape[1], PROBES + PER_PROBE * probes))
+    record[:, :, TIME] = times
+    return Outputs(
+        reference_of_tracked(push.poses, push.effects.table).copy(),
+        np.zeros(runs, dtype=np.int8),
+        np.zeros(runs),
+        record,
+        np.zeros((0, MAX_CONTACTS, CONTACT + 1)),
+    )
+
+
+def _depth(push: Push, corners: _F) -> float:
+    """Deepest penetration of a solid that is taken for one, m; deeper is another side of it."""
+    return min(_DEPTH * push.step, 0.5 * thickness(corners))
+
+
+def _obstacles(push: Push) -> tuple[_F, _F]:
+    """Edges of the probes' tips, of the fixture and of the unmodelled post, and their table."""
+    effects = push.effects.table
+    rows: list[_F] = []
+    ends = [0]
+    for shape in push.shapes:
+        rows.append(shape.edges(ends[-1]))
+        ends.append(ends[-1] + len(rows[-1]))
+    for outline in push.fixture.outlines:
+        rows.append(edge_table(outline, ends[-1]))
+        ends.append(ends[-1] + len(rows[-1]))
+    post = push.effects.is_on(POST_RADIUS)
+    if post:
+        rows.append(Point().edges(ends[-1]))
+        ends.append(ends[-1] + 1)
+    probes = len(push.shapes)
+    runs = max(len(effects), len(push.friction)) if len(push.friction) else 0
+    table = np.zeros((runs, len(ends) - 1, OBSTACLE))
+    table[:, :, FIRST], table[:, :, LAST] = ends[:-1], ends[1:]
+    table[:, :probes, RADIUS] = _radii(push)
+    table[:, :probes, FRICTION] = push.friction
+    table[:, probes:, FRICTION] = push.fixture.friction
+    for p, shape in enumerate(push.shapes):
+        table[:, p, DEPTH] = _depth(push, shape.corners) if isinstance(shape, Flat) else 0.0
+    for k, outline in enumerate(push.fixture.outlines):
+        table[:, probes + k, DEPTH] = _depth(push, outline)
+    if post:
+        size = effects[:, POST_RADIUS]
+        table[:, -1, RADIUS] = size
+        table[:, -1, FRICTION] = push.friction[:, 0]
+        # A post of no size is no post: far away from everything.
+        away = np.where(size[:, None] > 0.0, effects[:, POST_RADIUS + 1 : POST_RADIUS + 3], 1e3)
+        table[:, -1, X : Y + 1] = away
+    return np.concatenate(rows), table
+
+
+def _radii(push: Push) -> _F:
+    if push.effects.is_on(EXCESS) and any(isinstance(shape, Flat) for shape in push.shapes):
+        refuse("effects.tip_radius", "a flat tip", "has no radius", "use Point or Round tips")
+    radius = radii(np.array([shape.radius for shape in push.shapes]), push.effects.table)
+    for row, probe in np.argwhere(radius < 0.0):
+        value = f"probe {probe} of run {row} has a radius of {radius[row, probe]:g} m"
+        refuse("effects.tip_radius", value, "must not be negative", "give a smaller deficit")
+    return radius
+
+
+def _legs(push: Push) -> _F:
+    steps = np.append(push.steps_of_legs, 0)
+    return np.stack([push.times, np.broadcast_to(steps, push.times.shape)], axis=2)
+
+
+def _law(push: Push, tables: Tables, unique: bool) -> _F:
+    law = np.zeros((max(len(tables.film), len(tables.surface)), LAW))
+    law[:, FILM : FILM + 6] = tables.film
+    law[:, SURFACE : SURFACE + 6] = tables.surface
+    law[:, INERTIA : INERTIA + 3] = push.motion.row()
+    law[:, IDLE] = push.step
+    law[:, UNIQUE] = unique
+    law[:, AHEAD] = 0.5 if push.frame == "middle" else 0.0
+    return law
+
+
+def _points(push: Push, tables: Tables) -> _F:
+    """Dry points of the support, and nodes for effects on the whole area where there are any."""
+    dry = np.concatenate([tables.points, np.zeros((*tables.points.shape[:2], 1))], axis=2)
+    if not push.effects.is_on(*NODE_SLOTS):
+        return np.ascontiguousarray(dry)
+    nodes = quadrature(push.vertices, _NODES)
+    film = tables.film
+    runs = max(len(film), len(dry))
+    rows = np.zeros((runs, len(nodes), 4))
+    rows[..., 3] = nodes[:, 2]
+    rows[..., :2] = nodes[:, :2]
+    if np.all(film[:, 0] > 0.0):
+        # About the centre of drag, and as wide as the film's ratio of drags says.
+        centre = np.column_stack([film[:, 4], -film[:, 2]]) / film[:, :1]
+        own = nodes[:, :2] - nodes[:, 2] @ nodes[:, :2]
+        spread = float(nodes[:, 2] @ np.sum(own**2, axis=1))
+        ratio = film[:, 5] / film[:, 0] - np.sum(centre**2, axis=1)
+        scale = np.sqrt(ratio / spread)
+        rows[..., :2] = centre[:, None] + own * scale[:, None, None]
+    return np.concatenate([dry * np.ones((runs, 1, 1)), rows], axis=1)

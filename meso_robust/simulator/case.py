@@ -1,0 +1,122 @@
+"""One run as the kernels see it: what is given, what it carries from step to step, which laws it needs."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import inner, maker
+from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS
+from meso_robust.simulator.environment import FORCE_SLOTS
+from meso_robust.simulator.scene import Scene
+from meso_robust.simulator.support import DRY_SLOTS, FILM_SLOTS
+from meso_robust.simulator.tables import BODY, PLAYED_X, X
+from meso_robust.simulator.touch import PULL_SLOTS
+
+_F = npt.NDArray[np.float64]
+
+FILM, SURFACE, INERTIA, IDLE, UNIQUE, AHEAD = 0, 6, 12, 15, 16, 17
+"""First of six numbers each of film and limit surface, of three of the motion model; the unit of length
+of a step in which no tip moves; whether to look for a second motion in every step; by how many turns
+of the last step the angle of displacements is ahead."""
+LAW = 18
+"""Length of the vector of the law."""
+
+
+class Case(NamedTuple):
+    """One run as the kernels see it; SI, forces over the film's translational drag."""
+
+    scene: Scene
+    obstacles: _F
+    """(O, OBSTACLE) table of `tables`: the probes, then what does not move."""
+    waypoints: _F
+    """(T, P, 2) commanded positions of the probes, world frame."""
+    legs: _F
+    """(T, 2) times of the waypoints, and steps to the next."""
+    law: _F
+    """(LAW,) film, limit surface, motion model and choices."""
+    points: _F
+    """(K, 4) x, y, strength and share of the area of the dry points."""
+    effects: _F
+    """(S,) table of effects."""
+
+
+FILM_NOW, TANGENT, OFFSET, TWIST_NOW, TWIST_NEW, WRENCH, TWIST_LAST, BEFORE = (
+    0,
+    1,
+    2,
+    3,
+    4,
+    5,
+    6,
+    7,
+)
+"""Rows of the workspace of a run; see `State.space`."""
+
+
+class State(NamedTuple):
+    """What a run carries from step to step."""
+
+    obstacles: _F
+    """(O, OBSTACLE) of this run."""
+    body: _F
+    """(BODY,) vector of the part."""
+    dry: _F
+    """(K, 2) forces of the dry points, body frame."""
+    space: _F
+    """(8, 6) workspace: film matrix, tangent, offset, twist, new twist, wrench of the stage, last
+    twist, last pose."""
+
+
+@maker
+def new_state(case: Case) -> State:
+    """State at the start of a run."""
+    state = State(
+        case.obstacles.copy(), np.zeros(BODY), np.zeros((case.points.shape[0], 2)), np.zeros((8, 6))
+    )
+    for p in range(case.waypoints.shape[1]):
+        for a in range(2):
+            state.obstacles[p, X + a] = case.waypoints[0, p, a]
+            state.obstacles[p, PLAYED_X + a] = case.waypoints[0, p, a]
+    for k in range(6):
+        state.space[FILM_NOW, k] = case.law[FILM + k]
+    return state
+
+
+@inner
+def _any(effects: _F, slots: tuple[int, ...]) -> bool:
+    """Whether one of the columns is not zero."""
+    on = False
+    for slot in slots:
+        on |= effects[slot] != 0.0
+    return on
+
+
+class Kind(NamedTuple):
+    """Which laws a run needs, decided once."""
+
+    plain: bool
+    """Film with a constant matrix and stiff probes; nothing but tips and fixture acts."""
+    driven: bool
+    """Play or drift between command and probe."""
+    dry: bool
+    """A law that is not linear in the twist."""
+    changing: bool
+    """A film matrix that depends on pose or time."""
+    forced: bool
+    """Forces other than those of contacts."""
+    pulled: bool
+    """Tips that draw the part."""
+
+
+@inner
+def kind_of(case: Case) -> Kind:
+    """Tell which laws a run needs."""
+    e = case.effects
+    dry = _any(e, DRY_SLOTS) or case.law[SURFACE] > 0.0
+    for i in range(case.points.shape[0]):
+        dry |= case.points[i, 2] > 0.0
+    changing, pulled = _any(e, FILM_SLOTS), _any(e, PULL_SLOTS)
+    forced = _any(e, FORCE_SLOTS) or pulled
+    plain = not (dry or changing or forced) and e[COMPLIANCE] == 0.0 and case.law[INERTIA] == 0.0
+    return Kind(plain, _any(e, DRIVE_SLOTS), dry, changing, forced, pulled)

@@ -1,0 +1,230 @@
+r"""Velocity of the part and forces on it in a given mode of its contacts.
+
+With the drag ``E`` of the film, a mode asks for ``E v = Σ a_j g_j`` with ``a_j ≥ 0`` and
+``w_i · v = u_i``. The ``g_j`` are the wrenches along the edges of the friction cones: both for a
+contact that sticks, the one against the slip for a contact that slips. The constraints ``w_i`` are
+the normal of a closed contact and also the tangent of one that sticks. A basis of at most three
+constraints and as many wrenches is enough (Carathéodory), so redundant contacts need no more.
+
+Forces are not found by inverting the mobility of the contacts, which is singular where two forces
+oppose each other (a jam), but from the vectors that are normal to the wrenches: the velocity stays
+accurate up to there.
+
+A twist is (v_x, v_y, ω) and a wrench (f_x, f_y, moment), both about the reference point and in
+body axes.
+"""
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import sealed as inner
+from meso_robust.simulator.events.contact import Place, frame, friction
+from meso_robust.simulator.events.outline import BEFORE, NX, NY
+from meso_robust.simulator.events.scene import (
+    FIRST,
+    HELD,
+    KIND,
+    POINT,
+    SECOND,
+    SEPARATE,
+    SLIP_MINUS,
+    SLIP_PLUS,
+    STICK,
+    TOUCHING,
+    WALL,
+    Scene,
+    Work,
+)
+
+_F = npt.NDArray[np.float64]
+Triple: TypeAlias = tuple[float, float, float]
+
+LARGEST = 1e9
+"""Forces beyond this are those of a jam."""
+
+
+@inner
+def cross(a: Triple, b: Triple) -> Triple:
+    """Cross product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inner
+def dot(a: Triple, b: Triple) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inner
+def times(matrix: _F, a: Triple) -> Triple:
+    """Product of a 3x3 matrix and a vector."""
+    return (
+        matrix[0, 0] * a[0] + matrix[0, 1] * a[1] + matrix[0, 2] * a[2],
+        matrix[1, 0] * a[0] + matrix[1, 1] * a[1] + matrix[1, 2] * a[2],
+        matrix[2, 0] * a[0] + matrix[2, 1] * a[1] + matrix[2, 2] * a[2],
+    )
+
+
+@inner
+def pick(rows: _F, i: int) -> Triple:
+    """Row i as a tuple."""
+    return rows[i, 0], rows[i, 1], rows[i, 2]
+
+
+@inner
+def solve_three(a: Triple, b: Triple, c: Triple, right: Triple) -> Triple:
+    """Vector with the scalar products `right` with three vectors."""
+    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
+    det = dot(a, bc)
+    return (
+        (right[0] * bc[0] + right[1] * ca[0] + right[2] * ab[0]) / det,
+        (right[0] * bc[1] + right[1] * ca[1] + right[2] * ab[1]) / det,
+        (right[0] * bc[2] + right[1] * ca[2] + right[2] * ab[2]) / det,
+    )
+
+
+@inner
+def fill(scene: Scene, work: Work, c: int, place: Place, clock: float) -> None:
+    """Write the constraints and wrenches of a contact."""
+    kind, i, j = work.contact[c, KIND], work.contact[c, FIRST], work.contact[c, SECOND]
+    nx, ny, px, py, ux, uy, _, _ = frame(scene, kind, i, j, place, clock)
+    n, t, row = 2 * c, 2 * c + 1, work.row
+    row[n, 0], row[n, 1], row[n, 2], row[n, 3] = nx, ny, px * ny - py * nx, nx * ux + ny * uy
+    row[t, 0], row[t, 1], row[t, 2], row[t, 3] = ny, -nx, -px * nx - py * ny, ny * ux - nx * uy
+    push = work.push
+    if kind == POINT:
+        for k, edge in ((n, int(scene.edges[j, BEFORE])), (t, j)):
+            mx, my = -scene.edges[edge, NX], -scene.edges[edge, NY]
+            push[k, 0], push[k, 1], push[k, 2] = mx, my, px * my - py * mx
+        return
+    mu = friction(scene, work, kind, i)
+    for k in range(3):
+        push[n, k] = row[n, k] + mu * row[t, k]
+        push[t, k] = row[n, k] - mu * row[t, k]
+
+
+@inner
+def fill_all(scene: Scene, work: Work, place: Place, clock: float, closed_only: bool) -> None:
+    """Write the constraints and wrenches of the contacts."""
+    for c in range(work.count[TOUCHING]):
+        if not closed_only or work.mode[c] != SEPARATE:
+            fill(scene, work, c, place, clock)
+
+
+@inner
+def solve_basis(scene: Scene, work: Work) -> None:
+    """Find twist and forces from the basis and the rows as they were written last."""
+    held, basis, row = work.count[HELD], work.basis, work.row
+    v: Triple = (0.0, 0.0, 0.0)
+    if held == 1:
+        w, g = pick(row, basis[0]), pick(work.push, basis[3])
+        v = times(work.film, g)
+        share = row[basis[0], 3] / dot(w, v)
+        work.force[0] = share
+        v = (share * v[0], share * v[1], share * v[2])
+    elif held == 2:
+        v = _solve_two(scene, work)
+    elif held == 3:
+        v = _solve_all(scene, work)
+    work.twist[0], work.twist[1], work.twist[2] = v[0], v[1], v[2]
+
+
+@inner
+def _solve_two(scene: Scene, work: Work) -> Triple:
+    """Two constraints; the wrench of the film has no part across the two wrenches."""
+    b, row = work.basis, work.row
+    g, h = pick(work.push, b[3]), pick(work.push, b[4])
+    across = cross(g, h)
+    size = np.sqrt(dot(across, across))
+    across = (across[0] / size, across[1] / size, across[2] / size)
+    right = (row[b[0], 3], row[b[1], 3], 0.0)
+    v = solve_three(pick(row, b[0]), pick(row, b[1]), times(work.drag, across), right)
+    wrench = times(work.drag, v)
+    work.force[0] = dot(cross(wrench, h), across) / size
+    work.force[1] = dot(cross(g, wrench), across) / size
+    return v
+
+
+@inner
+def _solve_all(scene: Scene, work: Work) -> Triple:
+    """Three constraints determine the motion."""
+    b, row = work.basis, work.row
+    right = (row[b[0], 3], row[b[1], 3], row[b[2], 3])
+    v = solve_three(pick(row, b[0]), pick(row, b[1]), pick(row, b[2]), right)
+    wrench = times(work.drag, v)
+    e, g, h = pick(work.push, b[3]), pick(work.push, b[4]), pick(work.push, b[5])
+    det = dot(e, cross(g, h))
+    work.force[0] = dot(wrench, cross(g, h)) / det
+    work.force[1] = dot(wrench, cross(h, e)) / det
+    work.force[2] = dot(wrench, cross(e, g)) / det
+    return v
+
+
+@inner
+def _slide(scene: Scene, work: Work, place: Place, clock: float) -> None:
+    """Velocity with one contact that slips; the same as `solve_basis`, without the tables."""
+    c = work.basis[0] // 2
+    kind, i = work.contact[c, KIND], work.contact[c, FIRST]
+    nx, ny, px, py, ux, uy, _, _ = frame(scene, kind, i, work.contact[c, SECOND], place, clock)
+    mu = friction(scene, work, kind, i) * (1.0 if work.mode[c] == SLIP_MINUS else -1.0)
+    gx, gy = nx + mu * ny, ny - mu * nx
+    v = times(work.film, (gx, gy, px * gy - py * gx))
+    share = (nx * ux + ny * uy) / (nx * v[0] + ny * v[1] + (px * ny - py * nx) * v[2])
+    work.force[0] = share
+    work.twist[0], work.twist[1], work.twist[2] = share * v[0], share * v[1], share * v[2]
+
+
+@inner
+def velocity(scene: Scene, work: Work, place: Place, clock: float) -> Triple:
+    """Velocity (x', y', θ') of the part in the world, in the present mode and basis."""
+    if work.count[HELD] == 1:
+        _slide(scene, work, place, clock)
+    else:
+        fill_all(scene, work, place, clock, True)
+        solve_basis(scene, work)
+    vx, vy = work.twist[0], work.twist[1]
+    return place[2] * vx - place[3] * vy, place[3] * vx + place[2] * vy, work.twist[2]
+
+
+@inner
+def _rolls(scene: Scene, kind: int, i: int) -> bool:
+    """Whether a contact that sticks can move on the part: only that of a disc."""
+    return bool(kind != WALL and scene.tips[i, 4] > 0.0)
+
+
+@inner
+def monitor(scene: Scene, work: Work, place: Place, clock: float) -> int:
+    """Write what must not become negative in the present mode; `velocity` was called here before.
+
+    First the forces of the basis, as ``a/(1 + a²)``: that is zero both where a force ends and
+    where it grows without bound and returns with the other sign. Then, for each closed contact,
+    the slip in its direction and the two lengths of `frame`, if they can change.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    count = int(work.count[HELD])
+    for k in range(count):
+        work.slack[k] = work.force[k] / (1.0 + work.force[k] * work.force[k])
+    vx, vy, omega = work.twist[0], work.twist[1], work.twist[2]
+    for c in range(work.count[TOUCHING]):
+        mode = work.mode[c]
+        if mode == SEPARATE:
+            continue
+        kind, i = work.contact[c, KIND], work.contact[c, FIRST]
+        nx, ny, px, py, ux, uy, low, high = frame(
+            scene, kind, i, work.contact[c, SECOND], place, clock
+        )
+        if mode != STICK and friction(scene, work, kind, i) > 0.0:
+            slip = ny * (vx - omega * py - ux) - nx * (vy + omega * px - uy)
+            work.slack[count] = slip if mode == SLIP_PLUS else -slip
+            count += 1
+        if mode != STICK or _rolls(scene, kind, i):
+            work.slack[count] = low
+            work.slack[count + 1] = high
+            count += 2
+    return count

@@ -1,0 +1,83 @@
+"""Checks of the arguments of the event-driven integrator."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+_F = npt.NDArray[np.float64]
+
+_CLOSE = 1e-12  # relative asymmetry of a drag that is that of rounding
+
+
+def check_move(move: Mapping[str, _F], fixture: Sequence[_F], samples: int) -> None:
+    """Refuse a move that is not one.
+
+    Parameters
+    ----------
+    move
+        The arrays of `integrate`, under the names they have there.
+    fixture
+        Polygons of the fixture.
+    samples
+        Number of intervals of the path.
+
+    Raises
+    ------
+    ValueError
+        With the argument, its value, the rule, and what to do.
+    """
+    _check_shapes(move)
+    for name, array in (*move.items(), *((f"fixture[{k}]", p) for k, p in enumerate(fixture))):
+        if not np.isfinite(array).all():
+            _refuse(name, "has numbers that are not finite", "must be finite", "look for NaN")
+    _check_polygon("vertices", move["vertices"], turns=(1,))
+    for k, polygon in enumerate(fixture):
+        _check_polygon(f"fixture[{k}]", polygon, turns=(1, -1))
+    for name in ("friction", "radii", "fixture_friction"):
+        if (move[name] < 0).any():
+            _refuse(name, move[name].min(), "must not be negative", "give zero for none")
+    drag = move["drag"]
+    skew = np.abs(drag - np.swapaxes(drag, -1, -2)).max()
+    if skew > _CLOSE * np.abs(drag).max() or not (np.linalg.eigvalsh(drag) > 0).all():
+        rule = "must be symmetric and positive definite"
+        _refuse("drag", drag.tolist(), rule, "for a plain film give diag(1, 1, ρ)")
+    if samples < 0:
+        _refuse("samples", samples, "must not be negative", "give 0 for no path")
+
+
+def _check_shapes(move: Mapping[str, _F]) -> None:
+    """Refuse arrays whose shapes do not go together."""
+    poses, tips = move["poses"], move["tips"]
+    runs = len(poses)
+    count = tips.shape[1] if tips.ndim == 3 else 0
+    wanted: dict[str, list[tuple[int, ...]]] = {
+        "poses": [(runs, 3)],
+        "tips": [(runs, count, 2)],
+        "travel": [(runs, count, 2)],
+        "friction": [(runs, count)],
+        "radii": [(count,)],
+        "drag": [(3, 3), (runs, 3, 3)],
+    }
+    for name, shapes in wanted.items():
+        if move[name].shape not in shapes:
+            rule = f"must have the shape {' or '.join(map(str, shapes))}"
+            _refuse(name, f"shape {move[name].shape}", rule, "give one row for each run and tip")
+
+
+def _check_polygon(name: str, corners: _F, turns: tuple[int, ...]) -> None:
+    """Refuse a polygon that is none, or is in the wrong order."""
+    if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
+        _refuse(name, f"shape {corners.shape}", "must be (K, 2), K ≥ 3", "list the corners")
+    after = np.roll(corners, -1, axis=0)
+    area = 0.5 * float(np.sum(corners[:, 0] * after[:, 1] - corners[:, 1] * after[:, 0]))
+    if (corners == after).all(axis=1).any():
+        _refuse(name, "a corner is there twice", "corners must differ", "leave one of them out")
+    if np.sign(area) not in turns:
+        rule = "must be counter-clockwise" if turns == (1,) else "must not be flat"
+        _refuse(name, f"area {area:.6g} m²", rule, "reverse the order of the corners")
+
+
+def _refuse(argument: str, value: object, rule: str, advice: str) -> None:
+    """Raise the error of an argument."""
+    raise ValueError(f"{argument}: {value}; {rule}; {advice}")

@@ -1,0 +1,333 @@
+r"""Choice of the mode after an event: all combinations of modes of the contacts that touch.
+
+A combination holds if its forces, slips and opening speeds have the right signs. At an event one
+of them is zero as a rule; then a short way ahead in that mode decides, which is the sign of the
+derivative and keeps the run from going back and forth. Combinations that hold with different
+velocities make the motion not unique; none at all is a jam.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import sealed as inner
+from meso_robust.simulator.events.balance import (
+    LARGEST,
+    fill_all,
+    monitor,
+    solve_basis,
+)
+from meso_robust.simulator.events.contact import Place, friction
+from meso_robust.simulator.events.scene import (
+    BANNED,
+    CLOSED,
+    FIRST,
+    GROUP,
+    HELD,
+    KIND,
+    MOST,
+    POINT,
+    ROOM,
+    SEPARATE,
+    SLIP_MINUS,
+    STICK,
+    TOUCHING,
+    Scene,
+    Work,
+)
+
+_F = npt.NDArray[np.float64]
+_I = npt.NDArray[np.int64]
+
+FOUND, JAM, NOT_UNIQUE, TOO_MANY = range(4)
+
+_MANY = 8  # contacts; there are four to this power of combinations
+_ZERO = 1e-9  # speeds and forces below are a tie
+_AHEAD = (1e-5, 1e-7)  # of the clock; the second for modes that are short
+_ZERO_AHEAD = (1e-9, 1e-11)
+_DIFFERENT = 1e-6  # of velocities
+_INDEPENDENT = 1e-9  # part of a constraint that the others do not have
+_BETTER = 1e-8  # a later mode must be better by this
+
+
+@inner
+def choose(scene: Scene, work: Work, clock: float) -> int:
+    """Choose the modes of the listed contacts at the present pose.
+
+    Writes the modes and the basis of the motion that goes on.
+
+    Returns
+    -------
+    int
+        FOUND, JAM, NOT_UNIQUE, or TOO_MANY contacts.
+    """
+    touching = work.count[TOUCHING]
+    if touching > _MANY:
+        return TOO_MANY
+    for attempt in range(2):
+        count = _all_modes(scene, work, clock, attempt)
+        if count > 0:
+            return _take_best(work, count)
+    return JAM
+
+
+@inner
+def _all_modes(scene: Scene, work: Work, clock: float, attempt: int) -> int:
+    """Try all combinations; return how many hold (at most as many as there is room for)."""
+    touching = work.count[TOUCHING]
+    place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
+    fill_all(scene, work, place, clock, False)
+    count = 0
+    for code in range(4**touching):
+        if _is_banned(work, code) or not _decode(scene, work, code):
+            continue
+        count = _try_bases(scene, work, clock, (attempt, count))
+    return count
+
+
+@inner
+def _is_banned(work: Work, code: int) -> bool:
+    """Whether the mode was tried here already and ended at once."""
+    banned = False
+    for k in range(work.count[BANNED]):
+        banned |= work.ban[k] == code
+    return bool(banned)
+
+
+@inner
+def code_of(work: Work) -> int:
+    """Number of the present combination of modes."""
+    code = 0
+    for c in range(work.count[TOUCHING] - 1, -1, -1):
+        code = 4 * code + work.mode[c]
+    return code
+
+
+@inner
+def _decode(scene: Scene, work: Work, code: int) -> bool:
+    """Write the modes of a combination; tell whether it can be one."""
+    work.count[CLOSED] = 0
+    for c in range(work.count[TOUCHING]):
+        mode = (code >> (2 * c)) & 3
+        work.mode[c] = mode
+        if mode == SEPARATE:
+            continue
+        work.count[CLOSED] += 1
+        kind = work.contact[c, KIND]
+        if kind == POINT:
+            if mode != STICK:
+                return False
+        elif (
+            mode in (STICK, SLIP_MINUS)
+            and friction(scene, work, kind, work.contact[c, FIRST]) == 0.0
+        ):
+            return False
+        group = work.contact[c, GROUP]
+        for other in range(c):
+            if group >= 0 and work.contact[other, GROUP] == group and work.mode[other] > 0:
+                return False
+    return True
+
+
+@inner
+def _try_bases(scene: Scene, work: Work, clock: float, tally: tuple[int, int]) -> int:
+    """Try all bases of the present combination; `tally` is the attempt and how many hold."""
+    attempt, count = tally
+    pushes, picked = work.pushes, work.picked
+    wrenches = _collect(work, pushes)
+    rank = work.count[HELD]
+    for k in range(4):
+        picked[k] = k
+    while picked[max(rank - 1, 0)] < max(wrenches, 1):
+        for k in range(rank):
+            work.basis[3 + k] = pushes[picked[k]]
+        merit = _merit(scene, work, clock, (attempt, wrenches > rank))
+        if merit >= 0.0 and count < ROOM:
+            _keep(work, count, merit)
+            count += 1
+        if rank == wrenches or not _next_subset(picked, rank, wrenches):
+            break
+    return count
+
+
+@inner
+def _next_subset(picked: _I, rank: int, total: int) -> bool:
+    """Step to the next choice of `rank` out of `total` numbers in rising order."""
+    k = rank - 1
+    while k >= 0 and picked[k] == total - rank + k:
+        k -= 1
+    if k < 0:
+        return False
+    picked[k] += 1
+    for later in range(k + 1, rank):
+        picked[later] = picked[later - 1] + 1
+    return True
+
+
+@inner
+def _collect(work: Work, pushes: _I) -> int:
+    """List the wrenches of the combination and write its independent constraints."""
+    wrenches = 0
+    work.count[HELD] = 0
+    for c in range(work.count[TOUCHING]):
+        mode = work.mode[c]
+        if mode == SEPARATE:
+            continue
+        add_row(work, 2 * c)
+        if mode == STICK:
+            add_row(work, 2 * c + 1)
+        if mode != SLIP_MINUS and mode != STICK:
+            pushes[wrenches] = 2 * c + 1
+            wrenches += 1
+        else:
+            pushes[wrenches] = 2 * c
+            wrenches += 1
+            if mode == STICK:
+                pushes[wrenches] = 2 * c + 1
+                wrenches += 1
+    return wrenches
+
+
+@inner
+def add_row(work: Work, row: int) -> None:
+    """Add a constraint to the basis unless it depends on those there or there are three."""
+    held = work.count[HELD]
+    if held >= 3:
+        return
+    units = work.units
+    size = _normalize(work, row, units[held], 0)
+    for k in range(held):
+        _normalize(work, work.basis[k], units[k], k)
+    if _normalize(work, row, units[held], held) < _INDEPENDENT * size:
+        return
+    work.basis[held] = row
+    work.count[HELD] = held + 1
+
+
+@inner
+def _normalize(work: Work, row: int, unit: _F, others: int) -> float:
+    """Write the unit vector along what a constraint adds to others; return the length of that."""
+    for m in range(3):
+        unit[m] = work.row[row, m]
+    for sweep in range(2 * others):
+        other = work.units[sweep % others]
+        shared = unit[0] * other[0] + unit[1] * other[1] + unit[2] * other[2]
+        for m in range(3):
+            unit[m] -= shared * other[m]
+    length = np.sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2])
+    for m in range(3):
+        unit[m] /= length
+    return float(length)
+
+
+@inner
+def _merit(scene: Scene, work: Work, clock: float, trial: tuple[int, bool]) -> float:
+    """Least of what must not be negative, a short way ahead if it is zero here; -1 if it fails.
+
+    Constraints that depend on each other may agree only for an instant; `trial` is the number of
+    the attempt and whether there are such.
+    """
+    attempt, redundant = trial
+    place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
+    here = _least(scene, work, place, clock)
+    if not here >= -_ZERO:
+        return -1.0
+    if here > _ZERO and not redundant:
+        return here
+    step, limit = _AHEAD[attempt], _ZERO_AHEAD[attempt]
+    vx, vy, omega = work.twist[0], work.twist[1], work.twist[2]
+    theta = work.pose[2] + step * omega
+    cos, sin = np.cos(theta - 0.5 * step * omega), np.sin(theta - 0.5 * step * omega)
+    x = work.pose[0] + step * (cos * vx - sin * vy)
+    y = work.pose[1] + step * (sin * vx + cos * vy)
+    after = (x, y, np.cos(theta), np.sin(theta))
+    fill_all(scene, work, after, clock + step, False)
+    ahead = _least(scene, work, after, clock + step)
+    fill_all(scene, work, place, clock, False)
+    work.twist[0], work.twist[1], work.twist[2] = vx, vy, omega
+    return ahead + limit if ahead >= -limit else -1.0
+
+
+@inner
+def _least(scene: Scene, work: Work, place: Place, clock: float) -> float:
+    """Least of what must not be negative, for rows as they were written last."""
+    solve_basis(scene, work)
+    least = np.inf
+    for k in range(work.count[HELD]):
+        if not abs(work.force[k]) < LARGEST:
+            return -1.0
+    for k in range(monitor(scene, work, place, clock)):
+        least = min(least, work.slack[k])
+    for c in range(work.count[TOUCHING]):
+        if work.mode[c] == SEPARATE:
+            least = min(least, _opening(work, c))
+        elif not _residual(work, c) <= _ZERO:
+            return -1.0
+    return least
+
+
+@inner
+def _speed(work: Work, row: int) -> float:
+    """Speed of the part against a constraint."""
+    r, v = work.row, work.twist
+    return float(r[row, 0] * v[0] + r[row, 1] * v[1] + r[row, 2] * v[2] - r[row, 3])
+
+
+@inner
+def _residual(work: Work, c: int) -> float:
+    """How much the motion violates the constraints of a closed contact (not in the basis)."""
+    rest = abs(_speed(work, 2 * c))
+    if work.mode[c] == STICK:
+        rest = max(rest, abs(_speed(work, 2 * c + 1)))
+    return rest
+
+
+@inner
+def _opening(work: Work, c: int) -> float:
+    """Opening speed at a separate contact; at a corner any of its edges may open."""
+    group = work.contact[c, GROUP]
+    if work.contact[c, KIND] == POINT:
+        return np.inf
+    best = _speed(work, 2 * c)
+    for other in range(work.count[TOUCHING] if group >= 0 else 0):
+        if work.contact[other, GROUP] == group and work.contact[other, KIND] != POINT:
+            best = max(best, _speed(work, 2 * other))
+        if work.contact[other, GROUP] == group and work.mode[other] != SEPARATE:
+            return np.inf
+    return best
+
+
+@inner
+def _keep(work: Work, k: int, merit: float) -> None:
+    """Note a combination that holds."""
+    for c in range(work.count[TOUCHING]):
+        work.found[k, c] = work.mode[c]
+    for m in range(6):
+        work.found[k, MOST + m] = work.basis[m]
+    work.found[k, MOST + 6] = work.count[HELD]
+    for m in range(3):
+        work.merit[k, m] = work.twist[m]
+    work.merit[k, 3] = merit
+
+
+@inner
+def _take_best(work: Work, count: int) -> int:
+    """Write back the best of the combinations that hold, if they move the part alike."""
+    best = 0
+    for k in range(1, count):
+        scale = 1.0
+        far = 0.0
+        for m in range(3):
+            far = max(far, abs(work.merit[k, m] - work.merit[0, m]))
+            scale = max(scale, abs(work.merit[0, m]))
+        if far > _DIFFERENT * scale:
+            return NOT_UNIQUE
+        if work.merit[k, 3] > work.merit[best, 3] + _BETTER:
+            best = k
+    work.count[CLOSED] = 0
+    for c in range(work.count[TOUCHING]):
+        work.mode[c] = work.found[best, c]
+        work.count[CLOSED] += work.mode[c] != SEPARATE
+    for m in range(6):
+        work.basis[m] = work.found[best, MOST + m]
+    work.count[HELD] = work.found[best, MOST + 6]
+    return FOUND

@@ -1,0 +1,100 @@
+r"""What a run reads and the working space it writes, in scaled units.
+
+Lengths are in units of the largest distance of a corner of the part from its reference point, and
+the clock ``ξ`` is the path of the fastest tip in that unit, so that the fastest tip has speed one.
+The drag is scaled to a first entry of one. A run then has quantities of order one.
+"""
+
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+_F = npt.NDArray[np.float64]
+_B = npt.NDArray[np.bool_]
+
+MOST = 12
+"""Largest number of places that touch at the same time."""
+ROOM = 64
+"""Largest number of combinations of modes that are noted."""
+
+SEPARATE, STICK, SLIP_PLUS, SLIP_MINUS = range(4)
+"""Modes of a contact."""
+
+EDGE, CORNER, WALL, POINT = range(4)
+"""Kinds of contact: tip on an edge of the part, disc on a corner, corner of the part on a wall,
+point tip on a corner (where it can only stick)."""
+
+KIND, FIRST, SECOND, GROUP = range(4)
+"""Columns of `Work.contact`."""
+
+TOUCHING, CLOSED, EVENTS, SAMPLE, LOGGED, BANNED, STUCK, HELD = range(8)
+"""Entries of `Work.count`; HELD is the number of basis forces."""
+
+BUSY = -1
+"""Column of `Scene.left_out`."""
+
+
+class Scene(NamedTuple):
+    """One run, and what is noted for each body: first the tips, then the corners of the part."""
+
+    edges: _F
+    """(V, 9) `edge_table` of the part, body frame."""
+    walls: _F
+    """(F, 9) `edge_table` of the fixture, world frame."""
+    tips: _F
+    """(T, 6) rows x, y at the start, velocity, radius, friction; world frame. The first `movers`
+    are the tips, the others the convex corners of the fixture."""
+    clear: _F
+    """(T + V,) distances that tips and corners of the part are known to keep; written."""
+    left_out: _B
+    """(T + V, max(V, F) + 1) edges or walls that a touching body is not measured from, and in the
+    last column whether there are any; written."""
+
+
+WORK = np.dtype(
+    [
+        # Read: drag (from twist to wrench, body frame) and its inverse, the clock at the end, the
+        # friction at the fixture, the largest distance of a corner from the reference point, and
+        # the number of tips that are not corners of the fixture.
+        ("drag", np.float64, (3, 3)),
+        ("film", np.float64, (3, 3)),
+        ("span", np.float64),
+        ("wall_friction", np.float64),
+        ("reach", np.float64),
+        ("movers", np.int64),
+        # Pose x, y, θ and twist in the body frame.
+        ("pose", np.float64, (3,)),
+        ("twist", np.float64, (3,)),
+        # Contacts (kind, tip or corner, edge or corner, group of those at one corner), their
+        # modes, constraints w · v = u (normal and tangent of each), and the wrenches of the two
+        # edges of the friction cone of each.
+        ("contact", np.int64, (MOST, 4)),
+        ("mode", np.int64, (MOST,)),
+        ("row", np.float64, (2 * MOST, 4)),
+        ("push", np.float64, (2 * MOST, 3)),
+        # Constraints and wrenches that determine motion and forces, and shares of the wrenches.
+        ("basis", np.int64, (6,)),
+        ("force", np.float64, (3,)),
+        # See TOUCHING and the names after it.
+        ("count", np.int64, (8,)),
+        # What must not become negative in the present mode.
+        ("slack", np.float64, (4 * MOST,)),
+        # Slopes and result of a Runge-Kutta step, and the curve through it (see `curve`).
+        ("slope", np.float64, (12, 3)),
+        ("trial", np.float64, (3,)),
+        ("curve", np.float64, (16,)),
+        # Modes and basis of the combinations that hold, with twist and merit; modes not to choose.
+        ("found", np.int64, (ROOM, MOST + 7)),
+        ("merit", np.float64, (ROOM, 4)),
+        ("ban", np.int64, (16,)),
+        # Scratch of the choice of a basis.
+        ("pushes", np.int64, (2 * MOST,)),
+        ("picked", np.int64, (4,)),
+        ("units", np.float64, (3, 3)),
+    ]
+)
+"""Working space of a run, one record: a single pointer for the compiled functions to hand on."""
+
+Work: TypeAlias = Any
+"""A record of type `WORK`; its fields are arrays and numbers."""

@@ -1,0 +1,174 @@
+r"""Where on a curve the next event is: a contact that closes, or a quantity that turns negative.
+
+Distances change no faster than the tip and the part move, so a search that goes ahead by the
+distance over that speed cannot pass a contact, however small the corner (sphere tracing); only
+steps below a small part of the curve are cut off.
+"""
+
+import numpy as np
+
+from meso_robust.kernels import sealed as inner
+from meso_robust.simulator.events.balance import monitor, velocity
+from meso_robust.simulator.events.contact import Place, tip_in_body
+from meso_robust.simulator.events.curve import place_at
+from meso_robust.simulator.events.outline import (
+    CONVEX,
+    VX,
+    VY,
+    distance,
+    distance_without,
+)
+from meso_robust.simulator.events.scene import BUSY, Scene, Work
+
+NEGATIVE = -1e-11
+"""What is below is an event; lengths and speeds in scaled units."""
+
+_FAR = 0.2  # distance from the circle about the part that needs no measure of its own
+_FINEST = 1.0 / 2048  # of the curve
+_ROOT_STEPS = 60
+_EXACT = 1e-15
+
+
+@inner
+def clearance(scene: Scene, work: Work, body: int, place: Place, clock: float) -> float:
+    """Distance of a tip from the part, or of a corner of the part from the fixture.
+
+    What it touches in a closed contact is left out. Far off it is a lower bound.
+    """
+    tips = scene.tips.shape[0]
+    if body >= tips:
+        return _corner_clearance(scene, work, body, place)
+    cx, cy = tip_in_body(scene, body, place, clock)
+    r = scene.tips[body, 4]
+    if scene.left_out[body, BUSY]:
+        return distance_without(scene.edges, scene.left_out[body], cx, cy) - r
+    circle = np.sqrt(cx * cx + cy * cy) - work.reach - r
+    return circle if circle > _FAR else distance(scene.edges, cx, cy) - r
+
+
+@inner
+def _corner_clearance(scene: Scene, work: Work, body: int, place: Place) -> float:
+    """Distance of a corner of the part from the fixture."""
+    i = body - scene.tips.shape[0]
+    if scene.edges[i, CONVEX] <= 0.0 or scene.walls.shape[0] == 0:
+        return np.inf
+    px, py = scene.edges[i, VX], scene.edges[i, VY]
+    x = place[0] + place[2] * px - place[3] * py
+    y = place[1] + place[3] * px + place[2] * py
+    if scene.left_out[body, BUSY]:
+        return distance_without(scene.walls, scene.left_out[body], x, y)
+    return distance(scene.walls, x, y)
+
+
+@inner
+def event_value(scene: Scene, work: Work, event: int, time: float, clock: float) -> float:
+    """Value of the quantity of an event on the curve; clearances have negative numbers."""
+    place = place_at(work, time)
+    if event < 0:
+        return clearance(scene, work, -1 - event, place, clock + time)
+    velocity(scene, work, place, clock + time)
+    monitor(scene, work, place, clock + time)
+    return float(work.slack[event])
+
+
+@inner
+def root(scene: Scene, work: Work, event: int, bracket: tuple[float, float], clock: float) -> float:
+    """Instant in the bracket at which a quantity falls to zero (Illinois method)."""
+    low, high = bracket
+    f_high = event_value(scene, work, event, high, clock)
+    f_low = event_value(scene, work, event, low, clock)
+    if f_low <= 0.0:
+        low, f_low = _positive(scene, work, event, bracket, clock)
+        if f_low <= 0.0:
+            return low
+    side = 0
+    for _ in range(_ROOT_STEPS):
+        if high - low <= _EXACT:
+            break
+        middle = low + (high - low) * f_low / (f_low - f_high)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        f = event_value(scene, work, event, middle, clock)
+        if abs(f) < _EXACT:
+            return middle
+        if f > 0.0:
+            low, f_low = middle, f
+            f_high *= 0.5 if side > 0 else 1.0
+            side = 1
+        else:
+            high, f_high = middle, f
+            f_low *= 0.5 if side < 0 else 1.0
+            side = -1
+    return high
+
+
+@inner
+def _positive(
+    scene: Scene, work: Work, event: int, bracket: tuple[float, float], clock: float
+) -> tuple[float, float]:
+    """Instant after the start of the bracket at which the quantity is positive, and its value."""
+    low, high = bracket
+    width = high - low
+    for _ in range(40):
+        width *= 0.5
+        value = event_value(scene, work, event, low + width, clock)
+        if value > 0.0:
+            return low + width, value
+    return low, 0.0
+
+
+@inner
+def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], clock: float) -> float:
+    """Instant at which a tip or corner closes a contact, or infinity; `limit` is time and speed."""
+    end, speed = limit
+    time = 0.0
+    here = event_value(scene, work, -1 - body, time, clock)
+    while time < end:
+        if here >= speed * (end - time):
+            scene.clear[body] = here - speed * (end - time)
+            return np.inf
+        ahead = min(time + max(here / speed, _FINEST * end), end)
+        there = event_value(scene, work, -1 - body, ahead, clock)
+        if there < NEGATIVE:
+            return root(scene, work, -1 - body, (time, ahead), clock)
+        time, here = ahead, there
+    scene.clear[body] = max(here, 0.0)
+    return np.inf
+
+
+@inner
+def next_contact(
+    scene: Scene, work: Work, end: float, speed: float, clock: float
+) -> tuple[float, int]:
+    """First contact that closes on the curve.
+
+    Parameters
+    ----------
+    scene, work
+        The run.
+    end
+        Length of the curve on the clock.
+    speed
+        Bound of the speed of all points of the part.
+    clock
+        The clock at the start of the curve.
+
+    Returns
+    -------
+    tuple
+        The instant, counted from the start of the curve, and the number of the event; the end
+        and 0 if there is none.
+    """
+    found = 0
+    first = end
+    tips = scene.tips.shape[0]
+    for body in range(scene.clear.shape[0]):
+        own = np.hypot(scene.tips[body, 2], scene.tips[body, 3]) if body < tips else 0.0
+        way = (own + speed) * first
+        if way == 0.0 or (scene.clear[body] > way):
+            scene.clear[body] -= way
+            continue
+        time = _march(scene, work, body, (first, own + speed), clock)
+        if time < first:
+            first, found = time, -1 - body
+    return first, found

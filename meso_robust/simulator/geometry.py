@@ -1,0 +1,127 @@
+"""Effects of geometry: the part, the tip or the reference point is not what it is taken for."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.simulator.effects import Effect, Parameter, Stage
+from meso_robust.simulator.outline import refuse
+
+_F = npt.NDArray[np.float64]
+
+_UM = 1e-6
+
+GEOMETRY = Stage(
+    name="geometry",
+    base=56,
+    slots=8,
+    effects=(
+        Effect(
+            name="part_geometry",
+            equation="x → x (1 + d_x / h_x), y → y (1 + d_y / h_y), h half the extent of the part",
+            source="etching: undercut and bevel",
+            parameters=(
+                Parameter(
+                    key="x_um", unit="µm", to_si=_UM,
+                    meaning="d_x: by how much an edge across the part's x axis stands out",
+                ),
+                Parameter(
+                    key="y_um", unit="µm", to_si=_UM,
+                    meaning="d_y: by how much an edge across the part's y axis stands out",
+                ),
+            ),
+        ),
+        Effect(
+            name="tip_radius",
+            equation="r = stated radius + e",
+            source="wear or dirt of the tip",
+            parameters=(
+                Parameter(key="excess_um", unit="µm", to_si=_UM, meaning="e, for every probe"),
+            ),
+        ),
+        Effect(
+            name="reference_offset",
+            equation="tracked point = reference point + R(θ) c",
+            source="template of the tracker",
+            parameters=(
+                Parameter(key="x_um", unit="µm", to_si=_UM, meaning="c_x, frame of the part"),
+                Parameter(key="y_um", unit="µm", to_si=_UM, meaning="c_y, frame of the part"),
+            ),
+        ),
+    ),
+)  # fmt: skip
+
+_OUT_X = GEOMETRY.slot("part_geometry", "x_um")
+_OUT_Y = GEOMETRY.slot("part_geometry", "y_um")
+EXCESS = GEOMETRY.slot("tip_radius", "excess_um")
+"""Column of the excess of the tips' radius."""
+_OFFSET_X = GEOMETRY.slot("reference_offset", "x_um")
+_OFFSET_Y = GEOMETRY.slot("reference_offset", "y_um")
+
+
+def outlines(vertices: _F, table: _F) -> _F:
+    """True outlines of the part.
+
+    The part is stretched about its reference point by ``1 + d / h`` along each of its axes, h half
+    its extent: an edge across an axis then stands out by d.
+
+    Parameters
+    ----------
+    vertices
+        (V, 2) stated corners, m.
+    table
+        (1|N, SLOTS) of `Effects`.
+
+    Returns
+    -------
+    ndarray
+        (1|N, V, 2) corners, m.
+    """
+    return np.asarray(vertices * stretch(vertices, table)[:, None])
+
+
+def stretch(vertices: _F, table: _F) -> _F:
+    """(1|N, 2) factors by which the part is longer than stated along its axes.
+
+    Raises
+    ------
+    ValueError
+        If an edge would stand in by as much as half the part.
+    """
+    factor = 1.0 + table[:, [_OUT_X, _OUT_Y]] / (0.5 * np.ptp(vertices, axis=0))
+    for run, axis in np.argwhere(~(factor > 0.0)):
+        refuse(
+            "effects.part_geometry",
+            f"run {run} leaves a part of {factor[run, axis]:.3g} times its extent along {'xy'[axis]}",
+            "must leave something of the part",
+            "give a smaller deficit",
+        )
+    return np.asarray(factor)
+
+
+def radii(stated: _F, table: _F) -> _F:
+    """(1|N, P) true radii of the tips in m, for stated radii (P,)."""
+    return np.asarray(stated + table[:, [EXCESS]])
+
+
+def reference_of_tracked(poses: _F, table: _F) -> _F:
+    """Poses (N, …, 3) of the reference point for those of the tracked point."""
+    return _shifted(poses, table, -1.0)
+
+
+def tracked_of_reference(poses: _F, table: _F) -> _F:
+    """Poses (N, …, 3) of the tracked point for those of the reference point."""
+    return _shifted(poses, table, 1.0)
+
+
+def _shifted(poses: _F, table: _F, sign: float) -> _F:
+    offset = sign * table[:, [_OFFSET_X, _OFFSET_Y]]
+    if not np.any(offset):
+        return poses
+    offset = offset.reshape(-1, *[1] * (poses.ndim - 2), 2)
+    cos, sin = np.cos(poses[..., 2]), np.sin(poses[..., 2])
+    moved = poses.copy()
+    moved[..., 0] += cos * offset[..., 0] - sin * offset[..., 1]
+    moved[..., 1] += sin * offset[..., 0] + cos * offset[..., 1]
+    return moved

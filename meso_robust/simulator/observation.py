@@ -1,0 +1,393 @@
+"""Observation, the last stage: what the camera and the tracker make of the true motion.
+
+A pose x, θ of the part at time t is seen as
+
+    y(t) = (1 + s) D(R(φ) x(t - τ)) + d t,    D(r) = r (1 + k1 |r|²),
+    θ_seen(t) = θ(t - τ) + φ,
+
+world frame, all about the world origin: delay τ, rotation φ of the image against the stage, lens D,
+error s of the scale and drift d. Then `sense` samples at the frames of the camera, adds noise and
+loses frames. NumPy only; the kernels do not come here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.simulator.effects import SLOTS, Effect, Parameter, Stage
+
+Floats = npt.NDArray[np.float64]
+
+_DEG = np.pi / 180.0
+
+OBSERVATION = Stage(
+    name="observation",
+    base=80,
+    effects=(
+        Effect(
+            name="camera_latency",
+            equation="y(t) = x(t - τ)",
+            source="definition of a pure delay",
+            parameters=(
+                Parameter(
+                    key="time_ms",
+                    unit="ms",
+                    to_si=1e-3,
+                    meaning="by how much the images lag behind the controller's clock",
+                    low=-1000.0,
+                    high=1000.0,
+                ),
+            ),
+        ),
+        Effect(
+            name="camera_scale",
+            equation="y = (1 + s) x about the world origin",
+            source="scale of a similarity transform, doi:10.1109/34.88573",
+            parameters=(
+                Parameter(
+                    key="percent",
+                    unit="%",
+                    to_si=1e-2,
+                    meaning="by how much lengths are seen too long",
+                    low=-20.0,
+                    high=20.0,
+                ),
+            ),
+        ),
+        Effect(
+            name="camera_rotation",
+            equation="y = R(φ) x about the world origin, θ_seen = θ + φ",
+            source="rotation of a similarity transform, doi:10.1109/34.88573",
+            parameters=(
+                Parameter(
+                    key="angle_deg",
+                    unit="°",
+                    to_si=_DEG,
+                    meaning="angle of the image against the stage, counter-clockwise",
+                    low=-45.0,
+                    high=45.0,
+                ),
+            ),
+        ),
+        Effect(
+            name="camera_drift",
+            equation="y(t) = x(t) + d t",
+            source="definition of a constant drift (thermal, of camera or stage)",
+            parameters=(
+                Parameter(
+                    key="x_um_s",
+                    unit="µm/s",
+                    to_si=1e-6,
+                    meaning="speed along x of everything seen",
+                    low=-50.0,
+                    high=50.0,
+                ),
+                Parameter(
+                    key="y_um_s",
+                    unit="µm/s",
+                    to_si=1e-6,
+                    meaning="speed along y of everything seen",
+                    low=-50.0,
+                    high=50.0,
+                ),
+            ),
+        ),
+        Effect(
+            name="lens_distortion",
+            equation="y = x (1 + k1 |x|²) about the world origin",
+            source="first radial term of Weng, Cohen and Herniou 1992, doi:10.1109/34.159901",
+            parameters=(
+                Parameter(
+                    key="k1_per_mm2",
+                    unit="1/mm²",
+                    to_si=1e6,
+                    meaning="radial distortion, positive: pincushion, negative: barrel",
+                    low=-0.1,
+                    high=0.1,
+                ),
+            ),
+        ),
+    ),
+)
+"""The stage of the camera and the tracker."""
+
+CAMERA_LATENCY_TIME = OBSERVATION.slot("camera_latency", "time_ms")
+CAMERA_SCALE_PERCENT = OBSERVATION.slot("camera_scale", "percent")
+CAMERA_ROTATION_ANGLE = OBSERVATION.slot("camera_rotation", "angle_deg")
+CAMERA_DRIFT_X = OBSERVATION.slot("camera_drift", "x_um_s")
+CAMERA_DRIFT_Y = OBSERVATION.slot("camera_drift", "y_um_s")
+LENS_DISTORTION_K1 = OBSERVATION.slot("lens_distortion", "k1_per_mm2")
+
+_WHOLE_FRAME = 1e-9  # of a frame, so that 1 s at 30 Hz has the frame at its end
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensor:
+    """Camera and tracker: how often a pose is seen and how well.
+
+    Attributes
+    ----------
+    position_sigma
+        Standard deviation of a seen x or y in m.
+    orientation_sigma
+        Standard deviation of a seen θ in rad.
+    frame_rate
+        Frames a second, in Hz.
+    correlation_time
+        Time after which the correlation of the noise has fallen to 1/e, in s; zero: white noise.
+    dropout
+        Share of the frames that are lost, each by itself.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite or breaks its rule.
+    """
+
+    position_sigma: float
+    orientation_sigma: float
+    frame_rate: float
+    correlation_time: float = 0.0
+    dropout: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        for name in ("position_sigma", "orientation_sigma", "correlation_time"):
+            value = getattr(self, name)
+            if not 0.0 <= value < np.inf:
+                _refuse(f"sensor.{name}", f"{value}", "must be finite and not negative", "mend it")
+        if not 0.0 < self.frame_rate < np.inf:
+            rule = "must be positive and finite"
+            _refuse("sensor.frame_rate", f"{self.frame_rate} Hz", rule, "try 30 Hz")
+        if not 0.0 <= self.dropout <= 1.0:
+            _refuse("sensor.dropout", f"{self.dropout}", "must be in 0 … 1", "give a share")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frames:
+    """What the tracker hands over for N runs; a lost frame is NaN throughout.
+
+    Attributes
+    ----------
+    times
+        (F,) instants of the frames in s.
+    poses
+        (N, F, 3) x, y in m and θ in rad, world frame.
+    probes
+        (N, F, P, 2) centres of the tips in m, world frame.
+    """
+
+    times: Floats
+    poses: Floats
+    probes: Floats
+
+
+def observe(
+    times: Floats,
+    poses: Floats,
+    probes: Floats,
+    effects_table: Floats,
+    *,
+    probes_seen_by_camera: bool,
+) -> tuple[Floats, Floats]:
+    """Motion as the camera shows it, without noise; see the head of the file for the law.
+
+    The motion is taken as linear in time between the samples; before the first and after the last
+    the part and the tips are at rest. An effect that is off leaves every bit as it is.
+
+    The Jacobian of the lens, (1 + k1 r²) I + 2 k1 r rᵀ, is symmetric: its rotation part (that of
+    the polar decomposition) is the identity, so the lens moves a part but does not turn it.
+
+    Parameters
+    ----------
+    times
+        (T,) instants of the samples in s, strictly increasing; the drift is nought at t = 0.
+    poses
+        (N, T, 3) x, y in m and θ in rad, unwrapped, world frame.
+    probes
+        (N, T, P, 2) centres of the tips in m, world frame.
+    effects_table
+        (1, SLOTS) or (N, SLOTS), see `Effects.table`.
+    probes_seen_by_camera
+        Whether the positions of the tips come from the camera, too; if not, they are those the
+        controller commanded and are returned as they are.
+
+    Returns
+    -------
+    (N, T, 3), (N, T, P, 2)
+        The poses and tips as seen, new arrays.
+
+    Raises
+    ------
+    ValueError
+        If a shape is wrong, the clock does not go on, or a point lies where the lens folds the
+        image over (1 + 3 k1 r² <= 0).
+    """
+    times, poses, probes = _checked(times, poses, probes)
+    runs = len(poses)
+    if effects_table.shape not in ((1, SLOTS), (runs, SLOTS)):
+        rule = f"must be (1, {SLOTS}) or ({runs}, {SLOTS})"
+        _refuse("effects_table", f"shape {effects_table.shape}", rule, "use Effects.table")
+    table = np.broadcast_to(effects_table, (runs, SLOTS))
+    _delay(times, poses, table[:, CAMERA_LATENCY_TIME])
+    _turn(poses[..., 2], table[:, CAMERA_ROTATION_ANGLE])
+    _show(times, poses[:, :, None, :2], table)
+    if probes_seen_by_camera:
+        _delay(times, probes, table[:, CAMERA_LATENCY_TIME])
+        _show(times, probes, table)
+    return poses, probes
+
+
+def sense(
+    sensor: Sensor,
+    times: Floats,
+    poses: Floats,
+    probes: Floats,
+    rng: np.random.Generator,
+    *,
+    probes_seen_by_camera: bool,
+) -> Frames:
+    """Frames of the camera with noise and losses.
+
+    Every coordinate of every run has its own noise: white, or of first order Gauss-Markov with the
+    correlation exp(-Δt/correlation_time). The noise of a run does not depend on which frames are
+    lost.
+
+    Parameters
+    ----------
+    sensor
+        The camera and the tracker.
+    times
+        (T,) instants of the samples in s, strictly increasing; the first frame is at the first.
+    poses
+        (N, T, 3) x, y in m and θ in rad, unwrapped, world frame, as `observe` returns them.
+    probes
+        (N, T, P, 2) centres of the tips in m, world frame.
+    rng
+        Source of the noise and the losses.
+    probes_seen_by_camera
+        Whether the positions of the tips have the noise of the camera; if not, they are exact.
+
+    Returns
+    -------
+    Frames
+        The frames, from the first instant to the last.
+
+    Raises
+    ------
+    ValueError
+        If a shape is wrong or the clock does not go on.
+    """
+    times, poses, probes = _checked(times, poses, probes)
+    count = int(np.floor((times[-1] - times[0]) * sensor.frame_rate + _WHOLE_FRAME)) + 1
+    frames = times[0] + np.arange(count) / sensor.frame_rate
+    at = np.broadcast_to(frames, (len(poses), count))
+    seen = _interpolated(times, poses, at)
+    tips = _interpolated(times, probes, at)
+    sigma = np.array([sensor.position_sigma, sensor.position_sigma, sensor.orientation_sigma])
+    seen += sigma * _noise(sensor, seen.shape, rng)
+    if probes_seen_by_camera:
+        tips += sensor.position_sigma * _noise(sensor, tips.shape, rng)
+    lost = rng.random((len(poses), count)) < sensor.dropout
+    seen[lost] = np.nan
+    tips[lost] = np.nan
+    return Frames(times=frames, poses=seen, probes=tips)
+
+
+def _show(times: Floats, points: Floats, table: Floats) -> None:
+    """Take points (N, T, Q, 2) through rotation, lens, scale and drift."""
+    _rotate(points, table[:, CAMERA_ROTATION_ANGLE])
+    _distort(points, table[:, LENS_DISTORTION_K1])
+    _scale(points, table[:, CAMERA_SCALE_PERCENT])
+    _drift(times, points, table[:, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]])
+
+
+# The following write into the copies that `observe` has made, and only for the runs where the
+# effect is on: adding a zero would turn -0.0 into 0.0, and interpolating at the samples could
+# change the last bit.
+
+
+def _delay(times: Floats, values: Floats, delay: Floats) -> None:
+    on = delay != 0.0
+    values[on] = _interpolated(times, values[on], times - delay[on, None])
+
+
+def _turn(angles: Floats, turn: Floats) -> None:
+    on = turn != 0.0
+    angles[on] += turn[on, None]
+
+
+def _rotate(points: Floats, angle: Floats) -> None:
+    on = angle != 0.0
+    cos, sin = np.cos(angle[on])[:, None, None], np.sin(angle[on])[:, None, None]
+    x, y = points[on, ..., 0], points[on, ..., 1]
+    points[on] = np.stack((cos * x - sin * y, sin * x + cos * y), axis=-1)
+
+
+def _distort(points: Floats, k1: Floats) -> None:
+    on = k1 != 0.0
+    bulge = k1[on, None, None] * np.sum(points[on] ** 2, axis=-1)
+    if np.any(1.0 + 3.0 * bulge <= 0.0):
+        value = f"k1 r² = {np.nanmin(bulge):.3g}"
+        rule = "must be above -1/3, where the lens folds the image over"
+        _refuse("lens_distortion", value, rule, "lower |k1_per_mm2| or move the world origin")
+    points[on] *= 1.0 + bulge[..., None]
+
+
+def _scale(points: Floats, error: Floats) -> None:
+    on = error != 0.0
+    points[on] *= 1.0 + error[on, None, None, None]
+
+
+def _drift(times: Floats, points: Floats, drift: Floats) -> None:
+    for axis in range(2):
+        on = drift[:, axis] != 0.0
+        points[on, ..., axis] += drift[on, axis, None, None] * times[:, None]
+
+
+def _interpolated(times: Floats, values: Floats, at: Floats) -> Floats:
+    """Values (N, T, ...) at the instants (N, F), linear in time, held before and after."""
+    last = max(len(times) - 2, 0)
+    before = np.clip(np.searchsorted(times, at, side="right") - 1, 0, last)
+    after = np.minimum(before + 1, len(times) - 1)
+    span = np.where(after > before, times[after] - times[before], 1.0)
+    share = np.clip((at - times[before]) / span, 0.0, 1.0)
+    share = share.reshape(share.shape + (1,) * (values.ndim - 2))
+    runs = np.arange(len(values))[:, None]
+    start, end = values[runs, before], values[runs, after]
+    return np.where(share == 1.0, end, start + share * (end - start))
+
+
+def _noise(sensor: Sensor, shape: tuple[int, ...], rng: np.random.Generator) -> Floats:
+    """Noise (N, F, ...) of unit variance along the frames, stationary from the first."""
+    noise = rng.standard_normal(shape)
+    if sensor.correlation_time > 0.0:
+        keep = np.exp(-1.0 / (sensor.frame_rate * sensor.correlation_time))
+        fresh = np.sqrt(1.0 - keep**2)
+        for frame in range(1, shape[1]):
+            noise[:, frame] = keep * noise[:, frame - 1] + fresh * noise[:, frame]
+    return noise
+
+
+def _checked(times: Floats, poses: Floats, probes: Floats) -> tuple[Floats, Floats, Floats]:
+    """Copies as float64, after a check of the shapes and the clock."""
+    times, poses, probes = (np.array(a, dtype=np.float64) for a in (times, poses, probes))
+    if times.ndim != 1 or times.size == 0:
+        _refuse("times", f"shape {times.shape}", "must be (T,) with T >= 1", "reshape it")
+    if poses.ndim != 3 or poses.shape[1:] != (times.size, 3):
+        rule = f"must be (N, {times.size}, 3), as times has {times.size} instants"
+        _refuse("poses", f"shape {poses.shape}", rule, "reshape it")
+    if probes.ndim != 4 or probes.shape[:2] != poses.shape[:2] or probes.shape[3] != 2:
+        rule = f"must be ({len(poses)}, {times.size}, P, 2), as poses has that many runs"
+        _refuse("probes", f"shape {probes.shape}", rule, "reshape it")
+    if not (np.all(np.isfinite(times)) and np.all(np.diff(times) > 0.0)):
+        _refuse("times", f"{times[0]} … {times[-1]} s", "must be finite and increase", "sort it")
+    return times, poses, probes
+
+
+def _refuse(argument: str, value: str, rule: str, advice: str) -> NoReturn:
+    raise ValueError(f"{argument}: {value}; {rule}; {advice}")

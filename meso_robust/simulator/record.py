@@ -1,0 +1,145 @@
+"""What is kept of a run: pose, tips, forces and contact modes at given instants.
+
+A row of the record is ``time, x, y, θ, mode of the fixture`` and then for each probe ``x, y, f_x, f_y,
+mode``; world frame, forces on the part over e_x. The force of a step and its modes hold over the step.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import inner
+from meso_robust.simulator.rows import TOLERANCE, slips
+from meso_robust.simulator.tables import (
+    COS,
+    FACTOR,
+    FROM_X,
+    LN,
+    LT,
+    NX,
+    NY,
+    PULL,
+    SIN,
+    WHO,
+    X,
+)
+
+_F = npt.NDArray[np.float64]
+_I = npt.NDArray[np.int64]
+
+TIME, POSE, FIXTURE_MODE, PROBES = 0, 1, 4, 5
+"""Columns of a record."""
+TIP, FORCE, PROBE_MODE, PER_PROBE = 0, 2, 4, 5
+"""Columns of a probe in a record, and their number."""
+
+_SLIP = 1e-6  # units: slower than this sticks
+
+
+@inner
+def contact_mode(contacts: _F, marks: _I, step: _F, count: int, c: int) -> int:
+    """Tell the mode of a contact: 0 separate, 1 stick, 2 slip +, 3 slip −.
+
+    In slip + the friction on the part points along t, the inward normal turned by +90°.
+    """
+    if contacts[c, LN] <= TOLERANCE:
+        return 0
+    _, vt = slips(contacts, marks, step, count, c)
+    if abs(vt) <= _SLIP:
+        return 1
+    return 2 if vt < 0.0 else 3
+
+
+@inner
+def on_part(contacts: _F, c: int, scale: float, pull: float) -> tuple[float, float]:
+    """Force of a contact on the part, body frame: λ times a scale, and the pull times another."""
+    nx, ny = contacts[c, NX], contacts[c, NY]
+    ln, lt = scale * contacts[c, LN], scale * contacts[c, LT]
+    draw = pull * contacts[c, PULL]
+    return (draw - ln) * nx + lt * ny, (draw - ln) * ny - lt * nx
+
+
+@inner
+def record_step(
+    record: _F,
+    sample: int,
+    end: float,
+    dt: float,
+    unit: float,
+    before: _F,
+    pose: _F,
+    body: _F,
+    obstacles: _F,
+    contacts: _F,
+    marks: _I,
+    step: _F,
+    count: int,
+) -> int:
+    """Write the samples that fall into the last step; return the next one to write.
+
+    Parameters
+    ----------
+    record
+        (R, 5 + 5 P), the times being written.
+    sample
+        The next row to write.
+    end, dt, unit
+        End and length of the step in s, and its unit of length in m.
+    before, pose
+        (3,) poses before and after the step.
+    body, obstacles, contacts, marks, step, count
+        Tables of the step, the tips having arrived.
+    """
+    probes = (record.shape[1] - PROBES) // PER_PROBE
+    while sample < record.shape[0] and record[sample, TIME] <= end + 1e-9 * dt:
+        share = max((end - record[sample, TIME]) / dt, 0.0)  # of the step, still to come
+        for k in range(3):
+            record[sample, POSE + k] = pose[k] - share * (pose[k] - before[k])
+        for p in range(probes):
+            for a in range(2):
+                there, here = obstacles[p, FROM_X + a], obstacles[p, X + a]
+                record[sample, PROBES + PER_PROBE * p + a] = here - share * (here - there)
+        _record_contacts(record[sample], probes, body, unit / dt, contacts, marks, step, count)
+        sample += 1
+    return sample
+
+
+@inner
+def _record_contacts(
+    row: _F,
+    probes: int,
+    body: _F,
+    speed: float,
+    contacts: _F,
+    marks: _I,
+    step: _F,
+    count: int,
+) -> None:
+    """Write forces, and the mode of the most loaded contact of each probe and of the fixture."""
+    cos, sin = body[COS], body[SIN]
+    scale = step[FACTOR + 6] * speed
+    for p in range(probes + 1):
+        most = 0.0
+        for c in range(count):
+            if min(marks[c, WHO], probes) != p:
+                continue
+            mode = contact_mode(contacts, marks, step, count, c) if contacts[c, LN] > most else -1
+            most = max(most, contacts[c, LN])
+            if p == probes:
+                row[FIXTURE_MODE] = mode if mode >= 0 else row[FIXTURE_MODE]
+                continue
+            at = PROBES + PER_PROBE * p
+            fx, fy = on_part(contacts, c, scale, 1.0)
+            row[at + FORCE] += cos * fx - sin * fy
+            row[at + FORCE + 1] += sin * fx + cos * fy
+            row[at + PROBE_MODE] = mode if mode >= 0 else row[at + PROBE_MODE]
+
+
+@inner
+def record_rest(record: _F, sample: int, pose: _F, obstacles: _F) -> None:
+    """Write the samples after the end of a run that was stopped: nothing moves or presses."""
+    probes = (record.shape[1] - PROBES) // PER_PROBE
+    for row in range(sample, record.shape[0]):
+        for k in range(3):
+            record[row, POSE + k] = pose[k]
+        for p in range(probes):
+            for a in range(2):
+                record[row, PROBES + PER_PROBE * p + a] = obstacles[p, X + a]

@@ -1,0 +1,222 @@
+"""Forces and motion of a step with any support law, by tangents of the law until the twist agrees."""
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import inner
+from meso_robust.simulator.actuation import COMPLIANCE
+from meso_robust.simulator.advance import advance, closes
+from meso_robust.simulator.case import (
+    FILM,
+    FILM_NOW,
+    INERTIA,
+    OFFSET,
+    SURFACE,
+    TANGENT,
+    TWIST_LAST,
+    TWIST_NEW,
+    TWIST_NOW,
+    WRENCH,
+    Case,
+    Kind,
+    State,
+)
+from meso_robust.simulator.environment import stage_wrench
+from meso_robust.simulator.motion_model import FIRST_ORDER, add_inertia
+from meso_robust.simulator.outcome import Outcome
+from meso_robust.simulator.rows import write_rows
+from meso_robust.simulator.support import (
+    add_film,
+    creep_speed,
+    factorise,
+    film_matrix,
+    pressure_slope,
+    resist_dry,
+    update_forces,
+)
+from meso_robust.simulator.tables import (
+    COS,
+    DX,
+    DY,
+    FACTOR,
+    MOTION,
+    NX,
+    NY,
+    OLD,
+    PULL,
+    PX,
+    PY,
+    SHIFT,
+    SIN,
+    SOFT,
+    TIME,
+    VELOCITY,
+    WHO,
+    Work,
+)
+from meso_robust.simulator.touch import pull_of_tips
+
+_F = npt.NDArray[np.float64]
+
+COMPLETED = int(Outcome.COMPLETED)
+OUT_OF_RANGE = int(Outcome.OUT_OF_RANGE)
+SOLVER_FAILURE = int(Outcome.SOLVER_FAILURE)
+
+_TWIST = 1e-9  # tip speeds: twists this close agree
+_TANGENTS = 60  # most tangents of one step while the law is smoothed
+_LAST_TANGENTS = 360  # and when it is not
+_LEVELS = 12  # of smoothing, by a factor √10 each: from one tip speed down
+
+
+@inner
+def general_step(
+    case: Case,
+    kind: Kind,
+    state: State,
+    work: Work,
+    count: int,
+    pose: _F,
+    dt: float,
+    unit: float,
+) -> int:
+    """Find forces and motion with any support law, by tangents, until the twist agrees."""
+    body, twist, last = state.body, state.space[TWIST_NOW], state.space[TWIST_LAST]
+    _loads(case, kind, state, work, count, pose)
+    if not kind.forced and case.law[INERTIA] == 0.0 and not _must_move(work, count, unit):
+        return COMPLETED
+    cos, sin, vx, vy = body[COS], body[SIN], body[VELOCITY], body[VELOCITY + 1]
+    last[0], last[1], last[2] = cos * vx + sin * vy, cos * vy - sin * vx, body[VELOCITY + 2]
+    for k in range(3):
+        twist[k] = last[k]
+    outcome = _tangents(case, kind.dry, state, work, count, dt, unit, 1.0)
+    if outcome == COMPLETED or not kind.dry:
+        return outcome
+    # Once more from rest, the law being smoothed over a tip speed at first and then less and less.
+    for k in range(3):
+        twist[k] = 0.0
+    for i in range(state.dry.shape[0]):
+        state.dry[i, 0], state.dry[i, 1] = 0.0, 0.0
+    for level in range(_LEVELS, -1, -1):
+        outcome = _tangents(case, kind.dry, state, work, count, dt, unit, 10.0 ** (0.5 * level))
+    return outcome
+
+
+@inner
+def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: _F) -> None:
+    """Write the film matrix, the wrench of stage and menisci, and the bending by menisci."""
+    film, wrench, contacts = state.space[FILM_NOW], state.space[WRENCH], work.contacts
+    if kind.changing:
+        law = case.law[FILM : FILM + 6]
+        film_matrix(law, case.points, case.effects, pose, state.body[TIME], film)
+    for k in range(3):
+        wrench[k] = 0.0
+    if kind.forced:
+        stage_wrench(case.effects, film, pose, state.body[COS], state.body[SIN], wrench)
+    if not kind.pulled:
+        return
+    probes = case.waypoints.shape[1]
+    pull_of_tips(case.effects, probes, state.obstacles, contacts, work.marks, count)
+    for c in range(count):
+        pull = contacts[c, PULL]
+        if pull == 0.0:
+            continue
+        nx, ny = contacts[c, NX], contacts[c, NY]
+        wrench[0] += pull * nx
+        wrench[1] += pull * ny
+        wrench[2] += pull * (contacts[c, PX] * ny - contacts[c, PY] * nx)
+        for b in range(count):
+            if work.marks[b, WHO] == work.marks[c, WHO]:
+                contacts[b, DX] -= case.effects[COMPLIANCE] * pull * nx
+                contacts[b, DY] -= case.effects[COMPLIANCE] * pull * ny
+
+
+@inner
+def _must_move(work: Work, count: int, unit: float) -> bool:
+    """Whether a part at rest is met by a tip; if not, write that it stays."""
+    for k in range(3):
+        work.step[SHIFT + k] = 0.0
+    if not write_rows(work.contacts, work.step, count, unit):
+        return True
+    return bool(closes(work.contacts, work.marks, work.step, count))
+
+
+@inner
+def _tangents(
+    case: Case,
+    dry: bool,
+    state: State,
+    work: Work,
+    count: int,
+    dt: float,
+    unit: float,
+    smoothing: float,
+) -> int:
+    """Solve with the tangent at the twist so far, until the twist agrees.
+
+    Dry points are smoothed over that many times the speed that they may creep at.
+    """
+    space, w, speed = state.space, work.step, unit / dt
+    K, offset, twist, new = space[TANGENT], space[OFFSET], space[TWIST_NOW], space[TWIST_NEW]
+    points, effects, kind = case.points, case.effects, case.law[INERTIA]
+    surface, inertia = case.law[SURFACE : SURFACE + 6], case.law[INERTIA : INERTIA + 3]
+    slope = pressure_slope(points, effects) if dry else (0.0, 0.0)
+    creep, age = smoothing * creep_speed(speed), state.body[OLD]
+    for _ in range(_TANGENTS if smoothing > 1.0 else _LAST_TANGENTS):
+        for k in range(6):
+            K[k] = 0.0
+        for k in range(3):
+            offset[k] = space[WRENCH, k]
+        if kind != FIRST_ORDER:
+            add_film(space[FILM_NOW], K)
+            if dry:
+                resist_dry(points, surface, effects, slope, age, creep, twist, state.dry, K, offset)
+        if kind != 0.0:
+            add_inertia(inertia, space[TWIST_LAST], dt, K, offset)
+        outcome = _balance(work, count, K, offset, unit, dt, effects[COMPLIANCE])
+        if outcome != COMPLETED or not dry:
+            return outcome
+        m0, m1, m2 = w[MOTION], w[MOTION + 1], w[MOTION + 2]
+        new[0] = speed * (w[FACTOR] * m0 + w[FACTOR + 1] * m1 + w[FACTOR + 3] * m2)
+        new[1] = speed * (w[FACTOR + 2] * m1 + w[FACTOR + 4] * m2)
+        new[2] = speed * w[FACTOR + 5] * m2
+        update_forces(points, effects, slope, age, creep, twist, new, state.dry)
+        if _agree(twist, new, case.scene.size, speed):
+            return COMPLETED
+    return SOLVER_FAILURE
+
+
+@inner
+def _balance(
+    work: Work, count: int, K: _F, offset: _F, unit: float, dt: float, compliance: float
+) -> int:
+    """Solve the contacts against the resistance ``K v − offset``."""
+    w = work.step
+    if not factorise(K, w):
+        return OUT_OF_RANGE
+    _shift(w, offset, dt / unit)
+    w[SOFT] = compliance * w[FACTOR + 6] / dt
+    if not write_rows(work.contacts, w, count, unit):
+        return OUT_OF_RANGE
+    if closes(work.contacts, work.marks, w, count):
+        return advance(work, count)
+    return COMPLETED
+
+
+@inner
+def _agree(twist: _F, new: _F, size: float, speed: float) -> bool:
+    """Whether two twists agree; the first is overwritten by the second."""
+    change = abs(new[0] - twist[0]) + abs(new[1] - twist[1]) + size * abs(new[2] - twist[2])
+    for k in range(3):
+        twist[k] = new[k]
+    return change <= _TWIST * speed
+
+
+@inner
+def _shift(w: _F, offset: _F, scale: float) -> None:
+    """Write the motion without contact, ``s' = L⁻¹ s dt / (k unit)``."""
+    scale /= w[FACTOR + 6]
+    w[SHIFT] = scale * w[FACTOR] * offset[0]
+    w[SHIFT + 1] = scale * (w[FACTOR + 1] * offset[0] + w[FACTOR + 2] * offset[1])
+    w[SHIFT + 2] = scale * (
+        w[FACTOR + 3] * offset[0] + w[FACTOR + 4] * offset[1] + w[FACTOR + 5] * offset[2]
+    )

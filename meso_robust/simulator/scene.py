@@ -1,0 +1,214 @@
+"""All contacts between the part and the obstacles at one instant."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import inner
+from meso_robust.simulator.contact import PER_CORNER, at_corner, beside_edges, lies_beyond
+from meso_robust.simulator.tables import (
+    COS,
+    DEPTH,
+    DX,
+    DY,
+    FEATURE,
+    FIRST,
+    GAP,
+    LAST,
+    MOVE_X,
+    MOVE_Y,
+    MOVED,
+    NX,
+    NY,
+    PX,
+    PY,
+    RADIUS,
+    SIN,
+    WHO,
+    X,
+    Y,
+)
+
+_F = npt.NDArray[np.float64]
+_I = npt.NDArray[np.int64]
+
+
+class Scene(NamedTuple):
+    """Geometry of one run as the kernels see it."""
+
+    part: _F
+    """(V, 9) edges of the part, body frame."""
+    edges: _F
+    """(E, 9) edges of all obstacles one after the other, each about its own origin; a point or
+    disc has one row, a corner without edges."""
+    size: float
+    """Largest distance of a corner of the part from its reference point, m."""
+    depth: float
+    """Deepest penetration that is taken for one, m; what lies deeper is another side of the part."""
+
+
+@inner
+def find_contacts(
+    scene: Scene, obstacles: _F, pose: _F, body: _F, reach: float, contacts: _F, marks: _I
+) -> int:
+    """Write all contacts within reach.
+
+    Parameters
+    ----------
+    scene
+        Geometry.
+    obstacles
+        (O, OBSTACLE) table of `tables`.
+    pose
+        (3,) x, y in m and θ in rad.
+    body
+        (BODY,) vector of the part.
+    reach
+        Largest gap that matters, m.
+    contacts, marks
+        Tables of `tables`; receive gap, normal, point and displacement, obstacle and feature.
+
+    Returns
+    -------
+    int
+        Number of contacts; more than there are rows were not all written.
+    """
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    most = contacts.shape[0]
+    count = 0
+    for k in range(obstacles.shape[0]):
+        wx, wy = obstacles[k, MOVE_X], obstacles[k, MOVE_Y]
+        dx, dy = body[COS] * wx + body[SIN] * wy, body[COS] * wy - body[SIN] * wx
+        start = count
+        if obstacles[k, LAST] - obstacles[k, FIRST] == 1.0:
+            x, y = obstacles[k, X] - pose[0], obstacles[k, Y] - pose[1]
+            far = scene.size + obstacles[k, RADIUS] + reach
+            if x * x + y * y <= far * far:
+                disc = (cos * x + sin * y, cos * y - sin * x, obstacles[k, RADIUS])
+                wedge = (0.0, 0.0, 0.0, 0.0)
+                count = _disc(scene, disc, wedge, dx, dy, body, reach, contacts, marks, count)
+        else:
+            where = (obstacles[k, X], obstacles[k, Y], cos, sin)
+            rows = (int(obstacles[k, FIRST]), int(obstacles[k, LAST]))
+            count = _corners_of_obstacle(
+                scene, rows, where, pose, dx, dy, body, reach, contacts, marks, count
+            )
+            bounds = (reach, obstacles[k, DEPTH])
+            count = _corners_of_part(scene, rows, where, pose, bounds, contacts, marks, count)
+        for c in range(start, min(count, most)):
+            contacts[c, DX], contacts[c, DY] = dx, dy
+            marks[c, WHO] = k
+        if count > most:
+            return count
+    return count
+
+
+@inner
+def _disc(
+    scene: Scene,
+    disc: tuple[float, float, float],
+    wedge: tuple[float, float, float, float],
+    dx: float,
+    dy: float,
+    body: _F,
+    reach: float,
+    contacts: _F,
+    marks: _I,
+    count: int,
+) -> int:
+    """Contacts of a disc, or of a corner of an obstacle, with the part."""
+    cx, cy, radius = disc
+    part = scene.part
+    rows, bounds = (0, part.shape[0]), (reach, scene.depth)
+    count = beside_edges(part, rows, (cx, cy), radius, wedge, bounds, contacts, marks, count)
+    for i in range(rows[1]):
+        if lies_beyond(part, i, cx, cy):
+            # Relative to the part, if this goes on as in the last step.
+            px, py = body[MOVED] - body[MOVED + 2] * cy, body[MOVED + 1] + body[MOVED + 2] * cx
+            most = np.hypot(dx, dy) + np.hypot(px, py)
+            step = (dx - px, dy - py, most)
+            count = at_corner(part, i, disc, step, wedge, contacts, marks, count, reach)
+    return count
+
+
+@inner
+def _corners_of_obstacle(
+    scene: Scene,
+    rows: tuple[int, int],
+    where: tuple[float, float, float, float],
+    pose: _F,
+    dx: float,
+    dy: float,
+    body: _F,
+    reach: float,
+    contacts: _F,
+    marks: _I,
+    count: int,
+) -> int:
+    """Contacts of the convex corners of a polygonal obstacle with the part."""
+    edges = scene.edges
+    ox, oy, cos, sin = where
+    far = scene.size + reach
+    for i in range(rows[0], rows[1]):
+        x, y = ox + edges[i, 0] - pose[0], oy + edges[i, 1] - pose[1]
+        if edges[i, 8] <= 0.0 or x * x + y * y > far * far:
+            continue
+        b = int(edges[i, 6])
+        wedge = (
+            cos * edges[b, 2] + sin * edges[b, 3],
+            cos * edges[b, 3] - sin * edges[b, 2],
+            cos * edges[i, 2] + sin * edges[i, 3],
+            cos * edges[i, 3] - sin * edges[i, 2],
+        )
+        start = count
+        disc = (cos * x + sin * y, cos * y - sin * x, 0.0)
+        count = _disc(scene, disc, wedge, dx, dy, body, reach, contacts, marks, count)
+        for c in range(start, min(count, contacts.shape[0])):
+            marks[c, FEATURE] += PER_CORNER * (i + 1)
+    return count
+
+
+@inner
+def _corners_of_part(
+    scene: Scene,
+    rows: tuple[int, int],
+    where: tuple[float, float, float, float],
+    pose: _F,
+    bounds: tuple[float, float],
+    contacts: _F,
+    marks: _I,
+    count: int,
+) -> int:
+    """Contacts of the convex corners of the part with the edges of a polygonal obstacle."""
+    part = scene.part
+    ox, oy, cos, sin = where
+    for v in range(part.shape[0]):
+        if part[v, 8] <= 0.0:
+            continue
+        x = pose[0] + cos * part[v, 0] - sin * part[v, 1] - ox
+        y = pose[1] + sin * part[v, 0] + cos * part[v, 1] - oy
+        b = int(part[v, 6])
+        wedge = (
+            cos * part[b, 2] - sin * part[b, 3],
+            cos * part[b, 3] + sin * part[b, 2],
+            cos * part[v, 2] - sin * part[v, 3],
+            cos * part[v, 3] + sin * part[v, 2],
+        )
+        start = count
+        count = beside_edges(scene.edges, rows, (x, y), 0.0, wedge, bounds, contacts, marks, count)
+        for c in range(start, min(count, contacts.shape[0])):
+            nx, ny = contacts[c, NX], contacts[c, NY]
+            contacts[c, NX], contacts[c, NY] = -(cos * nx + sin * ny), -(cos * ny - sin * nx)
+            contacts[c, PX], contacts[c, PY] = part[v, 0], part[v, 1]
+            marks[c, FEATURE] = -marks[c, FEATURE] - PER_CORNER * (v + 1)
+    return count
+
+
+@inner
+def smallest_gap(contacts: _F, count: int) -> float:
+    """Smallest gap of the first `count` contacts, m; infinite without any."""
+    least = np.inf
+    for c in range(count):
+        least = min(least, contacts[c, GAP])
+    return least

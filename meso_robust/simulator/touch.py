@@ -1,0 +1,150 @@
+"""What a probe's tip does to the part besides pressing on it: friction by edge, adhesion, attraction.
+
+Adhesion and attraction pull the part towards the tip with a force that does not depend on the
+contact; the contact itself still only presses, ``λ_n ≥ 0``, so that the force between part and tip
+is ``λ_n − F`` and its friction ``μ λ_n`` holds while the tip is drawn back.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import inner
+from meso_robust.simulator.contact import PER_CORNER
+from meso_robust.simulator.effects import Effect, Parameter, Stage
+from meso_robust.simulator.tables import FEATURE, FRICTION, GAP, MU, PULL, WET, WHO
+
+_F = npt.NDArray[np.float64]
+_I = npt.NDArray[np.int64]
+
+_UM = 1e-6
+
+CONTACT = Stage(
+    name="contact",
+    base=48,
+    slots=8,
+    effects=(
+        Effect(
+            name="tip_adhesion",
+            equation="λ_n ≥ −F from the first touch until the gap exceeds r",
+            source="meniscus at the tip, F = 4 π R γ cos φ; R. S. Fearing 1995, "
+            "doi:10.1109/IROS.1995.526162",
+            parameters=(
+                Parameter(
+                    key="pull_um_s", unit="µm/s", to_si=_UM, low=0.0,
+                    meaning="F / e_x: speed at which the force drags the part",
+                ),
+                Parameter(
+                    key="range_um", unit="µm", to_si=_UM, default=2.0, low=0.0, size=False,
+                    meaning="r: gap at which the meniscus breaks",
+                ),
+            ),
+        ),
+        Effect(
+            name="tip_attraction",
+            equation="F(gap) = F₀ r / (r + gap) towards the tip, before and in contact",
+            source="sphere and plane at a voltage, F = π ε R V² / gap; Fearing 1995, as above",
+            parameters=(
+                Parameter(
+                    key="pull_um_s", unit="µm/s", to_si=_UM, low=0.0,
+                    meaning="F₀ / e_x at contact: speed at which the force drags the part",
+                ),
+                Parameter(
+                    key="range_um", unit="µm", to_si=_UM, default=5.0, low=1e-3, size=False,
+                    meaning="r: gap at which the force is half of that at contact",
+                ),
+            ),
+        ),
+        Effect(
+            name="edge_dependent_friction",
+            equation="μ of one edge = μ (1 + c)",
+            source="etched and machined edges differ",
+            parameters=(
+                Parameter(
+                    key="change", unit="", to_si=1.0, low=-1.0,
+                    meaning="c: relative change of the friction coefficient",
+                ),
+                Parameter(
+                    key="edge", unit="", to_si=1.0, low=0.0, size=False,
+                    meaning="the edge that starts at this corner of the outline",
+                ),
+            ),
+        ),
+    ),
+)  # fmt: skip
+
+_ADHESION = CONTACT.slot("tip_adhesion", "pull_um_s")
+_ADHESION_RANGE = CONTACT.slot("tip_adhesion", "range_um")
+_ATTRACTION = CONTACT.slot("tip_attraction", "pull_um_s")
+_ATTRACTION_RANGE = CONTACT.slot("tip_attraction", "range_um")
+_CHANGE = CONTACT.slot("edge_dependent_friction", "change")
+EDGE = CONTACT.slot("edge_dependent_friction", "edge")
+"""Column of the edge that has a friction of its own."""
+PULL_SLOTS = (_ADHESION, _ATTRACTION)
+"""Columns of effects that draw the part to a tip."""
+REACH_OF_ATTRACTION = 50.0
+"""Attraction ends at this many times its range, where it is below 2 % of that at contact."""
+
+_TOUCHING = 1e-9  # m: a gap this small wets the tip
+
+
+@inner
+def friction_of_contacts(effects: _F, obstacles: _F, contacts: _F, marks: _I, count: int) -> None:
+    """Write the friction coefficient of every contact, and no pull.
+
+    A corner of the part belongs to no edge and has the plain coefficient.
+    """
+    change, edge = effects[_CHANGE], effects[EDGE]
+    for c in range(count):
+        mu = obstacles[marks[c, WHO], FRICTION]
+        if change != 0.0 and marks[c, FEATURE] >= 0 and marks[c, FEATURE] % PER_CORNER == edge:
+            mu *= 1.0 + change
+        contacts[c, MU] = mu
+        contacts[c, PULL] = 0.0
+
+
+@inner
+def attraction_reach(effects: _F) -> float:
+    """Gap within which a tip may draw the part, m; zero without such an effect."""
+    reach = 0.0
+    if effects[_ADHESION] != 0.0:
+        reach = effects[_ADHESION_RANGE]
+    if effects[_ATTRACTION] != 0.0:
+        reach = max(reach, REACH_OF_ATTRACTION * effects[_ATTRACTION_RANGE])
+    return float(reach)
+
+
+@inner
+def pull_of_tips(
+    effects: _F, probes: int, obstacles: _F, contacts: _F, marks: _I, count: int
+) -> None:
+    """Write the pull of every tip at its nearest contact, and keep track of menisci.
+
+    Parameters
+    ----------
+    effects
+        (S,) values of the effects.
+    probes
+        Number of probes; further obstacles do not pull.
+    obstacles, contacts, marks
+        Tables of `tables`; the pull of contacts and the menisci of obstacles are written.
+    count
+        Number of contacts.
+    """
+    for k in range(probes):
+        nearest = -1
+        for c in range(count):
+            if marks[c, WHO] == k and (nearest < 0 or contacts[c, GAP] < contacts[nearest, GAP]):
+                nearest = c
+        if nearest < 0:
+            obstacles[k, WET] = 0.0
+            continue
+        gap = max(contacts[nearest, GAP], 0.0)
+        if gap <= _TOUCHING:
+            obstacles[k, WET] = 1.0
+        elif gap > effects[_ADHESION_RANGE]:
+            obstacles[k, WET] = 0.0
+        pull = effects[_ADHESION] * obstacles[k, WET]
+        reach = REACH_OF_ATTRACTION * effects[_ATTRACTION_RANGE]
+        if effects[_ATTRACTION] != 0.0 and gap <= reach:
+            pull += effects[_ATTRACTION] / (1.0 + gap / effects[_ATTRACTION_RANGE])
+        contacts[nearest, PULL] = pull

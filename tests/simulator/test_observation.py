@@ -1,0 +1,313 @@
+"""The observation stage against complex numbers, hand values and statistics."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from itertools import permutations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from meso_robust.simulator.effects import SLOTS, Effects
+from meso_robust.simulator.observation import (
+    CAMERA_DRIFT_X,
+    CAMERA_DRIFT_Y,
+    CAMERA_LATENCY_TIME,
+    CAMERA_ROTATION_ANGLE,
+    CAMERA_SCALE_PERCENT,
+    LENS_DISTORTION_K1,
+    OBSERVATION,
+    Frames,
+    Sensor,
+    observe,
+    sense,
+)
+
+Floats = npt.NDArray[np.float64]
+
+TIMES = np.array([-0.5, 0.0, 0.125, 0.5, 2.0])
+SLOT_OF = {
+    "camera_latency": (CAMERA_LATENCY_TIME,),
+    "camera_scale": (CAMERA_SCALE_PERCENT,),
+    "camera_rotation": (CAMERA_ROTATION_ANGLE,),
+    "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y),
+    "lens_distortion": (LENS_DISTORTION_K1,),
+}
+ON: dict[str, dict[str, float | Floats]] = {
+    "camera_latency": {"time_ms": 60.0},
+    "camera_scale": {"percent": 0.7},
+    "camera_rotation": {"angle_deg": 1.3},
+    "camera_drift": {"x_um_s": 0.4, "y_um_s": -0.2},
+    "lens_distortion": {"k1_per_mm2": 0.01},
+}
+
+
+def motion(runs: int = 3, tips: int = 2) -> tuple[Floats, Floats]:
+    """Some poses and tips, negative zeros among them."""
+    rng = np.random.default_rng(5)
+    poses = rng.uniform(-1e-3, 1e-3, (runs, TIMES.size, 3))
+    probes = rng.uniform(-1e-3, 1e-3, (runs, TIMES.size, tips, 2))
+    poses[0, 1] = -0.0
+    probes[0, 1, 0] = -0.0
+    poses.flags.writeable = probes.flags.writeable = False  # so that writing into them fails
+    return poses, probes
+
+
+def seen(values: dict[str, dict[str, float | Floats]], camera: bool = True) -> tuple[Floats, ...]:
+    poses, probes = motion()
+    return observe(TIMES, poses, probes, Effects(values).table, probes_seen_by_camera=camera)
+
+
+def same_bits(a: Floats, b: Floats) -> bool:
+    return a.shape == b.shape and a.tobytes() == b.tobytes()
+
+
+def test_the_stage_declares_the_five_effects_in_its_block_of_the_table() -> None:
+    assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
+    slots = sorted(slot for group in SLOT_OF.values() for slot in group)
+    assert slots == [80, 81, 82, 83, 84, 85]
+    table = Effects(ON).table[0]
+    expected = [0.06, 0.007, math.radians(1.3), 0.4e-6, -0.2e-6, 1e4]
+    columns = [slot for group in SLOT_OF.values() for slot in group]
+    assert table[columns] == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize("camera", [True, False])
+def test_a_table_of_zeros_changes_no_bit(camera: bool) -> None:
+    poses, probes = motion()
+    out = observe(TIMES, poses, probes, np.zeros((3, SLOTS)), probes_seen_by_camera=camera)
+    assert same_bits(out[0], poses)
+    assert same_bits(out[1], probes)
+    assert not np.shares_memory(out[0], poses)
+
+
+@pytest.mark.parametrize(("on", "off"), list(permutations(ON, 2)))
+def test_an_effect_at_zero_leaves_the_others_bit_for_bit(on: str, off: str) -> None:
+    alone = seen({on: ON[on]})
+    beside = seen({on: ON[on], off: dict.fromkeys(ON[off], 0.0)})
+    run_by_run = seen({on: ON[on], off: {key: np.array([0.09, 0.0, 0.0]) for key in ON[off]}})
+    for k in range(2):
+        assert same_bits(alone[k], beside[k])
+        assert same_bits(alone[k][1:], run_by_run[k][1:])
+        assert not same_bits(alone[k][0], run_by_run[k][0])
+
+
+def test_commanded_tips_are_no_matter_of_the_camera() -> None:
+    poses, probes = motion()
+    out = seen(ON, camera=False)
+    assert same_bits(out[1], probes)
+    assert same_bits(out[0], seen(ON)[0])
+    assert not np.any(out[0] == poses)
+
+
+def test_rotation_scale_lens_and_drift_are_those_of_complex_numbers() -> None:
+    poses, probes = motion()
+    values = {name: given for name, given in ON.items() if name != "camera_latency"}
+    out_poses, out_probes = seen(values)
+    turn = cmath.rect(1.0, math.radians(1.3))
+    for run, k in np.ndindex(3, TIMES.size):
+        points = [poses[run, k, :2], *probes[run, k]]
+        found = [out_poses[run, k, :2], *out_probes[run, k]]
+        for point, image in zip(points, found, strict=True):
+            z = complex(*point) * turn
+            z *= (1.0 + 0.01e6 * abs(z) ** 2) * 1.007
+            z += complex(0.4e-6, -0.2e-6) * float(TIMES[k])
+            assert complex(*image) == pytest.approx(z, abs=1e-17)
+        turned = poses[run, k, 2] + math.radians(1.3)
+        assert out_poses[run, k, 2] == pytest.approx(turned, abs=1e-16)
+
+
+@pytest.mark.parametrize("name", ["camera_scale", "camera_drift", "lens_distortion"])
+def test_scale_drift_and_lens_turn_nothing(name: str) -> None:
+    assert same_bits(seen({name: ON[name]})[0][..., 2], motion()[0][..., 2])
+
+
+def test_the_best_rotation_of_a_small_disc_seen_through_the_lens_is_none() -> None:
+    # by registration of points around the reference point, not by the Jacobian
+    centre, k1 = 0.8e-3 + 0.5e-3j, 0.05
+    ring = 1e-6 * np.exp(2j * np.pi * np.arange(12) / 12)
+    points = np.concatenate(([centre], centre + ring))
+    probes = np.stack((points.real, points.imag), axis=-1)[None, None]
+    table = Effects({"lens_distortion": {"k1_per_mm2": k1}}).table
+    _, out = observe(np.zeros(1), np.zeros((1, 1, 3)), probes, table, probes_seen_by_camera=True)
+    image = out[0, 0, :, 0] + 1j * out[0, 0, :, 1]
+    turn = np.angle(np.sum(np.conj(ring) * (image[1:] - np.mean(image[1:]))))
+    shear = np.angle((image[1] - image[0]) / ring[0])
+    assert abs(turn) < 1e-9 < 1e-3 < abs(shear)
+
+
+def test_latency_on_a_linear_path_is_a_shift_by_speed_times_delay() -> None:
+    times = np.linspace(0.0, 1.0, 41)
+    speed = np.array([75e-6, -20e-6, 0.3])
+    poses = np.array([1e-3, 2e-3, 3.0]) + speed * times[None, :, None]
+    probes = poses[:, :, None, :2].copy()
+    table = Effects({"camera_latency": {"time_ms": 55.0}}).table
+    out, tips = observe(times, poses, probes, table, probes_seen_by_camera=True)
+    late = times >= 0.055
+    assert out[0, late] == pytest.approx(poses[0, late] - speed * 0.055, abs=1e-15)
+    assert np.array_equal(out[0, ~late], np.repeat(poses[0, :1], np.sum(~late), axis=0))
+    assert np.array_equal(tips[0, :, 0], out[0, :, :2])
+
+
+def test_latency_interpolates_between_uneven_samples_run_by_run() -> None:
+    times = np.array([0.0, 1.0, 4.0])
+    poses = np.zeros((3, 3, 3))
+    poses[..., 0] = [0.0, 10.0, 70.0]
+    table = Effects({"camera_latency": {"time_ms": np.array([0.0, 500.0, -1000.0])}}).table
+    out, _ = observe(times, poses, np.zeros((3, 3, 0, 2)), table, probes_seen_by_camera=True)
+    assert out[..., 0].tolist() == [[0.0, 10.0, 70.0], [0.0, 5.0, 60.0], [10.0, 30.0, 70.0]]
+
+
+def test_a_part_at_rest_looks_at_rest_however_late() -> None:
+    times = np.cumsum(np.random.default_rng(1).uniform(0.01, 0.1, 50))
+    poses = np.broadcast_to(np.array([0.1, 0.2, 0.3]), (1, 50, 3))
+    table = Effects({"camera_latency": {"time_ms": 33.0}}).table
+    out, _ = observe(times, poses, np.zeros((1, 50, 0, 2)), table, probes_seen_by_camera=True)
+    assert same_bits(out, poses.copy())
+
+
+def test_one_sample_is_seen_as_it_is() -> None:
+    poses, probes = motion()
+    table = Effects({"camera_latency": {"time_ms": 33.0}}).table
+    out = observe(TIMES[:1], poses[:, :1], probes[:, :1], table, probes_seen_by_camera=True)
+    assert same_bits(out[0], poses[:, :1].copy())
+
+
+def test_a_lens_that_folds_the_image_is_refused() -> None:
+    # at 2 mm and k1 = -0.1/mm²: k1 r² = -0.4, and r (1 + k1 r²) falls with r beyond 1.83 mm
+    table = Effects({"lens_distortion": {"k1_per_mm2": -0.1}}).table
+    poses = np.zeros((1, 1, 3))
+    poses[0, 0, 0] = 1.8e-3
+    probes = np.zeros((1, 1, 0, 2))
+    observe(np.zeros(1), poses, probes, table, probes_seen_by_camera=True)
+    poses[0, 0, 0] = 2e-3
+    with pytest.raises(ValueError, match=r"^lens_distortion: k1 r² = -0.4; must be above -1/3"):
+        observe(np.zeros(1), poses, probes, table, probes_seen_by_camera=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("times", np.array([0.0, 1.0, 1.0, 2.0, 3.0]), "times: 0.0 … 3.0 s; must be finite and"),
+        ("times", np.array([0.0, 1.0, np.nan, 2.0, 3.0]), "times: 0.0 … 3.0 s; must be finite and"),
+        ("times", np.zeros(0), r"times: shape \(0,\); must be \(T,\)"),
+        ("poses", np.zeros((3, 4, 3)), r"poses: shape \(3, 4, 3\); must be \(N, 5, 3\)"),
+        ("probes", np.zeros((2, 5, 1, 2)), r"probes: shape .*; must be \(3, 5, P, 2\)"),
+        ("table", np.zeros((2, SLOTS)), r"effects_table: shape .*; must be \(1, 96\) or \(3, 96\)"),
+    ],
+)
+def test_wrong_arrays_are_refused(name: str, value: Floats, message: str) -> None:
+    poses, probes = motion()
+    given = {"times": TIMES, "poses": poses, "probes": probes, "table": np.zeros((1, SLOTS))}
+    given[name] = value
+    with pytest.raises(ValueError, match=message):
+        observe(*given.values(), probes_seen_by_camera=True)
+
+
+def still(sensor: Sensor, runs: int = 40, duration: float = 20.0, camera: bool = True) -> Frames:
+    """Frames of parts and tips at rest at the origin."""
+    times = np.array([0.0, duration])
+    rng = np.random.default_rng(7)
+    return sense(
+        sensor,
+        times,
+        np.zeros((runs, 2, 3)),
+        np.zeros((runs, 2, 2, 2)),
+        rng,
+        probes_seen_by_camera=camera,
+    )
+
+
+SENSOR = Sensor(position_sigma=1.2e-6, orientation_sigma=1.4e-3, frame_rate=30.0)
+
+
+def test_frames_come_at_the_rate_of_the_camera_from_first_to_last() -> None:
+    frames = still(SENSOR, runs=1, duration=2.0).times
+    assert frames.size == 61
+    assert frames == pytest.approx(np.arange(61) / 30.0, rel=1e-15)
+    assert still(SENSOR, runs=1, duration=1.99).times.size == 60
+    fast = Sensor(position_sigma=0.0, orientation_sigma=0.0, frame_rate=100.0)
+    assert 0.29 * 100.0 < 29.0  # in doubles, but the frame at the end is there
+    assert still(fast, runs=1, duration=0.29).times.size == 30
+
+
+def test_a_perfect_sensor_shows_the_motion_between_the_samples() -> None:
+    perfect = Sensor(position_sigma=0.0, orientation_sigma=0.0, frame_rate=4.0)
+    times = np.array([1.0, 2.0, 4.0])
+    poses = np.array([[[0.0, 0.0, 0.0], [4.0, 8.0, 1.0], [4.0, 0.0, 5.0]]])
+    rng = np.random.default_rng(0)
+    frames = sense(perfect, times, poses, poses[:, :, None, :2], rng, probes_seen_by_camera=True)
+    assert frames.times.tolist() == [1 + k / 4 for k in range(13)]
+    assert frames.poses[0, 2].tolist() == [2.0, 4.0, 0.5]  # halfway through the first second
+    assert frames.poses[0, 6].tolist() == [4.0, 6.0, 2.0]  # a quarter of the way from 2 s to 4 s
+    assert np.array_equal(frames.probes[:, :, 0], frames.poses[..., :2])
+
+
+def test_white_noise_has_the_stated_deviation_and_no_memory() -> None:
+    frames = still(SENSOR)
+    count = frames.poses[..., 0].size  # 24040: five deviations of a deviation are 2.3 %
+    for noise, sigma in (
+        (frames.poses[..., 0], 1.2e-6),
+        (frames.poses[..., 1], 1.2e-6),
+        (frames.poses[..., 2], 1.4e-3),
+        (frames.probes[..., 1, 0], 1.2e-6),
+    ):
+        assert np.std(noise) == pytest.approx(sigma, rel=5.0 / math.sqrt(2 * count))
+        assert abs(np.mean(noise)) < 5.0 * sigma / math.sqrt(count)
+        lag = np.mean(noise[:, 1:] * noise[:, :-1]) / sigma**2
+        assert abs(lag) < 5.0 / math.sqrt(count)
+    across = np.mean(frames.poses[..., 0] * frames.poses[..., 1]) / 1.2e-6**2
+    assert abs(across) < 5.0 / math.sqrt(count)
+
+
+def test_coloured_noise_is_stationary_and_forgets_at_its_rate() -> None:
+    coloured = Sensor(
+        position_sigma=1e-6, orientation_sigma=1e-3, frame_rate=30.0, correlation_time=0.2
+    )
+    noise = still(coloured, runs=4000, duration=1.0).poses[..., 0] / 1e-6
+    for frame in (0, 1, 10, 30):  # stationary from the first frame
+        assert np.std(noise[:, frame]) == pytest.approx(1.0, rel=5.0 / math.sqrt(8000))
+    for lag in (1, 6, 12):
+        expected = math.exp(-lag / 30.0 / 0.2)
+        assert np.mean(noise[:, 5] * noise[:, 5 + lag]) == pytest.approx(expected, abs=0.08)
+    one = np.mean(noise[:, 1:] * noise[:, :-1])
+    assert one == pytest.approx(math.exp(-1.0 / 6.0), abs=0.02)
+
+
+def test_lost_frames_are_nan_throughout_and_as_frequent_as_stated() -> None:
+    lossy = Sensor(position_sigma=1e-6, orientation_sigma=1e-3, frame_rate=30.0, dropout=0.1)
+    frames = still(lossy)
+    lost = np.isnan(frames.poses[..., 0])
+    deviation = math.sqrt(0.1 * 0.9 / lost.size)
+    assert np.mean(lost) == pytest.approx(0.1, abs=5 * deviation)
+    in_a_row = np.mean(lost[:, 1:] & lost[:, :-1])
+    assert in_a_row == pytest.approx(0.01, abs=5 * math.sqrt(0.01 / lost.size))
+    assert np.array_equal(np.isnan(frames.poses), np.repeat(lost[..., None], 3, axis=-1))
+    assert np.array_equal(np.isnan(frames.probes).all(axis=(2, 3)), lost)
+    whole = still(Sensor(position_sigma=1e-6, orientation_sigma=1e-3, frame_rate=30.0))
+    assert np.array_equal(frames.poses[~lost], whole.poses[~lost])
+
+
+def test_commanded_tips_have_no_noise() -> None:
+    frames = still(SENSOR, camera=False)
+    assert not np.any(frames.probes)
+    assert np.all(frames.poses)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("position_sigma", -1e-6, "sensor.position_sigma: -1e-06; must be finite and not negative"),
+        ("orientation_sigma", math.nan, "sensor.orientation_sigma: nan; must be finite"),
+        ("correlation_time", math.inf, "sensor.correlation_time: inf; must be finite"),
+        ("frame_rate", 0.0, "sensor.frame_rate: 0.0 Hz; must be positive"),
+        ("frame_rate", math.nan, "sensor.frame_rate: nan Hz; must be positive"),
+        ("dropout", 1.5, r"sensor.dropout: 1.5; must be in 0 … 1"),
+    ],
+)
+def test_a_sensor_that_cannot_be_is_refused(field: str, value: float, message: str) -> None:
+    given = {"position_sigma": 0.0, "orientation_sigma": 0.0, "frame_rate": 30.0, field: value}
+    with pytest.raises(ValueError, match=message):
+        Sensor(**given)
