@@ -23,6 +23,7 @@ from meso_robust.certificates.document import (
     exact_box,
     in_um_deg,
     margin_document,
+    sealed,
     step_document,
     undecided_document,
 )
@@ -38,9 +39,6 @@ Doing = Callable[[str], AbstractContextManager[None]]
 
 def _quietly(_: str) -> AbstractContextManager[None]:
     return nullcontext()
-
-
-KNOTS = 24  # slices of the rotation's tube that are drawn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -81,7 +79,7 @@ class SimulatorContradictsProofError(RuntimeError):
 
 
 def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planned:
-    """Run all stages.
+    """Find a plan and judge it.
 
     Parameters
     ----------
@@ -99,11 +97,29 @@ def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planne
     SimulatorContradictsProofError
         The simulator and the proof disagree.
     """
-    setup = setup_of(task)
     with doing("searching a plan (the first run compiles kernels: about a minute)"):
         found = compose(task)
+    return judge(task, found, samples, seed, doing)
+
+
+def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = _quietly) -> Planned:
+    """Certify a plan, search its margin, simulate it.
+
+    Parameters
+    ----------
+    task, found
+        The task and the plan for it, whoever made it.
+    samples, seed, doing
+        As for :func:`make`.
+
+    Raises
+    ------
+    SimulatorContradictsProofError
+        The simulator and the proof disagree.
+    """
+    setup = setup_of(task)
     with doing("certifying"):
-        chain = certify(found.rules, setup, knots=KNOTS)
+        chain = certify(found.rules, setup)
     with doing("searching the margin"):
         bears = margin(found.rules, task)
     with doing(f"simulating {samples} runs"):
@@ -150,7 +166,7 @@ def _certificate(
     verdict, witness = chain.verdict, None
     if verdict is Verdict.UNKNOWN and confirmed(found.rules, setup, check):
         verdict, witness = Verdict.REFUTED, _witness(check)
-    return CertificateDocument(
+    document = CertificateDocument(
         verdict=verdict.word,
         task=task.name,
         task_hash=task.hash,
@@ -165,6 +181,7 @@ def _certificate(
         simulation=_simulation(check),
         made_with=_made_with(check.seed),
     )
+    return sealed(document)
 
 
 def _simulation(check: CrossCheck) -> SimulationDocument:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -34,6 +35,11 @@ class _Section(BaseModel):
 def _ordered(key: str, ends: Range) -> None:
     if not ends[0] <= ends[1]:
         raise ValueError(f"{key} = {list(ends)}: the lower end must not exceed the upper one")
+
+
+def _exact(value: float) -> Fraction:
+    """The decimal number that a user wrote."""
+    return Fraction(repr(value))
 
 
 class Part(_Section):
@@ -119,6 +125,46 @@ class Plan(_Section):
     """Y-translations before the rotation, even if the start lies in the band of Step 1 already."""
 
 
+class Slot(_Section):
+    """The hole of the peg-in-the-hole task (Fig. 1): two side walls and an end, at rest."""
+
+    mouth_x_um: Coordinate
+    mouth_y_um: Coordinate
+    """Middle of the mouth, um."""
+    opens: Literal["+x", "+y", "-x", "-y"]
+    """Direction in which the slot is open."""
+    width_um: Length
+    """Distance of the side walls, um."""
+    depth_um: Length
+    """From the mouth to the end, um."""
+    wall_um: Length
+    """Thickness of the walls, um."""
+    friction: Friction
+    """Friction coefficient between wall and part."""
+
+    @property
+    def outline_um(self) -> tuple[tuple[Fraction, Fraction], ...]:
+        """Corners of the solid around the slot, counter-clockwise, um, exactly as stated."""
+        half, wall, deep = _exact(self.width_um) / 2, _exact(self.wall_um), _exact(self.depth_um)
+        zero, out, back = Fraction(0), half + wall, deep + wall
+        own = [(zero, half), (zero, out), (-back, out), (-back, -out), (zero, -out), (zero, -half)]
+        return tuple(self._placed(x, y) for x, y in [*own, (-deep, -half), (-deep, half)])
+
+    @property
+    def blocks_um(self) -> tuple[tuple[Fraction, Fraction, Fraction, Fraction], ...]:
+        """The same solid as rectangles (x from, x to, y from, y to), um."""
+        c = self.outline_um
+        sides = ((c[0], c[2]), (c[5], c[3]), (c[6], c[2]))  # overlapping at the end's corners
+        return tuple(
+            (min(a[0], b[0]), max(a[0], b[0]), min(a[1], b[1]), max(a[1], b[1])) for a, b in sides
+        )
+
+    def _placed(self, x: Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
+        """A point from axes in which the slot opens to +x."""
+        turned = {"+x": (x, y), "+y": (-y, x), "-x": (-x, -y), "-y": (y, -x)}[self.opens]
+        return _exact(self.mouth_x_um) + turned[0], _exact(self.mouth_y_um) + turned[1]
+
+
 class Task(_Section):
     """One assembly task."""
 
@@ -131,11 +177,14 @@ class Task(_Section):
     probe: Probe
     uncertainty: Uncertainty
     plan: Plan
+    slot: Slot | None = None
+    """What the part is inserted into, if it is not the bare goal."""
 
     @property
     def hash(self) -> str:
         """SHA-256 of the task's values, independent of layout and comments."""
-        text = json.dumps(self.model_dump(mode="json", by_alias=True), sort_keys=True)
+        values = self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        text = json.dumps(values, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -75,6 +75,10 @@ class Interval:
         """Whether every number of this interval lies in ``other``."""
         return other.lo <= self.lo and self.hi <= other.hi
 
+    def meets(self, other: Interval) -> bool:
+        """Whether the two have a number in common."""
+        return self.lo <= other.hi and other.lo <= self.hi
+
     def hull(self, other: Interval) -> Interval:
         """The smallest interval that holds both."""
         return Interval(min(self.lo, other.lo), max(self.hi, other.hi))

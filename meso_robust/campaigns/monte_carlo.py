@@ -13,9 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.campaigns.draws import Draws
+from meso_robust.campaigns.engines import Engine, push_all
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.simulator import Outcome, Push, simulate
+from meso_robust.simulator import Fixture, Outcome, Push
+from meso_robust.units import UM
 
 Floats = npt.NDArray[np.float64]
 
@@ -38,9 +40,13 @@ class MoveRun:
     path: Floats
     """(N, record + 1, 3) poses during the move."""
     modes: npt.NDArray[np.int8]
-    """(N, record + 1, P) contact mode of each tip during the move; see `PushResult.modes`."""
+    """(N, record + 1, P) contact mode of each tip during the move; see `PushResult.modes`.
+    ``NOT_RECORDED`` by the event-driven engine."""
     after: Floats
     """(N, 3) true poses."""
+    phases: npt.NDArray[np.int64] | None = None
+    """(N,) intervals of constant contact modes, if the event-driven engine made the run; 0 for a
+    run that had ended before."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,6 +77,7 @@ def run(
     *,
     record: int = 0,
     step: float = STEP,
+    engine: Engine = "stepper",
 ) -> PlanRun:
     """Run the plan once for every row of ``draws``.
 
@@ -83,7 +90,9 @@ def run(
     record
         Intervals of the path to keep of each move.
     step
-        Longest probe displacement of a simulation step, m.
+        Longest probe displacement of a simulation step, m; the event-driven engine takes none.
+    engine
+        Which engine of the simulator makes the moves.
     """
     poses = draws.start.copy()
     outcomes = np.full(len(poses), Outcome.COMPLETED, dtype=np.int8)
@@ -98,8 +107,9 @@ def run(
         alive &= ~inside
         after, path = poses.copy(), np.repeat(poses[:, None], record + 1, axis=1)
         modes = np.zeros((len(poses), record + 1, tips.shape[1]), dtype=np.int8)
+        phases = np.zeros(len(poses), dtype=np.int64)
         if alive.any():
-            result = simulate(
+            result = push_all(
                 Push.straight(
                     vertices=rectangle(setup),
                     poses=poses[alive],
@@ -108,12 +118,15 @@ def run(
                     friction=draws.friction[alive],
                     film_ratio=draws.film_ratio[alive],
                     step=step,
+                    fixture=walls(setup),
                 ),
-                record=record,
+                engine,
+                record,
             )
             after[alive], outcomes[alive] = result.poses, result.outcomes
             if record:
                 path[alive], modes[alive] = result.path, result.modes
+            phases[alive] = result.phases
             failed_in[alive & (outcomes != Outcome.COMPLETED)] = k
         moves.append(
             MoveRun(
@@ -124,10 +137,19 @@ def run(
                 path=path,
                 modes=modes,
                 after=after,
+                phases=phases if engine == "events" else None,
             )
         )
         poses = after
     return PlanRun(moves=tuple(moves), outcomes=outcomes, failed_in=failed_in)
+
+
+def walls(setup: Setup) -> Fixture:
+    """The walls of the task's slot, if it has one."""
+    if setup.slot is None:
+        return Fixture()
+    outline = np.array(setup.slot.outline_um, dtype=np.float64) * UM
+    return Fixture((outline,), setup.slot.friction)
 
 
 def rectangle(setup: Setup) -> Floats:
@@ -140,23 +162,9 @@ def _commands(
     rule: MoveRule, sensed: Floats, draws: Draws, k: int, setup: Setup
 ) -> tuple[Floats, Floats]:
     """True tip positions at the start and their travel: commands plus the probes' errors."""
-    middle = np.stack(
-        [rule.dual.x.command(sensed[:, 0]), rule.dual.y.command(sensed[:, 1])], axis=1
-    )
-    end = rule.dual_end.command(sensed[:, 0])
-    up = 0.5 * setup.spacing.mid
-    # a positive misalignment puts the upper tip ahead, towards -x
-    upper = np.stack([-up * np.tan(draws.misalignment), np.full(len(sensed), up)], axis=1)
-    tips = [middle + draws.dual[:, k] + upper, middle + draws.dual[:, k] - upper]
-    push = np.stack([end - middle[:, 0], np.zeros(len(sensed))], axis=1)
-    travel = [push, push]
-    if rule.single is not None:
-        passive = np.stack(
-            [rule.single.x.command(sensed[:, 0]), rule.single.y.command(sensed[:, 1])], axis=1
-        )
-        tips.append(passive + draws.single[:, k])
-        travel.append(np.zeros_like(push))
-    return np.stack(tips, axis=1), np.stack(travel, axis=1)
+    commanded = rule.commands(sensed, setup.spacing.mid, draws.misalignment)
+    errors = [draws.dual[:, k], draws.dual[:, k], draws.single[:, k]][: commanded.tips.shape[1]]
+    return commanded.tips + np.stack(errors, axis=1), commanded.travel
 
 
 def _starts_inside(tips: Floats, poses: Floats, setup: Setup) -> npt.NDArray[np.bool_]:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from meso_robust.bounds import Interval
 from meso_robust.campaigns.draws import Draws, draw
+from meso_robust.campaigns.engines import Engine
 from meso_robust.campaigns.monte_carlo import STEP, PlanRun, run
 from meso_robust.planning.document import NAMES
 from meso_robust.primitives.move import MoveRule
@@ -105,6 +106,8 @@ class Feedback:
 
     rules: tuple[MoveRule, ...]
     setup: Setup
+    engine: Engine = "stepper"
+    """Which engine of the simulator makes the moves."""
 
     @property
     def kind(self) -> str:
@@ -140,7 +143,8 @@ class Feedback:
 
     def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
         """Run the policy once for every row."""
-        return run(self.rules, self.setup, self.draws_of(rows), record=record, step=step)
+        draws = self.draws_of(rows)
+        return run(self.rules, self.setup, draws, record=record, step=step, engine=self.engine)
 
     def rows_of(self, draws: Draws) -> Floats:
         """(N, D) draws as rows, number for number."""

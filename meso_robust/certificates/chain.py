@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from meso_robust.bounds import Verdict
+from meso_robust.primitives.certify import Before, certify_move
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Obligation, Step
-from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.certificates.grid import on_grid
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.straighten import certify_straighten
-from meso_robust.primitives.tilt import Turn, certify_tilt
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,32 +49,27 @@ class Chain:
         return None
 
 
-def certify(
-    rules: Sequence[MoveRule], setup: Setup, *, knots: int = 0, whole: bool = True
-) -> Chain:
+def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> Chain:
     """Certify ``rules`` from every start in ``setup.start``.
+
+    What a move can leave is widened to a decimal grid before the next one starts from it.
 
     Parameters
     ----------
     rules, setup
         The moves in order, the task.
-    knots
-        Slices of the rotation's tube to keep for drawing.
     whole
         False: stop at the first step that is not proved, for a search that asks no more.
     """
     state: PoseBox | None = setup.start
     steps: list[Step] = []
-    turn: Turn | None = None
+    before: Before | None = None
     for rule in rules:
         if state is None or not (whole or all(s.verdict is Verdict.PROVED for s in steps[-1:])):
             break
-        if rule.action == "tilt":
-            step, turn = certify_tilt(rule, state, setup)
-        elif rule.action == "rotate":
-            step, turn = certify_rotation(rule, state, setup, knots=knots), None
-        else:
-            step, turn = certify_straighten(rule, state, setup, turn), None
+        step, before = certify_move(rule, state, setup, before)
+        if step.post is not None:
+            step = replace(step, post=on_grid(step.post))
         steps.append(step)
         state = step.post
     complete = 0 < len(steps) == len(rules) and state is not None

@@ -11,6 +11,7 @@ import traceback
 
 import typer
 
+from meso_robust.cli.certify import certify
 from meso_robust.cli.derive import derive
 from meso_robust.cli.plan import plan
 from meso_robust.cli.schema import schema
@@ -23,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (plan, simulate, derive, schema):
+for verb in (plan, certify, simulate, derive, schema):
     app.command()(verb)
 
 

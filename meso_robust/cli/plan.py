@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
+
+if TYPE_CHECKING:
+    from meso_robust.job import Planned
 
 
 def plan(
@@ -41,7 +44,7 @@ def _plan(
     quiet: bool,
     say: Reporter,
 ) -> None:
-    from meso_robust.files import check_folder, write_all
+    from meso_robust.files import check_folder
     from meso_robust.task import load_task
     from meso_robust.tasks import PAPER
 
@@ -49,22 +52,31 @@ def _plan(
     check_folder(out)
 
     from meso_robust.job import make
-    from meso_robust.reporting.page import report
 
     result = make(task, samples, seed, say.doing)
+    write(result, out, say)
+    tell(result, out, as_json, quiet)
+
+
+def write(result: Planned, out: Path, say: Reporter) -> None:
+    """Write plan, certificate and report, all or none."""
+    from meso_robust.files import write_all
+    from meso_robust.reporting.page import report
+
     with say.doing("writing the report"):
         page = report(result)
-    certificate = result.certificate.model_dump_json(by_alias=True, indent=2) + "\n"
-    write_all(
-        out,
-        {
-            "plan.json": result.plan.model_dump_json(by_alias=True, indent=2) + "\n",
-            "certificate.json": certificate,
-            "report.html": page,
-        },
-    )
+    documents = {"plan.json": result.plan, "certificate.json": result.certificate}
+    texts = {
+        name: document.model_dump_json(by_alias=True, indent=2) + "\n"
+        for name, document in documents.items()
+    }
+    write_all(out, {**texts, "report.html": page})
+
+
+def tell(result: Planned, out: Path, as_json: bool, quiet: bool) -> None:
+    """Print the answer; ends with exit status 1 unless it is PROVED."""
     if as_json:
-        print(certificate, end="")
+        print(result.certificate.model_dump_json(by_alias=True, indent=2))
     elif not quiet:
         print(result.summary)
         print(f"report: {out / 'report.html'}")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.rotation import rotate_and_insert
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
+from meso_robust.primitives.certify import Before, certify_move
+from meso_robust.primitives.frame import HEADINGS, Frame
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
@@ -35,9 +39,17 @@ class Found:
     only: str | None = None
     """The one uncertainty that was scaled, None for all."""
 
+    advice: str = (
+        "the plan is robust away from the slot: widen the slot, or start further from its mouth, so "
+        "that the part is straight before it enters"
+    )
+    """What to do if the plan is robust where it was searched and still not certified."""
+
     @property
     def settled_by(self) -> str:
         """What a user can do if the plan is not certified for the task."""
+        if self.scale >= 1.0:
+            return self.advice
         if self.only is None:
             return (
                 f"a robust plan was found with all uncertainties scaled by {self.scale}: narrow "
@@ -60,33 +72,92 @@ def compose(task: Task) -> Found:
     NotApplicableError
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
-    turns = _quarter_turns(setup_of(task))
+    ways = _ways(setup_of(task))
     for scale in IN_HAND:
-        rules = _rules(task, turns, scale, None)
+        rules = _rules(task, ways, scale, None)
         if rules is not None:
             return Found(rules=rules, scale=scale)
-    last = _rules(task, turns, REDUCED[-1], None)
+    last = _rules(task, ways, REDUCED[-1], None)
     if last is None:
         raise NotApplicableError(
             "no robust plan was found, even with all uncertainties scaled by "
             f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
             f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
-            "start further from the goal in +x, or closer to it in y, or widen the goal"
+            "start further from the goal, or closer to the line through it along which the probe "
+            "pushes, or widen the goal"
         )
     attempts: list[tuple[float, str | None]] = [
         *((NARROWED, field.name) for field in fields(Uncertainty)),
         *((scale, None) for scale in REDUCED[:-1]),
     ]
     for scale, only in attempts:
-        rules = _rules(task, turns, scale, only)
+        rules = _rules(task, ways, scale, only)
         if rules is not None:
             return Found(rules=rules, scale=scale, only=only)
     return Found(rules=last, scale=REDUCED[-1])
 
 
-def _rules(task: Task, turns: int, scale: float, only: str | None) -> tuple[MoveRule, ...] | None:
-    steps = _compose(task, setup_of(task, scale, only), turns)
-    return None if steps is None else tuple(step.rule for step in steps)
+def _rules(
+    task: Task, ways: Sequence[_Way], scale: float, only: str | None
+) -> tuple[MoveRule, ...] | None:
+    setup, found = setup_of(task, scale, only), []
+    for way in ways:
+        steps = _compose(task, way.frame.setup(setup), way.turns)
+        if steps is not None:
+            found.append(tuple(replace(step.rule, frame=way.frame) for step in steps))
+            if not setup.blocks or _clear(found[-1], setup):
+                return found[-1]
+    return found[0] if found else None
+
+
+def _clear(rules: Sequence[MoveRule], setup: Setup) -> bool:
+    """Whether a plan that is robust in the open is so in front of the slot."""
+    state: PoseBox | None = setup.start
+    before: Before | None = None
+    for rule in rules:
+        if state is None:
+            return False
+        step, before = certify_move(rule, state, setup, before)
+        if step.verdict is not Verdict.PROVED:
+            return False
+        state = step.post
+    return True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Way:
+    """Axes that a plan can be composed in, and the quarter turns that it must make there."""
+
+    frame: Frame
+    turns: int
+    ahead: float
+    """How far the goal lies ahead of the start, m."""
+
+
+def _ways(setup: Setup) -> list[_Way]:
+    """The directions in which the part can be pushed to the goal, the longest way first.
+
+    Raises
+    ------
+    NotApplicableError
+        There is none; the reason is that of a push along -x.
+    """
+    found, refused = [], []
+    for heading, mirrored in itertools.product(HEADINGS, (False, True)):
+        frame = Frame(heading=heading, mirrored=mirrored)
+        there = frame.setup(setup)
+        try:
+            turns = _quarter_turns(there)
+        except NotApplicableError as error:
+            refused.append(error)
+            continue
+        ahead = there.start.x.mid - there.goal.x.mid
+        if turns != 0 or not mirrored:  # a mirrored push without a turn is the same push
+            found.append(_Way(frame=frame, turns=turns, ahead=ahead))
+    if not found:
+        raise refused[0]
+    forward = [way for way in found if way.ahead > 0.0]
+    return sorted(forward or found, key=lambda way: -way.ahead)
 
 
 def _quarter_turns(setup: Setup) -> int:
@@ -102,8 +173,8 @@ def _quarter_turns(setup: Setup) -> int:
     degrees = math.degrees(goal - start)
     if turns not in (0, 1):
         raise NotApplicableError(
-            f"the goal is {degrees:.1f} deg from the start: the rotation primitive turns "
-            "counter-clockwise by one quarter only; give a start within it"
+            f"the goal is {degrees:.1f} deg from the start: a rotation turns the part by one "
+            "quarter only; give a start within it"
         )
     if turns == 1 and setup.edge(start).name != "long":
         raise NotApplicableError(
@@ -113,7 +184,7 @@ def _quarter_turns(setup: Setup) -> int:
     if abs(off) > math.radians(20.0):
         raise NotApplicableError(
             f"the part stands {math.degrees(off):.1f} deg from upright to the probe, and no "
-            "primitive is certified beyond 20 deg; start with an edge facing +x"
+            "primitive is certified beyond 20 deg; start with an edge facing the probe"
         )
     return turns
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust import units
+from meso_robust.primitives.frame import Heading
 from meso_robust.primitives.move import Action, Aim, MoveRule
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.task import Task
@@ -42,6 +43,10 @@ class RuleDocument(_Model):
     dual_end_x: AimDocument
     single_x: AimDocument | None = None
     single_y: AimDocument | None = None
+    heading: Heading = "-x"
+    """Where the push goes; the offsets are along and across it, in axes turned by as much."""
+    mirrored: bool = False
+    """Whether the y axis of these axes is mirrored."""
 
 
 class ProbeDocument(_Model):
@@ -128,31 +133,30 @@ def _rule(rule: MoveRule) -> RuleDocument:
         dual_end_x=_aim(rule.dual_end),
         single_x=None if single is None else _aim(single.x),
         single_y=None if single is None else _aim(single.y),
+        heading=rule.frame.heading,
+        mirrored=rule.frame.mirrored,
     )
 
 
 def _move(task: Task, rule: MoveRule, pose: Floats, post: PoseBox | None) -> MoveDocument:
-    x, y = rule.dual.x.command(pose[0]), rule.dual.y.command(pose[1])
-    end = rule.dual_end.command(pose[0])
-    up = 0.5 * task.probe.tip_spacing_um * units.UM
-    points = [(x, y + up), (x, y - up)]
-    if rule.single is not None:
-        points.append((rule.single.x.command(pose[0]), rule.single.y.command(pose[1])))
+    spacing = task.probe.tip_spacing_um * units.UM
+    commands = rule.commands(pose[None], spacing, np.zeros(1))
     return MoveDocument(
         step=rule.step,
         primitive=rule.primitive,
         probes=tuple(
-            ProbeDocument(name=name, start_um=_um(*point), passive=name == "stp")
-            for name, point in zip(NAMES, points, strict=False)
+            ProbeDocument(name=name, start_um=_um(point), passive=name == "stp")
+            for name, point in zip(NAMES, commands.tips[0], strict=False)
         ),
-        travel_um=_um(end - x, np.zeros(())),
+        travel_um=_um(commands.travel[0, 0]),
         speed_um_s=task.probe.speed_um_s,
         expect=None if post is None else box_document(post),
     )
 
 
-def _um(x: Floats, y: Floats) -> Pair:
-    return round(float(x) / units.UM, 4), round(float(y) / units.UM, 4)
+def _um(point: Floats) -> Pair:
+    x, y = (round(float(value) / units.UM, 4) + 0.0 for value in point)
+    return x, y
 
 
 def box_document(box: PoseBox) -> BoxDocument:

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from meso_robust.errors import InputError
 from meso_robust.planning.document import AimDocument, MoveDocument, PlanDocument, RuleDocument
+from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import Aim, Anchor, MoveRule, Point
 from meso_robust.task import Task
 
@@ -134,11 +135,24 @@ def _numbers(value: Any, key: str) -> Iterator[tuple[str, float]]:
 
 
 def _wrong_rule(rule: RuleDocument, key: str) -> Iterator[str]:
-    if rule.side not in (-1, 0, 1):
-        yield f"{key}.side = {rule.side}: must be -1, 0 or 1"
     if (rule.single_x is None) != (rule.single_y is None):
         absent = "single_x" if rule.single_x is None else "single_y"
         yield f"{key}.{absent} = null: must be given with the other one, or both null"
+    yield from _wrong_for_action(rule, key)
+
+
+def _wrong_for_action(rule: RuleDocument, key: str) -> Iterator[str]:
+    """What the certified motion of the rule's action is not made for."""
+    sides = {"tilt": (-1, 1), "rotate": (1,)}.get(rule.action, (0,))
+    if rule.side not in sides:
+        yield f"{key}.side = {rule.side}: must be one of {list(sides)} for action {rule.action!r}"
+    if (rule.single_x is not None) != (rule.action == "rotate"):
+        yield f"{key}.single_x: action {rule.action!r} needs it for a rotation, and null otherwise"
+    elif rule.single_x is not None and rule.single_x.relative_to != rule.dual_end_x.relative_to:
+        yield (
+            f"{key}.single_x.relative_to = {rule.single_x.relative_to!r}: must be that of dual_end_x, "
+            f"{rule.dual_end_x.relative_to!r}, since their distance decides how far the part turns"
+        )
 
 
 def _wrong_move(move: MoveDocument, key: str) -> Iterator[str]:
@@ -169,6 +183,7 @@ def _rule(rule: RuleDocument) -> MoveRule:
         dual=Point(x=_aim(rule.dual_x), y=_aim(rule.dual_y)),
         dual_end=_aim(rule.dual_end_x),
         single=single,
+        frame=Frame(heading=rule.heading, mirrored=rule.mirrored),
     )
 
 

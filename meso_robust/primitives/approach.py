@@ -9,7 +9,7 @@ from meso_robust.admissibility import condition
 from meso_robust.bounds import Interval, enclose
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
-from meso_robust.primitives.obligation import Obligation, require
+from meso_robust.primitives.obligation import Knot, Obligation, require
 from meso_robust.primitives.setup import Edge, PoseBox, Setup
 from meso_robust.primitives.tips import Tip
 
@@ -89,6 +89,7 @@ class Touch:
     y: Interval
     active_offset: Interval
     obligations: tuple[Obligation, ...]
+    tube: tuple[Knot, ...]
 
 
 def approach(pair: Pair, start: Interval, pre: PoseBox, edge: Edge, setup: Setup) -> Touch | None:
@@ -107,12 +108,14 @@ def approach(pair: Pair, start: Interval, pre: PoseBox, edge: Edge, setup: Setup
         )[0],
     )
     touched: list[_Alone] = []
+    tube: list[Knot] = []
     visited: dict[str, Interval] = {}
     for _ in range(MOST_APPROACH_STEPS):
         step = _alone_step(state, pair, edge, setup)
         if step is None:
             return None
         state, swept, box = step
+        tube.append(Knot(stage="the active tip pushes alone", box=_poses(swept, pre, edge)))
         visited = {key: side.hull(visited.get(key, side)) for key, side in box.items()}
         if swept.gap.lo <= 0.0:
             touched.append(swept)
@@ -129,8 +132,13 @@ def approach(pair: Pair, start: Interval, pre: PoseBox, edge: Edge, setup: Setup
                         ("only_solution", "its motion, sticking or slipping, is unique until then"),
                     )
                 ),
+                tube=tuple(tube),
             )
     return None
+
+
+def _poses(states: _Alone, pre: PoseBox, edge: Edge) -> PoseBox:
+    return PoseBox(x=pre.x + states.x, y=pre.y + states.y, theta=edge.orientation(states.theta))
 
 
 def _alone_step(

@@ -11,11 +11,12 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval
+from meso_robust.primitives.frame import WORLD, Frame
 
 Floats = npt.NDArray[np.float64]
 
 
-Action = Literal["tilt", "straighten", "rotate"]
+Action = Literal["tilt", "straighten", "rotate", "regrasp"]
 
 
 class Anchor(Enum):
@@ -77,21 +78,64 @@ class Point:
     y: Aim
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Commands:
+    """Commanded positions of N runs of a move, world frame."""
+
+    tips: Floats
+    """(N, P, 2) at the start: upper, lower (in the move's axes) and, if present, passive tip, m."""
+    travel: Floats
+    """(N, P, 2) displacement of the tips, m."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MoveRule:
-    """One move of the policy: the dual-tip probe travels along -x, the single tip rests."""
+    """One move of the policy: the dual-tip probe travels along its -x, the single tip rests.
+
+    All coordinates are in the axes of ``frame``.
+    """
 
     step: int
     """Step of the paper's algorithm (1 to 4) that the move belongs to."""
     primitive: str
     """y_translation, rotation or x_translation."""
     action: Action
-    """tilt, straighten or rotate: which certified motion the move is."""
+    """tilt, straighten, rotate or regrasp: which certified motion the move is."""
     side: int
-    """tilt, rotate: +1 turns the part counter-clockwise, -1 clockwise; straighten: 0."""
+    """tilt, rotate: +1 turns the part counter-clockwise, -1 clockwise; else 0."""
     dual: Point
     """Middle of the two tips at the start; the tips lie half the spacing above and below it."""
     dual_end: Aim
     """x of that middle at the end of the travel."""
     single: Point | None = None
     """The passive tip, if it is in the plane."""
+    frame: Frame = WORLD
+
+    def commands(self, sensed: Floats, spacing: float, misalignment: Floats) -> Commands:
+        """Where the probes go when ``sensed`` is the pose before the move.
+
+        Parameters
+        ----------
+        sensed
+            (N, 3) sensed poses, m and rad, world frame.
+        spacing
+            Distance of the two tips across the push, m.
+        misalignment
+            (N,) angle beta of the pair in the world's axes, rad; positive: upper tip ahead.
+        """
+        own = self.frame.sensed(sensed)
+        x, y = own[:, 0], own[:, 1]
+        start = np.stack([self.dual.x.command(x), self.dual.y.command(y)], axis=1)
+        beta = -misalignment if self.frame.mirrored else misalignment
+        # a positive misalignment puts the upper tip ahead, towards -x
+        upper = 0.5 * spacing * np.stack([-np.tan(beta), np.ones_like(beta)], axis=1)
+        push = np.stack([self.dual_end.command(x) - start[:, 0], np.zeros_like(x)], axis=1)
+        tips, travel = [start + upper, start - upper], [push, push]
+        if self.single is not None:
+            passive = [self.single.x.command(x), self.single.y.command(y)]
+            tips.append(np.stack(passive, axis=1))
+            travel.append(np.zeros_like(push))
+        return Commands(
+            tips=self.frame.to_world(np.stack(tips, axis=1)),
+            travel=self.frame.to_world(np.stack(travel, axis=1)),
+        )

@@ -23,20 +23,29 @@ from meso_robust.primitives.approach import MODULE, Pair, Touch, approach
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.setup import Edge, PoseBox, Setup
-from meso_robust.primitives.tips import HALF, Tip, free_at_start, in_flight, on_edge, passes, tip_of
+from meso_robust.primitives.tips import (
+    HALF,
+    Tip,
+    comes_free,
+    free_at_start,
+    in_flight,
+    on_edge,
+    passes,
+    tip_of,
+    way_back,
+)
 
 PI = HALF_PI + HALF_PI
+SLICES = 24  # of the tube that is told
 
 
-def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, knots: int = 0) -> Step:
+def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     """Certify a counter-clockwise two-sided rotation from every pose in ``pre``.
 
     Parameters
     ----------
     rule, pre, setup
         The move (``side`` = 1, with a passive tip), all poses before it, the task.
-    knots
-        How many slices of the tube to keep for drawing.
 
     Raises
     ------
@@ -84,7 +93,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, knots: int =
     if post is None:
         return _step(rule, pre, None, [*obligations, _undecided("the end can be enclosed")])
     obligations += _idle_tip_clear(start, touch, post, tube, pair, edge, setup)
-    return _step(rule, pre, post, obligations, _knots(pair, tube, edge, knots))
+    obligations.append(comes_free("two tips come", edge.angle(post.theta)))
+    knots = (*touch.tube, *_knots(pair, tube, edge))
+    return _step(rule, pre, post, obligations, knots)
 
 
 def _pair(rule: MoveRule, active: Tip, pre: PoseBox, setup: Setup) -> Pair:
@@ -188,13 +199,15 @@ def _idle_tip_clear(
     offset = _active_offset(tube, early, pair, edge).hull(touch.active_offset)
     flight = in_flight(pair.active, sticking.contact_reach(start, edge.depth, pair.active.rise))
     upright = start.hull(touch.theta).hull(turned)
-    leaning = turned.hull(edge.angle(post.theta))
+    end = edge.angle(post.theta)
+    leaning = turned.hull(end)
     later = _active_offset(tube, late, pair, edge)
     at_rest = Interval.point(0.0)
     return (
         passes(start, flight, touch.active_offset, 1, edge, setup, "before the touch"),
         passes(upright, at_rest, offset, 1, edge, setup, "early in the turn"),
         passes(leaning, at_rest, later, 1, edge, setup, "late in the turn"),
+        passes(end, way_back(pair.active), later, 1, edge, setup, "on withdrawal"),
     )
 
 
@@ -229,15 +242,20 @@ def _slide_at(tube: SlideTube, h: Interval) -> Interval:
     return Interval(float(tube.lower[used].min()), float(tube.upper[used].max()))
 
 
-def _knots(pair: Pair, tube: SlideTube, edge: Edge, count: int) -> tuple[Knot, ...]:
-    ends = np.linspace(float(tube.h[0]), float(tube.h[-1]), count + 1)
-    slices = (Interval(float(low), float(high)) for high, low in itertools.pairwise(ends))
-    boxes = ((h, _pose(pair, tube, h, edge)) for h in slices)
-    return tuple(
-        Knot(stage=f"tips {1e6 * h.mid:.0f} um apart in x", box=box)
-        for h, box in boxes
-        if box is not None
-    )
+def _knots(pair: Pair, tube: SlideTube, edge: Edge) -> tuple[Knot, ...]:
+    ends = [float(end) for end in np.linspace(float(tube.h[0]), float(tube.h[-1]), SLICES + 1)]
+    ends[0], ends[-1] = float(tube.h[0]), float(tube.h[-1])
+    found = []
+    for high, low in itertools.pairwise(ends):
+        box = _pose(pair, tube, Interval(low, high), edge)
+        everywhere = Interval(-math.inf, math.inf)
+        found.append(
+            Knot(
+                stage=f"tips {1e6 * 0.5 * (low + high):.0f} um apart in x",
+                box=box or PoseBox(x=everywhere, y=everywhere, theta=everywhere),
+            )
+        )
+    return tuple(found)
 
 
 def _undecided(claim: str) -> Obligation:
@@ -258,5 +276,5 @@ def _step(
         pre=pre,
         post=post,
         obligations=tuple(obligations),
-        tube=tube,
+        tube=(Knot(stage="at rest", box=pre), *tube),
     )

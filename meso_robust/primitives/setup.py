@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from fractions import Fraction
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.errors import InputError
-from meso_robust.task import Task
+from meso_robust.task import Slot, Task
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,6 +92,16 @@ def _widened(range_: Interval, factor: float) -> Interval:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """A solid rectangle at rest, sides along the world's axes."""
+
+    x: Interval
+    """m"""
+    y: Interval
+    """m"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
     """A task, converted once."""
 
@@ -102,6 +113,10 @@ class Setup:
     start: PoseBox
     """True poses at the start."""
     goal: PoseBox
+    blocks: tuple[Block, ...] = ()
+    """The walls of the slot, always in the world's axes."""
+    slot: Slot | None = None
+    """The same as stated, for the simulator."""
 
     def edge(self, theta: float) -> Edge:
         """The edge that faces the probe at orientation ``theta``."""
@@ -142,14 +157,32 @@ def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
         start=PoseBox(
             x=units.metres(start.x_um) - bounds.sensed_position,
             y=units.metres(start.y_um) - bounds.sensed_position,
-            theta=units.radians(start.theta_deg) - bounds.sensed_orientation,
+            theta=_unwrapped(start.theta_deg, goal.theta_deg) - bounds.sensed_orientation,
         ),
         goal=PoseBox(
             x=_inside(units.metres(goal.x_um), at_most),
             y=_inside(units.metres(goal.y_um), at_most),
             theta=_inside(units.radians(goal.theta_deg), turn),
         ),
+        blocks=() if task.slot is None else _blocks(task.slot),
+        slot=task.slot,
     )
+
+
+def _blocks(slot: Slot) -> tuple[Block, ...]:
+    """The walls, rounded outward."""
+
+    def side(low: Fraction, high: Fraction) -> Interval:
+        return Interval.exactly(low / 1_000_000).hull(Interval.exactly(high / 1_000_000))
+
+    return tuple(Block(x=side(*sides[:2]), y=side(*sides[2:])) for sides in slot.blocks_um)
+
+
+def _unwrapped(start_deg: float, goal_deg: float) -> Interval:
+    """The start's orientation, rad, by whole turns as close to the goal's as it can be."""
+    turns = round((goal_deg - start_deg) / 360.0)
+    start = units.radians(start_deg)
+    return start if turns == 0 else start + HALF_PI * Interval.point(4.0 * turns)
 
 
 def _both_sides(largest: Interval) -> Interval:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 
 from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
@@ -17,7 +18,16 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.setup import Edge, PoseBox, Setup
 from meso_robust.primitives.tilt import Turn
-from meso_robust.primitives.tips import Tip, free_at_start, on_edge, sticks, tip_of, touch
+from meso_robust.primitives.tips import (
+    Tip,
+    comes_free,
+    free_at_start,
+    on_edge,
+    sticks,
+    tip_of,
+    touch,
+)
+from meso_robust.primitives.tube import turn_tube
 
 
 def certify_straighten(
@@ -38,11 +48,13 @@ def certify_straighten(
     aligned = HALF_PI + setup.uncertainty.misalignment
     tips = {side: tip_of(rule, side, pre, setup) for side in (1, -1)}
     obligations = [*free_at_start((tips[1], tips[-1]), start, edge)]
-    posts = []
+    obligations.append(comes_free("pair comes", aligned))
+    posts, tube = [], [Knot(stage="at rest", box=pre)]
     for side, part in _first_contacts(start, aligned):
-        proofs, post = _one_side(side, part, aligned, tips, edge, pre, setup, tilt)
+        proofs, post, knots = _one_side(side, part, aligned, tips, edge, pre, setup, tilt)
         obligations += proofs
         posts.append(post)
+        tube += knots
     post = functools.reduce(_hull, posts)
     return Step(
         rule=rule,
@@ -51,7 +63,7 @@ def certify_straighten(
         pre=pre,
         post=post,
         obligations=tuple(obligations),
-        tube=() if post is None else (Knot(stage="swept", box=pre.hull(post)),),
+        tube=tuple(tube),
     )
 
 
@@ -78,7 +90,7 @@ def _one_side(
     pre: PoseBox,
     setup: Setup,
     tilt: Turn | None,
-) -> tuple[list[Obligation], PoseBox | None]:
+) -> tuple[list[Obligation], PoseBox | None, tuple[Knot, ...]]:
     first = "upper" if side > 0 else "lower"
     offset, reach = touch(tips[side], start, edge)
     path = start.hull(aligned)
@@ -89,7 +101,7 @@ def _one_side(
         _arrives(side, start, aligned, offset, reach - tips[side].ahead_end, edge, setup),
     ]
     if any(obligation.proof.verdict is not Verdict.PROVED for obligation in obligations):
-        return obligations, None
+        return obligations, None, ()
     if tilt is None:
         y = pre.y + sticking.lift(start, aligned, edge.depth, offset)
     else:
@@ -97,7 +109,12 @@ def _one_side(
         # angle cancels (derivations/y_translation.py)
         y = tilt.y + _gain(tilt, aligned, offset, edge)
     x_end = tips[side].x_end - sticking.arm(aligned, edge.depth, offset)[0]
-    return obligations, PoseBox(x=x_end, y=y, theta=edge.orientation(aligned))
+    post = PoseBox(x=x_end, y=y, theta=edge.orientation(aligned))
+    ratio = setup.uncertainty.film_ratio
+    turning = turn_tube(start, aligned, side, offset, reach, edge, ratio, pre)
+    met = [k.box.x for k in turning if k.box.theta.meets(post.theta)]
+    together = replace(post, x=functools.reduce(Interval.hull, met, post.x))
+    return obligations, post, (*turning, Knot(stage="both tips push", box=together))
 
 
 def _gain(tilt: Turn, aligned: Interval, offset: Interval, edge: Edge) -> Interval:

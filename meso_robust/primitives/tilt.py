@@ -11,6 +11,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require_order
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import (
+    comes_free,
     free_at_start,
     in_flight,
     on_edge,
@@ -18,7 +19,9 @@ from meso_robust.primitives.tips import (
     sticks,
     tip_of,
     touch,
+    way_back,
 )
+from meso_robust.primitives.tube import turn_tube
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,13 +66,18 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
     obligations += [
         passes(start, in_flight(pusher, reach), offset, side, edge, setup, "before the touch"),
         passes(path, Interval.point(0.0), offset, side, edge, setup, "while it turns"),
+        passes(end, way_back(pusher), offset, side, edge, setup, "on withdrawal"),
+        comes_free("pushing tip comes", end),
     ]
     post = PoseBox(
         x=pusher.x_end - sticking.arm(end, edge.depth, offset)[0],
         y=pre.y + sticking.lift(start, end, edge.depth, offset),
         theta=edge.orientation(end),
     )
-    return _step(rule, pre, post, obligations), Turn(y=pre.y, start=start, end=end, offset=offset)
+    tube = turn_tube(start, end, side, offset, reach, edge, u.film_ratio, pre)
+    return _step(rule, pre, post, obligations, tube), Turn(
+        y=pre.y, start=start, end=end, offset=offset
+    )
 
 
 def _wide(start: Interval, side: int) -> Interval:
@@ -78,15 +86,18 @@ def _wide(start: Interval, side: int) -> Interval:
 
 
 def _step(
-    rule: MoveRule, pre: PoseBox, post: PoseBox | None, obligations: list[Obligation]
+    rule: MoveRule,
+    pre: PoseBox,
+    post: PoseBox | None,
+    obligations: list[Obligation],
+    tube: tuple[Knot, ...] = (),
 ) -> Step:
     turn = "counter-clockwise" if rule.side > 0 else "clockwise"
-    knots = () if post is None else (Knot(stage="swept", box=pre.hull(post)),)
     return Step(
         rule=rule,
         claim=f"one tip sticks all the way and turns the part {turn}; the motion is unique",
         pre=pre,
         post=post,
         obligations=tuple(obligations),
-        tube=knots,
+        tube=(Knot(stage="at rest", box=pre), *tube),
     )

@@ -103,6 +103,25 @@ def free_at_start(tips: tuple[Tip, ...], angle: Interval, edge: Edge) -> tuple[O
     )
 
 
+def comes_free(which: str, end: Interval) -> Obligation:
+    """A tip in contact leaves the part at once when it backs off, along +x from the edge that faces it.
+
+    A distance s of the way back takes it s sin(theta) off the line of its edge; the passive tip
+    backs off along -x from the opposite edge.
+    """
+    return require_order(
+        f"the {which} free of contact on withdrawal",
+        "sin(theta) > 0 at the end",
+        sin(end),
+        {"theta": end},
+    )
+
+
+def way_back(tip: Tip) -> Interval:
+    """How far a tip is from the end of its travel while it backs off to its start, m."""
+    return Interval(0.0, max(0.0, (tip.ahead - tip.ahead_end).hi))
+
+
 def on_edge(which: str, offset: Interval, edge: Edge) -> Obligation:
     """The contact lies between the ends of the edge."""
     margin = edge.half - offset.hull(-offset)

@@ -152,7 +152,7 @@ def test_out_that_is_a_file_is_status_2_before_any_work(tmp_path: Path) -> None:
     [
         ("theta_deg = 90.0", "theta_deg = 45.0", "from upright|135.0 deg from the start"),
         ("x_um = 2060.4", "x_um = 400.0", "further from the goal"),
-        ("theta_deg = 90.0", "theta_deg = -90.0", "counter-clockwise by one quarter"),
+        ("theta_deg = 90.0", "theta_deg = 0.0", "turns the part by one quarter"),
     ],
 )
 def test_start_that_no_primitive_can_handle_is_status_1_unknown_and_why(

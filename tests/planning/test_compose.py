@@ -67,7 +67,7 @@ def test_down_or_up_the_first_tilt_turns_the_right_way() -> None:
     ("theta", "words"),
     [
         (140.0, "upright"),
-        (-90.0, "one quarter only"),
+        (0.0, "one quarter only"),
         (20.0, "one quarter only|upright"),
     ],
 )

@@ -13,6 +13,7 @@ import pytest
 from meso_robust.errors import InputError
 from meso_robust.planning.document import plan_document
 from meso_robust.planning.reading import read_plan, rules_of
+from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from tests.conftest import paper_task
 
@@ -32,8 +33,9 @@ TURN = MoveRule(
     action="rotate",
     side=1,
     dual=Point(x=from_part(444.6), y=in_world(925.3)),
-    dual_end=in_world(808.0),
+    dual_end=from_part(-900.0),
     single=Point(x=from_part(-438.0), y=in_world(-270.7)),
+    frame=Frame(heading="+y", mirrored=True),
 )
 
 
@@ -98,7 +100,7 @@ PROBE = ("moves", 1, "probes", 1)
         (edit("policy", 0, "dual_x", "offset_um", to="443.9"), ("dual_x.offset_um", "'443.9'")),
         (edit("policy", 0, "dual_x", "relative_to", to="moon"), ("relative_to", "'moon'")),
         (edit("policy", 0, "step", to=1.5), ("policy.0.step", "1.5", "integer")),
-        (edit("policy", 0, "side", to=2), ("policy.0.side", "2", "-1, 0 or 1")),
+        (edit("policy", 0, "side", to=2), ("policy.0.side", "2", "[-1, 1]")),
         (edit("policy", 1, "single_x", to=None), ("policy.1.single_x", "both")),
         (
             edit("moves", 0, "travel_um", 1, to=float("nan")),

@@ -1,0 +1,67 @@
+"""The two engines of the simulator behind one call, for moves of rectangles on a film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.simulator import Push, simulate
+from meso_robust.simulator.exact import exact
+
+Floats = npt.NDArray[np.float64]
+Engine = Literal["stepper", "events"]
+
+NOT_RECORDED = -1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pushed:
+    """What a move did to the part in each of N runs, by either engine."""
+
+    poses: Floats
+    """(N, 3) poses at the end, m and rad."""
+    outcomes: npt.NDArray[np.int8]
+    """(N,) values of ``Outcome``."""
+    path: Floats
+    """(N, record + 1, 3) poses during the move, or no poses."""
+    modes: npt.NDArray[np.int8]
+    """(N, record + 1, P) contact modes during the move by the stepper; see ``PushResult.modes``.
+    The event-driven engine keeps no modes at instants: all ``NOT_RECORDED``."""
+    phases: npt.NDArray[np.int64]
+    """(N,) intervals of constant contact modes by the event-driven engine; the stepper does not
+    count them: all ``NOT_RECORDED``."""
+
+
+def push_all(push: Push, engine: Engine, record: int = 0) -> Pushed:
+    """Push the part of every run through the move.
+
+    Parameters
+    ----------
+    push
+        The move and its N runs.
+    engine
+        ``stepper`` (time steps, a complementarity problem each) or ``events`` (event-driven).
+    record
+        Intervals of the path to keep; 0 keeps none.
+    """
+    runs, probes = len(push.poses), push.waypoints.shape[2]
+    if engine == "stepper":
+        taken = simulate(push, record=record)
+        return Pushed(
+            poses=taken.poses,
+            outcomes=taken.outcomes,
+            path=taken.path,
+            modes=taken.modes,
+            phases=np.full(runs, NOT_RECORDED),
+        )
+    found = exact(push, samples=record)
+    return Pushed(
+        poses=found.poses,
+        outcomes=found.outcomes,
+        path=found.path,
+        modes=np.full((runs, record + 1 if record else 0, probes), NOT_RECORDED, dtype=np.int8),
+        phases=found.events,
+    )

@@ -1,0 +1,65 @@
+"""One move of any kind: certified in its own axes, told in the world's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from meso_robust.primitives.frame import Frame
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.regrasp import certify_regrasp
+from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.tilt import Turn, certify_tilt
+from meso_robust.primitives.walls import part_clear, tips_clear
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Before:
+    """What is known of the move just before, beyond the box of poses that it leaves."""
+
+    turn: Turn
+    """A tilt's start, in the axes of ``frame``."""
+    frame: Frame
+
+
+def certify_move(
+    rule: MoveRule, pre: PoseBox, setup: Setup, before: Before | None = None
+) -> tuple[Step, Before | None]:
+    """Certify one move from every pose in ``pre``.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        The move, all poses before it and the task, world frame.
+    before
+        What the move before left behind.
+
+    Returns
+    -------
+    tuple[Step, Before | None]
+        The step, its boxes in the world frame, and what the next move may use.
+    """
+    frame = rule.frame
+    own, there = frame.from_world(pre), frame.setup(setup)
+    turn: Turn | None = None
+    if rule.action == "tilt":
+        step, turn = certify_tilt(rule, own, there)
+    elif rule.action == "rotate":
+        step = certify_rotation(rule, own, there)
+    elif rule.action == "regrasp":
+        step = certify_regrasp(rule, own, there)
+    else:
+        known = before.turn if before is not None and before.frame == frame else None
+        step = certify_straighten(rule, own, there, known)
+    seen = replace(
+        step,
+        pre=pre,
+        post=None if step.post is None else frame.box_to_world(step.post),
+        tube=tuple(replace(k, box=frame.box_to_world(k.box)) for k in step.tube),
+    )
+    if setup.blocks:
+        walls = (part_clear(seen.tube, setup), tips_clear(rule, own, there))
+        seen = replace(seen, obligations=(*seen.obligations, *walls))
+    return seen, None if turn is None else Before(turn=turn, frame=frame)
