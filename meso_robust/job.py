@@ -15,6 +15,7 @@ from meso_robust.bounds import Verdict
 from meso_robust.campaigns.crosscheck import CrossCheck, confirmed, crosscheck
 from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, STEP
 from meso_robust.certificates.chain import Chain, certify
+from meso_robust.certificates.design import design
 from meso_robust.certificates.document import (
     CertificateDocument,
     SimulationDocument,
@@ -100,6 +101,16 @@ def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planne
     with doing("searching a plan (the first run compiles kernels: about a minute)"):
         found = compose(task)
     return judge(task, found, samples, seed, doing)
+
+
+def make_best(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planned:
+    """Search the design with the widest margin, and judge its plan.
+
+    The result's task may have another ``tip_spacing_um``; everything else is as for :func:`make`.
+    """
+    with doing("searching spacing, offsets and travels (one to three minutes)"):
+        best = design(task)
+    return judge(best.task, Found(rules=best.rules, scale=best.factor), samples, seed, doing)
 
 
 def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = _quietly) -> Planned:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import tomllib
 from fractions import Fraction
 from pathlib import Path
@@ -204,6 +205,22 @@ def load_task(path: Path) -> Task:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
     return parse_task(values, str(path))
+
+
+def with_spacing(text: str, spacing_um: float) -> str:
+    """The text of a task file with another ``tip_spacing_um``, all else as its author wrote it.
+
+    Raises
+    ------
+    InputError
+        The text has no such line of its own.
+    """
+    found, count = re.subn(
+        r"(?m)^(\s*tip_spacing_um\s*=\s*)[-+0-9._eE]+", rf"\g<1>{spacing_um}", text
+    )
+    if count != 1:
+        raise InputError("tip_spacing_um must stand on a line of its own in [probe], once")
+    return found
 
 
 def parse_task(values: dict[str, Any], source: str) -> Task:

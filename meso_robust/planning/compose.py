@@ -97,6 +97,17 @@ def compose(task: Task) -> Found:
     return Found(rules=last, scale=REDUCED[-1])
 
 
+def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
+    """A plan that is robust when all uncertainties are scaled by ``scale``, if one is found.
+
+    Raises
+    ------
+    NotApplicableError
+        No primitive can handle the start pose.
+    """
+    return _rules(task, _ways(setup_of(task)), scale, None)
+
+
 def _rules(
     task: Task, ways: Sequence[_Way], scale: float, only: str | None
 ) -> tuple[MoveRule, ...] | None:
