@@ -80,6 +80,19 @@ def longest_travel(
     return _travel(start.hi, end.lo, depth, offset.hi, ratio.hi).hi
 
 
+def shortest_travel(
+    start: Interval, end: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
+) -> float:
+    """Lower bound of the same, m; 0 if a start may lie at an end."""
+    if side > 0:
+        first, last, near = start.hi, end.lo, offset.hi
+    else:
+        first, last, near = start.lo, end.hi, offset.lo
+    if not side * (last - first) > 0.0:
+        return 0.0
+    return max(_travel(first, last, depth, near, ratio.lo).lo, 0.0)
+
+
 def turned(
     start: Interval,
     travel: Interval,

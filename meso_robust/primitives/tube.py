@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import numpy as np
 
@@ -63,4 +62,5 @@ def _travel(
     """Travel in contact of all motions that are at one of ``angles``, m."""
     begun = start.lo < angles.hi if side > 0 else start.hi > angles.lo
     most = sticking.longest_travel(start, angles, side, edge.depth, offset, ratio) if begun else 0.0
-    return Interval(0.0, max(most, 0.0)) if most < math.inf else Interval(0.0, math.inf)
+    least = sticking.shortest_travel(start, angles, side, edge.depth, offset, ratio)
+    return Interval(least, max(most, least))

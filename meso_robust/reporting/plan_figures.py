@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
 from meso_robust import units
 from meso_robust.campaigns.monte_carlo import MoveRun, rectangle
@@ -80,11 +81,15 @@ def move_figure(result: Planned, index: int) -> Figure:
     return figure
 
 
+WALL_FILL = "#c9ced6"
+
+
 def overview_figure(result: Planned) -> Figure:
     """The way of the part from the start to the goal, in um."""
     body, moves = rectangle(result.setup), result.check.nominal.moves
     figure, axes = panel(*WIDE)
     _goal(axes, result, body)
+    _slot(axes, result)
     poses = [moves[0].before[0], *(move.after[0] for move in moves)]
     shades = np.linspace(0.72, 0.2, len(poses))
     for number, (pose, shade) in enumerate(zip(poses, shades, strict=True)):
@@ -106,6 +111,13 @@ def overview_figure(result: Planned) -> Figure:
     drawn = [corners(pose, body) for pose in (*poses, goal_pose(result))]
     fit_equal(axes, np.concatenate(drawn), 0.03)
     return figure
+
+
+def _slot(axes: Axes, result: Planned) -> None:
+    """The walls, as far as the picture goes."""
+    if result.task.slot is not None:
+        corners_um = np.array(result.task.slot.outline_um, dtype=np.float64)
+        axes.add_patch(Polygon(corners_um, fc=WALL_FILL, ec=INK, lw=1.0, label="slot", zorder=2))
 
 
 def _goal(axes: Axes, result: Planned, body: Floats) -> None:

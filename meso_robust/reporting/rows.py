@@ -105,6 +105,8 @@ class MarginRow:
 
     name: str
     stated: str
+    budget: str
+    """The range at that factor, rounded inward: what the laboratory may let it grow to."""
     factor: str
     percent: float
     """Length of the bar."""
@@ -126,11 +128,13 @@ def margin_rows(result: Planned) -> MarginRows:
     each = sorted(margin.each_alone.items(), key=lambda item: item[1])
     full = min(max([margin.factor, *margin.each_alone.values(), 1.0]) * 1.05, LARGEST)
     stated = _stated(result)
-    rows = [MarginRow("all together", "", factor(margin.factor), 100 * margin.factor / full, False)]
+    together = factor(margin.factor)
+    rows = [MarginRow("all together", "", "", together, 100 * margin.factor / full, False)]
     rows += [
         MarginRow(
             name.replace("_", " "),
             stated.get(name, ""),
+            _budget(result, name, value),
             factor(value),
             100 * value / full,
             name == margin.binds_first,
@@ -151,6 +155,32 @@ def _stated(result: Planned) -> dict[str, str]:
         "film_ratio": f"{u.film_ratio_um2:g} µm² ± {u.film_ratio_percent:g} %",
         "misalignment": " … ".join(significant(end) for end in u.tip_misalignment_deg) + " deg",
     }
+
+
+def _budget(result: Planned, name: str, times: float) -> str:
+    """The range of one uncertainty widened about its middle, in the words of the task's file."""
+    u = result.task.uncertainty
+    if name in ("friction", "misalignment"):
+        low, high = u.friction if name == "friction" else u.tip_misalignment_deg
+        middle, half = 0.5 * (low + high), 0.5 * (high - low) * times
+        ends = _up(middle - half), _down(middle + half)
+        return f"{ends[0]:g} … {ends[1]:g}" + (" deg" if name == "misalignment" else "")
+    unit, stated = {
+        "sensed_position": ("µm", u.sensed_position_um),
+        "sensed_orientation": ("deg", u.sensed_orientation_deg),
+        "probe_position": ("µm", u.probe_position_um),
+        "film_ratio": ("%", u.film_ratio_percent),
+    }[name]
+    return f"± {_down(stated * times):g} {unit}"
+
+
+def _down(value: float) -> float:
+    """Rounded down to three decimals."""
+    return math.floor(1000.0 * value) / 1000.0
+
+
+def _up(value: float) -> float:
+    return -_down(-value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,3 +5,4 @@ from __future__ import annotations
 from pathlib import Path
 
 PAPER = Path(__file__).parent / "paper.toml"
+SLOT = Path(__file__).parent / "slot.toml"

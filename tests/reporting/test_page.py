@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -159,6 +160,12 @@ def test_the_margins_are_those_of_the_certificate(proved: Planned, proved_page: 
     text = Reader(f"<div><h2 {section}</h2></div>".replace("<h2 </h2>", "")).text
     for value in (proved.certificate.margin.factor, *proved.certificate.margin.each_alone.values()):
         assert f"× {int(value * 100 + 1e-9) / 100:.2f}" in text
+    # 5 um times the factor, rounded down; the middle of 0.30 ... 0.36 is 0.33
+    alone = proved.certificate.margin.each_alone
+    assert f"± {int(alone['probe_position'] * 5000) / 1000:g} µm" in text
+    reach = 0.03 * alone["friction"]
+    low, high = math.ceil(330 - 1000 * reach) / 1000, math.floor(330 + 1000 * reach) / 1000
+    assert f"{low:g} … {high:g}" in text
     assert proved.certificate.margin.limit is not None
     assert proved.certificate.margin.limit in text
     assert section.count('class="bar') == 1 + len(proved.certificate.margin.each_alone)
