@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.compose import compose
+from meso_robust.primitives.frame import WORLD
+from meso_robust.primitives.move import Aim, Point
 from meso_robust.primitives.setup import setup_of
-from meso_robust.task import Task
+from meso_robust.task import Task, load_task
+from meso_robust.tasks import SLOT
 from tests.conftest import paper_task
+from tests.strategies import paper_chain
 
 
 def steps(task: Task) -> list[tuple[int, str, str]]:
@@ -82,3 +88,57 @@ def test_what_would_settle_it_names_the_uncertainty_in_the_way() -> None:
     assert found.scale < 1.0
     assert found.only == "friction"
     assert "friction" in found.settled_by
+
+
+@pytest.mark.parametrize(
+    ("start", "goal_deg", "heading", "mirrored"),
+    [
+        ((2060.4, 9.2, 90.0), 0.0, "-x", True),
+        ((-2060.4, 9.2, -90.0), 0.0, "+x", False),
+        ((9.2, 2060.4, 180.0), 270.0, "-y", False),
+        ((9.2, -2060.4, 0.0), -90.0, "+y", True),
+        ((2060.4, 9.2, -270.0), 0.0, "-x", True),
+    ],
+    ids=["clockwise", "from the left", "from above", "clockwise from below", "a turn further on"],
+)
+def test_a_turned_or_mirrored_task_has_the_same_plan_in_other_axes(
+    start: tuple[float, float, float], goal_deg: float, heading: str, mirrored: bool
+) -> None:
+    task = paper_task(
+        start__x_um=start[0], start__y_um=start[1], start__theta_deg=start[2],
+        goal__theta_deg=goal_deg,
+    )  # fmt: skip
+
+    found = compose(task)
+
+    assert {(rule.frame.heading, rule.frame.mirrored) for rule in found.rules} == {
+        (heading, mirrored)
+    }
+    same = [replace(rule, frame=WORLD) for rule in found.rules]
+    for one, other in zip(same, (step.rule for step in paper_chain().steps), strict=True):
+        assert (one.action, one.side) == (other.action, other.side)
+        for name in ("dual", "single", "dual_end"):
+            assert near(getattr(one, name), getattr(other, name))
+    assert certify(found.rules, setup_of(task)).verdict is Verdict.PROVED
+
+
+def near(one: object, other: object) -> bool:
+    """Whether two points, aims or nothings agree to the 0.1 um of a command."""
+    if isinstance(one, Point) and isinstance(other, Point):
+        return near(one.x, other.x) and near(one.y, other.y)
+    if isinstance(one, Aim) and isinstance(other, Aim):
+        return one.anchor == other.anchor and abs(one.offset_um - other.offset_um) < 0.21
+    return one is other is None
+
+
+def test_a_plan_that_the_slot_forbids_says_so() -> None:
+    slot = load_task(SLOT)
+    assert slot.slot is not None
+    narrow = slot.slot.model_copy(update={"width_um": 850.0})
+    task = slot.model_copy(update={"slot": narrow})
+
+    found = compose(task)
+
+    assert found.scale >= 1.0
+    assert "widen the slot" in found.settled_by
+    assert certify(found.rules, setup_of(task)).verdict is Verdict.UNKNOWN
