@@ -20,9 +20,10 @@ check: $(INSTALLED)
 # The peers live in a folder of their own, seen by this target alone.
 benchmark: PEERS := .venv/peers
 benchmark: $(INSTALLED)
-	test -d $(PEERS)/mujoco || $(BIN)/uv pip install --quiet --no-deps --require-hashes \
+	test -d $(PEERS)/codac || $(BIN)/uv pip install --quiet --no-deps --require-hashes \
 	  --python $(BIN)/python --target $(PEERS) --requirement tests/benchmarks/requirements.lock
 	PYTHONPATH=$(PEERS) $(BIN)/python -m tests.benchmarks --peers --out reports/simulator/speed.md
+	PYTHONPATH=$(PEERS) $(BIN)/python -m tests.benchmarks.bounds --out reports/bounds/speed.md
 
 $(INSTALLED): pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -39,6 +40,7 @@ reports: $(INSTALLED)
 	$(BIN)/python -m tests.simulator.convergence --out reports/simulator/convergence.md
 	$(BIN)/python -m tests.simulator.inertia_report --out reports/simulator
 	$(BIN)/python -m tests.simulator.effects_report --out reports/simulator/effects.md
+	$(BIN)/python -m tests.basis.report --out reports/basis
 
 # The full form of the simulator's property campaign: most of an hour on two cores.
 campaign: $(INSTALLED)

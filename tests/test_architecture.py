@@ -24,6 +24,7 @@ MAY_IMPORT = {
     "_generated": set(),
     "bounds": BASE,
     "admissibility": {"bounds", "_generated", *BASE},
+    "basis": {"bounds", *BASE},
     "motion": {*BELOW_MOTION, "units"},
     "primitives": BELOW_PLANNING - {"primitives"},
     "planning": BELOW_PLANNING,
