@@ -29,6 +29,7 @@ MAY_IMPORT = {
     "primitives": BELOW_PLANNING - {"primitives"},
     "planning": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
+    "policy": {*BELOW_PLANNING, "planning", "certificates", "campaigns", "simulator"},
     "simulator": {"errors", "kernels"},
     "recordings": {"errors", "files"},
 }

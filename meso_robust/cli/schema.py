@@ -11,19 +11,21 @@ from meso_robust.cli.console import refuse
 
 
 def schema(
-    name: Annotated[str, typer.Argument(help="task, plan, certificate or recordings")],
+    name: Annotated[str, typer.Argument(help="task, plan, policy, certificate or recordings")],
 ) -> None:
     """Print the JSON Schema of a document."""
     from pydantic import BaseModel
 
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.planning.document import PlanDocument
+    from meso_robust.policy.document import PolicyDocument
     from meso_robust.recordings import SetDocument
     from meso_robust.task import Task
 
     models: dict[str, type[BaseModel]] = {
         "task": Task,
         "plan": PlanDocument,
+        "policy": PolicyDocument,
         "certificate": CertificateDocument,
         "recordings": SetDocument,
     }

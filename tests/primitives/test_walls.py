@@ -137,13 +137,11 @@ def test_no_pose_of_a_box_that_is_proved_clear_touches(
         for _ in range(8):
             u = rng.choice([0.0, 1.0, rng.random()], size=3)
             sides = (box.x, box.y, box.theta)
-            pose = [side.lo + v * (side.hi - side.lo) for side, v in zip(sides, u, strict=True)]
-            assert not overlap(corners(*pose, 808e-6, 418.5e-6), WALL)
-    else:
-        # usefulness: a single pose that does not touch is proved unless it is close
-        pose = (x, y, math.radians(degrees))
-        if reach == turn == 0.0:
-            assert overlap(corners(*pose, 808e-6 + 1e-9, 418.5e-6 + 1e-9), WALL)
+            px, py, pt = (s.lo + v * (s.hi - s.lo) for s, v in zip(sides, u, strict=True))
+            assert not overlap(corners(px, py, pt, 808e-6, 418.5e-6), WALL)
+    elif reach == turn == 0.0:  # a single pose that does not touch is proved unless it is close
+        grown = corners(x, y, math.radians(degrees), 808e-6 + 1e-9, 418.5e-6 + 1e-9)
+        assert overlap(grown, WALL)
 
 
 @pytest.mark.parametrize("opens", ["+x", "+y", "-x", "-y"])

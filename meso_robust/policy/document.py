@@ -1,0 +1,212 @@
+"""``policy.json``: a certified policy with the boxes it was proved on, and back again.
+
+Numbers that the claim rests on are doubles in hexadecimal (``float.hex``), SI units; those in um
+and deg beside them are for reading.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from meso_robust import units
+from meso_robust.bounds import Interval
+from meso_robust.certificates.document import ASSUMPTIONS, ExactBox, exact_box
+from meso_robust.errors import InputError
+from meso_robust.planning.document import (
+    BoxDocument,
+    PlanDocument,
+    RuleDocument,
+    box_document,
+    plan_document,
+)
+from meso_robust.planning.reading import first_of, read_text, rules_of
+from meso_robust.policy.cells import Cell, Policy, resting
+from meso_robust.policy.proof import NotProvedError, recertified
+from meso_robust.policy.region import Region, region_of
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.setup import PoseBox, setup_of
+from meso_robust.task import Task
+
+SCHEMA: Literal["meso-robust/policy/1"] = "meso-robust/policy/1"
+HexPair = tuple[str, str]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class CellDocument(_Model):
+    """One move for all sensed poses of a box."""
+
+    moves: Annotated[int, Field(ge=1)]
+    """Bound of the moves to the goal, this one included."""
+    rule: Annotated[int, Field(ge=0)]
+    """Index into ``rules``."""
+    sensed: BoxDocument
+    sensed_exact: ExactBox
+    post: BoxDocument
+    """All true poses after the move, rounded outward."""
+    post_exact: ExactBox
+    ends: bool
+    """Whether the move ends in the goal from all of the cell."""
+
+
+class RegionDocument(_Model):
+    """How far the certified starts reach near one orientation of the part."""
+
+    near_deg: float
+    cells: int
+    moves: int
+    """Bound of the moves from here."""
+    extent: BoxDocument
+    """Hull of the cells; not every pose of it is certified."""
+    certified_percent: float
+    """Share of the hull that the cells fill (rounded down)."""
+
+
+class PolicyClaim(_Model):
+    """What is proved."""
+
+    words: str
+    assumptions: tuple[str, ...]
+
+
+class PolicyDocument(_Model):
+    """A certified feedback policy."""
+
+    schema_: Annotated[Literal["meso-robust/policy/1"], Field(alias="schema")] = SCHEMA
+    task: str
+    task_hash: str
+    claim: PolicyClaim
+    most_moves: int
+    """N."""
+    region: tuple[RegionDocument, ...]
+    rest: BoxDocument | None
+    """Sensed poses that prove that the part is in the goal; the policy is done there."""
+    rest_exact: ExactBox | None
+    rules: tuple[RuleDocument, ...]
+    cells: tuple[CellDocument, ...]
+    """Fewest moves first; the first one that holds the sensed pose decides."""
+
+
+def policy_document(policy: Policy) -> PolicyDocument:
+    """Write out a policy."""
+    task, rest = policy.task, policy.rest
+    rules = list(dict.fromkeys(cell.rule for cell in policy.cells))
+    number = {rule: k for k, rule in enumerate(rules)}
+    return PolicyDocument(
+        task=task.name,
+        task_hash=task.hash,
+        claim=PolicyClaim(words=claim(policy), assumptions=ASSUMPTIONS),
+        most_moves=policy.moves,
+        region=tuple(_region(region) for region in region_of(policy)),
+        rest=None if rest is None else box_document(rest),
+        rest_exact=None if rest is None else exact_box(rest),
+        rules=_rules(task, rules),
+        cells=tuple(
+            CellDocument(
+                moves=cell.moves,
+                rule=number[cell.rule],
+                sensed=box_document(cell.sensed),
+                sensed_exact=exact_box(cell.sensed),
+                post=box_document(cell.post),
+                post_exact=exact_box(cell.post),
+                ends=cell.ends,
+            )
+            for cell in policy.cells
+        ),
+    )
+
+
+def claim(policy: Policy) -> str:
+    """The claim in words."""
+    task = policy.task
+    goal, u = task.goal, task.uncertainty
+    return (
+        f"From every pose that is sensed in one of the {len(policy.cells)} cells, whatever the "
+        f"sensing errors (within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg, "
+        f"before each move), the probe errors (within {u.probe_position_um} um), mu in "
+        f"{list(u.friction)}, film ratio within {u.film_ratio_percent} % of {u.film_ratio_um2} um^2 "
+        f"and tip misalignment in {list(u.tip_misalignment_deg)} deg: the move of the first cell "
+        f"that holds the sensed pose can be carried out, every motion of the quasi-static model "
+        f"leads to poses that are sensed in a cell with fewer moves to go or that lie in the goal, "
+        f"and so after at most {policy.moves} moves the part lies within "
+        f"{goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
+        f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg)."
+    )
+
+
+def read_policy(path: Path, task: Task) -> Policy:
+    """Read a policy for ``task`` and prove every cell of it anew.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, breaks a rule, was made for another task, or a cell is not proved.
+    """
+    try:
+        document = PolicyDocument.model_validate_json(read_text(path), strict=True)
+    except ValidationError as error:
+        raise InputError(f"{path}: {first_of(error, 'policy')}") from error
+    if document.task_hash != task.hash:
+        raise InputError(
+            f"{path}: key task_hash = {document.task_hash!r}: must be the hash {task.hash!r} of the "
+            f"task; the policy was made for another task ({document.task!r}), make it anew"
+        )
+    try:
+        return recertified(_policy(document, task))
+    except (ValueError, IndexError) as error:
+        kind = "is not proved" if isinstance(error, NotProvedError) else "cannot be used"
+        raise InputError(f"{path}: the policy {kind}: {error}; make it anew") from error
+
+
+def _policy(document: PolicyDocument, task: Task) -> Policy:
+    rules = [_rule_of(task, rule) for rule in document.rules]
+    cells = tuple(
+        Cell(
+            sensed=_box(cell.sensed_exact),
+            rule=rules[cell.rule],
+            moves=cell.moves,
+            post=_box(cell.post_exact),
+            ends=cell.ends,
+        )
+        for cell in document.cells
+    )
+    return Policy(task=task, cells=cells, rest=resting(setup_of(task)))
+
+
+def _box(exact: ExactBox) -> PoseBox:
+    return PoseBox(x=_side(exact.x_m), y=_side(exact.y_m), theta=_side(exact.theta_rad))
+
+
+def _side(ends: HexPair) -> Interval:
+    low, high = (float.fromhex(end) for end in ends)
+    if not math.isfinite(low) or not math.isfinite(high):
+        raise ValueError(f"ends {list(ends)} of a box must be finite")
+    return Interval(low, high)
+
+
+def _region(region: Region) -> RegionDocument:
+    return RegionDocument(
+        near_deg=round(units.to_deg(region.near), 6),
+        cells=len(region.cells),
+        moves=region.moves,
+        extent=box_document(region.extent),
+        certified_percent=math.floor(1000.0 * region.share) / 10.0,
+    )
+
+
+def _rules(task: Task, rules: list[MoveRule]) -> tuple[RuleDocument, ...]:
+    """The rules as a plan states them."""
+    nowhere = [np.zeros(3)] * len(rules)
+    return plan_document(task, rules, nowhere, [None] * len(rules)).policy
+
+
+def _rule_of(task: Task, rule: RuleDocument) -> MoveRule:
+    plan = PlanDocument(task=task.name, task_hash=task.hash, policy=(rule,), moves=())
+    return rules_of(plan)[0]
