@@ -28,6 +28,7 @@ MAY_IMPORT = {
     "motion": {*BELOW_MOTION, "units"},
     "primitives": BELOW_PLANNING - {"primitives"},
     "planning": BELOW_PLANNING,
+    "admissible": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
     "policy": {*BELOW_PLANNING, "planning", "certificates", "campaigns", "simulator"},
     "simulator": {"errors", "kernels"},

@@ -1,6 +1,11 @@
 """Outward-rounded bounds and verdicts over boxes."""
 
-from meso_robust.bounds.bulk import Bounded as Bounded, bounded as bounded
+from meso_robust.bounds.branch import decide_many as decide_many
+from meso_robust.bounds.bulk import (
+    Bounded as Bounded,
+    bounded as bounded,
+    enclose_many as enclose_many,
+)
 from meso_robust.bounds.interval import HALF_PI as HALF_PI, Interval as Interval
 from meso_robust.bounds.prove import (
     Box as Box,

@@ -9,13 +9,19 @@ from typing import Literal, cast
 
 import numpy as np
 
-from meso_robust.bounds.bulk import Bounded, enclose_many, enclose_range, split
+from meso_robust.bounds import branch
+from meso_robust.bounds.bulk import Bounded, enclose_range
 from meso_robust.bounds.interval import Interval
 from meso_robust.bounds.tape import Floats
 
 Box = Mapping[str, Interval]
 
 MOST_BOXES = 4096
+REASONS = {
+    branch.TOO_MANY: f"{MOST_BOXES} boxes did not suffice",
+    branch.INDIVISIBLE: "no side can be divided further: zero to within rounding",
+    branch.UNDEFINED: "a bound is infinite: the left side may be undefined here",
+}
 
 
 VerdictWord = Literal["PROVED", "REFUTED", "UNKNOWN"]
@@ -44,7 +50,9 @@ class Proof:
     boxes: int
     """How many boxes were bounded."""
     box: Box
-    """PROVED: the whole box; REFUTED: the witness; UNKNOWN: the widest undecided box."""
+    """PROVED: the whole box; REFUTED: the witness; UNKNOWN: an undecided box, none wider than it."""
+    reason: str = ""
+    """UNKNOWN: why ``box`` stayed open."""
 
 
 def prove_positive(of: Bounded, box: Box, *, any_output: bool = False) -> Proof:
@@ -61,26 +69,18 @@ def prove_positive(of: Bounded, box: Box, *, any_output: bool = False) -> Proof:
     """
     lo, hi = _ends(of, box)
     if not np.isfinite(lo).all() or not np.isfinite(hi).all():
-        return Proof(verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=0, box=box)
-    spent, least = 0, np.inf
-    join = np.max if any_output else np.min
-    while True:
-        lower, _, smear = enclose_many(of, lo, hi)
-        spent += lo.shape[0]
-        score = join(lower, axis=1)
-        open_ = ~(score > 0.0)
-        least = min(least, float(np.min(score[~open_], initial=np.inf)))
-        if not open_.any():
-            return Proof(verdict=Verdict.PROVED, lower=least, boxes=spent, box=box)
-        lo, hi, smear = lo[open_], hi[open_], smear[open_]
-        witness = _witness(of, lo, hi, any_output)
-        if witness is not None:
-            return Proof(verdict=Verdict.REFUTED, lower=-np.inf, boxes=spent, box=witness)
-        if spent + 2 * lo.shape[0] > MOST_BOXES or not np.all((hi > lo).any(axis=1)):
-            widest = int(np.argmax(np.prod(1.0 + hi - lo, axis=1)))
-            undecided = _named(of, lo[widest], hi[widest])
-            return Proof(verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=spent, box=undecided)
-        lo, hi = split(lo, hi, smear)
+        return Proof(
+            verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=0, box=box, reason="a side is infinite"
+        )
+    outcome, least, boxes, at_lo, at_hi = branch.decide(of, lo, hi, any_output, MOST_BOXES)
+    if outcome == branch.PROVED:
+        return Proof(verdict=Verdict.PROVED, lower=least, boxes=boxes, box=box)
+    at = _named(of, at_lo, at_hi)
+    if outcome == branch.REFUTED:
+        return Proof(verdict=Verdict.REFUTED, lower=-np.inf, boxes=boxes, box=at)
+    return Proof(
+        verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=boxes, box=at, reason=REASONS[outcome]
+    )
 
 
 def enclose(of: Bounded, box: Box, *, boxes: int = 64, slack: float = 0.02) -> tuple[Interval, ...]:
@@ -99,7 +99,7 @@ def enclose(of: Bounded, box: Box, *, boxes: int = 64, slack: float = 0.02) -> t
     lo, hi = _ends(of, box)
     if not np.isfinite(lo).all() or not np.isfinite(hi).all():
         return (Interval(-np.inf, np.inf),) * of.values.outputs
-    lower, upper = enclose_range(of, lo[0], hi[0], boxes, slack)
+    lower, upper = enclose_range(of, lo, hi, boxes, slack)
     return tuple(map(Interval, lower.tolist(), upper.tolist()))
 
 
@@ -107,8 +107,8 @@ def _ends(of: Bounded, box: Box) -> tuple[Floats, Floats]:
     missing = [name for name in of.inputs if name not in box]
     if missing:
         raise ValueError(f"box for {of.name} lacks {', '.join(missing)}; it has {', '.join(box)}")
-    lo = np.array([[box[name].lo for name in of.inputs]])
-    hi = np.array([[box[name].hi for name in of.inputs]])
+    lo = np.array([box[name].lo for name in of.inputs])
+    hi = np.array([box[name].hi for name in of.inputs])
     return lo, hi
 
 
@@ -116,12 +116,3 @@ def _named(of: Bounded, lo: Floats, hi: Floats) -> Box:
     return {
         name: Interval(float(a), float(b)) for name, a, b in zip(of.inputs, lo, hi, strict=True)
     }
-
-
-def _witness(of: Bounded, lo: Floats, hi: Floats, any_output: bool) -> Box | None:
-    """The middle of an open box at which the inequality is proved to fail, if there is one."""
-    middle = 0.5 * (lo + hi)
-    _, upper, _ = enclose_many(of, middle, middle)
-    fails = (np.max(upper, axis=1) if any_output else np.min(upper, axis=1)) <= 0.0
-    where = np.flatnonzero(fails)
-    return _named(of, middle[where[0]], middle[where[0]]) if where.size else None

@@ -2,11 +2,13 @@
 
 A CasADi ``SX`` function is a list of elementary instructions; :func:`compile_tape` copies it into
 arrays and :func:`run` walks them with the operations of :mod:`meso_robust.bounds.arithmetic`. One
-formula therefore serves numbers, gradients and enclosures.
+formula therefore serves numbers, gradients and enclosures. :func:`run_block` walks them once for many
+boxes, one instruction over all of them, which the compiler turns into vector instructions.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
@@ -18,10 +20,14 @@ from meso_robust.bounds import arithmetic as ia
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Pairwise = Callable[..., tuple[float, float]]
 
 CONST, INPUT, OUTPUT, ADD, SUB, MUL, DIV, NEG, SQ, SQRT, SIN, COS, LOG, TWICE, INV, ASSIGN = range(
     16
 )
+
+BINARY_CODES = (ADD, SUB, MUL, DIV)
+BLOCK = 128  # boxes that walk a tape together: their scratch fits into the first-level cache
 
 _CODES = {
     ca.OP_CONST: CONST,
@@ -48,7 +54,8 @@ class Tape:
     """Instructions of one function R^inputs -> R^outputs."""
 
     code: Ints
-    """(K, 4): operation, result slot, first and second argument slot."""
+    """(K, 4): operation, result slot (k itself, so that no slot is written twice; the row of the
+    result for an OUTPUT), first and second argument slot."""
     constant: Floats
     """(K,): value of a CONST instruction."""
     inputs: int
@@ -69,6 +76,7 @@ def compile_tape(function: ca.Function) -> Tape:
         a rounded constant would make every bound a bound on another function.
     """
     rows, constants = [], []
+    written: dict[int, int] = {}
     for k in range(function.n_instructions()):
         code = _CODES.get(function.instruction_id(k))
         if code is None:
@@ -76,18 +84,22 @@ def compile_tape(function: ca.Function) -> Tape:
                 f"{function.name()}: CasADi operation {function.instruction_id(k)} has no interval "
                 "form; add it to meso_robust.bounds.arithmetic"
             )
-        target = ([*function.instruction_output(k), 0])[0 if code != OUTPUT else 1]
         source = function.instruction_input(k)
-        first = source[1] if code == INPUT else (source[0] if source else 0)
-        second = source[1] if len(source) > 1 and code != INPUT else 0
+        if code == INPUT:
+            first, second = source[1], 0
+        else:
+            first, second = ([written[slot] for slot in source[:2]] + [0, 0])[:2]
+        target = function.instruction_output(k)
         constants.append(_exact(function, k) if code == CONST else 0.0)
-        rows.append((code, target, first, second))
+        rows.append((code, target[1] if code == OUTPUT else k, first, second))
+        if code != OUTPUT:
+            written[target[0]] = k
     return Tape(
         np.array(rows, dtype=np.int64),
         np.array(constants),
         function.nnz_in(0),
         function.nnz_out(0),
-        function.sz_w(),
+        len(rows),
     )
 
 
@@ -100,8 +112,8 @@ def _exact(function: ca.Function, k: int) -> float:
     return value
 
 
-@njit
-def _apply(op: int, a: float, b: float, c: float, d: float) -> tuple[float, float]:  # noqa: C901 - a table
+@njit(error_model="numpy")
+def _of_two(op: int, a: float, b: float, c: float, d: float) -> tuple[float, float]:
     if op == ADD:
         return ia.add(a, b, c, d)
     if op == SUB:
@@ -110,6 +122,11 @@ def _apply(op: int, a: float, b: float, c: float, d: float) -> tuple[float, floa
         return ia.mul(a, b, c, d)
     if op == DIV:
         return ia.div(a, b, c, d)
+    return -np.inf, np.inf
+
+
+@njit(error_model="numpy")
+def _of_one(op: int, a: float, b: float) -> tuple[float, float]:
     if op == NEG:
         return -b, -a
     if op == SQ:
@@ -126,9 +143,7 @@ def _apply(op: int, a: float, b: float, c: float, d: float) -> tuple[float, floa
         return ia.add(a, b, a, b)
     if op == INV:
         return ia.div(1.0, 1.0, a, b)
-    if op == ASSIGN:
-        return a, b
-    return -np.inf, np.inf
+    return (a, b) if op == ASSIGN else (-np.inf, np.inf)
 
 
 @njit
@@ -156,7 +171,83 @@ def run(
             work[target, 0], work[target, 1] = box_lo[first], box_hi[first]
         elif op == OUTPUT:
             result[target, 0], result[target, 1] = work[first, 0], work[first, 1]
-        else:
-            work[target, 0], work[target, 1] = _apply(
+        elif op in BINARY_CODES:
+            work[target, 0], work[target, 1] = _of_two(
                 op, work[first, 0], work[first, 1], work[second, 0], work[second, 1]
             )
+        else:
+            work[target, 0], work[target, 1] = _of_one(op, work[first, 0], work[first, 1])
+
+
+@njit(error_model="numpy")
+def _each_of_two(
+    op: Pairwise, work: Floats, count: int, target: int, first: int, second: int
+) -> None:
+    for j in range(count):
+        work[target, 0, j], work[target, 1, j] = op(
+            work[first, 0, j], work[first, 1, j], work[second, 0, j], work[second, 1, j]
+        )
+
+
+@njit(error_model="numpy")
+def _each_of_one(op: Pairwise, work: Floats, count: int, target: int, first: int) -> None:
+    for j in range(count):
+        work[target, 0, j], work[target, 1, j] = op(work[first, 0, j], work[first, 1, j])
+
+
+@njit(error_model="numpy")
+def _block_of_two(op: int, work: Floats, count: int, target: int, first: int, second: int) -> None:
+    if op == ADD:
+        _each_of_two(ia.add, work, count, target, first, second)
+    elif op == SUB:
+        _each_of_two(ia.sub, work, count, target, first, second)
+    elif op == MUL:
+        _each_of_two(ia.mul, work, count, target, first, second)
+    else:
+        _each_of_two(ia.div, work, count, target, first, second)
+
+
+@njit(error_model="numpy")
+def _block_of_one(op: int, work: Floats, count: int, target: int, first: int) -> None:
+    if op == SQ:
+        _each_of_one(ia.sq, work, count, target, first)
+    elif op in (SIN, COS):
+        for j in range(count):
+            work[target, 0, j], work[target, 1, j] = ia.shifted_sine(
+                work[first, 0, j], work[first, 1, j], 1.0 if op == COS else 0.0
+            )
+    else:  # rare or cheap: no need for a loop of its own
+        for j in range(count):
+            work[target, 0, j], work[target, 1, j] = _of_one(
+                op, work[first, 0, j], work[first, 1, j]
+            )
+
+
+@njit(error_model="numpy")
+def run_block(
+    code: Ints, constant: Floats, box_lo: Floats, box_hi: Floats, count: int, work: Floats
+) -> None:
+    """Evaluate over ``count`` <= ``BLOCK`` boxes.
+
+    Parameters
+    ----------
+    code, constant
+        Of the tape.
+    box_lo, box_hi
+        (inputs, BLOCK) ends of the boxes.
+    work
+        (slots, 2, BLOCK) scratch; the row of an OUTPUT instruction is left holding the ends of that
+        output.
+    """
+    for k in range(code.shape[0]):
+        op, first, second = code[k, 0], code[k, 2], code[k, 3]
+        if op == CONST:
+            work[k, :, :count] = constant[k]
+        elif op == INPUT:
+            work[k, 0, :count], work[k, 1, :count] = box_lo[first, :count], box_hi[first, :count]
+        elif op == OUTPUT:
+            work[k, :, :count] = work[first, :, :count]
+        elif op in BINARY_CODES:
+            _block_of_two(op, work, count, k, first, second)
+        else:
+            _block_of_one(op, work, count, k, first)

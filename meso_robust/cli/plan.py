@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated
@@ -13,9 +15,25 @@ from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
 
 if TYPE_CHECKING:
     from meso_robust.job import Planned
+    from meso_robust.task import Task
 
 
-def plan(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Asked:
+    """What the user asked for."""
+
+    task: Path | None
+    out: Path
+    samples: int
+    seed: int
+    widest: bool
+    policy: bool
+    maps: bool
+    as_json: bool
+    quiet: bool
+
+
+def plan(  # noqa: PLR0913  # every option of the verb is an argument
     task: Annotated[
         Path | None, typer.Argument(help="Task file (TOML); the paper's task if left out.")
     ] = None,
@@ -30,47 +48,92 @@ def plan(
             "also writes the task with that spacing.",
         ),
     ] = False,
+    policy: Annotated[
+        bool,
+        typer.Option(
+            "--policy",
+            help="Also certify a feedback policy: policy.json for `drive`, region.svg of its starts.",
+        ),
+    ] = False,
+    maps: Annotated[
+        bool,
+        typer.Option(
+            "--maps", help="Also draw where each primitive may push, from which start (SVG, JSON)."
+        ),
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print certificate.json only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
 ) -> None:
     """Find a plan, certify it, cross-check it in the simulator, and write a report."""
     from meso_robust.errors import InputError, NotApplicableError
 
-    say = Reporter(quiet or as_json)
+    asked = _Asked(
+        task=task,
+        out=out,
+        samples=samples,
+        seed=seed,
+        widest=widest,
+        policy=policy,
+        maps=maps,
+        as_json=as_json,
+        quiet=quiet,
+    )
     try:
-        _plan(task, out, samples, seed, widest, as_json, quiet, say)
+        _plan(asked, Reporter(quiet or as_json))
     except InputError as error:
         refuse(error)
     except NotApplicableError as error:
         negative(f"UNKNOWN: {error}")
 
 
-def _plan(
-    task_file: Path | None,
-    out: Path,
-    samples: int,
-    seed: int,
-    widest: bool,
-    as_json: bool,
-    quiet: bool,
-    say: Reporter,
-) -> None:
+def _plan(asked: _Asked, say: Reporter) -> None:
     from meso_robust.files import check_folder
     from meso_robust.task import load_task, with_spacing
     from meso_robust.tasks import PAPER
 
-    task = load_task(task_file or PAPER)
-    check_folder(out)
+    file = asked.task or PAPER
+    task = load_task(file)
+    check_folder(asked.out)
 
     from meso_robust.job import make, make_best
 
-    result = (make_best if widest else make)(task, samples, seed, say.doing)
+    result = (make_best if asked.widest else make)(task, asked.samples, asked.seed, say.doing)
     more = {}
-    if widest:
-        text = (task_file or PAPER).read_text(encoding="utf-8")
+    if asked.widest:
+        text = file.read_text(encoding="utf-8")
         more["task.toml"] = with_spacing(text, result.task.probe.tip_spacing_um)
-    write(result, out, say, more)
-    tell(result, out, as_json, quiet)
+    if asked.policy:
+        more |= _policy(result.task, say)
+    if asked.maps:
+        from meso_robust.reporting.admissible import map_files
+
+        more |= map_files(result.task, say.doing)
+    write(result, asked.out, say, more)
+    tell(result, asked.out, asked.as_json, asked.quiet)
+
+
+def _policy(task: Task, say: Reporter) -> dict[str, str]:
+    """The certified feedback policy, its picture, and both in words."""
+    from meso_robust.errors import NotApplicableError
+    from meso_robust.policy.build import make_policy
+    from meso_robust.policy.document import policy_document
+    from meso_robust.policy.region import sensed_start, tube
+    from meso_robust.reporting.policy import draw, summary
+
+    before = time.perf_counter()
+    policy = make_policy(task, say.doing)
+    seconds = time.perf_counter() - before
+    try:
+        slices = tube(policy, sensed_start(task))
+    except ValueError as error:
+        raise NotApplicableError(
+            "the policy is not certified from the task's start; leave out --policy"
+        ) from error
+    return {
+        "policy.json": policy_document(policy).model_dump_json(by_alias=True) + "\n",
+        "region.svg": draw(policy, slices),
+        "policy.md": summary(policy, slices, seconds),
+    }
 
 
 def write(
