@@ -31,6 +31,7 @@ MAY_IMPORT = {
     "admissible": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
     "policy": {*BELOW_PLANNING, "planning", "certificates", "campaigns", "simulator"},
+    "checker": {"errors", "task"},
     "simulator": {"errors", "kernels"},
     "recordings": {"errors", "files"},
 }

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import Verdict
+from meso_robust.certificates.grid import on_grid
 from meso_robust.primitives.certify import Before, certify_move
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Obligation, Step
-from meso_robust.certificates.grid import on_grid
 from meso_robust.primitives.setup import PoseBox, Setup
 
 

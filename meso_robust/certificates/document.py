@@ -6,6 +6,8 @@ and deg beside them are for reading.
 
 from __future__ import annotations
 
+import hashlib
+import json
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -154,6 +156,19 @@ class CertificateDocument(_Model):
     margin: MarginDocument
     simulation: SimulationDocument
     made_with: dict[str, str]
+    digest: str = ""
+    """SHA-256 of everything else; see :func:`sealed`."""
+
+
+def sealed(document: CertificateDocument) -> CertificateDocument:
+    """The document with its digest: an accident to any value is found out.
+
+    The digest is that of the JSON without ``digest``, keys sorted, no white space, ASCII.
+    """
+    values = json.loads(document.model_dump_json(by_alias=True))
+    del values["digest"]
+    text = json.dumps(values, sort_keys=True, separators=(",", ":"))
+    return document.model_copy(update={"digest": hashlib.sha256(text.encode()).hexdigest()})
 
 
 def step_document(step: Step) -> StepDocument:

@@ -12,7 +12,9 @@ import traceback
 import typer
 
 from meso_robust.cli.certify import certify
+from meso_robust.cli.check import check
 from meso_robust.cli.derive import derive
+from meso_robust.cli.drive import drive
 from meso_robust.cli.plan import plan
 from meso_robust.cli.schema import schema
 from meso_robust.cli.simulate import simulate
@@ -24,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (plan, certify, simulate, derive, schema):
+for verb in (plan, certify, check, simulate, drive, derive, schema):
     app.command()(verb)
 
 

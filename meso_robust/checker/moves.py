@@ -1,0 +1,58 @@
+"""Which file verifies which move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from meso_robust.checker.document import RuleDocument
+from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.passage import Memory, Passage
+from meso_robust.checker.refusal import Refused
+from meso_robust.checker.regrasp import check_regrasp
+from meso_robust.checker.rotate import check_rotate
+from meso_robust.checker.scene import Scene, scene_of
+from meso_robust.checker.straighten import check_straighten
+from meso_robust.checker.tilt import check_tilt
+
+Check = Callable[[Scene, Given, Memory | None], Passage]
+MOVES: dict[str, Check] = {
+    "tilt": lambda scene, given, memory: check_tilt(scene),
+    "straighten": lambda scene, given, memory: check_straighten(scene, memory),
+    "rotate": lambda scene, given, memory: check_rotate(scene),
+    "regrasp": lambda scene, given, memory: check_regrasp(scene, given),
+}
+
+
+def verify_move(
+    rule: RuleDocument, pre: PoseBox, given: Given, memory: Memory | None
+) -> tuple[Scene, Passage]:
+    """Prove what a move does from every pose in ``pre`` (world axes).
+
+    Parameters
+    ----------
+    rule, pre, given
+        The move, the poses before it, the task.
+    memory
+        What the move before left behind.
+
+    Raises
+    ------
+    Refused
+        A requirement does not follow, or the kind of move is not known.
+    """
+    if rule.action not in MOVES:
+        raise Refused("the checker knows each move of the policy", rule.action, sorted(MOVES))
+    _shape(rule)
+    scene = scene_of(rule, pre, given)
+    return scene, MOVES[rule.action](scene, given, memory)
+
+
+def _shape(rule: RuleDocument) -> None:
+    """What a rule must and must not hold, so that nothing of it goes unused."""
+    turns = rule.action in {"tilt", "rotate"}
+    if turns != (rule.side != 0):
+        raise Refused(f"the side of a {rule.action}", rule.side, "1 or -1" if turns else 0)
+    passive = [part is not None for part in (rule.single_x, rule.single_y)]
+    if passive != [rule.action == "rotate"] * 2:
+        needed = "given" if rule.action == "rotate" else "null"
+        raise Refused(f"the passive tip of a {rule.action}", passive, needed)

@@ -1,0 +1,37 @@
+"""What is known of a move once it is verified."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.given import PoseBox
+from meso_robust.checker.requirement import Requirement
+from meso_robust.checker.scene import Scene
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Memory:
+    """How the height of the centre after a tilt hangs together with the angle."""
+
+    scene: Scene
+    height: Callable[[Point, Dual, Dual], Dual]
+    """y of the centre, from the tilt's variables and the direction of the edge after it."""
+
+    def about(self, scene: Scene) -> bool:
+        """Whether a move has the same axes and pushes the same edge."""
+        return self.scene.frame == scene.frame and self.scene.quarter == scene.quarter
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Passage:
+    """A verified move."""
+
+    says: str
+    """The property, in words."""
+    post: PoseBox
+    """All poses after it, in the move's own axes."""
+    requirements: tuple[Requirement, ...]
+    """What was proved, in the order in which a certificate lists it."""
+    memory: Memory | None = None

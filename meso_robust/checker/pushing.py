@@ -1,0 +1,134 @@
+"""Requirements that several moves share: free at the start, a tip that sticks, a tip that passes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flint import arb
+
+from meso_robust.checker import statement as st
+from meso_robust.checker.contact import Contact, place_on_edge
+from meso_robust.checker.dual import Dual, Number, Point
+from meso_robust.checker.ranges import Box, Formula
+from meso_robust.checker.requirement import Part, Requirement, Variables
+from meso_robust.checker.scene import Scene, direction
+
+NAMES = {1: "upper", -1: "lower"}
+TURNS = {1: "counter-clockwise", -1: "clockwise"}
+UNIT = (arb(0), arb(1))
+"""Side of a share between none and all."""
+Touching = Callable[[Point], Contact]
+
+
+def constant(value: Number) -> Formula:
+    """A number as a formula."""
+    return lambda at: value if isinstance(value, Dual) else Dual(arb(value))
+
+
+def touch(scene: Scene, at: Point, side: int) -> Contact:
+    """The upper (1) or lower (-1) tip when it touches the part, which has not moved yet."""
+    c, s = direction(at["theta"])
+    return Contact(c, s, scene.d1, place_on_edge(c, s, scene.d1, scene.rise(at, side)))
+
+
+def free_at_start(scene: Scene, sides: tuple[int, ...]) -> list[Requirement]:
+    """The tips stand off the line of the edge."""
+
+    def one(side: int) -> Requirement:
+        return Requirement(
+            claim=f"the {NAMES[side]} tip is free of contact at the start",
+            statement=st.CLEARANCE,
+            parts=(
+                Part(
+                    {
+                        "theta": lambda at: at["theta"],
+                        "d1": constant(scene.d1),
+                        "dx": lambda at: scene.ahead(at, side),
+                        "dy": lambda at: scene.rise(at, side),
+                    },
+                    scene.box,
+                ),
+            ),
+        )
+
+    return [one(side) for side in sides]
+
+
+def on_edge(which: str, scene: Scene, offset: Formula, box: Box) -> Requirement:
+    """A contact lies between the ends of the edge."""
+    return Requirement(
+        claim=f"the {which} tip touches the edge",
+        statement=st.ON_EDGE,
+        parts=(Part({"d2": offset, "half": constant(scene.half)}, box),),
+    )
+
+
+def sticks(
+    which: str,
+    scene: Scene,
+    theta: Formula,
+    offset: Formula,
+    side: int,
+    box: Box,
+    ends: tuple[Formula, ...] = (),
+) -> list[Requirement]:
+    """One tip alone pushes, sticks, turns the part to ``side``, and nothing else can happen.
+
+    ``theta`` runs over all angles that are passed; ``ends``, if given, are the first and the last of
+    them (the part turns one way, which is one of the requirements).
+    """
+    variables: Variables = {
+        "d1": constant(scene.d1),
+        "d2": offset,
+        "rho": lambda at: at["rho"],
+        "mu": lambda at: at["mu"],
+        "side": constant(arb(side)),
+    }
+
+    def one(claim: str, statement: st.Statement, names: str) -> Requirement:
+        def part(angle: Formula) -> Part:
+            every = {"theta": angle, **variables}
+            return Part({name: every[name] for name in names.split()}, box)
+
+        cover = tuple(map(part, ends)) or None
+        return Requirement(claim=claim, statement=statement, parts=(part(theta),), cover=cover)
+
+    return [
+        one(f"the {which} tip pushes", st.PRESSES, "theta d1 d2 rho"),
+        one(f"the {which} tip sticks", st.STICKS, "theta d1 d2 rho mu"),
+        one(f"the {which} tip turns the part {TURNS[side]}", st.TURNS, "theta d1 d2 side"),
+        one(
+            f"no slipping motion is possible beside the sticking one ({which} tip)",
+            st.ONLY,
+            "d1 d2 rho mu",
+        ),
+    ]
+
+
+def beside(scene: Scene, theta: Formula, offset: Formula, flight: Formula, side: int) -> Variables:
+    """While one tip is ``flight`` short of its place, the other, on ``side``, is clear of the part."""
+    return {
+        "theta": theta,
+        "d2": offset,
+        "half": constant(scene.half),
+        "dx": lambda at: flight(at) - scene.lag(at, side) * 2,
+        "dy": constant(scene.spacing * side),
+        "side": constant(arb(side)),
+    }
+
+
+def passes(
+    when: str, parts: tuple[Part, ...], cover: tuple[Part, ...] | None = None
+) -> Requirement:
+    """The idle tip is clear of the part in all ``parts`` (variables as from :func:`beside`)."""
+    claim = f"the other tip passes the part ({when})"
+    return Requirement(claim=claim, statement=st.BESIDE, parts=parts, cover=cover)
+
+
+def comes_free(which: str, theta: Formula, box: Box) -> Requirement:
+    """A tip on the edge leaves its line at once when it backs off along +x (sin(theta) > 0)."""
+    return Requirement(
+        claim=f"the {which} free of contact on withdrawal",
+        statement=st.COMES_FREE,
+        parts=(Part({"theta": theta}, box),),
+    )

@@ -1,0 +1,86 @@
+"""Reading a certificate: its form, its digest, and that it is about the task at hand."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from meso_robust.checker.document import Certificate
+from meso_robust.errors import InputError
+from meso_robust.task import Task
+
+
+def read_certificate(path: Path, task: Task) -> tuple[Certificate, str]:
+    """Read a certificate that was made for ``task``.
+
+    Returns
+    -------
+    tuple[Certificate, str]
+        The certificate, and the digest that its values have.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is no certificate, or is one for another task.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}); give a certificate"
+        ) from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is not a JSON file in UTF-8 ({error})") from error
+    return parse_certificate(text, str(path), task)
+
+
+def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, str]:
+    """The same for a text; ``source`` names it in messages."""
+    try:
+        values = json.loads(text, object_pairs_hook=_each_once, parse_constant=_no_constant)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{source}: is not a JSON file in UTF-8 ({error})") from error
+    try:
+        found = Certificate.model_validate_json(text)
+    except ValidationError as error:
+        raise InputError(f"{source}: {_first_of(error)}") from error
+    if found.task_hash != task.hash:
+        raise InputError(
+            f"{source}: key task_hash = {found.task_hash!r}: must be the hash {task.hash!r} of the "
+            f"task; the certificate is about another task ({found.task!r}), give that one"
+        )
+    return found, digest(values)
+
+
+def digest(values: dict[str, Any]) -> str:
+    """SHA-256 of all values but ``digest``: JSON, keys sorted, no white space, ASCII."""
+    rest = {key: value for key, value in values.items() if key != "digest"}
+    text = json.dumps(rest, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"key {twice} is given twice; give it once")
+    return found
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is not a number of JSON")
+
+
+def _first_of(error: ValidationError) -> str:
+    first = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in first["loc"]) or "certificate"
+    if first["type"] == "missing":
+        return f"key {key} is missing; `meso-robust schema certificate` lists all keys"
+    if first["type"] == "extra_forbidden":
+        return f"key {key} is unknown; `meso-robust schema certificate` lists all keys"
+    return f"key {key} = {str(first['input'])[:80]!r}: {first['msg']}"

@@ -1,0 +1,60 @@
+"""A re-grasp: the pair of tips travels in the plane beside the part, which stays at rest."""
+
+from __future__ import annotations
+
+from flint import arb
+
+from meso_robust.checker import statement as st
+from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.passage import Passage
+from meso_robust.checker.pushing import NAMES, UNIT, constant
+from meso_robust.checker.ranges import shift
+from meso_robust.checker.requirement import Part, Requirement, holds, prove
+from meso_robust.checker.scene import Scene
+
+
+def check_regrasp(scene: Scene, given: Given) -> Passage:
+    """Prove that each tip stays beyond one edge of the part all the way.
+
+    Raises
+    ------
+    Refused
+        It does not follow.
+    """
+    requirements = tuple(_clear(scene, given, side) for side in (1, -1))
+    for requirement in requirements:
+        prove(requirement)
+    box = scene.box
+    at_rest = PoseBox(x=box["x"], y=box["y"], theta=shift(box["theta"], scene.turn))
+    return Passage(
+        says="the probes travel clear of the part, which stays at rest",
+        post=at_rest,
+        requirements=requirements,
+    )
+
+
+def _clear(scene: Scene, given: Given, side: int) -> Requirement:
+    """One of the four edges has the whole way of a tip on its outer side."""
+    tried = [_beyond(scene, given, side, edge) for edge in range(4)]
+    return next((one for one in tried if holds(one.statement, one.parts[0])), tried[0])
+
+
+def _beyond(scene: Scene, given: Given, side: int, edge: int) -> Requirement:
+    depth = given.half_width if (scene.quarter + edge) % 2 == 0 else given.half_length
+
+    def way(at: Point) -> Dual:
+        first = scene.ahead(at, side)
+        return first + at["share"] * (scene.ahead_end(at, side) - first)
+
+    variables = {
+        "theta": lambda at: at["theta"] - arb.pi() / 2 * edge,
+        "d1": constant(depth),
+        "dx": way,
+        "dy": lambda at: scene.rise(at, side),
+    }
+    return Requirement(
+        claim=f"the {NAMES[side]} tip stays clear of the part on its way",
+        statement=st.CLEARANCE,
+        parts=(Part(variables, {**scene.box, "share": UNIT}),),
+    )

@@ -1,0 +1,184 @@
+"""The check of a certificate from its first line to its last."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from flint import arb, ctx
+
+from meso_robust.checker import margin as margins, words
+from meso_robust.checker.chain import holds_side, passages, within
+from meso_robust.checker.document import Certificate, StepDocument
+from meso_robust.checker.given import Given, PoseBox, given
+from meso_robust.checker.numbers import box, check_reading
+from meso_robust.checker.obligations import compare as compare
+from meso_robust.checker.refusal import Refused
+from meso_robust.checker.witness import check_witness
+from meso_robust.task import Task
+
+BITS = 80
+"""Precision of the balls; doubles have 53."""
+NEAR = 1e-14
+"""m and rad: by how much a box that the task gives may be told too large or too small."""
+Word = Literal["VERIFIED", "REJECTED", "NOTHING CLAIMED"]
+SECTIONS = {"schema_", "name", "part", "start", "goal", "probe", "uncertainty", "plan"}
+"""What the checker's proof takes from a task (``plan`` and the probe's speed are for the planner)."""
+EVIDENCE = (
+    "simulation: runs of the simulator",
+    "margin.refused_at, margin.limit: where the search of the margin gave up",
+    "boxes of the obligations: how the search cut its boxes",
+    "made_with: versions and machine",
+)
+"""What no check can confirm: evidence, not proof."""
+ALONE = "margin.each_alone, margin.binds_first: confirmed only with --thorough"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What came out."""
+
+    verdict: Word
+    claims: str
+    """What the certificate is now known, or said, to claim."""
+    refused: Refused | None = None
+    not_checked: tuple[str, ...] = EVIDENCE
+
+    @property
+    def positive(self) -> bool:
+        """Whether the certificate proves what it says."""
+        return self.verdict == "VERIFIED"
+
+
+def check(certificate: Certificate, digest: str, task: Task, *, thorough: bool = False) -> Answer:
+    """Verify everything that a certificate claims.
+
+    Parameters
+    ----------
+    certificate, digest, task
+        As read (``reading.py``).
+    thorough
+        Whether the factor of each uncertainty alone is verified as well.
+    """
+    not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
+    with ctx.workprec(BITS):
+        try:
+            says = _check(certificate, digest, task, thorough)
+        except Refused as refused:
+            return Answer(verdict="REJECTED", claims=certificate.verdict, refused=refused)
+    if certificate.verdict == "UNKNOWN":
+        return Answer(verdict="NOTHING CLAIMED", claims=says, not_checked=())
+    return Answer(verdict="VERIFIED", claims=says, not_checked=not_checked)
+
+
+def _check(certificate: Certificate, digest: str, task: Task, thorough: bool) -> str:
+    if certificate.digest != digest:
+        raise Refused("digest: the SHA-256 of all other values", certificate.digest, digest)
+    known = given(task)
+    _check_text(certificate, task)
+    _check_goal(certificate, known)
+    if certificate.verdict == "UNKNOWN":
+        _expect("verdict UNKNOWN says what is undecided", certificate.undecided is not None)
+        return "nothing is claimed: the verdict is UNKNOWN"
+    if certificate.verdict == "REFUTED":
+        check_witness(certificate, known)
+        return (
+            "the witness keeps within the bounds of the task; that it fails is shown by "
+            "`meso-robust simulate TASK.toml PLAN.json --witness CERTIFICATE.json`"
+        )
+    _check_known(task)
+    _check_shape(certificate)
+    margins.check_words(certificate.margin)
+    boxes = _boxes(certificate, known)
+    _check_steps(certificate, known, boxes)
+    margins.check_factor(certificate, task, alone=thorough)
+    return certificate.claim.words
+
+
+def _expect(claim: str, holds: bool, stated: object = "otherwise", found: object = "must") -> None:
+    if not holds:
+        raise Refused(claim, stated, found)
+
+
+def _same(claim: str, stated: object, own: object) -> None:
+    _expect(claim, stated == own, stated, own)
+
+
+def _check_text(certificate: Certificate, task: Task) -> None:
+    _same("task", certificate.task, task.name)
+    _same("claim.words", certificate.claim.words, words.claim(task, len(certificate.policy)))
+    _same("claim.assumptions", certificate.claim.assumptions, words.ASSUMPTIONS)
+    listed = {
+        f"{one.inequality} [{one.derivation}]": None
+        for step in certificate.steps
+        for one in step.obligations
+    }
+    _same("claim.inequalities: those of the steps", certificate.claim.inequalities, tuple(listed))
+
+
+def _check_goal(certificate: Certificate, known: Given) -> None:
+    stated = box(certificate.goal_exact, "goal_exact")
+    check_reading(certificate.goal, stated, "goal", outward=False)
+    _expect("goal_exact lies in the task's goal", within(stated, known.goal))
+    _expect("goal_exact is the task's goal", _near(stated, known.goal))
+
+
+def _near(one: PoseBox, other: PoseBox) -> bool:
+    pairs = ((one.x, other.x), (one.y, other.y), (one.theta, other.theta))
+    return all(abs(p - q) <= arb(NEAR) for a, b in pairs for p, q in zip(a, b, strict=True))
+
+
+def _check_known(task: Task) -> None:
+    """Nothing of the task may be left out: a section that the checker does not know is refused."""
+    for name in type(task).model_fields:
+        if name not in SECTIONS and getattr(task, name) is not None:
+            raise Refused("the checker knows every section of the task", name, sorted(SECTIONS))
+
+
+def _check_shape(certificate: Certificate) -> None:
+    """A PROVED certificate has one proved step a move and nothing that is open."""
+    _expect("verdict PROVED leaves nothing undecided", certificate.undecided is None)
+    _expect("verdict PROVED has no witness", certificate.witness is None)
+    _expect("a policy has moves", len(certificate.policy) > 0)
+    _same("steps: one a move", len(certificate.steps), len(certificate.policy))
+    for number, (step, rule) in enumerate(zip(certificate.steps, certificate.policy, strict=True)):
+        for name in ("step", "primitive", "action"):
+            _same(f"move {number + 1}: {name}", getattr(step, name), getattr(rule, name))
+        _same(f"move {number + 1}: verdict", step.verdict, "PROVED")
+
+
+def _boxes(certificate: Certificate, known: Given) -> list[PoseBox]:
+    """The boxes before the first move and after each one, as far as they can be judged alone."""
+    boxes = [_told(certificate.steps[0], 0, "pre")]
+    _expect("move 1: pre holds the task's start", within(known.start, boxes[0]))
+    _expect("move 1: pre is the task's start", _near(known.start, boxes[0]))
+    for number, step in enumerate(certificate.steps):
+        if number > 0:
+            before = certificate.steps[number - 1]
+            _same(f"move {number + 1}: pre is the post of the move before", (step.pre, step.pre_exact), (before.post, before.post_exact))  # fmt: skip
+        boxes.append(_told(step, number, "post"))
+    _expect("every final pose lies in the goal", within(boxes[-1], known.goal))
+    return boxes
+
+
+def _told(step: StepDocument, number: int, which: str) -> PoseBox:
+    what = f"move {number + 1}: {which}"
+    exact, reading = getattr(step, f"{which}_exact"), getattr(step, which)
+    if exact is None or reading is None:
+        raise Refused(what, "null", "a box")
+    found = box(exact, f"{what}_exact")
+    check_reading(reading, found, what)
+    return found
+
+
+def _check_steps(certificate: Certificate, known: Given, boxes: list[PoseBox]) -> None:
+    """Verify every move from the stated box before it, and compare all that is stated of it."""
+    moves = passages(certificate.policy, known, boxes[0], lambda number, _: boxes[number + 1])
+    for number, (passage, post) in enumerate(moves):
+        step, what = certificate.steps[number], f"move {number + 1}"
+        _same(f"{what}: property", step.property, passage.says)
+        for name in ("x", "y", "theta"):
+            stated, own = getattr(boxes[number + 1], name), getattr(post, name)
+            ends = [[float(end) for end in side] for side in (stated, own)]
+            _expect(f"{what}: every pose after it lies in post_exact.{name}", holds_side(stated, own), *ends)  # fmt: skip
+        compare(step.obligations, passage.requirements)

@@ -1,0 +1,65 @@
+"""The run of a REFUTED certificate must keep within the bounds of the task."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from flint import arb
+
+from meso_robust.checker.document import Certificate, WitnessDocument
+from meso_robust.checker.given import Given
+from meso_robust.checker.numbers import double
+from meso_robust.checker.ranges import Side
+from meso_robust.checker.refusal import Refused
+
+ROUNDING = arb(1e-15)
+"""m, rad and m^2: bounds of the task are decimals, the numbers of a run the nearest doubles."""
+
+
+def check_witness(certificate: Certificate, given: Given) -> None:
+    """Prove that every number of the run lies within its bounds.
+
+    Raises
+    ------
+    Refused
+        One does not, or there are not as many as moves.
+    """
+    witness, moves = certificate.witness, len(certificate.policy)
+    if witness is None:
+        raise Refused("a REFUTED certificate has a witness", "null", "a run")
+    for name in ("sensing", "dual_probe", "single_probe"):
+        count = len(getattr(witness, name))
+        if count != moves:
+            raise Refused(f"witness.{name}: one entry a move", count, moves)
+    for name, text, bounds in _bounded(witness, given):
+        value = arb(double(text, f"witness.{name}"))
+        if not (bounds[0] - ROUNDING <= value and value <= bounds[1] + ROUNDING):
+            inside = f"within {float(bounds[0]):.9g} and {float(bounds[1]):.9g}"
+            raise Refused(f"witness.{name}", float(value), inside)
+    _first_sensing(witness, given)
+
+
+def _bounded(witness: WitnessDocument, given: Given) -> Iterator[tuple[str, str, Side]]:
+    start = given.start
+    yield from zip(("start.x", "start.y", "start.theta"), witness.start, (start.x, start.y, start.theta), strict=True)  # fmt: skip
+    yield "friction", witness.friction, given.friction
+    yield "film_ratio_m2", witness.film_ratio_m2, given.film_ratio
+    yield "misalignment_rad", witness.misalignment_rad, given.misalignment
+    for k, (x, y, theta) in enumerate(witness.sensing):
+        yield f"sensing.{k}.x", x, given.sensed
+        yield f"sensing.{k}.y", y, given.sensed
+        yield f"sensing.{k}.theta", theta, given.turned
+    for name in ("dual_probe", "single_probe"):
+        for k, (x, y) in enumerate(getattr(witness, name)):
+            yield f"{name}.{k}.x", x, given.probe
+            yield f"{name}.{k}.y", y, given.probe
+
+
+def _first_sensing(witness: WitnessDocument, given: Given) -> None:
+    """The first pose is sensed as the task states it: its error follows from the start."""
+    sides = (given.start.x, given.start.y, given.start.theta)
+    for true, error, range_ in zip(witness.start, witness.sensing[0], sides, strict=True):
+        sensed = arb(double(true, "witness.start")) + arb(double(error, "witness.sensing.0"))
+        stated = (range_[0] + range_[1]) / 2
+        if not abs(sensed - stated) <= ROUNDING:
+            raise Refused("witness.sensing.0: the task's start minus witness.start", error, stated)

@@ -1,0 +1,262 @@
+"""The certificate of the paper's task is verified, and false ones are rejected."""
+
+from __future__ import annotations
+
+import copy
+import json
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from meso_robust.checker.reading import digest, parse_certificate
+from meso_robust.checker.verdict import Answer, check
+from meso_robust.cli import app
+from meso_robust.job import Planned
+from meso_robust.task import Task, parse_task
+from meso_robust.tasks import PAPER
+from tests.checker import mutations
+from tests.checker.memo import remembered
+from tests.conftest import paper_task
+
+Document = dict[str, Any]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _remember() -> Iterator[None]:
+    with remembered():
+        yield
+
+
+def checked(document: Document, task: Task) -> Answer:
+    """The answer to a certificate whose digest is made to fit."""
+    sealed = {**document, "task_hash": task.hash, "task": task.name}
+    sealed["digest"] = digest(sealed)
+    return check(*parse_certificate(json.dumps(sealed), "test", task), task)
+
+
+def objection(document: Document, task: Task | None = None) -> str:
+    """What a false certificate is rejected for."""
+    answer = checked(document, task or paper_task())
+    assert answer.verdict == "REJECTED"
+    assert answer.refused is not None
+    assert answer.refused.stated
+    assert answer.refused.found
+    return answer.refused.claim
+
+
+def aimed(document: Document, move: int, aim: str, by_um: float) -> Document:
+    """The certificate with one commanded coordinate moved."""
+    found = copy.deepcopy(document)
+    found["policy"][move][aim]["offset_um"] += by_um
+    return found
+
+
+def relisted(document: Document) -> None:
+    """Make the list of inequalities fit the steps."""
+    listed = (
+        f"{one['inequality']} [{one['derivation']}]"
+        for step in document["steps"]
+        for one in step["obligations"]
+    )
+    document["claim"]["inequalities"] = list(dict.fromkeys(listed))
+
+
+def test_the_paper_tasks_certificate_is_verified(document: Document) -> None:
+    answer = checked(document, paper_task())
+    assert answer.verdict == "VERIFIED"
+    assert answer.claims == document["claim"]["words"]
+    assert any("simulation" in one for one in answer.not_checked)
+
+
+def test_any_change_breaks_the_digest(document: Document) -> None:
+    changed = copy.deepcopy(document)
+    changed["simulation"]["in_goal"] -= 1
+    found, own = parse_certificate(json.dumps(changed), "test", paper_task())
+    answer = check(found, own, paper_task())
+    assert answer.refused is not None
+    assert "digest" in answer.refused.claim
+
+
+@pytest.mark.parametrize(
+    ("change", "about"),
+    [
+        ({"uncertainty__friction": [0.05, 0.9]}, "claim.words"),
+        ({"goal__position_tolerance_um": 20.0}, "claim.words"),
+    ],
+)
+def test_boxes_of_another_task_are_rejected(
+    document: Document, change: dict[str, Any], about: str
+) -> None:
+    assert about in objection(document, paper_task(**change))
+
+
+def reworded(document: Document, task: Task) -> Document:
+    """The certificate with the sentences of another task."""
+    from meso_robust.checker import words
+
+    found = copy.deepcopy(document)
+    found["claim"]["words"] = words.claim(task, len(document["policy"]))
+    return found
+
+
+@pytest.mark.parametrize("friction", [[0.2, 0.36], [0.3, 0.75]])
+def test_wider_friction_than_was_proved_is_rejected(
+    document: Document, friction: list[float]
+) -> None:
+    task = paper_task(uncertainty__friction=friction)
+    found = objection(reworded(document, task), task)
+    assert "sticks" in found or "jam" in found
+
+
+def test_a_goal_that_is_missed_is_rejected(document: Document) -> None:
+    from meso_robust.certificates.document import exact_box
+    from meso_robust.planning.document import goal_document
+    from meso_robust.primitives.setup import setup_of
+
+    task = paper_task(goal__position_tolerance_um=40.0)
+    goal = setup_of(task).goal
+    found = reworded(document, task)
+    found["goal_exact"] = json.loads(exact_box(goal).model_dump_json())
+    found["goal"] = json.loads(goal_document(goal).model_dump_json())
+    assert objection(found, task) == "every final pose lies in the goal"
+
+
+@pytest.mark.parametrize(
+    ("move", "aim", "by_um", "about"),
+    [
+        (0, "dual_y", 80.0, "sticks"),  # pushes too far off the middle
+        (0, "dual_x", -30.0, "free of contact"),  # starts inside the part
+        (0, "dual_end_x", -60.0, "post_exact"),  # turns too far
+        (0, "dual_end_x", 40.0, "post_exact"),  # turns less than it says
+        (1, "dual_end_x", 150.0, "touches before the probe stops"),
+        (1, "dual_y", 330.0, "turns"),
+        (2, "single_y", 60.0, "cannot close"),  # the tips close on the part
+        (2, "dual_end_x", 300.0, "post_exact"),  # ends early
+        (2, "dual_end_x", -150.0, "edge"),  # a tip leaves its edge
+        (3, "dual_end_x", 100.0, "post_exact"),
+    ],
+)
+def test_another_policy_is_rejected(
+    document: Document, move: int, aim: str, by_um: float, about: str
+) -> None:
+    assert about in objection(aimed(document, move, aim, by_um))
+
+
+def test_a_section_of_the_task_that_the_checker_does_not_know_is_rejected(
+    document: Document,
+) -> None:
+    values = tomllib.loads(PAPER.read_text(encoding="utf-8"))
+    values["slot"] = tomllib.loads(PAPER.with_name("slot.toml").read_text(encoding="utf-8"))["slot"]
+    task = parse_task(values, "test")
+    assert "section" in objection(reworded(document, task), task)
+
+
+def test_swapped_moves_are_rejected(document: Document) -> None:
+    found = copy.deepcopy(document)
+    for part in ("policy", "steps"):
+        found[part][0], found[part][1] = found[part][1], found[part][0]
+    relisted(found)
+    assert "move 1: pre" in objection(found)
+
+
+def test_a_narrower_box_of_the_start_is_rejected(document: Document) -> None:
+    found = copy.deepcopy(document)
+    ends = found["steps"][0]["pre_exact"]["x_m"]
+    ends[0] = (float.fromhex(ends[0]) + 1e-6).hex()
+    assert "move 1: pre" in objection(found)
+
+
+def test_an_exaggerated_margin_is_rejected(document: Document) -> None:
+    found = copy.deepcopy(document)
+    margin = found["margin"]
+    margin["factor"], margin["refused_at"] = 1.9, 1.95
+    margin["each_alone"] = dict.fromkeys(margin["each_alone"], 2.0)
+    assert objection(found) == "margin.factor"
+
+
+def test_a_dropped_inequality_is_rejected(document: Document) -> None:
+    found = copy.deepcopy(document)
+    del found["steps"][2]["obligations"][3]
+    relisted(found)
+    assert objection(found) == "the list of obligations"
+
+
+def test_changed_values_are_rejected_or_still_true(document: Document, paper_plan: Planned) -> None:
+    finals = paper_plan.check.sampled.final
+    found = mutations.campaign(document, paper_task(), finals, count=60, seed=1)
+    assert not found.missed
+    assert found.answers["REJECTED"] > 15
+
+
+def test_the_campaign_sees_a_checker_that_overlooks_something(
+    document: Document, paper_plan: Planned, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from meso_robust.checker import verdict
+
+    monkeypatch.setattr(verdict, "_check_text", lambda *_: None)
+    told = document["claim"]["words"]
+    changed = {**document, "claim": {**document["claim"], "words": told.replace("every", "some")}}
+    changed["digest"] = digest(changed)
+    mutation = mutations.Mutation(("claim", "words"), "text", told, "some", changed)
+    assert mutations.answer(mutation.document, paper_task())[0] == "VERIFIED"
+    assert mutations.excuse(mutation, paper_task(), paper_plan.check.sampled.final) is None
+
+
+def test_a_refuted_certificate_must_keep_within_the_bounds(wide_friction_plan: Planned) -> None:
+    task = paper_task(uncertainty__friction=[0.05, 0.9])
+    text = wide_friction_plan.certificate.model_dump_json(by_alias=True)
+    document = json.loads(text)
+    if document["verdict"] != "REFUTED":
+        assert checked(document, task).verdict == "NOTHING CLAIMED"
+        return
+    assert checked(document, task).verdict == "VERIFIED"
+    document["witness"]["friction"] = (0.91).hex()
+    assert objection(document, task) == "witness.friction"
+
+
+def test_unknown_claims_nothing(document: Document) -> None:
+    found = copy.deepcopy(document)
+    found["verdict"] = "UNKNOWN"
+    assert "UNKNOWN" in objection(found)
+    found["undecided"] = {
+        "move": 1, "step": 1, "action": "tilt", "claim": "x", "inequality": "x", "fails": False,
+        "over": {}, "settled_by": "x",
+    }  # fmt: skip
+    answer = checked(found, paper_task())
+    assert (answer.verdict, answer.positive) == ("NOTHING CLAIMED", False)
+
+
+def test_the_command(document: Document, tmp_path: Path) -> None:
+    file = tmp_path / "certificate.json"
+    file.write_text(json.dumps(document), encoding="utf-8")
+    run = CliRunner().invoke(app, ["check", str(file), "--json"])
+    assert run.exit_code == 0
+    assert json.loads(run.stdout)["verdict"] == "VERIFIED"
+    document = {**document, "verdict": "UNKNOWN"}
+    file.write_text(json.dumps(document), encoding="utf-8")
+    run = CliRunner().invoke(app, ["check", str(file)])
+    assert run.exit_code == 1
+    assert run.stdout.startswith("REJECTED: digest")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"schema": "meso-robust/certificate/2"}', '{"a": NaN}']
+)
+def test_what_is_no_certificate_is_bad_input(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "certificate.json"
+    file.write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(app, ["check", str(file)])
+    assert run.exit_code == 2
+    assert run.stderr.count("\n") == 1
+
+
+def test_the_certificate_of_another_task_is_bad_input(document: Document, tmp_path: Path) -> None:
+    file = tmp_path / "certificate.json"
+    file.write_text(json.dumps({**document, "task_hash": "0" * 64}), encoding="utf-8")
+    run = CliRunner().invoke(app, ["check", str(file)])
+    assert run.exit_code == 2
+    assert "task_hash" in run.stderr
