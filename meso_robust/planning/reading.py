@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -106,11 +106,7 @@ def _parse(text: str, source: str) -> PlanDocument:
 
 def _wrong(plan: PlanDocument) -> Iterator[str]:
     """What is wrong with a plan beyond its types: key, value, rule and advice."""
-    for key, value in _numbers(plan.model_dump(), ""):
-        if not math.isfinite(value):
-            yield f"{key} = {value}: must be finite"
-        elif "_um" in key and not abs(value) <= LARGEST_UM:
-            yield f"{key} = {value}: must lie within {LARGEST_UM:g}; give lengths in um"
+    yield from _wrong_numbers(plan.model_dump(), "")
     if not plan.policy and not plan.moves:
         yield "moves = []: must hold a move, as there is no policy either"
     if plan.policy and len(plan.moves) != len(plan.policy):
@@ -118,10 +114,24 @@ def _wrong(plan: PlanDocument) -> Iterator[str]:
             f"moves: {len(plan.moves)} moves; must be {len(plan.policy)}, one for each rule of "
             "policy; leave policy empty for an open-loop plan"
         )
-    for k, rule in enumerate(plan.policy):
-        yield from _wrong_rule(rule, f"policy.{k}")
+    yield from wrong_rules(plan.policy, "policy")
     for k, move in enumerate(plan.moves):
         yield from _wrong_move(move, f"moves.{k}")
+
+
+def wrong_rules(rules: Sequence[RuleDocument], key: str) -> Iterator[str]:
+    """What is wrong with rules beyond their types: key (below ``key``), value and rule."""
+    for k, rule in enumerate(rules):
+        yield from _wrong_numbers(rule.model_dump(), f"{key}.{k}")
+        yield from _wrong_rule(rule, f"{key}.{k}")
+
+
+def _wrong_numbers(values: Any, inside: str) -> Iterator[str]:
+    for key, value in _numbers(values, inside):
+        if not math.isfinite(value):
+            yield f"{key} = {value}: must be finite"
+        elif "_um" in key and not abs(value) <= LARGEST_UM:
+            yield f"{key} = {value}: must lie within {LARGEST_UM:g}; give lengths in um"
 
 
 def _numbers(value: Any, key: str) -> Iterator[tuple[str, float]]:

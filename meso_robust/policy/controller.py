@@ -1,7 +1,8 @@
 """The laboratory's side: one sensed pose in, one move (or an end) out.
 
-A line reports the pose sensed after the last answered move was carried out. The same pose reported
-again, because the move was not carried out, gets the same move again.
+A line reports the pose sensed after the last answered move was carried out. The very same line again,
+because the move was not carried out, gets the same answer again. After ``done``, a new controller is
+started for the next part.
 """
 
 from __future__ import annotations
@@ -219,15 +220,20 @@ class PlanController:
 
     def answer(self, sensed: Sensed) -> Reply:
         """The next move, the end, or why there is none."""
+        if self._last is not None and self._last[0] == sensed.numbers and not self._regrasped:
+            return self._last[1]
         angle = self._stage(self._made).theta
         boxes = list(sensed.around(angle.mid - np.pi, angle.mid + np.pi))
         reply = next((r for box in boxes if (r := self._next(box)) is not None), None)
-        if reply is None and self._last is not None and self._last[0] == sensed.numbers:
-            return self._last[1]
         if reply is None:
             return Refused(why=self._why(boxes))
         self._last = sensed.numbers, reply
         return reply
+
+    @property
+    def _regrasped(self) -> bool:
+        """Whether the last move leaves the part where it is, so that the next pose may be the same."""
+        return self._made > 0 and self._rules[self._made - 1].action == "regrasp"
 
     def _stage(self, made: int) -> PoseBox:
         if self._boxes is None:

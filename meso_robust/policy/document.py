@@ -24,7 +24,7 @@ from meso_robust.planning.document import (
     box_document,
     plan_document,
 )
-from meso_robust.planning.reading import first_of, read_text, rules_of
+from meso_robust.planning.reading import first_of, read_text, rules_of, wrong_rules
 from meso_robust.policy.cells import Cell, Policy, resting
 from meso_robust.policy.proof import NotProvedError, recertified
 from meso_robust.policy.region import Region, region_of
@@ -166,6 +166,9 @@ def read_policy(path: Path, task: Task) -> Policy:
 
 
 def _policy(document: PolicyDocument, task: Task) -> Policy:
+    wrong = next(wrong_rules(document.rules, "rules"), None)
+    if wrong is not None:
+        raise ValueError(wrong)
     rules = [_rule_of(task, rule) for rule in document.rules]
     cells = tuple(
         Cell(

@@ -86,6 +86,8 @@ class Touch:
     """Everything the part can be like when it comes to rest on the passive tip."""
 
     theta: Interval
+    path: Interval
+    """Angles from the start to the touch."""
     y: Interval
     active_offset: Interval
     obligations: tuple[Obligation, ...]
@@ -123,6 +125,7 @@ def approach(pair: Pair, start: Interval, pre: PoseBox, edge: Edge, setup: Setup
             hull = functools.reduce(_Alone.hull, touched)
             return Touch(
                 theta=hull.theta,
+                path=visited["theta"],
                 y=pre.y + hull.y,
                 active_offset=visited["d2"],
                 obligations=tuple(

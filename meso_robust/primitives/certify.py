@@ -14,6 +14,8 @@ from meso_robust.primitives.straighten import certify_straighten
 from meso_robust.primitives.tilt import Turn, certify_tilt
 from meso_robust.primitives.walls import part_clear, tips_clear
 
+SIDES = {"tilt": (1, -1), "rotate": (1,), "straighten": (0,), "regrasp": (0,)}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Before:
@@ -40,7 +42,13 @@ def certify_move(
     -------
     tuple[Step, Before | None]
         The step, its boxes in the world frame, and what the next move may use.
+
+    Raises
+    ------
+    ValueError
+        The rule's side or passive tip is not one that its action is certified for.
     """
+    _check_shape(rule)
     frame = rule.frame
     own, there = frame.from_world(pre), frame.setup(setup)
     turn: Turn | None = None
@@ -63,3 +71,11 @@ def certify_move(
         walls = (part_clear(seen.tube, setup), tips_clear(rule, own, there))
         seen = replace(seen, obligations=(*seen.obligations, *walls))
     return seen, None if turn is None else Before(turn=turn, frame=frame)
+
+
+def _check_shape(rule: MoveRule) -> None:
+    """Refuse a rule of which the proof would not look at everything."""
+    if rule.side not in SIDES[rule.action]:
+        raise ValueError(f"a {rule.action} needs side in {SIDES[rule.action]}, got {rule.side}")
+    if (rule.single is not None) != (rule.action == "rotate"):
+        raise ValueError(f"a passive tip belongs to a rotation and to nothing else, got {rule}")

@@ -68,6 +68,10 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
             {"V": pair.separation, "d1": edge.depth, "mu": u.friction},
         ),
     ]
+    if (
+        not pair.separation.lo > 0.0
+    ):  # the conditions are derived for an active tip above the passive one
+        return _step(rule, pre, None, [*obligations, _undecided("the active tip is the upper one")])
     touch = approach(pair, start, pre, edge, setup)
     if touch is None:
         return _step(rule, pre, None, [*obligations, _undecided("the part comes to rest on both")])
@@ -198,7 +202,7 @@ def _idle_tip_clear(
     early, late = Interval(cut, first), Interval(last, cut)
     offset = _active_offset(tube, early, pair, edge).hull(touch.active_offset)
     flight = in_flight(pair.active, sticking.contact_reach(start, edge.depth, pair.active.rise))
-    upright = start.hull(touch.theta).hull(turned)
+    upright = start.hull(touch.path).hull(touch.theta).hull(turned)
     end = edge.angle(post.theta)
     leaning = turned.hull(end)
     later = _active_offset(tube, late, pair, edge)

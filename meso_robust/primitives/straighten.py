@@ -41,9 +41,11 @@ def certify_straighten(
         The move, all poses before it, the task.
     tilt
         The tilt that came just before, if any. The centre's height before the straightening hangs
-        together with the angle then; using the tilt's own start (``lift`` twice) keeps that.
+        together with the angle then; using the tilt's own start (``lift`` twice) keeps that, if it
+        is the same edge that is pushed.
     """
     edge = setup.edge(pre.theta.mid)
+    tilt = tilt if tilt is not None and tilt.edge == edge else None
     start = edge.angle(pre.theta)
     aligned = HALF_PI + setup.uncertainty.misalignment
     tips = {side: tip_of(rule, side, pre, setup) for side in (1, -1)}

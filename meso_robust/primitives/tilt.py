@@ -9,7 +9,7 @@ from meso_robust.bounds import Interval
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require_order
-from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.setup import Edge, PoseBox, Setup
 from meso_robust.primitives.tips import (
     comes_free,
     free_at_start,
@@ -36,6 +36,8 @@ class Turn:
     """Angle of the edge after, rad."""
     offset: Interval
     """Contact offset d2, m."""
+    edge: Edge
+    """The edge that was pushed: after a large tilt another one may face the pair."""
 
 
 def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn | None]:
@@ -76,7 +78,7 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
     )
     tube = turn_tube(start, end, side, offset, reach, edge, u.film_ratio, pre)
     return _step(rule, pre, post, obligations, tube), Turn(
-        y=pre.y, start=start, end=end, offset=offset
+        y=pre.y, start=start, end=end, offset=offset, edge=edge
     )
 
 

@@ -66,5 +66,5 @@ def test_a_way_that_may_touch_is_not_proved(name: str) -> None:
 def test_a_passive_tip_has_no_place_in_it() -> None:
     setup = paper_chain().setup
     tip = Point(x=from_part(0.0), y=from_part(0.0))
-    with pytest.raises(ValueError, match="pair alone"):
+    with pytest.raises(ValueError, match="passive tip belongs"):
         certify_move(replace(CLEAR["stays in front"], single=tip), setup.start, setup)
