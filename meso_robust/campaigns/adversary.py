@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.campaigns.ascent import corners, stepped
 from meso_robust.campaigns.crosscheck import REFUTING
 from meso_robust.campaigns.replay import Player, joined, limits, miss
 from meso_robust.simulator import Outcome
@@ -14,8 +15,6 @@ from meso_robust.simulator import Outcome
 Floats = npt.NDArray[np.float64]
 
 CORNERS = 1024  # random corners of the box to begin with
-ELITE = 6  # runs that are improved side by side
-REACHES = (1.0, 1.0, 1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # of a step along a coordinate, of its range
 TRIES = 6  # best candidates that are run again by themselves
 
 
@@ -59,45 +58,13 @@ def search(player: Player, seeds: Floats, rng: np.random.Generator) -> Worst:
         Source of the corners.
     """
     low, high = limits(player)
-    corners = np.where(rng.random((CORNERS, len(low))) < 0.5, low, high)
-    pool = joined([np.clip(seeds, low, high), corners])
-    values = badness(player, pool)
+    pool = joined([np.clip(seeds, low, high), corners(low, high, CORNERS, rng)])
     count = len(pool)
-    for reach in REACHES:
-        pool, values = _fittest(pool, values)
-        if np.isposinf(values).any():
-            break
-        tried = joined([_around(row, reach, low, high) for row in pool])
-        found = badness(player, tried)
-        both = _combined(pool, values, tried, found)
-        pool = joined([pool, tried, both])
-        values = np.concatenate([values, found, badness(player, both)])
-        count += len(tried) + len(both)
+    pool, values, more = stepped(
+        lambda rows: badness(player, rows), pool, badness(player, pool), (low, high)
+    )
+    count += more
     return _confirmed(player, pool, values, count)
-
-
-def _fittest(pool: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """The worst few, each once."""
-    _, once = np.unique(pool, axis=0, return_index=True)
-    best = once[np.argsort(-values[once], kind="stable")][:ELITE]
-    return pool[best], values[best]
-
-
-def _around(row: Floats, reach: float, low: Floats, high: Floats) -> Floats:
-    """(2D, D) steps down, then up, along every coordinate, as far as the box goes."""
-    way = np.diag(reach * (high - low))
-    return np.clip(joined([row - way, row + way]), low, high)
-
-
-def _combined(pool: Floats, values: Floats, tried: Floats, found: Floats) -> Floats:
-    """(E, D) for each of the pool all steps at once that made it worse, each by itself."""
-    many, size = pool.shape
-    steps = tried.reshape(many, 2, size, size)
-    gains = found.reshape(many, 2, size) - values[:, None, None]
-    up = gains[:, 1] > gains[:, 0]
-    own = np.arange(size)
-    ends = np.where(up, steps[:, 1, own, own], steps[:, 0, own, own])
-    return np.where(gains.max(axis=1) > 0.0, ends, pool)
 
 
 def _confirmed(player: Player, pool: Floats, values: Floats, count: int) -> Worst:

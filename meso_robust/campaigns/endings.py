@@ -87,15 +87,20 @@ def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
     tips
         (..., 2) points, m.
     pose
-        (3,) of the rectangle, m and rad.
+        (..., 3) of the rectangle, m and rad.
     half
         (2,) half its sides, m.
     """
-    offset = tips - pose[:2]
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    own = np.stack(
-        [c * offset[..., 0] + s * offset[..., 1], c * offset[..., 1] - s * offset[..., 0]], axis=-1
-    )
+    own = in_part(tips, pose)
     beyond = np.abs(own) - half
     outside = np.hypot(np.maximum(beyond[..., 0], 0.0), np.maximum(beyond[..., 1], 0.0))
     return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))
+
+
+def in_part(points: Floats, pose: Floats) -> Floats:
+    """(..., 2) points of the world (m) in the axes of a part at ``pose`` (..., 3)."""
+    offset = points - pose[..., :2]
+    c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+    return np.stack(
+        [c * offset[..., 0] + s * offset[..., 1], c * offset[..., 1] - s * offset[..., 0]], axis=-1
+    )

@@ -1,0 +1,168 @@
+"""An adversary that tries to leave what is claimed, and the factor at which it first succeeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.campaigns.ascent import Effort, Summit, climb, corners, shaken
+from meso_robust.campaigns.claims import Claims, only_motions
+from meso_robust.campaigns.judging import judge
+from meso_robust.campaigns.replay import Feedback, limits
+from meso_robust.campaigns.targets import Target, box_targets, failing, motion_targets
+from meso_robust.primitives.setup import Setup
+
+Floats = npt.NDArray[np.float64]
+Wanted = Callable[[str], bool]
+
+THOROUGH = Effort()
+STEPS = Effort(generations=0)  # for thresholds: what fails first fails at corners
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Reach:
+    """How far the adversary got towards one target."""
+
+    target: Target
+    summit: Summit
+
+    @property
+    def breaks(self) -> bool:
+        """Whether the claim behind the target is broken."""
+        return self.summit.value > self.target.limit
+
+
+def attack(
+    player: Feedback,
+    targets: Sequence[Target],
+    rng: np.random.Generator,
+    effort: Effort = THOROUGH,
+) -> tuple[Reach, ...]:
+    """Raise every target by itself, from random corners and from what other targets found."""
+    box = limits(player)
+    pool = corners(*box, effort.corners, rng)
+    runs = player.run(pool)
+    known = pool[:0]
+    found = []
+    for target in targets:
+
+        def score(rows: Floats, target: Target = target) -> Floats:
+            ran = player.run(rows)
+            return failing(ran, target.measure(ran, rows))
+
+        values = failing(runs, target.measure(runs, pool))
+        rows = np.concatenate([pool, known])
+        values = np.concatenate([values, score(known)]) if len(known) else values
+        summit = climb(score, rows, values, box, rng, effort)
+        known = np.concatenate([known, summit.row[None]])
+        found.append(Reach(target=target, summit=summit))
+    return tuple(found)
+
+
+def all_targets(claims: Claims) -> tuple[Target, ...]:
+    """Boxes, goal and motions."""
+    return (*motion_targets(claims), *box_targets(claims))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Failure:
+    """A run that breaks a claim at some factor."""
+
+    factor: float
+    claims: tuple[str, ...]
+    row: Floats
+    """(D,)"""
+    runs: int
+    """Runs that broke a wanted claim, of all that were made around the worst rows."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Threshold:
+    """The factor of all uncertainties at which an adversary first breaks a claim."""
+
+    holds: float
+    """Largest factor tried at which it found nothing."""
+    failure: Failure | None
+    """What it found at the smallest factor at which it found something; None if at none."""
+
+
+def any_motion(_: str) -> bool:
+    """Every claim."""
+    return True
+
+
+def misses(name: str) -> bool:
+    """Only claims about the outcome: the plan is carried out and ends in the goal."""
+    return name in ("every move can be carried out", "the last pose lies in the goal")
+
+
+def failure_at(
+    player: Feedback, factor: float, wanted: Wanted, rng: np.random.Generator, effort: Effort
+) -> Failure | None:
+    """Attack the plan with ``player``'s uncertainties; the first row that breaks a wanted claim."""
+    claims = only_motions(player.rules, player.setup)
+    targets = all_targets(claims)
+    reached = attack(player, targets, rng, effort)
+    worst = np.array([reach.summit.row for reach in reached])
+    low, high = limits(player)
+    around = shaken(worst, low, high, effort.corners, rng)
+    rows = np.concatenate([worst, around, corners(low, high, effort.corners, rng)])
+    judged = judge(player, claims, rows)
+    flags = {name: f for name, f in judged.broken.items() if wanted(name)}
+    hit = np.flatnonzero(np.logical_or.reduce(list(flags.values())))
+    if not hit.size:
+        return None
+    row = int(hit[0])
+    return Failure(
+        factor=factor,
+        claims=tuple(name for name, f in flags.items() if f[row]),
+        row=rows[row],
+        runs=int(hit.size),
+    )
+
+
+def threshold(
+    player: Feedback,
+    scaled: Callable[[float], Setup],
+    wanted: Wanted,
+    *,
+    seed: int = 0,
+    largest: float = 3.0,
+    resolution: float = 0.002,
+    effort: Effort = STEPS,
+) -> Threshold:
+    """Bisect the factor of all uncertainties at which the adversary first breaks a wanted claim.
+
+    Parameters
+    ----------
+    player
+        The plan.
+    scaled
+        The task with its uncertainties scaled by a factor.
+    wanted
+        Which claims count, by name.
+    seed, effort
+        Of the adversary.
+    largest, resolution
+        Where the search begins and where it ends.
+    """
+
+    def at(factor: float) -> Failure | None:
+        stressed = replace(player, setup=scaled(factor))
+        return failure_at(stressed, factor, wanted, np.random.default_rng(seed), effort)
+
+    good, bad = 0.0, largest
+    failure = at(largest)
+    if failure is None:
+        return Threshold(holds=largest, failure=None)
+    while bad - good > resolution * bad:
+        trial = 0.5 * (good + bad)
+        found = at(trial)
+        if found is None:
+            good = trial
+        else:
+            bad, failure = trial, found
+    return Threshold(holds=good, failure=failure)

@@ -1,0 +1,131 @@
+"""What an adversary raises: how near a run comes to leaving what is claimed of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.campaigns.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
+from meso_robust.campaigns.crosscheck import REFUTING
+from meso_robust.campaigns.endings import gaps_to
+from meso_robust.campaigns.meetings import meets, stick_ratio
+from meso_robust.campaigns.monte_carlo import MoveRun, PlanRun
+
+Floats = npt.NDArray[np.float64]
+Measure = Callable[[PlanRun, Floats], Floats]
+
+FRICTION, FILM = 3, 4  # columns of a row
+ANGLES = 5  # orientations between the first and the last of a move at which sticking is asked
+COORDINATES = ("x", "y", "theta")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """Something that an adversary raises."""
+
+    name: str
+    unit: str
+    limit: float
+    """Value that breaks the claim."""
+    measure: Measure
+    """Runs and their rows to (N,) values; minus infinity for a run that ended before."""
+
+
+def box_targets(claims: Claims) -> tuple[Target, ...]:
+    """The six directions of every box, in half widths from its middle."""
+    found = []
+    for k, post in enumerate(claims.posts):
+        if post is not None:
+            found += [_side(f"move {k + 1}: box", k, post, axis, way) for axis, way in _SIDES]
+    goal, last = ends(claims.setup.goal), len(claims.rules) - 1
+    return (*found, *(_side("goal", last, goal, axis, way) for axis, way in _SIDES))
+
+
+_SIDES = tuple((axis, way) for axis in range(3) for way in (-1, 1))
+
+
+def _side(name: str, k: int, box: Floats, axis: int, way: int) -> Target:
+    middle, half = 0.5 * (box[0, axis] + box[1, axis]), 0.5 * (box[1, axis] - box[0, axis])
+
+    def measure(runs: PlanRun, _: Floats) -> Floats:
+        reached = way * (runs.moves[k].after[:, axis] - middle) / half
+        return np.where(runs.failed_in > k, reached, -np.inf)
+
+    side = "low" if way < 0 else "high"
+    return Target(
+        name=f"{name}, {COORDINATES[axis]} {side}", unit="half widths", limit=1.0, measure=measure
+    )
+
+
+def motion_targets(claims: Claims) -> tuple[Target, ...]:
+    """What the motions need: friction that holds, probes that start clear, a grasp that is open."""
+    found = []
+    for k, rule in enumerate(claims.rules):
+        name = f"move {k + 1}:"
+        found.append(
+            Target(name=f"{name} start", unit="um inside", limit=0.0, measure=_start(claims, k))
+        )
+        if rule.action in ("tilt", "straighten"):
+            sticking = _sticking(claims, k)
+            found.append(Target(name=f"{name} sticks", unit="of mu", limit=0.0, measure=sticking))
+        if rule.action == "rotate":
+            grasp = _grasp(claims, k, LOWER if rule.side > 0 else UPPER)
+            found.append(Target(name=f"{name} grasp", unit="of mu", limit=0.0, measure=grasp))
+    return tuple(found)
+
+
+def _start(claims: Claims, k: int) -> Measure:
+    def measure(runs: PlanRun, _: Floats) -> Floats:
+        move = runs.moves[k]
+        gaps = gaps_to(move.tips, move.before[:, None], claims.half)
+        return np.where(runs.failed_in >= k, -1e6 * gaps.min(axis=1), -np.inf)
+
+    return measure
+
+
+def _sticking(claims: Claims, k: int) -> Measure:
+    def measure(runs: PlanRun, rows: Floats) -> Floats:
+        needed = needed_friction(runs.moves[k], claims.half, rows[:, FILM])
+        return np.where(runs.failed_in > k, needed - rows[:, FRICTION], -np.inf)
+
+    return measure
+
+
+def needed_friction(move: MoveRun, half: Floats, film_ratio: Floats) -> Floats:
+    """(N,) least friction with which the first tip to touch sticks during the whole move."""
+    first = first_tip(move, half)
+    which = np.arange(len(first))
+    way = move.travel[which, first]
+    _, point, normal = meets(move.tips[which, first], way, move.before, half)
+    ratios = []
+    for share in np.linspace(0.0, 1.0, ANGLES):
+        pose = move.before + share * (move.after - move.before)
+        ratios.append(stick_ratio(point, normal, way, pose, film_ratio))
+    return np.asarray(np.max(ratios, axis=0))
+
+
+def _grasp(claims: Claims, k: int, active: int) -> Measure:
+    """By how much mu exceeds what locks the part between the two tips where they are nearest.
+
+    The line through the tips stands at ``acos(width / distance)`` to the normals of both edges.
+    """
+    width = 2.0 * float(claims.half.min())
+
+    def measure(runs: PlanRun, rows: Floats) -> Floats:
+        move = runs.moves[k]
+        apart = move.tips[:, active] - move.tips[:, PASSIVE]
+        way = move.travel[:, active]
+        share = np.clip(-np.sum(apart * way, axis=1) / np.sum(way * way, axis=1), 0.0, 1.0)
+        nearest = np.linalg.norm(apart + share[:, None] * way, axis=1)
+        locks = np.tan(np.arccos(np.minimum(width / nearest, 1.0)))
+        return np.where(runs.failed_in >= k, rows[:, FRICTION] - locks, -np.inf)
+
+    return measure
+
+
+def failing(runs: PlanRun, measured: Floats) -> Floats:
+    """(N,) values with infinity for runs that could not be carried out: nothing is worse."""
+    return np.where(np.isin(runs.outcomes, REFUTING), np.inf, measured)
