@@ -30,7 +30,8 @@ ASSUMPTIONS = (
     "the part is the stated rectangle, rigid and exactly known; nothing but the probes touches it",
     "each error keeps within its bound; a probe's position error is constant during a move (and may "
     "differ in the next), and the two tips of the active probe share it",
-    "the active probe travels exactly along -x; tips are points",
+    "the active probe travels exactly along an axis of the task's frame, as each move states; tips are "
+    "points",
     "the part rests between moves, and probes are lifted without disturbing it",
 )
 
@@ -214,6 +215,7 @@ def exact_box(box: PoseBox) -> ExactBox:
 def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
     """The claim in words and as the inequalities that it was reduced to."""
     goal, u = task.goal, task.uncertainty
+    walls = "" if task.slot is None else " and neither the part nor a tip touches the slot's walls"
     words = (
         f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "
         f"({task.start.x_um} um, {task.start.y_um} um, {task.start.theta_deg} deg), whatever the "
@@ -223,7 +225,7 @@ def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
         f"{list(u.tip_misalignment_deg)} deg, the plan's policy of {moves} moves can be "
         f"carried out, and every motion of the quasi-static model ends with the part within "
         f"{goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
-        f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg)."
+        f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg){walls}."
     )
     inequalities = {
         f"{obligation.inequality} [{obligation.derivation}]": None

@@ -18,7 +18,9 @@ Of every move, from every pose of the box before it and for every error within i
 3. *Contacts* lie between the ends of their edges, and the idle tip is off the edge's line or beyond
    its end at each instant: no other point of the part can be touched.
 4. *Arrival*: the probe's travel reaches what the move is for (touch, alignment, rest on both tips).
-5. *End*: all poses lie in the stated box; the tips back off without meeting the part.
+5. *Walls*, if the task has a slot: the part at every pose of the move, and every way of a tip, is
+   beside each wall (``walls.py``).
+6. *End*: all poses lie in the stated box; the tips back off without meeting the part.
 
 The box after a move is the box before the next one (told exactly), the first holds every start of the
 task, the last lies in the goal: by induction over the moves the policy ends in the goal.

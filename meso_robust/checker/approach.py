@@ -31,6 +31,7 @@ from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, off_line, place_on_edge
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.grip import Grip
+from meso_robust.checker.passage import Pose, Sweep
 from meso_robust.checker.pushing import UNIT, constant
 from meso_robust.checker.ranges import ZERO, Box, Side, positive, span
 from meso_robust.checker.refusal import Refused
@@ -121,8 +122,22 @@ class Approach:
         """The part, its contact and the passive tip."""
         contact = self.contact(at)
         across = at["left"] * at["gap"] + self.scene.d1
-        place = (contact.arm_y - self.pair.V(at) + contact.c * across) / contact.s
+        place = (contact.arm_y - self.pair.V(at) - contact.c * across) / contact.s
         return State(contact, place, at["k"], at["rho"])
+
+    def pose(self, at: Point) -> Pose:
+        """The part: the active tip keeps its height, the passive one is off the far edge by the gap."""
+        scene, contact = self.scene, self.contact(at)
+        y = at["y"] + scene.rise(at, ACTIVE) - contact.arm_y
+        across = at["left"] * at["gap"] + scene.d1
+        below = contact.arm_y - self.pair.V(at)
+        x = at["x"] + scene.passive_ahead(at) + (across - contact.c * below) / contact.s
+        return x, y, self.angle(at)
+
+    def swept(self) -> Sweep:
+        """All poses until the gap is closed."""
+        own = {name: self.scene.box[name] for name in ("x", "sx", "qx")}
+        return Sweep(self.pose, {**self.box(), **own}, "left")
 
     def touching(self, at: Point) -> tuple[Dual, Dual]:
         """Position h and slide sigma when the gap is closed; the mean rates are those of some state before."""

@@ -8,7 +8,7 @@ from fractions import Fraction
 from flint import arb, fmpq
 
 from meso_robust.checker.ranges import Side
-from meso_robust.task import Task
+from meso_robust.task import Slot, Task
 
 SCALED = (
     "sensed_position",
@@ -20,6 +20,8 @@ SCALED = (
 )
 """The uncertainties that a margin scales."""
 Range = tuple[Fraction, Fraction]
+Block = tuple[Side, Side]
+"""A wall: its x and y, m."""
 
 
 def exact(value: float) -> Fraction:
@@ -82,6 +84,8 @@ class Given:
     """beta, rad; positive: upper tip ahead (towards -x)."""
     start: PoseBox
     goal: PoseBox
+    blocks: tuple[Block, ...] = ()
+    """The slot's walls, world axes."""
 
 
 def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -> Given:
@@ -126,7 +130,31 @@ def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -
             y=_side((metres(goal.y_um) - off, metres(goal.y_um) + off)),
             theta=_angles((to - turn, to + turn)),
         ),
+        blocks=() if task.slot is None else _walls(task.slot),
     )
+
+
+def _walls(slot: Slot) -> tuple[Block, ...]:
+    """Two walls beside the axis of a slot and one across its end, each a rectangle."""
+    half, end = metres(slot.width_um) / 2, metres(slot.depth_um)
+    out, back = half + metres(slot.wall_um), end + metres(slot.wall_um)
+    zero = Fraction(0)
+    solids = (
+        ((zero, back), (half, out)),
+        ((zero, back), (-out, -half)),
+        ((end, back), (-out, out)),
+    )
+    inward = -1 if slot.opens.startswith("+") else 1
+    mouth = metres(slot.mouth_x_um), metres(slot.mouth_y_um)
+    deep = "xy".index(slot.opens[1])
+
+    def block(depths: Range, beside: Range) -> Block:
+        along = sorted(mouth[deep] + inward * depth for depth in depths)
+        across = [mouth[1 - deep] + off for off in beside]
+        first, second = _side((along[0], along[1])), _side((across[0], across[1]))
+        return (first, second) if deep == 0 else (second, first)
+
+    return tuple(block(depths, beside) for depths, beside in solids)
 
 
 def _around(reach: Fraction) -> Range:

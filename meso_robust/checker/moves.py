@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from meso_robust.checker.document import RuleDocument
 from meso_robust.checker.given import Given, PoseBox
@@ -13,6 +14,7 @@ from meso_robust.checker.rotate import check_rotate
 from meso_robust.checker.scene import Scene, scene_of
 from meso_robust.checker.straighten import check_straighten
 from meso_robust.checker.tilt import check_tilt
+from meso_robust.checker.walls import clear_of_walls
 
 Check = Callable[[Scene, Given, Memory | None], Passage]
 MOVES: dict[str, Check] = {
@@ -44,7 +46,9 @@ def verify_move(
         raise Refused("the checker knows each move of the policy", rule.action, sorted(MOVES))
     _shape(rule)
     scene = scene_of(rule, pre, given)
-    return scene, MOVES[rule.action](scene, given, memory)
+    passage = MOVES[rule.action](scene, given, memory)
+    walls = clear_of_walls(scene, passage, given)
+    return scene, replace(passage, requirements=(*passage.requirements, *walls))
 
 
 def _shape(rule: RuleDocument) -> None:

@@ -90,9 +90,15 @@ def _bound(stated: ObligationDocument, requirement: Requirement) -> None:
     if stated.lower_bound is None:
         raise Refused(f"{stated.claim}: lower_bound", "null", "a number")
     bound = double(stated.lower_bound, f"{stated.claim}: lower_bound")
-    for part in _where(stated, requirement):
-        if not _holds(requirement.statement, part, arb(bound)):
-            raise Refused(f"{stated.claim}: lower bound", bound, "the inequality has less to spare")
+    if not _spares(stated, requirement, arb(bound)):
+        raise Refused(f"{stated.claim}: lower bound", bound, "the inequality has less to spare")
+
+
+def _spares(stated: ObligationDocument, requirement: Requirement, bound: arb) -> bool:
+    if requirement.verify is not None:
+        return requirement.verify(_sides(stated), bound)
+    where = _where(stated, requirement)
+    return all(_holds(requirement.statement, part, bound) for part in where)
 
 
 def _where(stated: ObligationDocument, requirement: Requirement) -> tuple[Part, ...]:

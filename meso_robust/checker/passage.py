@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
+from meso_robust.checker.ranges import Box
 from meso_robust.checker.requirement import Requirement
 from meso_robust.checker.scene import Scene
 
@@ -24,6 +26,22 @@ class Memory:
         return self.scene.frame == scene.frame and self.scene.quarter == scene.quarter
 
 
+Pose: TypeAlias = tuple[Dual, Dual, Dual]
+"""x and y of the centre and the direction of the edge, in the axes of the move."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """Poses that are passed during one stage of a move."""
+
+    pose: Callable[[Point], Pose]
+    box: Box
+    along: str
+    """The variable that grows or falls with the travel."""
+    exact: bool = False
+    """Whether each point of the box is a motion that can be; else some may be ones that cannot."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Passage:
     """A verified move."""
@@ -35,3 +53,5 @@ class Passage:
     requirements: tuple[Requirement, ...]
     """What was proved, in the order in which a certificate lists it."""
     memory: Memory | None = None
+    swept: tuple[Sweep, ...] = ()
+    """Every pose of the move but those at rest before it."""

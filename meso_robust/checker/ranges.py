@@ -142,10 +142,11 @@ class _Piece:
 
     def halves(self) -> Iterator[Box]:
         """The piece cut where it matters most."""
-        yield from _halved(self.box, _weightiest([self.slopes], self.box))
+        yield from halved(self.box, _weightiest([self.slopes], self.box))
 
 
-def _halved(box: Box, name: str) -> Iterator[Box]:
+def halved(box: Box, name: str) -> Iterator[Box]:
+    """A box cut in two along one variable."""
     low, high = box[name]
     cut = ((low + high) / 2).mid()
     yield {**box, name: (low, cut)}
@@ -180,7 +181,7 @@ def either(formulas: tuple[Formula, ...], box: Box) -> bool:
         piece = left.pop()
         if not any(positive(of, piece, cuts=2) for of in formulas):
             slopes = [of(point_of(piece)).slopes for of in formulas]
-            left += _halved(piece, _weightiest(slopes, piece))
+            left += halved(piece, _weightiest(slopes, piece))
     return not left
 
 

@@ -13,6 +13,7 @@ vanishes nowhere (``V^2 > w^2 (1 + mu^2)``).
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 from flint import arb
 
@@ -21,7 +22,7 @@ from meso_robust.checker.approach import Approach, approach
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
 from meso_robust.checker.grip import Grip
-from meso_robust.checker.passage import Passage
+from meso_robust.checker.passage import Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     UNIT,
     beside,
@@ -94,7 +95,12 @@ def check_rotate(scene: Scene) -> Passage:
     }, h, sigma, h_end)  # fmt: skip
     after = turn.requirements()
     _prove(after)
-    return Passage(says=SAYS, post=turn.post(), requirements=(*before, *arrival, *after))
+    return Passage(
+        says=SAYS,
+        post=turn.post(),
+        requirements=(*before, *arrival, *after),
+        swept=(touching.swept(), *turn.swept()),
+    )
 
 
 def _prove(requirements: list[Requirement]) -> None:
@@ -281,6 +287,20 @@ class _Turn:
             return at["back"] * (scene.ahead(at, ACTIVE) - scene.ahead_end(at, ACTIVE))
 
         return Part(self.beside_at_end(way), self.end_box())
+
+    def swept(self) -> tuple[Sweep, ...]:
+        """All poses between both tips."""
+        names = ("x", "sx", "qx", "y", "sy", "qy")
+        box = {**self.box, **{name: self.scene.box[name] for name in names}}
+
+        def pose(piece: Piece, at: Point) -> Pose:
+            grip, sigma = self.grip(at, piece), piece.sigma(at["done"], at["share"])
+            x = at["x"] + self.scene.passive_ahead(at) + grip.h / 2 + sigma * grip.c
+            y = at["y"] + self.scene.passive_rise(at) + at["V"] / 2 + sigma * grip.s
+            return x, y, _angle(grip)
+
+        states = {**box, "done": UNIT, "share": UNIT}
+        return tuple(Sweep(functools.partial(pose, one), states, "done") for one in self.pieces)
 
     def post(self) -> PoseBox:
         """All poses at the end, in the axes of the move."""

@@ -166,10 +166,19 @@ TIPS_ON_EDGES = Statement(
     "derivations/two_sided_rotation.py",
     _less(_tips_on_edges),
 )
+PART_CLEAR, TIPS_CLEAR = (
+    # verified over what is swept (walls.py), not as a formula of a few numbers
+    Statement(text, ARITHMETIC, lambda at, above: ())
+    for text in (
+        "distance of part and wall along one of their sides > 0 over the tube",
+        "distance of tip and wall along x or y > 0 over the travel",
+    )
+)
 STATEMENTS: Mapping[str, Statement] = {
     one.text: one
     for one in (
         CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
-        REACHES, ON_EDGE, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES,
+        REACHES, ON_EDGE, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
+        TIPS_CLEAR,
     )
 }  # fmt: skip

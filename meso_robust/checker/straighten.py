@@ -15,10 +15,10 @@ import functools
 from flint import arb
 
 from meso_robust.checker import statement as st
-from meso_robust.checker.contact import Contact
+from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
-from meso_robust.checker.passage import Memory, Passage
+from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     NAMES,
     UNIT,
@@ -69,6 +69,7 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
             theta=shift(shift(theta, right), scene.turn),
         ),
         requirements=tuple(requirements),
+        swept=tuple(sweep for case in cases for sweep in case.swept(exact=len(cases) == 1)),
     )
 
 
@@ -121,6 +122,29 @@ class _Case:
 
     def x_end(self, at: Point) -> Dual:
         return at["x"] + self.scene.ahead_end(at, self.side) - self.end(at).arm_x
+
+    def turning(self, at: Point) -> Pose:
+        """The part when a share of the first tip's turn is done."""
+        first, scene = self.first(at), self.scene
+        angle = at["theta"] + at["share"] * (_aligned(at) - at["theta"])
+        now = Contact(*direction(angle), scene.d1, first.d2)
+        ahead = first.arm_x - Turning(first, self.side).needed(now, at["rho"])
+        y = at["y"] + scene.rise(at, self.side) - now.arm_y
+        return at["x"] + ahead - now.arm_x, y, angle
+
+    def together(self, at: Point) -> Pose:
+        """The part when a share of the travel of both tips is still to come."""
+        alone = Turning(self.first(at), self.side).needed(self.end(at), at["rho"])
+        left = (self.travel(at) - alone) * at["share"]
+        return self.x_end(at) + left, self.y_end(at), _aligned(at)
+
+    def swept(self, *, exact: bool) -> tuple[Sweep, Sweep]:
+        """All poses while the first tip is alone, and while both push."""
+        box = {**self.box, "share": UNIT}
+        return (
+            Sweep(self.turning, box, "share", exact=exact),
+            Sweep(self.together, box, "share", exact=exact),
+        )
 
     def height(self, memory: Memory | None) -> Side:
         """Where y of the part is at the end."""

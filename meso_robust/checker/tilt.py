@@ -6,9 +6,9 @@ import functools
 
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
-from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.dual import Dual, Number, Point
 from meso_robust.checker.given import PoseBox
-from meso_robust.checker.passage import Memory, Passage
+from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     TURNS,
     UNIT,
@@ -74,17 +74,16 @@ def check_tilt(scene: Scene) -> Passage:
     for requirement in requirements:
         prove(requirement)
 
-    def centre(at: Point) -> tuple[Dual, Dual, Dual]:
-        turned, arm_x, arm_y = turning(at).after(_travel(scene, at), at["rho"])
-        x = at["x"] + scene.ahead_end(at, -side) - arm_x
-        return x, at["y"] + scene.rise(at, -side) - arm_y, at["theta"] + turned
-
+    centre = functools.partial(_centre, scene, left=ZERO)
     x, y, theta_end = (span(component(centre, k), box) for k in range(3))
     return Passage(
         says=f"one tip sticks all the way and turns the part {TURNS[side]}; the motion is unique",
         post=PoseBox(x=x, y=y, theta=shift(theta_end, scene.turn)),
         requirements=tuple(requirements),
         memory=Memory(scene=scene, height=functools.partial(_height, scene)),
+        swept=(
+            Sweep(lambda at: _centre(scene, at, at["share"]), while_it_turns, "share", exact=True),
+        ),
     )
 
 
@@ -102,6 +101,14 @@ def _angle(scene: Scene, at: Point, *, whole: bool = False) -> Dual:
     travel = _travel(scene, at)
     turned, _, _ = _turning(scene, at).after(travel if whole else travel * at["share"], at["rho"])
     return at["theta"] + turned
+
+
+def _centre(scene: Scene, at: Point, left: Number) -> Pose:
+    """The part when a share ``left`` of the travel in contact is still to come."""
+    side, travel = scene.rule.side, _travel(scene, at)
+    turned, arm_x, arm_y = _turning(scene, at).after(travel * (1 - left), at["rho"])
+    x = at["x"] + scene.ahead_end(at, -side) + travel * left - arm_x
+    return x, at["y"] + scene.rise(at, -side) - arm_y, at["theta"] + turned
 
 
 def _height(scene: Scene, at: Point, c: Dual, s: Dual) -> Dual:

@@ -22,7 +22,7 @@ BITS = 80
 NEAR = 1e-14
 """m and rad: by how much a box that the task gives may be told too large or too small."""
 Word = Literal["VERIFIED", "REJECTED", "NOTHING CLAIMED"]
-SECTIONS = {"schema_", "name", "part", "start", "goal", "probe", "uncertainty", "plan"}
+SECTIONS = {"schema_", "name", "part", "start", "goal", "probe", "uncertainty", "plan", "slot"}
 """What the checker's proof takes from a task (``plan`` and the probe's speed are for the planner)."""
 EVIDENCE = (
     "simulation: runs of the simulator",

@@ -11,7 +11,8 @@ ASSUMPTIONS = (
     "the part is the stated rectangle, rigid and exactly known; nothing but the probes touches it",
     "each error keeps within its bound; a probe's position error is constant during a move (and may "
     "differ in the next), and the two tips of the active probe share it",
-    "the active probe travels exactly along -x; tips are points",
+    "the active probe travels exactly along an axis of the task's frame, as each move states; tips are "
+    "points",
     "the part rests between moves, and probes are lifted without disturbing it",
 )
 """What the checker assumes as well; a certificate that assumes anything else is rejected."""
@@ -29,5 +30,9 @@ def claim(task: Task, moves: int) -> str:
         f"plan's policy of {moves} moves can be carried out, and every motion of the quasi-static "
         f"model ends with the part within {goal.position_tolerance_um} um and "
         f"{goal.orientation_tolerance_deg} deg of ({goal.x_um} um, {goal.y_um} um, "
-        f"{goal.theta_deg} deg)."
+        f"{goal.theta_deg} deg){_walls(task)}."
     )
+
+
+def _walls(task: Task) -> str:
+    return "" if task.slot is None else " and neither the part nor a tip touches the slot's walls"

@@ -147,12 +147,19 @@ def test_another_policy_is_rejected(
 
 
 def test_a_section_of_the_task_that_the_checker_does_not_know_is_rejected(
-    document: Document,
+    document: Document, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    from meso_robust.checker import verdict
+
+    monkeypatch.setattr(verdict, "SECTIONS", verdict.SECTIONS - {"probe"})
+    assert "section" in objection(document)
+
+
+def test_a_certificate_that_says_nothing_of_the_tasks_walls_is_rejected(document: Document) -> None:
     values = tomllib.loads(PAPER.read_text(encoding="utf-8"))
     values["slot"] = tomllib.loads(PAPER.with_name("slot.toml").read_text(encoding="utf-8"))["slot"]
     task = parse_task(values, "test")
-    assert "section" in objection(reworded(document, task), task)
+    assert objection(reworded(document, task), task) == "the list of obligations"
 
 
 def test_swapped_moves_are_rejected(document: Document) -> None:
