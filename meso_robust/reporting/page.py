@@ -23,7 +23,7 @@ from meso_robust.reporting.tube_figures import (
     spread_figure,
     tube_figure,
 )
-from meso_robust.reporting.words import QUANTITIES, factor, number, small
+from meso_robust.reporting.words import MINUS, QUANTITIES, factor, number, small
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +79,11 @@ def report(result: Planned) -> str:
 
 def _move(result: Planned, index: int) -> Picture:
     title = rows.title(result, index)
-    travel = result.plan.moves[index].travel_um
+    x, y = result.plan.moves[index].travel_um
+    heading = result.found.rules[index].frame.heading.replace("-", MINUS)
     standing = standings(result.chain, len(result.found.rules))[index]
-    caption = f"Active tips travel {number(abs(travel[0]))} µm along −x; {standing.value}."
+    caption = f"Active tips travel {number(abs(x) + abs(y))} µm along {heading}; "
+    caption += f"{standing.value}."
     nominal = result.check.nominal
     if nominal.failed_in[0] == index:
         caption += f" The nominal run ends early here: {ending(int(nominal.outcomes[0]))}."

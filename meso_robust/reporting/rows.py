@@ -9,9 +9,11 @@ from typing import Literal
 from meso_robust.certificates.document import ObligationDocument, StepDocument
 from meso_robust.certificates.margin import LARGEST
 from meso_robust.job import Planned
+from meso_robust.planning.document import RuleDocument
 from meso_robust.reporting.canvas import COLUMN, Coordinate, ends, poses_shown
 from meso_robust.reporting.reading import Standing, standings
 from meso_robust.reporting.words import (
+    MINUS,
     Side,
     box_words,
     command,
@@ -271,6 +273,8 @@ class PolicyRow:
 
     number: int
     title: str
+    axes: str
+    """How the move's axes lie in the world; empty if they are the world's."""
     dual_x: str
     dual_y: str
     dual_end: str
@@ -284,6 +288,7 @@ def policy_rows(result: Planned) -> tuple[PolicyRow, ...]:
         PolicyRow(
             number=index + 1,
             title=title(result, index),
+            axes=_axes(rule),
             dual_x=command("x", rule.dual_x),
             dual_y=command("y", rule.dual_y),
             dual_end=command("x", rule.dual_end_x),
@@ -292,6 +297,13 @@ def policy_rows(result: Planned) -> tuple[PolicyRow, ...]:
         )
         for index, rule in enumerate(result.certificate.policy)
     )
+
+
+def _axes(rule: RuleDocument) -> str:
+    if rule.heading == "-x" and not rule.mirrored:
+        return ""
+    push = f"pushes along {rule.heading.replace('-', MINUS)} of the world"
+    return f"{push}, y mirrored" if rule.mirrored else push
 
 
 @dataclass(frozen=True, slots=True)

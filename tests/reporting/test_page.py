@@ -11,6 +11,8 @@ from html.parser import HTMLParser
 import pytest
 
 from meso_robust.job import Planned
+from meso_robust.planning.document import AimDocument, RuleDocument
+from meso_robust.reporting import rows
 from meso_robust.reporting.page import report
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
@@ -225,3 +227,19 @@ def test_the_page_does_not_depend_on_the_users_settings(proved: Planned, proved_
     with matplotlib.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
         assert report(proved) == proved_page
         assert matplotlib.rcParams["font.size"] == 30.0
+
+
+def test_a_move_in_other_axes_says_which() -> None:
+    rule = RuleDocument(
+        step=1,
+        primitive="x_translation",
+        action="straighten",
+        side=0,
+        dual_x=AimDocument(relative_to="sensed part", offset_um=1.0),
+        dual_y=AimDocument(relative_to="sensed part", offset_um=1.0),
+        dual_end_x=AimDocument(relative_to="world", offset_um=1.0),
+    )
+    turned = rule.model_copy(update={"heading": "-y", "mirrored": True})
+
+    assert rows._axes(rule) == ""
+    assert rows._axes(turned) == "pushes along −y of the world, y mirrored"
