@@ -49,6 +49,23 @@ def test_the_tube_holds_every_motion_by_force_balance(sticking: MotionProof) -> 
     assert column(sticking, "theta").width < 1.3 * widest  # the tube is not idle
 
 
+@pytest.mark.parametrize("steps", [2, 4, 8])
+def test_a_few_long_steps_from_one_pose_hold_its_motion(steps: int) -> None:
+    """One pose and one film: all the width there is comes from the curvature within a step."""
+    values = {"theta": 1.68, "d2": 3.5e-4, "mu": 0.33, "rho": 3.75e-7}
+    box = {name: Interval.point(value) for name, value in values.items()}
+
+    proof = prove_motion(RECTANGLE, ONE, FILM, [Mode.STICK], box, TRAVEL, steps=steps)
+
+    assert proof.verdict is Verdict.PROVED
+    x, y, angle = after(values["theta"], TRAVEL, DEPTH, values["d2"], values["rho"])
+    assert x in column(proof, "x")
+    assert y in column(proof, "y")
+    assert angle in column(proof, "theta")
+    euler = column(proof, "theta").width  # 0.1 rad of turn: a step's curvature shows
+    assert 1e-7 < euler < 0.1 / steps
+
+
 def test_the_swept_boxes_hold_the_knots_on_both_sides(sticking: MotionProof) -> None:
     for knots in (sticking.tube[:-1], sticking.tube[1:]):
         assert np.all(sticking.swept[..., 0] <= knots[..., 0])
