@@ -36,14 +36,18 @@ $(INSTALLED): pyproject.toml requirements.lock
 
 reports: $(INSTALLED)
 	$(BIN)/meso-robust derive
-	$(BIN)/meso-robust plan --out reports/paper_task
+	$(BIN)/meso-robust plan --maps --out reports/paper_task
+	$(BIN)/python -m tests.policy.campaign --runs 2000
 	$(BIN)/python -m tests.simulator.convergence --out reports/simulator/convergence.md
 	$(BIN)/python -m tests.simulator.inertia_report --out reports/simulator
 	$(BIN)/python -m tests.simulator.effects_report --out reports/simulator/effects.md
 	$(BIN)/python -m tests.basis.report --out reports/basis
 
-# The full form of the simulator's property campaign: most of an hour on two cores.
+# The full forms of the campaigns: hours on two cores. The totals of `falsify` go on where they stand.
 campaign: $(INSTALLED)
+	$(BIN)/python -m tests.campaigns.refuted
+	$(BIN)/python -m tests.checker.mutations --count 3000
+	$(BIN)/python -m tests.campaigns.falsify --workers 2 --stepper-attack
 	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
 
 lock:

@@ -13,7 +13,7 @@ from functools import cached_property
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.policy.cells import true_poses
-from meso_robust.policy.library import (
+from meso_robust.policy.repertoire import (
     NARROW_DEG,
     WIDE_DEG,
     Push,

@@ -68,9 +68,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
             {"V": pair.separation, "d1": edge.depth, "mu": u.friction},
         ),
     ]
-    if (
-        not pair.separation.lo > 0.0
-    ):  # the conditions are derived for an active tip above the passive one
+    if not pair.separation.lo > 0.0:  # what the conditions are derived for; they square it
         return _step(rule, pre, None, [*obligations, _undecided("the active tip is the upper one")])
     touch = approach(pair, start, pre, edge, setup)
     if touch is None:

@@ -37,7 +37,7 @@ from meso_robust.reporting.reading import Standing, standings, thinned, through
 
 Look = dict[str, Any]
 
-PATHS = 60
+PATHS = 24
 PANEL = (5.6, 3.9)  # inches
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 CERTIFIED_LOOK: Look = {"fc": CERTIFIED_FILL, "ec": CERTIFIED, "lw": 1.3, "label": "certified box"}

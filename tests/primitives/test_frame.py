@@ -127,3 +127,23 @@ def test_a_mirrored_rotation_turns_clockwise() -> None:
     assert turn.post is not None
     assert turn.pre.theta.lo > math.radians(-91)
     assert turn.post.theta.hi < math.radians(-170)
+
+
+@pytest.mark.parametrize("frame", FRAMES[1::2], ids=NAMES[1::2])
+def test_a_crooked_pair_is_mirrored_with_the_axes(frame: Frame) -> None:
+    """A pair that always has its upper tip ahead in the world has the lower one ahead in the mirror."""
+    crooked = Interval(math.radians(0.2), math.radians(0.4))
+    setup = in_world(frame)
+    setup = replace(setup, uncertainty=replace(setup.uncertainty, misalignment=crooked))
+    rules = tuple(replace(step.rule, frame=frame) for step in paper_chain().steps)
+    chain = certify(rules, setup)
+    assert chain.verdict is Verdict.PROVED
+    player = Feedback(rules=rules, setup=setup, engine="events")
+
+    runs = player.run(player.draw(12, np.random.default_rng(6)))
+
+    assert runs.completed.all()
+    assert chain.end is not None
+    assert (runs.final[:, 2] >= chain.end.theta.lo).all()
+    assert (runs.final[:, 2] <= chain.end.theta.hi).all()
+    assert chain.end.theta.width < math.radians(0.21)

@@ -215,3 +215,11 @@ def test_the_plan_from_the_papers_start_jams_in_the_slots_mouth() -> None:
 
     assert chain.verdict is Verdict.UNKNOWN
     assert not runs.completed.any()
+
+
+def test_tips_that_reach_a_wall_at_the_end_of_their_travel_only_are_found() -> None:
+    # the tips stop about 808 um from the goal's middle, 440 um below it: inside the lower wall
+    task = slot_task(mouth_x_um=900.0, width_um=500.0, depth_um=1730.0)
+    chain = chain_of(task)
+    tips = [o for s in chain.steps for o in s.obligations if o.claim.startswith("the tips stay")]
+    assert [o.proof.verdict is Verdict.PROVED for o in tips] == [True, True, True, False]
