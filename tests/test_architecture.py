@@ -34,6 +34,9 @@ MAY_IMPORT = {
     "checker": {"errors", "task"},
     "simulator": {"errors", "kernels"},
     "recordings": {"errors", "files"},
+    "microscope": {"errors", "files", "kernels"},
+    "tracking": {"errors", "files", "kernels", "recordings", "task", "__version__"},
+    "identification": {"errors", "files", "kernels", "simulator", "recordings", "task"},
 }
 ABOVE = {"cli", "reporting", "__init__"}  # what nothing else may reach
 

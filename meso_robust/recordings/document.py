@@ -27,9 +27,10 @@ SCHEMA = "meso-robust/recordings/1"
 SET_FILE = "set.toml"
 """Name of the file in the folder of a set."""
 
-# Limits far beyond the mesoscale, as in a task: they catch a slip of the unit.
-Length = Annotated[FiniteFloat, Field(ge=1, le=1e5)]
-Coordinate = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
+# Limits that catch a slip of the unit and let parts of a metre pass: recordings of pushing on a
+# table obey the same laws.
+Length = Annotated[FiniteFloat, Field(ge=1, le=1e6)]
+Coordinate = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 _LONGEST_SHOWN = 60  # characters of a wrong value in a message
 
 
@@ -88,7 +89,7 @@ def _in_polygon(fault: str | None) -> str | None:
 class ProbeSection(_Section):
     """The probes, all of one kind."""
 
-    tip_radius_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)]
+    tip_radius_um: Annotated[FiniteFloat, Field(ge=0, le=1e5)]
     """Radius of a tip, um; 0: a point."""
     position_source: Literal["controller", "camera"]
     """Where positions of probes are from: "controller": commanded, "camera": seen."""

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from meso_robust.errors import InputError
-from meso_robust.recordings.document import SET_FILE, PartSection, SensorSection, load_document
+from meso_robust.recordings.document import (
+    SET_FILE,
+    PartSection,
+    SensorSection,
+    SetDocument,
+    load_document,
+)
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.table import read_table
-from meso_robust.recordings.values import RecordingSet, SensorInfo
+from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
 
 
 def read_set(folder: Path) -> RecordingSet:
@@ -33,15 +40,24 @@ def read_set(folder: Path) -> RecordingSet:
         A file cannot be read or breaks a rule; the message names file, key or line, value and rule.
     """
     document = load_document(folder / SET_FILE)
+    recordings = [read_table(folder / one.file, one.probes) for one in document.recording]
+    return assembled(document, folder, recordings)
+
+
+def assembled(document: SetDocument, folder: Path, recordings: Sequence[Recording]) -> RecordingSet:
+    """Put a set together from its checked ``set.toml`` and its recordings.
+
+    Raises
+    ------
+    InputError
+        The outline has no extent in metres; ``folder`` is named in the message.
+    """
     return RecordingSet(
         part=_part(document.part, folder / SET_FILE),
         tip_radius=document.probe.tip_radius_um * UM,
         position_source=document.probe.position_source,
         sensor=_sensor(document.sensor),
-        recordings=tuple(
-            read_table(folder / recording.file, recording.probes)
-            for recording in document.recording
-        ),
+        recordings=tuple(recordings),
     )
 
 

@@ -15,6 +15,8 @@ UM = 1e-6
 DEG = math.pi / 180.0
 """Radians in a degree."""
 
+CLOCK_RULE = "must be after the instant of the row before"
+
 _PROBE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 
 
@@ -50,6 +52,6 @@ def clock_fault(times: npt.NDArray[np.float64]) -> tuple[int, str] | None:
     for wrong in np.flatnonzero(~np.isfinite(times))[:1]:
         return int(wrong), f"{times[wrong]}; {rule}; leave the row out"
     for wrong in np.flatnonzero(np.diff(times) <= 0.0)[:1] + 1:
-        rule = f"must be after the instant of the row before, {times[wrong - 1]} s"
+        rule = f"{CLOCK_RULE}, {times[wrong - 1]} s"
         return int(wrong), f"{times[wrong]} s; {rule}; sort the rows, keep one of each instant"
     return None

@@ -10,22 +10,56 @@ import csv
 import io
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.recordings.rules import DEG, UM, clock_fault
+from meso_robust.recordings.clock import forward
+from meso_robust.recordings.rules import CLOCK_RULE, DEG, UM
 from meso_robust.recordings.values import Recording
 
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.intp]
 
 TIME = "time_s"
 POSE = ("part_x_um", "part_y_um", "part_theta_deg")
+_LARGEST = (
+    1e15  # in any unit of the format; what is larger is no measurement, and its square counts
+)
+_MEND = "mend the cell"
 _POSE_UNITS = np.array([UM, UM, DEG])
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A row or cell that breaks a rule, and the line it ends at."""
+
+    line: int
+    kind: Literal["row", "cell", "clock"]
+    value: str
+    rule: str
+    advice: str
+
+    def __str__(self) -> str:
+        """As it stands after the name of the file in a message."""
+        between = ": " if self.kind == "row" else ", "
+        then = ": " if self.kind == "cell" else "; "
+        return f", line {self.line}{between}{self.value}{then}{self.rule}; {self.advice}"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """What could be read of a recording, the lines of its rows, and what could not."""
+
+    recording: Recording
+    lines: tuple[int, ...]
+    faults: tuple[Fault, ...]
 
 
 def read_table(path: Path, probes: Sequence[str]) -> Recording:
@@ -50,17 +84,43 @@ def read_table(path: Path, probes: Sequence[str]) -> Recording:
         long, a cell is no number, or the clock does not go on; the message names file, line,
         column, value and rule.
     """
+    table = read_readable(path, probes)
+    for fault in table.faults:
+        raise InputError(f"{path}{fault}")
+    return table.recording
+
+
+def read_readable(path: Path, probes: Sequence[str]) -> Table:
+    """Read what can be read of a recording, and list every row and cell that cannot.
+
+    Rows of the wrong length or without an instant, and the fewest rows that must go for the clock
+    to run forward, are left out; a cell that is no number becomes NaN.
+
+    Raises
+    ------
+    InputError
+        Nothing can be read: no file, no CSV, wrong columns, no row left.
+    """
     header, rows, lines = _cells(path)
+    faults = [fault for fault in map(_row_fault(header), rows, lines) if fault]
     _check_header(path, header, probes)
-    if not rows:
-        raise InputError(f"{path}: no rows; must have at least one; leave the recording out")
-    columns = {
-        name: _column(path, name, [row[k] for row in rows], lines) for k, name in enumerate(header)
-    }
-    fault = clock_fault(columns[TIME])
-    if fault:
-        raise InputError(f"{path}, line {lines[fault[0]]}, column {TIME} = {fault[1]}")
-    return Recording(
+    whole = [k for k, row in enumerate(rows) if len(row) == len(header)]
+    rows, lines = [rows[k] for k in whole], [lines[k] for k in whole]
+    columns = {}
+    for k, name in enumerate(header):
+        columns[name], wrong = _column(name, [row[k] for row in rows], lines)
+        faults += wrong
+    timed = np.flatnonzero(np.isfinite(columns[TIME]))
+    kept = timed[forward(columns[TIME][timed])]
+    faults += _clock_faults(columns[TIME], timed, kept, lines)
+    if not kept.size:
+        raise InputError(
+            f"{path}{faults[0]}"
+            if faults
+            else f"{path}: no rows; must have at least one; leave the recording out"
+        )
+    columns = {name: values[kept] for name, values in columns.items()}
+    recording = Recording(
         file=path.name,
         probe_names=tuple(probes),
         times=columns[TIME],
@@ -70,6 +130,7 @@ def read_table(path: Path, probes: Sequence[str]) -> Recording:
         if any(_forces(probe)[0] in columns for probe in probes)
         else None,
     )
+    return Table(recording, tuple(lines[k] for k in kept), tuple(faults))
 
 
 def table_text(recording: Recording) -> str:
@@ -109,7 +170,7 @@ def _pairs(columns: dict[str, Floats], names: Sequence[tuple[str, str]]) -> Floa
 
 
 def _cells(path: Path) -> tuple[list[str], list[list[str]], list[int]]:
-    """Header, rows and the lines that they end at; every row as long as the header."""
+    """Header, rows and the lines that they end at."""
     try:
         text = path.read_text(encoding="utf-8-sig").rstrip("\r\n")  # spreadsheets write the mark
         reader = csv.reader(io.StringIO(text, newline=""), strict=True)
@@ -121,13 +182,18 @@ def _cells(path: Path) -> tuple[list[str], list[list[str]], list[int]]:
     except (csv.Error, UnicodeDecodeError) as error:
         raise InputError(f"{path}: is not a CSV file in UTF-8 ({error})") from error
     header = table[0][0] if table else []
-    for row, line in table[1:]:
-        if len(row) != len(header):
-            raise InputError(
-                f"{path}, line {line}: {len(row)} cells; must be {len(header)} as in the header; "
-                "leave a cell empty where nothing was seen"
-            )
     return header, [row for row, _ in table[1:]], [line for _, line in table[1:]]
+
+
+def _row_fault(header: Sequence[str]) -> Callable[[Sequence[str], int], Fault | None]:
+    def fault(row: Sequence[str], line: int) -> Fault | None:
+        if len(row) == len(header):
+            return None
+        rule = f"must be {len(header)} as in the header"
+        advice = "leave a cell empty where nothing was seen"
+        return Fault(line, "row", f"{len(row)} cells", rule, advice)
+
+    return fault
 
 
 def _check_header(path: Path, header: Sequence[str], probes: Sequence[str]) -> None:
@@ -149,16 +215,36 @@ def _check_header(path: Path, header: Sequence[str], probes: Sequence[str]) -> N
             raise InputError(f"{path}: column {name!r} is missing; add it, empty where not seen")
 
 
-def _column(path: Path, name: str, cells: Sequence[str], lines: Sequence[int]) -> Floats:
-    """Values of a column as they stand; NaN where a cell is empty."""
+def _column(name: str, cells: Sequence[str], lines: Sequence[int]) -> tuple[Floats, list[Fault]]:
+    """Values of a column as they stand, NaN where a cell is empty or no number; what is wrong."""
     values = [_number(cell) for cell in cells]
-    for cell, value, line in zip(cells, values, lines, strict=True):
+    rule = "must be a finite number" + ("" if name == TIME else ", or empty where not seen")
+    faults: list[Fault] = []
+    for k, (cell, value) in enumerate(zip(cells, values, strict=True)):
         if value is None or (name == TIME and math.isnan(value)):
-            rule = "must be a finite number" + ("" if name == TIME else ", or empty where not seen")
-            raise InputError(
-                f"{path}, line {line}, column {name} = {cell!r}: {rule}; mend the cell"
-            )
-    return np.array(values, dtype=np.float64)
+            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", rule, _MEND))
+        elif abs(value) > _LARGEST:
+            values[k] = None
+            large = f"must be at most {_LARGEST:g} in size"
+            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", large, _MEND))
+    return np.array([math.nan if v is None else v for v in values], dtype=np.float64), faults
+
+
+def _clock_faults(
+    times: Floats, timed: Integers, kept: Integers, lines: Sequence[int]
+) -> list[Fault]:
+    """The rows that were left out because the clock does not go on there."""
+    faults = []
+    for k in np.setdiff1d(timed, kept).tolist():
+        before, after = kept[kept < k], kept[kept > k]
+        rule, advice = CLOCK_RULE, "sort the rows, keep one of each instant"
+        if before.size and times[k] <= times[before[-1]]:
+            rule += f", {times[before[-1]]} s"
+        else:
+            rule = f"must be before the instant of the row after, {times[after[0]]} s"
+            advice = "leave the row out"
+        faults.append(Fault(lines[k], "clock", f"column {TIME} = {times[k]} s", rule, advice))
+    return faults
 
 
 def _number(cell: str) -> float | None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from meso_robust.bounds import Verdict
@@ -15,6 +13,7 @@ from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
 from meso_robust.reporting.reading import Standing, ending, endings, standings, through
+from meso_robust.reporting.skeleton import environment
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.tube_figures import (
     PATHS,
@@ -43,15 +42,8 @@ def report(result: Planned) -> str:
     result
         Everything that ``meso-robust plan`` found out.
     """
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters.update(factor=factor, number=number, small=small)
+    templates = environment()
+    templates.filters.update(factor=factor, number=number, small=small)
     with style():
         pictures = {
             "moves": [_move(result, index) for index in range(len(result.found.rules))],
@@ -60,7 +52,7 @@ def report(result: Planned) -> str:
             "tubes": _tubes(result),
             "end": _end(result),
         }
-    return environment.get_template("template.html.j2").render(
+    return templates.get_template("template.html.j2").render(
         task=result.task,
         certificate=result.certificate,
         answer=answer(result),

@@ -210,6 +210,16 @@ WRONG_TABLES = [
     ("101.5", "1_0", ", line 4, column part_x_um = '1_0': must be a finite number, or empty wher"),
     ("101.5", "١", ", line 4, column part_x_um = '١': must be a finite number, or empty where not"),
     ("101.5", " 1", ", line 4, column part_x_um = ' 1': must be a finite number, or empty where n"),
+    (
+        "101.5",
+        "2e15",
+        ", line 4, column part_x_um = '2e15': must be at most 1e+15 in size; mend the",
+    ),
+    (
+        "0.2,",
+        "1e300,",
+        ", line 4, column time_s = '1e300': must be at most 1e+15 in size; mend the",
+    ),
     ("101.5", '"1"2', ": is not a CSV file in UTF-8 ("),
     ("101.5", '"1', ": is not a CSV file in UTF-8 (unexpected end of data)"),
 ]

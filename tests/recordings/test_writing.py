@@ -65,7 +65,7 @@ def sets(draw: st.DrawFn) -> RecordingSet:
             st.sampled_from(["a.csv", "µ ä.csv", "b'#,=.csv", "𝛼.x.csv"]), min_size=1, unique=True
         )
     )
-    sides = sorted(draw(st.tuples(st.floats(1.0, 1e5), st.floats(1.0, 1e5))))
+    sides = sorted(draw(st.tuples(st.floats(1.0, 1e6), st.floats(1.0, 1e6))))
     stars = draw(st.lists(st.floats(5.0, 900.0), min_size=3, max_size=12))
     turn = 2 * np.pi * np.arange(len(stars)) / len(stars)
     star = np.array([stars * np.cos(turn), stars * np.sin(turn)]).T * UM

@@ -1,0 +1,107 @@
+"""From a path to a checked set: read or import, list the problems, repair, list what is left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from meso_robust.errors import InputError
+from meso_robust.recordings.document import SET_FILE
+from meso_robust.recordings.importers import FORMATS
+from meso_robust.recordings.loose import Lines, read_loosely
+from meso_robust.recordings.problem import Problem
+from meso_robust.recordings.problems import problems
+from meso_robust.recordings.repair import repairable, repaired
+from meso_robust.recordings.summary import Checked
+from meso_robust.recordings.values import RecordingSet
+
+OWN = "set"
+"""Name of the project's own format."""
+_PASSES = 5
+
+
+def checked(path: Path, format_name: str | None, repair: bool) -> Checked:
+    """Read a set, check it, and repair it if asked for.
+
+    Parameters
+    ----------
+    path
+        Folder of a set, its ``set.toml``, or a file or folder that an importer knows.
+    format_name
+        ``set`` or the name of an importer; found out if None.
+    repair
+        Whether to repair.
+
+    Raises
+    ------
+    InputError
+        Nothing can be read, the format is unknown, or the repair would leave nothing.
+    """
+    name = _recognised(path) if format_name is None else format_name
+    read = _own(path) if name == OWN else _imported(path, name)
+    found = (*read.problems, *problems(read.recordings, read.lines))
+    if not repair:
+        return Checked(
+            source=str(path),
+            format=name,
+            recordings=read.recordings,
+            found=found,
+            repairs=(),
+            remaining=found,
+            lines=read.lines,
+            notes=read.notes,
+        )
+    mended, repairs = repaired(read.recordings, found, read.lines)
+    left = problems(mended)
+    for _ in range(_PASSES):  # the noise of what is left may bring out more
+        if not any(map(repairable, left)):
+            break
+        rows = {one.file: read.lines[one.file] for one in mended.recordings} if read.lines else None
+        mended, more = repaired(mended, problems(mended, rows), rows)
+        repairs, left = (*repairs, *more), problems(mended)
+    return Checked(
+        source=str(path),
+        format=name,
+        recordings=mended,
+        found=found,
+        repairs=repairs,
+        remaining=left,
+        notes=read.notes,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Read:
+    recordings: RecordingSet
+    lines: Lines | None
+    problems: tuple[Problem, ...]
+    notes: tuple[str, ...]
+
+
+def _recognised(path: Path) -> str:
+    if not path.exists():
+        raise InputError(f"{path}: does not exist; give the folder of a recording set")
+    if path.name == SET_FILE or (path / SET_FILE).exists():
+        return OWN
+    for name, importer in FORMATS.items():
+        if importer.recognises(path):
+            return name
+    raise InputError(
+        f"{path}: no {SET_FILE} in it and no known format; must be a recording set or one of "
+        f"{', '.join(FORMATS)}; name it with --format"
+    )
+
+
+def _own(path: Path) -> _Read:
+    read = read_loosely(path.parent if path.name == SET_FILE else path)
+    return _Read(recordings=read.recordings, lines=read.lines, problems=read.problems, notes=())
+
+
+def _imported(path: Path, name: str) -> _Read:
+    if name not in FORMATS:
+        known = ", ".join([OWN, *FORMATS])
+        raise InputError(f"--format {name}: must be one of {known}; leave it out to find out")
+    importer = FORMATS[name]
+    read = importer.read(path)
+    notes = (importer.note, *map(str, read.left))
+    return _Read(recordings=read.recordings, lines=None, problems=(), notes=notes)

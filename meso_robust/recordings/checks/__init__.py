@@ -1,0 +1,1 @@
+"""What may be wrong with the content of a recording; one idea a file."""

@@ -1,0 +1,97 @@
+"""Clock, missing frames and wrapped angles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meso_robust.recordings.checks.view import View, turn
+from meso_robust.recordings.problem import Problem
+
+FEWEST, FEW = 2, 10
+"""Seen poses below which a recording cannot be used, and below which it tells little."""
+_LONG = 10  # lost frames in a row: a third of a second at 30 Hz, in which contact may change
+_MANY = 0.5  # share of lost frames
+
+
+def frame_problems(view: View) -> list[Problem]:
+    """Wrong rate; too few frames, or else missing frames."""
+    return [*_rate(view), *(_few(view) or _gaps(view))]
+
+
+def wraps(view: View) -> list[Problem]:
+    """Rows at which θ leaps by about a whole turn because it is kept within one."""
+    steps = np.diff(view.recording.poses[view.seen, 2])
+    # half a turn is no wrap but a tracker that takes one end of the part for the other
+    at = view.seen[1:][(np.abs(steps) > np.pi) & (np.abs(turn(steps)) < 0.5 * np.pi)]
+    if not at.size:
+        return []
+    return [
+        view.problem(
+            "wrap",
+            "information",
+            at,
+            f"θ leaps by a whole turn {at.size} times",
+            "angles may wrap",
+            "none needed; --repair makes θ continuous",
+        )
+    ]
+
+
+def _rate(view: View) -> list[Problem]:
+    if view.on_time:
+        return []
+    stated = view.recordings.sensor.frame_rate
+    step = float(np.median(np.diff(view.times)))
+    thousand = "; the clock may be in ms" if 700.0 < step * stated < 1300.0 else ""
+    return [
+        view.problem(
+            "frame_rate",
+            "warning",
+            np.zeros(0, dtype=np.intp),
+            f"steps of {step:.6g} s, that is {1.0 / step:.4g} Hz",
+            f"set.toml states {stated:.6g} Hz",
+            f"mend frame_rate_hz or the clock{thousand}",
+        )
+    ]
+
+
+def _few(view: View) -> list[Problem]:
+    count = view.seen.size
+    if count >= FEW:
+        return []
+    return [
+        view.problem(
+            "few_frames",
+            "error" if count < FEWEST else "warning",
+            np.zeros(0, dtype=np.intp),
+            f"{count} frames show the part",
+            f"at least {FEWEST} are needed, {FEW} to tell much",
+            "leave the recording out or record it again",
+        )
+    ]
+
+
+def _gaps(view: View) -> list[Problem]:
+    """Missing rows and rows without a pose, between the first and the last seen frame."""
+    steps = np.diff(view.times[view.seen])
+    lost = np.maximum(np.rint(steps / view.period) - 1.0, 0.0)
+    holes = np.flatnonzero(lost)
+    total, longest = float(lost.sum()), float(lost.max(initial=0.0))
+    if not total:
+        return []
+    share = total / (total + view.seen.size)
+    bad = share > _MANY or longest > _LONG
+    return [
+        view.problem(
+            "gap",
+            "warning" if bad else "information",
+            np.union1d(view.seen[holes], view.seen[holes + 1]),
+            f"{total:.0f} frames without a pose in {holes.size} hole{'s' * (holes.size > 1)}, "
+            f"the longest of {longest:.0f}, "
+            f"{100.0 * share:.0f} % of all",
+            f"single frames may be lost, at most {_LONG} in a row and {100.0 * _MANY:.0f} %",
+            "check lighting and tracker; contact may change in a long hole"
+            if bad
+            else "none needed",
+        )
+    ]

@@ -1,0 +1,205 @@
+"""Noise of the sensor, estimated from the frames before the first contact: the part is still then.
+
+In each recording a straight line (slow drift) is fitted to each coordinate of the still frames.
+What is left of all recordings is pooled: frames beyond four robust standard deviations (1.4826
+times the median absolute deviation) are set aside, then σ² is the sum of squares over its degrees
+of freedom. Where that is smooth from frame to frame, it is motion, and there is no estimate. Frames
+that repeat the one before bit by bit count once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.recordings.contact import still
+from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo, unwrapped
+
+Floats = npt.NDArray[np.float64]
+Source = Literal["stated", "estimated", "unknown"]
+"""From ``set.toml``, from still frames, or neither."""
+
+FEWEST = 5
+"""Still frames that a recording must have to count; a line takes two of them."""
+FEWEST_FREE = 10
+"""Degrees of freedom that an estimate must have: then it is good to about a quarter."""
+_CLIP = 4.0  # robust deviations; of Gaussian noise one frame in 16000 is beyond
+_NORMAL = 1.4826  # standard deviations in the median absolute deviation of a Gaussian
+_PASSES = 3
+_MOTION = 0.9  # correlation from frame to frame beyond which it is no noise but motion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """Noise of one coordinate.
+
+    Attributes
+    ----------
+    sigma
+        Standard deviation in m or rad; None where it cannot be told.
+    correlation
+        Correlation of the noise from one frame to the next, -1 … 1; near 0 for white noise; None
+        where it cannot be told.
+    freedom
+        Degrees of freedom n: σ has a relative standard error of about 1/√(2 n) if noise is white.
+    reason
+        Why σ is None, else None.
+    """
+
+    sigma: float | None
+    correlation: float | None
+    freedom: int
+    reason: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Noise:
+    """Noise of x and y in m and of θ in rad, each by itself."""
+
+    x: Spread
+    y: Spread
+    theta: Spread
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EstimatedSensor:
+    """The sensor of a set with what was stated, completed by what still frames show.
+
+    Attributes
+    ----------
+    info
+        The sensor; a deviation that is neither stated nor can be estimated stays None.
+    position_source, orientation_source
+        Where the deviations are from.
+    noise
+        The estimates, also where the set states its own.
+    """
+
+    info: SensorInfo
+    position_source: Source
+    orientation_source: Source
+    noise: Noise
+
+
+def estimated_sensor(recordings: RecordingSet) -> EstimatedSensor:
+    """Complete the sensor of a set: stated deviations stay, absent ones are estimated.
+
+    The deviation of a position is the root mean square of those of x and y.
+    """
+    noise, stated = estimated_noise(recordings), recordings.sensor
+    position, position_source = _chosen(stated.position_sigma, _position(noise))
+    orientation, orientation_source = _chosen(stated.orientation_sigma, noise.theta.sigma)
+    return EstimatedSensor(
+        info=replace(stated, position_sigma=position, orientation_sigma=orientation),
+        position_source=position_source,
+        orientation_source=orientation_source,
+        noise=noise,
+    )
+
+
+def estimated_noise(recordings: RecordingSet) -> Noise:
+    """Noise of x, y and θ from the still frames of all recordings, whatever the set states."""
+    each = [_runs(recordings, recording) for recording in recordings.recordings]
+    runs = [run for run in each if len(run.times) >= FEWEST]
+    most = max(len(run.times) for run in each)
+    x, y, theta = (_spread(runs, axis, most, recordings.sensor.frame_rate) for axis in range(3))
+    return Noise(x=x, y=y, theta=theta)
+
+
+def _chosen(stated: float | None, estimated: float | None) -> tuple[float | None, Source]:
+    if stated is not None:
+        return stated, "stated"
+    return estimated, "unknown" if estimated is None else "estimated"
+
+
+def _position(noise: Noise) -> float | None:
+    if noise.x.sigma is None or noise.y.sigma is None:
+        return None
+    return float(np.hypot(noise.x.sigma, noise.y.sigma) / np.sqrt(2.0))
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """Still frames of one recording that differ from the one before: (n,) s, (n, 3) m and rad."""
+
+    times: Floats
+    poses: Floats
+
+
+def _runs(recordings: RecordingSet, recording: Recording) -> _Run:
+    kept = still(recordings, recording)
+    poses = unwrapped(recording).poses
+    seen = np.flatnonzero(kept & ~np.any(np.isnan(poses), axis=1))
+    new = np.ones(len(seen), dtype=bool)
+    new[1:] = np.any(np.diff(poses[seen], axis=0) != 0.0, axis=1)
+    return _Run(recording.times[seen[new]], poses[seen[new]])
+
+
+def _spread(runs: list[_Run], axis: int, most: int, rate: float) -> Spread:
+    """Pool the residuals of one coordinate."""
+    fits = [_fit(run.times, run.poses[:, axis]) for run in runs]
+    freedom = sum(int(np.count_nonzero(fit.kept)) - 2 for fit in fits)
+    if freedom < FEWEST_FREE:
+        reason = (
+            f"{freedom} degrees of freedom in still frames before the first contact (at most "
+            f"{most} in a recording); must be at least {FEWEST_FREE}; let the camera run for a "
+            "second before the tip moves"
+        )
+        return Spread(sigma=None, correlation=None, freedom=max(freedom, 0), reason=reason)
+    squares = sum(float(np.sum(fit.residuals[fit.kept] ** 2)) for fit in fits)
+    if squares == 0.0:
+        reason = "half of the still frames or more show one value; noise must show; state it"
+        return Spread(sigma=None, correlation=None, freedom=freedom, reason=reason)
+    correlation = _correlation(fits, squares, rate)
+    if correlation is not None and correlation > _MOTION:
+        reason = (
+            f"frames that should be still follow each other (correlation {correlation:.2f}): the "
+            "part moves before a tip is near; check outline and frames, or state it in set.toml"
+        )
+        return Spread(sigma=None, correlation=correlation, freedom=freedom, reason=reason)
+    sigma = float(np.sqrt(squares / freedom))
+    return Spread(sigma=sigma, correlation=correlation, freedom=freedom, reason=None)
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """Residuals (n,) about a straight line, which of them are kept, and (n, 2) its basis."""
+
+    times: Floats
+    residuals: Floats
+    kept: npt.NDArray[np.bool_]
+    basis: Floats
+
+
+def _fit(times: Floats, values: Floats) -> _Line:
+    """Fit a line by least squares, setting outliers aside."""
+    middle = np.median(values)
+    residuals = values - middle
+    for _ in range(_PASSES):
+        scale = _NORMAL * float(np.median(np.abs(residuals)))
+        kept = np.abs(residuals) <= max(_CLIP * scale, np.finfo(float).tiny)
+        basis = np.linalg.qr(np.column_stack((np.ones(kept.sum()), times[kept] - times[0])))[0]
+        shape = np.zeros((len(times), 2))
+        shape[kept] = basis
+        line = np.polynomial.Polynomial.fit(times[kept], values[kept] - middle, 1)
+        residuals = values - middle - line(times)
+    return _Line(times, residuals, kept, shape)
+
+
+def _correlation(fits: list[_Line], squares: float, rate: float) -> float | None:
+    """Correlation of neighbours, less what the fit of a line puts into white noise."""
+    products = expected = variance = 0.0
+    pairs = 0
+    for fit in fits:
+        near = fit.kept[1:] & fit.kept[:-1] & (np.diff(fit.times) < 1.5 / rate)
+        products += float(np.sum((fit.residuals[1:] * fit.residuals[:-1])[near]))
+        expected -= float(np.sum(np.sum(fit.basis[1:] * fit.basis[:-1], axis=1)[near]))
+        variance += float(np.sum(fit.kept)) - 2.0
+        pairs += int(near.sum())
+    if pairs < FEWEST_FREE:
+        return None
+    # scaled as if no pair were missing
+    return float((products / squares - expected / variance) * variance / pairs)

@@ -1,0 +1,93 @@
+"""What can be wrong with a recording set, as a value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+Severity = Literal["error", "warning", "information"]
+"""Cannot be used; usable with care; only to be known."""
+
+KINDS: Mapping[str, str] = {
+    "unreadable": "file cannot be read",
+    "row": "row of the wrong length",
+    "cell": "cell that is no number",
+    "clock": "clock that repeats or runs backwards",
+    "frame_rate": "frames come at another rate than stated",
+    "few_frames": "too few frames",
+    "gap": "missing frames",
+    "wrap": "angle wraps",
+    "zero_pose": "pose of zeros: not found",
+    "frozen": "frozen pose",
+    "jump": "jump",
+    "units": "units that look wrong",
+    "overlap": "tip deep inside the part",
+    "untouched": "part moves untouched",
+    "never_touched": "never touched",
+    "nothing_moves": "nothing moves",
+    "still_probe": "probe that never moves",
+    "unseen_probe": "probe that is never seen",
+    "force_offset": "force offset at rest",
+    "noise": "noise differs from what is stated",
+}
+"""Kinds of problems in words."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """One thing that is wrong.
+
+    Attributes
+    ----------
+    file
+        Name of the file in the folder of the set.
+    kind
+        One of `KINDS`.
+    severity
+        How much it matters.
+    rows
+        Lines of the CSV file (the header is line 1), ascending; none if it concerns the whole file.
+    value
+        What was found.
+    rule
+        What it should be.
+    advice
+        What to do next.
+    """
+
+    file: str
+    kind: str
+    severity: Severity
+    rows: tuple[int, ...] = ()
+    value: str
+    rule: str
+    advice: str
+
+    def __str__(self) -> str:
+        """One line: file, lines, kind, value; rule; advice."""
+        where = f", {lines_text(self.rows)}" if self.rows else ""
+        return (
+            f"{self.severity}: {self.file}{where}: {KINDS[self.kind]}: {self.value}; {self.rule}; "
+            f"{self.advice}"
+        )
+
+
+def lines_text(rows: Sequence[int], most: int = 8) -> str:
+    """Lines as "line 3" or "lines 3-5, 9"; beyond ``most`` ranges only their number."""
+    ranges = list(_ranges(rows))
+    shown = ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in ranges[:most])
+    more = f" and {len(ranges) - most} more places" if len(ranges) > most else ""
+    return f"line{'s' if len(rows) > 1 else ''} {shown}{more}"
+
+
+def _ranges(rows: Sequence[int]) -> Iterable[tuple[int, int]]:
+    """First and last of each run of neighbouring lines."""
+    if not rows:
+        return
+    first = rows[0]
+    for row, following in pairwise([*rows, rows[-1] + 2]):
+        if following != row + 1:
+            yield first, row
+            first = following

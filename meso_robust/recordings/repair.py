@@ -1,0 +1,123 @@
+"""Repairs that invent nothing: what is no measurement is taken as not seen or left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meso_robust.errors import InputError
+from meso_robust.recordings.checks.view import unseen
+from meso_robust.recordings.problem import KINDS, Problem, lines_text
+from meso_robust.recordings.problems import line_numbers
+from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
+
+_LEFT_OUT = {
+    "unreadable": "the recording was left out",
+    "row": "the row was left out",
+    "cell": "the cell was taken as not seen, a row without an instant left out",
+    "clock": "the row was left out",
+}
+"""Repairs that reading makes; see `read_readable`."""
+_UNSEEN = {"zero_pose", "frozen", "jump"}
+_KEPT = {"units"}  # another factor would be a guess about the data
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repair:
+    """One repair: file, kind of problem, lines (none: the whole file) and what was done."""
+
+    file: str
+    kind: str
+    rows: tuple[int, ...] = ()
+    done: str
+
+    def __str__(self) -> str:
+        """One line."""
+        where = f", {lines_text(self.rows)}" if self.rows else ""
+        return f"{self.file}{where}: {KINDS[self.kind]}: {self.done}"
+
+
+def repaired(
+    recordings: RecordingSet,
+    problems: Sequence[Problem],
+    lines: Mapping[str, Sequence[int]] | None = None,
+) -> tuple[RecordingSet, tuple[Repair, ...]]:
+    """Repair what can be repaired without inventing data.
+
+    Parameters
+    ----------
+    recordings
+        The set, as it was read.
+    problems
+        What `problems` and `read_loosely` say of it.
+    lines
+        Line of each row, as for `problems`.
+
+    Returns
+    -------
+    tuple
+        The set and what was done. Poses of zeros, repeats and outliers are not seen any more;
+        angles are continuous where they wrapped; recordings that cannot be used are left out. Other
+        values stay as they are, and so do units.
+
+    Raises
+    ------
+    InputError
+        If no recording would be left.
+    """
+    repairs = [
+        Repair(
+            file=problem.file, kind=problem.kind, rows=problem.rows, done=_LEFT_OUT[problem.kind]
+        )
+        for problem in problems
+        if problem.kind in _LEFT_OUT
+    ]
+    kept: list[Recording] = []
+    for recording in recordings.recordings:
+        own = [one for one in problems if one.file == recording.file]
+        useless = [one for one in own if _useless(one)]
+        if useless:
+            done = f"the recording was left out: {useless[0].value}"
+            repairs.append(Repair(file=recording.file, kind=useless[0].kind, done=done))
+            continue
+        mended, done_here = _mended(recording, own, line_numbers(recording, lines))
+        kept.append(mended)
+        repairs += done_here
+    if not kept:
+        raise InputError(
+            f"no recording can be used, the last ({repairs[-1].file}) because: {repairs[-1].done}; "
+            "record the set again or mend it by hand"
+        )
+    return replace(recordings, recordings=tuple(kept)), tuple(repairs)
+
+
+def repairable(problem: Problem) -> bool:
+    """Whether `repaired` does something about a problem of a set in memory."""
+    return problem.kind in {*_UNSEEN, "wrap"} or _useless(problem)
+
+
+def _useless(problem: Problem) -> bool:
+    return problem.severity == "error" and problem.kind not in {*_LEFT_OUT, *_KEPT}
+
+
+def _mended(
+    recording: Recording, problems: Sequence[Problem], lines: Sequence[int]
+) -> tuple[Recording, list[Repair]]:
+    repairs = []
+    for problem in problems:
+        if problem.kind not in _UNSEEN:
+            continue
+        frames = np.flatnonzero(np.isin(np.asarray(lines), problem.rows))
+        recording = unseen(recording, frames)
+        repairs.append(_repair(problem, "the poses were taken as not seen"))
+    for problem in problems:
+        if problem.kind == "wrap":
+            recording = unwrapped(recording)
+            repairs.append(_repair(problem, "whole turns were added, so θ is continuous"))
+    return recording, repairs
+
+
+def _repair(problem: Problem, done: str) -> Repair:
+    return Repair(file=problem.file, kind=problem.kind, rows=problem.rows, done=done)
