@@ -1,0 +1,225 @@
+"""``experiment.json``: planned pushes for the hardware, and the ``set.toml`` for their recordings."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from meso_robust.identification.design import Design, Interval
+from meso_robust.identification.experiment import Experiment, Part, PlannedPush
+from meso_robust.identification.models import Model
+from meso_robust.recordings import Rectangle
+from meso_robust.recordings.document import SCHEMA, SET_FILE, parse_document
+from meso_robust.recordings.rules import DEG, UM
+
+Pair = tuple[float, float]
+
+EXPERIMENT_FILE = "experiment.json"
+PROBE = "probe1"
+FRAME_RATE = 30.0
+"""Of the paper's camera, Hz (Section IV)."""
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class OutlineDocument(_Model):
+    """The part, as in a ``set.toml``."""
+
+    length_um: float | None = None
+    width_um: float | None = None
+    polygon_um: tuple[Pair, ...] | None = None
+
+
+class PoseDocument(_Model):
+    """Where the part is to be laid down."""
+
+    x_um: float
+    y_um: float
+    theta_deg: float
+
+
+class TipDocument(_Model):
+    """The probe at the start of a move, free of contact."""
+
+    name: str
+    start_um: Pair
+    passive: bool = False
+
+
+class TestDocument(_Model):
+    """A move in the shape of those of ``plan.json``, with what an experiment needs beside it."""
+
+    step: int
+    primitive: Literal["identification_push"] = "identification_push"
+    probes: tuple[TipDocument, ...]
+    travel_um: Pair
+    speed_um_s: float
+    expect: None = None
+    """Never certified: the model is what is to be found."""
+    test: str
+    part: PoseDocument
+    edge: int
+    """The pushed edge: that after this corner of the outline."""
+    asked_um: float
+    """Place on the edge from its middle, counter-clockwise, as the rule asks."""
+    place_um: float
+    """The same as used: a place at a corner is moved inwards."""
+    moved_um: float
+    """By how much it is moved."""
+    recordings: tuple[str, ...]
+    """One a trial."""
+
+
+class LeftOutDocument(_Model):
+    """A push of the rule that cannot be made."""
+
+    test: str
+    why: str
+
+
+class ExpectedDocument(_Model):
+    """What a designed experiment is expected to tell of a parameter, in the unit of its key; 90 %."""
+
+    parameter: str
+    value: float
+    """Taken for the truth."""
+    before: Pair | None
+    """Ends without the pushes; null if only the parameter's range is known."""
+    after: Pair | None
+    """Ends with them; null if they cannot tell."""
+
+
+class ExperimentDocument(_Model):
+    """Pushes that identify a part."""
+
+    schema_: Annotated[Literal["meso-robust/experiment/1"], Field(alias="schema")] = (
+        "meso-robust/experiment/1"
+    )
+    outline: OutlineDocument
+    tip_radius_um: float
+    corner_margin_um: float
+    field_um: Pair
+    trials: int
+    moves: tuple[TestDocument, ...]
+    left_out: tuple[LeftOutDocument, ...]
+    expected: tuple[ExpectedDocument, ...] = ()
+    """Of a design, if the model is right; empty for the standard tests."""
+
+
+def experiment_document(
+    experiment: Experiment, found: Design | None = None, model: Model | None = None
+) -> ExperimentDocument:
+    """Write out an experiment; lengths in um to a tenth of a nanometre.
+
+    Parameters
+    ----------
+    experiment
+        The pushes.
+    found, model
+        The design that they come from and its model, if they do.
+    """
+    bench = experiment.bench
+    return ExperimentDocument(
+        outline=_outline(experiment.part),
+        tip_radius_um=_um(bench.tip_radius),
+        corner_margin_um=_um(bench.corner_margin),
+        field_um=_pair(bench.field),
+        trials=bench.trials,
+        moves=tuple(
+            _move(experiment, step + 1, push) for step, push in enumerate(experiment.pushes)
+        ),
+        left_out=tuple(LeftOutDocument(test=name, why=why) for name, why in experiment.left_out),
+        expected=_expected(found, model) if found and model else (),
+    )
+
+
+def experiment_files(
+    experiment: Experiment, found: Design | None = None, model: Model | None = None
+) -> Mapping[str, str]:
+    """Texts of ``experiment.json`` and of a ``set.toml`` to which recordings are to be added.
+
+    Arguments are those of `experiment_document`.
+
+    Raises
+    ------
+    InputError
+        If the part or the tip is beyond the limits of a recording set.
+    """
+    document = experiment_document(experiment, found, model)
+    values = document.model_dump(by_alias=True)
+    values["outline"] = document.outline.model_dump(exclude_none=True)
+    text = json.dumps(values, indent=2, ensure_ascii=False)
+    return {EXPERIMENT_FILE: text + "\n", SET_FILE: _set(document)}
+
+
+def _set(document: ExperimentDocument) -> str:
+    """A ``set.toml`` that is complete but for the recordings themselves."""
+    lines = [f'schema = "{SCHEMA}"', "[part]"]
+    outline = document.outline.model_dump(exclude_none=True)
+    lines += [f"{key} = {json.dumps(value)}" for key, value in outline.items()]
+    lines += ["[probe]", f"tip_radius_um = {document.tip_radius_um}"]
+    lines += ['position_source = "controller"', "[sensor]", f"frame_rate_hz = {FRAME_RATE}"]
+    for move in document.moves:
+        for name in move.recordings:
+            lines += ["[[recording]]", f'file = "{name}"', f'probes = ["{PROBE}"]']
+    text = "\n".join(lines) + "\n"
+    parse_document(tomllib.loads(text), SET_FILE)
+    return text
+
+
+def _expected(found: Design, model: Model) -> tuple[ExpectedDocument, ...]:
+    return tuple(
+        ExpectedDocument(
+            parameter=parameter.key,
+            value=before.value / parameter.to_si,
+            before=_ends(before, parameter.to_si),
+            after=_ends(after, parameter.to_si),
+        )
+        for before, after, parameter in zip(
+            found.before, found.after, model.parameters, strict=True
+        )
+    )
+
+
+def _ends(interval: Interval, unit: float) -> Pair | None:
+    return (interval.low / unit, interval.high / unit) if interval.informed else None
+
+
+def _move(experiment: Experiment, step: int, push: PlannedPush) -> TestDocument:
+    x, y, theta = push.start
+    trials = range(1, experiment.bench.trials + 1)
+    return TestDocument(
+        step=step,
+        probes=(TipDocument(name=PROBE, start_um=_pair(push.tip)),),
+        travel_um=_pair(push.travel),
+        speed_um_s=_um(experiment.bench.speed),
+        test=push.name,
+        part=PoseDocument(x_um=_um(x), y_um=_um(y), theta_deg=round(theta / DEG, 6) + 0.0),
+        edge=push.edge,
+        asked_um=_um(push.asked),
+        place_um=_um(push.place),
+        moved_um=_um(push.moved_from_corner),
+        recordings=tuple(f"{push.name}_{trial}.csv" for trial in trials),
+    )
+
+
+def _outline(part: Part) -> OutlineDocument:
+    if isinstance(part, Rectangle):
+        return OutlineDocument(length_um=_um(part.length), width_um=_um(part.width))
+    corners: Any = part.corners.tolist()
+    return OutlineDocument(polygon_um=tuple(_pair(corner) for corner in corners))
+
+
+def _pair(values: Pair) -> Pair:
+    return _um(values[0]), _um(values[1])
+
+
+def _um(value: float) -> float:
+    return float(np.round(value / UM, 4)) + 0.0

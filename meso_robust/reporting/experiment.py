@@ -1,0 +1,158 @@
+"""Planned pushes as a page with drawings, for the person at the microscope."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
+
+from meso_robust import units
+from meso_robust.identification.design import Design, Interval, shrinking
+from meso_robust.identification.experiment import Experiment, PlannedPush
+from meso_robust.identification.models import Model
+from meso_robust.reporting.canvas import BEFORE, GHOST, GRID, TIP, outline
+from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.words import number, significant
+
+Floats = npt.NDArray[np.float64]
+
+_COLUMNS = 4
+_LEAST_TIP = 20.0  # um: a smaller tip is drawn larger, or nobody would see it
+
+
+@dataclass(frozen=True, slots=True)
+class PushRow:
+    """A push in words: um and deg."""
+
+    name: str
+    part: str
+    tip: str
+    travel: str
+    place: str
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class IntervalRow:
+    """What a parameter is expected to be known to, in its own unit."""
+
+    name: str
+    value: str
+    before: str
+    after: str
+    times: str
+
+
+def experiment_page(
+    experiment: Experiment, found: Design | None = None, model: Model | None = None
+) -> str:
+    """A self-contained HTML page on pushes to be made.
+
+    Parameters
+    ----------
+    experiment
+        The pushes.
+    found, model
+        The design that they come from and its model, if they do; what is expected of it is shown.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    bench = experiment.bench
+    return environment.get_template("experiment.html.j2").render(
+        title="Designed pushes" if found else "Pushes that identify the part",
+        drawing=drawing(experiment),
+        rows=[_row(push) for push in experiment.pushes],
+        trials=bench.trials,
+        speed=number(bench.speed / units.UM),
+        margin=number(bench.corner_margin / units.UM),
+        radius=number(bench.tip_radius / units.UM),
+        criterion=found.criterion if found else "",
+        intervals=_intervals(found, model) if found and model else [],
+        left_out=experiment.left_out,
+    )
+
+
+def drawing(experiment: Experiment) -> Markup:
+    """Every push at its start, in the field of view, as an ``<svg>`` element."""
+    rows = -(-len(experiment.pushes) // _COLUMNS)
+    wide, high = np.array(experiment.bench.field) / units.UM
+    with style():
+        figure = Figure(figsize=(9.4, 0.35 + rows * (0.3 + 2.2 * high / wide)))
+        grid = figure.add_gridspec(rows, _COLUMNS, wspace=0.06, hspace=0.28)
+        grid.update(left=0.01, right=0.99, top=1.0 - 0.09 / rows, bottom=0.01)
+        for k, push in enumerate(experiment.pushes):
+            axes = figure.add_subplot(grid[k // _COLUMNS, k % _COLUMNS])
+            _panel(axes, experiment, push)
+        return to_svg(figure, "pushes", "Start of every push: part, tip and travel")
+
+
+def _panel(axes: Axes, experiment: Experiment, push: PlannedPush) -> None:
+    wide, high = np.array(experiment.bench.field) / units.UM
+    axes.add_patch(Rectangle((-wide / 2, -high / 2), wide, high, facecolor="none", edgecolor=GRID))
+    body = experiment.part.outline
+    outline(axes, np.array(push.start), body, "part", facecolor=GHOST, edgecolor=BEFORE, lw=0.8)
+    x, y = np.array(push.tip) / units.UM
+    dx, dy = np.array(push.travel) / units.UM
+    radius = max(experiment.bench.tip_radius / units.UM, _LEAST_TIP)
+    axes.add_patch(Circle((x, y), radius, color=TIP))
+    arrow = {"arrowstyle": "->", "color": TIP, "lw": 1.2, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (x + dx, y + dy), (x, y), arrowprops=arrow)
+    axes.set_title(push.name, fontsize=9 if len(push.name) < 4 else 6.5, loc="left", pad=2)
+    axes.set_xlim(-0.51 * wide, 0.51 * wide)
+    axes.set_ylim(-0.51 * high, 0.51 * high)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def _row(push: PlannedPush) -> PushRow:
+    x, y, theta = push.start
+    note = ""
+    if push.moved_from_corner > 0.0:
+        asked, moved = push.asked / units.UM, push.moved_from_corner / units.UM
+        note = f"asked for {number(asked)}, at the corner; moved inwards by {number(moved)}"
+    return PushRow(
+        name=push.name,
+        part=f"{_um(x)}, {_um(y)}, {number(theta / units.DEG)}°",
+        tip=f"{_um(push.tip[0])}, {_um(push.tip[1])}",
+        travel=f"{_um(push.travel[0])}, {_um(push.travel[1])}",
+        place=f"edge {push.edge}, {_um(push.place)}",
+        note=note,
+    )
+
+
+def _intervals(found: Design, model: Model) -> list[IntervalRow]:
+    return [
+        IntervalRow(
+            name=parameter.key,
+            value=significant(before.value / parameter.to_si),
+            before=_ends(before, parameter.to_si),
+            after=_ends(after, parameter.to_si),
+            times=significant(1.0 / shrinking(before, after), 3) if before.informed else "—",
+        )
+        for before, after, parameter in zip(
+            found.before, found.after, model.parameters, strict=True
+        )
+    ]
+
+
+def _ends(interval: Interval, unit: float) -> str:
+    if not interval.informed:
+        return "its range only"
+    return f"{significant(interval.low / unit)} … {significant(interval.high / unit)}"
+
+
+def _um(value: float) -> str:
+    return number(value / units.UM)
