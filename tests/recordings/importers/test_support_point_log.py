@@ -124,6 +124,9 @@ def test_a_file_that_is_not_packed_or_cut_short_is_named(tmp_path: Path) -> None
     path.write_bytes(path.read_bytes()[:-9])
     with pytest.raises(InputError, match="cannot be unpacked"):
         IMPORTER.read(path)
+    path.write_bytes(bytes.fromhex("1f8b0800000000000003") + b"\xff" * 20)
+    with pytest.raises(InputError, match="cannot be unpacked"):
+        IMPORTER.read(path)
     path.write_bytes(b"plain text")
     with pytest.raises(InputError, match="cannot be read"):
         IMPORTER.read(path)
