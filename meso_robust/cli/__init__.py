@@ -15,9 +15,12 @@ from meso_robust.cli.certify import certify
 from meso_robust.cli.check import check
 from meso_robust.cli.derive import derive
 from meso_robust.cli.drive import drive
+from meso_robust.cli.identify import identify
 from meso_robust.cli.plan import plan
+from meso_robust.cli.recordings import recordings
 from meso_robust.cli.schema import schema
 from meso_robust.cli.simulate import simulate
+from meso_robust.cli.track import track
 
 app = typer.Typer(
     help="Plans pushes for mesoscale parts that are proved to work, and says why when none is.",
@@ -26,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (plan, certify, check, simulate, drive, derive, schema):
+for verb in (plan, certify, check, simulate, drive, derive, track, recordings, identify, schema):
     app.command()(verb)
 
 

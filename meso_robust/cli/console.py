@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NoReturn
 
@@ -29,6 +29,19 @@ class Reporter:
             return
         with self._console.status(what):
             yield
+
+    @contextmanager
+    def counting(self, what: str, total: int | None) -> Iterator[Callable[[], object]]:
+        """Show ``what`` and a bar while the block runs; it calls what it is given after each step."""
+        if not self._console.is_terminal:
+            self._console.print(f"{what} ...", markup=False, highlight=False)
+            yield lambda: None
+            return
+        from rich.progress import Progress
+
+        with Progress(console=self._console, transient=True) as progress:
+            task = progress.add_task(what, total=total)
+            yield lambda: progress.advance(task)
 
 
 def refuse(message: object) -> NoReturn:

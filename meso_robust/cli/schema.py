@@ -11,12 +11,15 @@ from meso_robust.cli.console import refuse
 
 
 def schema(
-    name: Annotated[str, typer.Argument(help="task, plan, policy, certificate or recordings")],
+    name: Annotated[
+        str, typer.Argument(help="task, plan, policy, certificate, recordings or model")
+    ],
 ) -> None:
     """Print the JSON Schema of a document."""
     from pydantic import BaseModel
 
     from meso_robust.certificates.document import CertificateDocument
+    from meso_robust.identification.document import ModelDocument
     from meso_robust.planning.document import PlanDocument
     from meso_robust.policy.document import PolicyDocument
     from meso_robust.recordings import SetDocument
@@ -28,6 +31,7 @@ def schema(
         "policy": PolicyDocument,
         "certificate": CertificateDocument,
         "recordings": SetDocument,
+        "model": ModelDocument,
     }
     if name not in models:
         refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")

@@ -1,0 +1,185 @@
+"""What was found, as a document and in words."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+
+from meso_robust.identification.document import (
+    SCHEMA,
+    MinimumSection,
+    ModelDocument,
+    NotIdentifiableSection,
+    ParameterSection,
+    PartSection,
+    ProvenanceSection,
+    QualitySection,
+    RecordingSection,
+    SensorSection,
+)
+from meso_robust.identification.identify import Identification
+from meso_robust.identification.models import Model
+from meso_robust.identification.models.model import Floats
+from meso_robust.identification.profiles import Profile
+from meso_robust.recordings import RecordingSet, Rectangle
+from meso_robust.simulator import Outcome
+
+
+def document(recordings: RecordingSet, found: Identification, version: str) -> ModelDocument:
+    """The document of what was found.
+
+    Parameters
+    ----------
+    recordings, found
+        What was fitted, and how.
+    version
+        Of this package.
+    """
+    model, likelihood = found.model, found.fitted is not None
+    unseen = np.flatnonzero(~model.fitted)
+    # by a mapping, because `schema` is the name of a method of pydantic's models
+    return ModelDocument.model_validate(
+        {
+            "schema": SCHEMA,
+            "model": model.name,
+            "objective": found.objective,
+            "interval": "profile likelihood" if likelihood else "last simplex",
+            "confidence": found.confidence if likelihood else None,
+            "part": _part(recordings),
+            "parameters": {one.key: _parameter(model, one) for one in found.profiles},
+            "held": {model.keys[k]: _shown(model, found.best)[k] for k in unseen},
+            "not_identifiable": tuple(
+                NotIdentifiableSection(name=one.name, why=one.why) for one in found.not_identifiable
+            ),
+            "quality": _quality(found),
+            "sensor": _sensor(found),
+            "minima": tuple(_minimum(found, k) for k in range(len(found.minima))),
+            "recording": _recordings(found),
+            "provenance": ProvenanceSection(
+                recordings_sha256=set_hash(recordings),
+                seed=found.seed,
+                starts=found.starts,
+                meso_robust=version,
+                notes=tuple(f"{note.file}: {note.what}" for note in found.prepared.notes),
+            ),
+        }
+    )
+
+
+def set_hash(recordings: RecordingSet) -> str:
+    """SHA-256 of the values of a recording set."""
+    digest = hashlib.sha256()
+    sensor = recordings.sensor
+    sigmas = (sensor.position_sigma, sensor.orientation_sigma)
+    head = (recordings.tip_radius, recordings.position_source, sensor.frame_rate, sigmas)
+    digest.update(repr(head).encode())
+    digest.update(np.ascontiguousarray(recordings.part.outline).tobytes())
+    for one in recordings.recordings:
+        digest.update(repr((one.file, one.probe_names, len(one.times))).encode())
+        for array in (one.times, one.poses, one.probes):
+            digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def summary(document: ModelDocument) -> str:
+    """The answer in a few lines: parameters with their intervals, misfit, what is not known."""
+    how: str = document.interval
+    if document.confidence is not None:
+        how = f"{document.confidence:.0%} intervals by {how}"
+    lines = [f"{document.model} fitted to {len(document.recording)} recordings ({how})"]
+    for key, one in document.parameters.items():
+        low = "no lower bound" if one.open_low else f"{one.low:.6g}"
+        high = "no upper bound" if one.open_high else f"{one.high:.6g}"
+        lines.append(f"  {key} = {one.value:.6g}   [{low}, {high}]")
+    if document.quality is not None and document.quality.inflation > 1.0:
+        lines.append(
+            f"  residuals are larger than the noise, or not white: intervals are "
+            f"{document.quality.inflation**0.5:.3g} times as wide as the noise alone would make them"
+        )
+    if len(document.minima) > 1:
+        lines.append(f"  {len(document.minima)} local minima were found; model.toml lists them")
+    lines += [f"  not identifiable: {one.name}: {one.why}" for one in document.not_identifiable]
+    return "\n".join(lines)
+
+
+def _rounded(value: float) -> float:
+    """Twelve digits: 1616.0 um, not 1616.0000000000002."""
+    return float(f"{value:.12g}")
+
+
+def _part(recordings: RecordingSet) -> PartSection:
+    part = recordings.part
+    if isinstance(part, Rectangle):
+        return PartSection(
+            length_um=_rounded(1e6 * part.length), width_um=_rounded(1e6 * part.width)
+        )
+    corners = tuple((_rounded(1e6 * x), _rounded(1e6 * y)) for x, y in part.outline.tolist())
+    return PartSection(polygon_um=corners)
+
+
+def _shown(model: Model, values: Floats) -> list[float]:
+    """Values (n,) in the units of the names."""
+    return [_rounded(value) for value in model.displayed(values).tolist()]
+
+
+def _parameter(model: Model, one: Profile) -> ParameterSection:
+    unit = model.parameters[model.keys.index(one.key)].to_si
+    return ParameterSection(
+        value=_rounded(one.value / unit),
+        low=_rounded(one.low / unit),
+        high=_rounded(one.high / unit),
+        open_low=one.open_low,
+        open_high=one.open_high,
+    )
+
+
+def _quality(found: Identification) -> QualitySection | None:
+    if found.quality is None:
+        return None
+    names = ("chi2", "freedom", "p_value", "correlation", "inflation", "numerical")
+    return QualitySection(**{name: getattr(found.quality, name) for name in names})
+
+
+def _sensor(found: Identification) -> SensorSection | None:
+    if found.settings is None:
+        return None
+    known = found.prepared.sigmas
+    position, orientation = known.position_source, known.orientation_source
+    return SensorSection(
+        position_sigma_um=_rounded(1e6 * found.settings.position),
+        orientation_sigma_deg=_rounded(float(np.degrees(found.settings.orientation))),
+        position_source="fitted" if position == "unknown" else position,
+        orientation_source="fitted" if orientation == "unknown" else orientation,
+    )
+
+
+def _minimum(found: Identification, k: int) -> MinimumSection:
+    one = found.minima[k]
+    shown = _shown(found.model, one.values)
+    return MinimumSection(
+        objective_um=float(1e6 * one.objective) if np.isfinite(one.objective) else None,
+        cost=one.cost if found.fitted is not None else 1e6 * one.cost,
+        x_um=float(1e6 * one.axes[0]),
+        y_um=float(1e6 * one.axes[1]),
+        theta_deg=float(np.degrees(one.axes[2])),
+        found=one.found,
+        parameters=dict(zip(found.model.keys, shown, strict=True)),
+    )
+
+
+def _recordings(found: Identification) -> tuple[RecordingSection, ...]:
+    counts, poses = found.prepared.counts, found.prediction.poses[0]
+    squares = np.nan_to_num((found.prepared.seen - poses) ** 2).sum(axis=1)
+    rms = np.sqrt(squares / np.maximum(counts, 1))
+    return tuple(
+        RecordingSection(
+            file=file,
+            frames=int(counts[r].max()),
+            x_um=float(1e6 * rms[r, 0]),
+            y_um=float(1e6 * rms[r, 1]),
+            theta_deg=float(np.degrees(rms[r, 2])),
+            outcome=Outcome(int(found.prediction.outcomes[0, r])).name.lower().replace("_", " "),
+        )
+        for r, file in enumerate(found.prepared.files)
+    )

@@ -1,0 +1,238 @@
+"""``model.toml`` and ``identification.json``: a fitted model as it stands in a file."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+
+from meso_robust.errors import InputError
+from meso_robust.identification.models import MODELS, Model
+from meso_robust.identification.models.model import Floats
+from meso_robust.recordings import Rectangle
+
+SCHEMA = "meso-robust/model/1"
+FILE = "model.toml"
+
+Share = Annotated[FiniteFloat, Field(gt=0, lt=1)]
+Count = Annotated[int, Field(ge=0)]
+Positive = Annotated[FiniteFloat, Field(gt=0)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Key = Annotated[str, Field(min_length=1)]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, title=None)
+
+
+class PartSection(_Section):
+    """The outline that was pushed: a rectangle (length_um and width_um) or a polygon (polygon_um)."""
+
+    length_um: Positive | None = None
+    width_um: Positive | None = None
+    polygon_um: tuple[tuple[FiniteFloat, FiniteFloat], ...] | None = None
+
+    @model_validator(mode="after")
+    def _one_outline(self) -> Self:
+        sides = (self.length_um is not None) + (self.width_um is not None)
+        if (self.polygon_um is None) != (sides == 2) or sides == 1:
+            raise ValueError("give length_um and width_um, or polygon_um")
+        return self
+
+
+class ParameterSection(_Section):
+    """A parameter in the unit that its name ends in."""
+
+    value: FiniteFloat
+    low: FiniteFloat
+    """Lower end of the interval; of the range where the recordings give no bound."""
+    high: FiniteFloat
+    """Upper end, likewise."""
+    open_low: bool
+    """Whether the recordings give no lower bound."""
+    open_high: bool
+    """Whether the recordings give no upper bound."""
+
+    @model_validator(mode="after")
+    def _value_between(self) -> Self:
+        if not self.low <= self.value <= self.high:
+            raise ValueError(f"low ≤ value ≤ high must hold: {self.low}, {self.value}, {self.high}")
+        return self
+
+
+class NotIdentifiableSection(_Section):
+    """Something that the recordings do not determine."""
+
+    name: Key
+    why: Key
+
+
+class MinimumSection(_Section):
+    """A local minimum of the search."""
+
+    objective_um: NotNegative | None = None
+    """F of eq. (4); absent where a push jams."""
+    cost: NotNegative
+    """What was minimised: χ² of "likelihood", F in um of "printed"."""
+    x_um: NotNegative
+    y_um: NotNegative
+    theta_deg: NotNegative
+    """Root mean squares over all recordings."""
+    found: Count
+    """Number of random starts that led there."""
+    parameters: dict[Key, FiniteFloat]
+
+
+class QualitySection(_Section):
+    """How well the best fit of the likelihood explains the recordings."""
+
+    chi2: NotNegative
+    freedom: int
+    p_value: Annotated[FiniteFloat, Field(ge=0, le=1)]
+    """Probability of such a χ² if model and noise are right."""
+    correlation: FiniteFloat
+    """Of the residuals of neighbouring frames."""
+    inflation: Annotated[FiniteFloat, Field(ge=1)]
+    """What the variance was multiplied with for the intervals; 1 if residuals look like the noise."""
+    numerical: NotNegative
+    """Standard deviations that a parameter moved when predictions were corrected for the steps."""
+
+
+class RecordingSection(_Section):
+    """Root mean squares of the residuals of one recording."""
+
+    file: Key
+    frames: Count
+    x_um: NotNegative
+    y_um: NotNegative
+    theta_deg: NotNegative
+    outcome: Key
+    """How the simulated push ended: completed, jam …"""
+
+
+class SensorSection(_Section):
+    """Noise that was assumed."""
+
+    position_sigma_um: Positive
+    orientation_sigma_deg: Positive
+    position_source: Literal["stated", "estimated", "fitted"]
+    orientation_source: Literal["stated", "estimated", "fitted"]
+
+
+class ProvenanceSection(_Section):
+    """What the model was made from."""
+
+    recordings_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    """Of the values of the recording set, independent of layout."""
+    seed: Count
+    starts: Annotated[int, Field(ge=1)]
+    meso_robust: Key
+    notes: tuple[str, ...]
+    """What of the recordings was left out, interpolated or shifted."""
+
+
+class ModelDocument(_Section):
+    """A fitted model, file model.toml."""
+
+    schema_: Annotated[Literal["meso-robust/model/1"], Field(alias="schema")]
+    model: Key
+    objective: Literal["printed", "likelihood"]
+    interval: Literal["profile likelihood", "last simplex"]
+    """What the intervals are; only those of the likelihood have a probability."""
+    confidence: Share | None = None
+    part: PartSection
+    parameters: dict[Key, ParameterSection]
+    held: dict[Key, FiniteFloat] = {}
+    """Parameters that no motion shows, as they were simulated; any other value does as well."""
+    not_identifiable: tuple[NotIdentifiableSection, ...]
+    quality: QualitySection | None = None
+    sensor: SensorSection | None = None
+    minima: Annotated[tuple[MinimumSection, ...], Field(min_length=1)]
+    recording: tuple[RecordingSection, ...]
+    provenance: ProvenanceSection
+
+    @model_validator(mode="after")
+    def _keys_of_model(self) -> Self:
+        if self.model in MODELS:
+            known = set(MODELS[self.model](_outline(self.part)).keys)
+            given = {*self.parameters, *self.held}
+            if known != given:
+                raise ValueError(
+                    f"parameters: {', '.join(sorted(given))}; must be those of model {self.model}: "
+                    f"{', '.join(sorted(known))}"
+                )
+        return self
+
+    @property
+    def values(self) -> Floats:
+        """(n,) values in SI, in the order of the model's parameters.
+
+        Raises
+        ------
+        KeyError
+            If the model is not one of `MODELS`.
+        """
+        model = self.made()
+        shown = {key: section.value for key, section in self.parameters.items()} | self.held
+        return np.array([shown[p.key] * p.to_si for p in model.parameters])
+
+    def made(self) -> Model:
+        """The model for this part."""
+        return MODELS[self.model](_outline(self.part))
+
+
+def read_model(path: Path) -> ModelDocument:
+    """Read and check a ``model.toml``.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
+        value and rule.
+    """
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give a model.toml") from error
+    except ValueError as error:
+        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
+    return parse_model(values, str(path))
+
+
+def parse_model(values: Mapping[str, Any], source: str) -> ModelDocument:
+    """Check the values of a ``model.toml``; ``source`` names them in messages.
+
+    Raises
+    ------
+    InputError
+        A value breaks a rule.
+    """
+    try:
+        return ModelDocument.model_validate_json(json.dumps(values, allow_nan=True))
+    except TypeError as error:
+        raise InputError(f"{source}: dates and times have no place in a model ({error})") from error
+    except ValidationError as error:
+        raise InputError(f"{source}: {_first_of(error)}") from error
+
+
+def _first_of(error: ValidationError) -> str:
+    first = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in first["loc"]) or "model"
+    rule = first["msg"].removeprefix("Value error, ")
+    if first["type"] in ("missing", "extra_forbidden"):
+        what = "is missing" if first["type"] == "missing" else "is unknown"
+        return f"key {key} {what}; `meso-robust schema model` lists all keys"
+    if first["type"] == "value_error":
+        return f"key {key}: {rule}"
+    return f"key {key} = {first['input']!r}: {rule}"
+
+
+def _outline(part: PartSection) -> Floats:
+    if part.polygon_um is not None:
+        return 1e-6 * np.array(part.polygon_um)
+    return Rectangle(length=1e-6 * (part.length_um or 0), width=1e-6 * (part.width_um or 0)).outline

@@ -1,0 +1,188 @@
+"""Maximum likelihood: parameters and the start of every recording, fitted together.
+
+The noise of the sensor is white and Gaussian, so that −2 log L is a sum of squares. The first frame
+is as noisy as any other, hence each recording's start is unknown, too (a nuisance), and so may be a
+constant offset of its tips. Every start bears on its own recording only: the normal matrix is an
+arrow, and its Schur complement is the information about the parameters with the starts unknown.
+
+Levenberg and Marquardt's method (doi:10.1137/0111030) runs for any number of fits side by side, with
+differences over steps that change what is seen by a part of the noise: they look across the kinks
+where a contact begins to slip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+
+from meso_robust.identification.arrow import Arrow
+from meso_robust.identification.fitted import (
+    Fits as Fits,
+    Fitted as Fitted,
+    Ints,
+    Settings as Settings,
+)
+from meso_robust.identification.models.model import Bools, Floats, Model
+from meso_robust.identification.prepared import Prepared
+from meso_robust.identification.problem import Problem
+
+_GOOD = 0.3  # share of the expected fall of χ² that shows that derivatives still do
+_LADDER = (0.1, 1.0, 10.0)  # dampings that are tried at once
+_HARDEST = 1e7  # damping at which a fit is given up as converged
+_FARTHEST = 1.0  # largest step of a coordinate
+
+
+def fit(
+    prepared: Prepared,
+    model: Model,
+    values: Floats,
+    settings: Settings,
+    *,
+    starts: Floats | None = None,
+    offsets: Floats | None = None,
+    held: Bools | None = None,
+    jacobian: Floats | None = None,
+) -> Fitted:
+    """Fit B times, from B vectors of parameters, all in common batches.
+
+    Parameters
+    ----------
+    prepared, model
+        R recordings and a model of n parameters.
+    values
+        (B, n) valid vectors to start from, SI.
+    settings
+        Noise and method.
+    starts, offsets
+        (R, 3) or (B, R, 3), and (R, 2) or (B, R, 2), to start from; by default as seen, and zero.
+    held
+        (n,) or (B, n) parameters to hold at their first values, besides those no motion can show.
+    jacobian
+        (1|B, R, 3 T, n + d) derivatives to begin with, of a fit near by; computed by default.
+
+    Raises
+    ------
+    ValueError
+        If a shape is wrong or a first vector is not valid.
+    """
+    values = np.atleast_2d(np.asarray(values, dtype=np.float64))
+    free = model.fitted & ~(np.zeros(values.shape, dtype=bool) if held is None else held)
+    problem = Problem(prepared, model, settings)
+    size = (len(values), len(prepared.files))
+    present = problem.at(
+        values.copy(),
+        np.broadcast_to(prepared.starts if starts is None else starts, (*size, 3)),
+        np.broadcast_to(np.zeros(2) if offsets is None else offsets, (*size, 2)).copy(),
+    )
+    return _Descent(problem, present, np.broadcast_to(free, values.shape), jacobian).run()
+
+
+def evaluated(
+    prepared: Prepared,
+    model: Model,
+    settings: Settings,
+    values: Floats,
+    starts: Floats,
+    offsets: Floats,
+) -> Fits:
+    """χ² and residuals of B vectors (B, n) with given starts (B, R, 3) and offsets (B, R, 2)."""
+    return Problem(prepared, model, settings).at(values, starts, offsets)
+
+
+class _Descent:
+    """B fits on their way down."""
+
+    def __init__(
+        self, problem: Problem, present: Fits, free: Bools, jacobian: Floats | None
+    ) -> None:
+        self.problem, self.present, self.free = problem, present, free
+        count = len(present)
+        self.spans = np.full(free.shape, 1e-3)
+        self.damping = np.full(count, 1e-3)
+        self.active = np.ones(count, dtype=bool)
+        self.fresh = np.zeros(count, dtype=bool)
+        self.stale = np.full(count, jacobian is None)
+        columns = free.shape[1] + len(problem.settings.units)
+        shape = (*present.residuals.shape[:2], 3 * present.residuals.shape[2], columns)
+        self.jacobian = np.zeros(shape) if jacobian is None else np.broadcast_to(jacobian, shape)
+
+    def run(self) -> Fitted:
+        """Go down until χ² stops falling."""
+        settings, rounds = self.problem.settings, 0
+        while rounds < settings.most and np.any(self.active):
+            self._differentiate(np.flatnonzero(self.active & self.stale))
+            self._step(np.flatnonzero(self.active))
+            rounds += 1
+        if not settings.chord:
+            self._differentiate(np.flatnonzero(~self.fresh))
+        arrow = self.problem.arrow(self.present, self.jacobian * self._kept(slice(None)))
+        return Fitted(
+            fits=self.present,
+            information=arrow.information(),
+            gradients=arrow.gradients(),
+            jacobian=self.jacobian,
+            converged=~self.active,
+            iterations=rounds,
+        )
+
+    def _kept(self, which: Ints | slice) -> Floats:
+        """(b, 1, 1, n + d) ones, zero for parameters that are held."""
+        free = self.free[which].astype(float)
+        wide = np.ones((len(free), self.jacobian.shape[-1]))
+        wide[:, : free.shape[1]] = free
+        return wide[:, None, None]
+
+    def _differentiate(self, which: Ints) -> None:
+        """New derivatives of some fits."""
+        if not which.size:
+            return
+        if not self.jacobian.flags.writeable:
+            self.jacobian = self.jacobian.copy()
+        own = self.present.of(which)
+        found = self.problem.jacobian(own, self.spans[which], self.free[which])
+        self.jacobian[which] = found
+        self.spans[which] = self.problem.spans(self.problem.arrow(own, found))
+        self.fresh[which], self.stale[which] = True, False
+
+    def _step(self, which: Ints) -> None:
+        """One iteration of some fits."""
+        problem, settings = self.problem, self.problem.settings
+        own = self.present.of(which)
+        arrow = problem.arrow(own, self.jacobian[which] * self._kept(which))
+        found, rung, hoped = _best_step(problem, own, arrow, self.damping[which], self.free[which])
+        better = found.chi2 < own.chi2
+        gain = np.where(better, own.chi2 - found.chi2, 0.0)
+        fresh = self.fresh[which] | settings.chord
+        factor = np.where(better, 0.3 * np.take(_LADDER, rung), np.where(fresh, 30.0, 1.0))
+        self.damping[which] = np.clip(self.damping[which] * factor, 1e-9, 2.0 * _HARDEST)
+        _put(self.present, which[better], found.of(better))
+        poor = gain < _GOOD * hoped
+        flat = (gain < settings.flat) & (better | (hoped < settings.flat))
+        ended = (flat & fresh) | (self.damping[which] > _HARDEST)
+        self.active[which] = ~ended
+        self.stale[which] = (poor | flat | (not settings.chord)) & ~ended & (better | ~fresh)
+        self.fresh[which[better]] = False
+
+
+def _best_step(
+    problem: Problem, fits: Fits, arrow: Arrow, damping: Floats, free: Bools
+) -> tuple[Fits, Ints, Floats]:
+    """The best of the steps on the ladder of dampings, its rung, and the fall of χ² hoped for."""
+    moving = problem.moving(fits, arrow.pull(), free)
+    steps = [arrow.step(damping * rung, moving) for rung in _LADDER]
+    count, rungs = len(fits), len(_LADDER)
+    found = problem.tried(
+        fits.of(np.tile(np.arange(count), rungs)),
+        np.clip(np.concatenate([shared for shared, _ in steps]), -_FARTHEST, _FARTHEST),
+        np.concatenate([own for _, own in steps]),
+        np.tile(free, (rungs, 1)),
+    )
+    rung = np.argmin(found.chi2.reshape(rungs, count), axis=0)
+    hoped = np.stack([arrow.fall(*step) for step in steps])[rung, np.arange(count)]
+    return found.of(rung * count + np.arange(count)), rung, hoped
+
+
+def _put(present: Fits, rows: Ints, found: Fits) -> None:
+    for item in fields(present):
+        getattr(present, item.name)[rows] = getattr(found, item.name)

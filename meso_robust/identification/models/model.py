@@ -1,0 +1,150 @@
+"""What a model is: named parameters, and the physics that their values stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.simulator import Effects
+from meso_robust.simulator.support_models import Support
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """One number of a model.
+
+    Searches run in coordinates of about unit size: ``value / scale``, or ``log(value / scale)``.
+    """
+
+    key: str
+    """Name with its unit, such as ``rho_um2``; of an effect, ``effect.key``."""
+    unit: str
+    """Unit for display, such as ``µm²``; empty for a plain number."""
+    to_si: float
+    """Factor from the unit to SI."""
+    low: float
+    """Least admissible value, SI."""
+    high: float
+    """Largest admissible value, SI."""
+    scale: float
+    """A typical change, SI; of a logarithmic parameter, a typical value."""
+    meaning: str
+    log: bool = False
+    """Whether the parameter is positive and counts by ratio."""
+    unseen: str = ""
+    """Why no motion can show the parameter; empty for one that is fitted."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Physics:
+    """What the simulator needs to know of N runs, beside their geometry."""
+
+    support: Support
+    friction: Floats
+    """(N,) μ between tips and part."""
+    effects: Effects
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Model:
+    """A parametric model of the push.
+
+    Attributes
+    ----------
+    name
+        As in ``model.toml``.
+    parameters
+        The n parameters, in the order of the vectors.
+    physics
+        (N, n) values in SI of N runs, all valid, to their physics.
+    constraint
+        (N, n) values in SI, all within their ranges, to (N,) whether the physics exists.
+    draw
+        Generator and count K to (K, n) random valid values in SI.
+    step
+        Longest displacement of a tip in one step, m, at which predicted positions were measured to
+        be within 0.05 µm of the converged ones (median over pushes), for a part of 1.6 mm.
+    alike
+        (N, n) values to the (N, n) that stand for the same physics in a standard form.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    physics: Callable[[Floats], Physics]
+    constraint: Callable[[Floats], Bools]
+    draw: Callable[[np.random.Generator, int], Floats]
+    step: float
+    alike: Callable[[Floats], Floats] = lambda values: values
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Names of the n parameters."""
+        return tuple(parameter.key for parameter in self.parameters)
+
+    @property
+    def fitted(self) -> Bools:
+        """(n,) whether a parameter can show in motion at all and is searched for."""
+        return np.array([not parameter.unseen for parameter in self.parameters])
+
+    def valid(self, values: Floats) -> Bools:
+        """(K,) whether values (K, n) in SI keep their ranges and the constraint."""
+        low, high = self._of("low"), self._of("high")
+        inside = np.all((values >= low) & (values <= high), axis=1)  # NaN is not
+        if np.any(inside):
+            inside[inside] = self.constraint(values[inside])
+        return inside
+
+    def coordinates(self, values: Floats) -> Floats:
+        """Dimensionless coordinates (K, n) of values (K, n) in SI."""
+        scaled = values / self._of("scale")
+        log = self._of("log").astype(bool)
+        return np.where(log, np.log(np.where(log, scaled, 1.0)), scaled)
+
+    def values(self, coordinates: Floats) -> Floats:
+        """Values (K, n) in SI at coordinates (K, n)."""
+        log = self._of("log").astype(bool)
+        plain = np.where(log, np.exp(np.where(log, np.clip(coordinates, -50.0, 50.0), 0.0)), 0.0)
+        return np.where(log, plain, coordinates) * self._of("scale")
+
+    def displayed(self, values: Floats) -> Floats:
+        """Values (..., n) in SI in the units of the parameters' names."""
+        return values / self._of("to_si")
+
+    def _of(self, field: str) -> Floats:
+        return np.array([getattr(parameter, field) for parameter in self.parameters], dtype=float)
+
+
+def characteristic_length(outline: Floats) -> float:
+    """Distance in m of the farthest corner (V, 2) from the reference point.
+
+    θ times it is by how much a rotation moves the outline at most. It is positive.
+    """
+    return float(np.hypot(outline[:, 0], outline[:, 1]).max())
+
+
+def centroid(outline: Floats) -> Floats:
+    """(2,) centroid of the area of an outline (V, 2): where an even film or mass has its centre."""
+    x, y = outline.T
+    cross = x * np.roll(y, -1) - y * np.roll(x, -1)
+    ends = outline + np.roll(outline, -1, axis=0)
+    return np.asarray(cross @ ends / (3.0 * cross.sum()))
+
+
+def about_reference(centre: Floats, moment: Floats) -> Floats:
+    """``diag(1, 1, moment)`` about a centre (2,), m, as matrices (N, 3, 3) about the reference point.
+
+    Of a film's drag the columns are twists, of a limit surface wrenches; both shift alike.
+    """
+    x, y = centre
+    matrix = np.zeros((len(moment), 3, 3))
+    matrix[:, 0, 0] = matrix[:, 1, 1] = 1.0
+    matrix[:, 0, 2] = matrix[:, 2, 0] = -y
+    matrix[:, 1, 2] = matrix[:, 2, 1] = x
+    matrix[:, 2, 2] = moment + x * x + y * y
+    return matrix

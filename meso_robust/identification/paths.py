@@ -1,0 +1,141 @@
+"""Paths of probes: from samples of a controller or a camera to the straight legs of a push."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_FEWEST = 2  # samples from a corner to the next, at least
+_WORST = 4.0  # standard deviations of χ² that a leg may exceed its expectation by
+
+
+def thinned(times: Floats, path: Floats, tolerance: float) -> Ints:
+    """Indices of the samples without which the path would differ by more than a tolerance.
+
+    Douglas and Peucker's algorithm (doi:10.3138/FM57-6770-U75U-7727), in time: a sample is judged by
+    where the straight motion between its neighbours is at the same instant.
+
+    Parameters
+    ----------
+    times
+        (S,) s, increasing.
+    path
+        (S, C) coordinates in m.
+    tolerance
+        m, in every coordinate.
+    """
+    kept, todo = {0, len(times) - 1}, [(0, len(times) - 1)]
+    while todo:
+        first, last = todo.pop()
+        if last - first < 2:
+            continue
+        away = np.abs(_straight(times, path, first, last) - path[first + 1 : last]).max(axis=1)
+        worst = int(np.argmax(away))
+        if away[worst] > tolerance:
+            middle = first + 1 + worst
+            kept.add(middle)
+            todo += [(first, middle), (middle, last)]
+    return np.array(sorted(kept))
+
+
+def _straight(times: Floats, path: Floats, first: int, last: int) -> Floats:
+    """Samples between two others if the motion between these were even."""
+    share = (times[first + 1 : last] - times[first]) / (times[last] - times[first])
+    return np.asarray(path[first] + share[:, None] * (path[last] - path[first]))
+
+
+def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]:
+    """Even motion with as few corners as samples with white noise call for.
+
+    A continuous, piecewise linear function of time is fitted by least squares; the leg whose squared
+    residuals most exceed what σ explains is cut where two lines explain it best, until none does.
+
+    Parameters
+    ----------
+    times
+        (S,) s, increasing.
+    path
+        (S, C) seen coordinates in m.
+    sigma
+        Standard deviation of each, m; positive.
+
+    Returns
+    -------
+    (W,), (W, C)
+        Instants and positions of the corners, the first and the last sample's instant among them.
+    """
+    knots = [0, len(times) - 1]
+    while True:
+        basis = _hats(times, times[knots])
+        corners = np.linalg.lstsq(basis, path, rcond=None)[0]
+        cut = _worst_leg(knots, times, (path - basis @ corners) / sigma)
+        if cut is None:
+            return times[knots], np.asarray(corners, dtype=np.float64)
+        knots = sorted({*knots, cut})
+
+
+def _hats(times: Floats, knots: Floats) -> Floats:
+    """(S, W) linear interpolation from knots to samples."""
+    leg = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 2)
+    share = (times - knots[leg]) / (knots[leg + 1] - knots[leg])
+    basis = np.zeros((len(times), len(knots)))
+    rows = np.arange(len(times))
+    basis[rows, leg], basis[rows, leg + 1] = 1.0 - share, share
+    return basis
+
+
+def _worst_leg(knots: list[int], times: Floats, residuals: Floats) -> int | None:
+    """Where to cut the leg that is explained worst, or None if all are explained."""
+    worst, cut = _WORST, None
+    for first, last in itertools.pairwise(knots):
+        own = residuals[first : last + 1]
+        excess = float((np.sum(own**2) - own.size) / np.sqrt(2.0 * own.size))
+        if last - first >= 2 * _FEWEST and excess > worst:
+            worst, cut = excess, first + _best_cut(times[first : last + 1], own)
+    return cut
+
+
+def _best_cut(times: Floats, values: Floats) -> int:
+    """Sample at which two lines, one before and one after, explain (S, C) values best."""
+    before = _misfit(times, values)
+    after = _misfit(times[::-1], values[::-1])[::-1]
+    whole = before + after
+    return int(np.argmin(whole[_FEWEST:-_FEWEST])) + _FEWEST
+
+
+def _misfit(times: Floats, values: Floats) -> Floats:
+    """(S,) squared residuals of a line through the samples up to each, by running sums."""
+    t = (times - times[0])[:, None]
+    count = np.arange(1, len(t) + 1)[:, None]
+    st, stt, sy, sty, syy = (
+        np.cumsum(part, axis=0) for part in (t, t * t, values, t * values, values * values)
+    )
+    spread = stt - st * st / count
+    slope = np.where(spread > 0.0, sty - st * sy / count, 0.0)
+    along = slope**2 / np.where(spread > 0.0, spread, 1.0)
+    return np.asarray(np.sum(syy - sy * sy / count - along, axis=1))
+
+
+def in_steps(times: Floats, path: Floats, steps: Floats) -> tuple[Floats, Floats]:
+    """The same path with legs no longer than the steps wanted there.
+
+    Parameters
+    ----------
+    times, path
+        (W,) in s and (W, P, 2) in m.
+    steps
+        (W − 1,) longest displacement of a probe in a piece of each leg, m.
+    """
+    way = np.diff(path, axis=0)
+    length = np.hypot(way[..., 0], way[..., 1]).max(axis=1)
+    pieces = np.maximum(np.ceil(length / steps - 1e-9), 1.0).astype(int)
+    leg = np.repeat(np.arange(len(pieces)), pieces)
+    share = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
+    clock = np.append(times[leg] + share * np.diff(times)[leg], times[-1])
+    points = path[leg] + share[:, None, None] * way[leg]
+    return clock, np.concatenate([points, path[-1:]])

@@ -1,0 +1,304 @@
+"""Recordings arranged once for the simulator: waypoints of the probes, instants and what was seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.errors import InputError
+from meso_robust.identification.models.model import Floats, characteristic_length
+from meso_robust.identification.paths import in_steps, smoothed, thinned
+from meso_robust.identification.sensor import Sigmas, sigmas_of
+from meso_robust.identification.touching import distances, freed
+from meso_robust.recordings import Recording, RecordingSet, unwrapped
+from meso_robust.simulator import Point, Round
+from meso_robust.simulator.outline import thickness
+from meso_robust.simulator.tips import Tip
+
+FINENESS = 1.0 / 364.0
+"""Step over the characteristic length where no model says otherwise: 2.5 µm for a 1.6-mm part."""
+NOISE = 5.0
+"""Standard deviations by which a first pose may overlap a tip and still be taken for noise."""
+EXACT = 1e-9
+"""m: commanded positions closer than this to even motion are left out."""
+_FINER = 5.0  # by how much shorter the steps are about the instant of the first contact
+_THIN = 0.2  # of the thinnest place of the part, for a longest step
+_PAD = 1e-3  # s: what a shorter recording is lengthened by, at rest
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Note:
+    """Something about a recording that was taken otherwise than it stands in the file."""
+
+    file: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prepared:
+    """R recordings ready to be simulated, padded to T instants, W waypoints and P probes.
+
+    Attributes
+    ----------
+    files
+        R names.
+    outline, shapes
+        Corners (V, 2) of the part in m, and the tips.
+    waypoints, times
+        (R, W, P, 2) in m and (R, W) in s; every leg is one step. A probe that a recording does not
+        have is parked far away.
+    instants, seen
+        (R, T) in s and (R, T, 3) in m and rad, θ unwrapped; NaN where not seen, and after the end.
+    starts
+        (R, 3) the first pose seen, moved out of the tips where it overlapped them.
+    correction
+        (R, T, 3) what predictions are corrected by for the length of the steps, see `corrected`;
+        zero at first.
+    step, time_step
+        Longest displacement of a tip (m) and duration (s) of one step.
+    length
+        Characteristic length of the part, m.
+    sigmas
+        What is known of the noise.
+    seen_tips
+        Whether positions of the probes are from the camera.
+    parked
+        (2,) a place far from everything, m.
+    notes
+        What was left out, interpolated or shifted, by file.
+    """
+
+    files: tuple[str, ...]
+    outline: Floats
+    shapes: tuple[Tip, ...]
+    waypoints: Floats
+    times: Floats
+    instants: Floats
+    seen: Floats
+    starts: Floats
+    correction: Floats
+    step: float
+    time_step: float
+    length: float
+    sigmas: Sigmas
+    seen_tips: bool
+    parked: Floats
+    notes: tuple[Note, ...]
+
+    @property
+    def counts(self) -> npt.NDArray[np.int64]:
+        """(R, 3) number of seen x, y and θ."""
+        return np.asarray(np.sum(np.isfinite(self.seen), axis=1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _One:
+    """One recording before padding."""
+
+    file: str
+    times: Floats
+    path: Floats
+    instants: Floats
+    seen: Floats
+    start: Floats
+
+
+def prepare(
+    recordings: RecordingSet, *, step: float | None = None, most_frames: int | None = None
+) -> Prepared:
+    """Arrange a recording set for `forward.predicted`.
+
+    Positions of the probes are exact if they are the controller's, and then thinned without loss;
+    if they were seen, a noise of the sensor's σ is taken out (`paths.smoothed`). Frames before the
+    first in which everything is seen, and after the last with all probes, are left out; `notes` says
+    so.
+
+    Parameters
+    ----------
+    recordings
+        As read.
+    step
+        Longest displacement of a tip in one step, m; by default `FINENESS` of the part.
+    most_frames
+        Most frames of each recording to compare with, evenly chosen; all by default.
+
+    Raises
+    ------
+    InputError
+        If a recording has no probe, too few frames, an overlap that noise does not explain, or a tip
+        whose noise is not known although it was seen by the camera.
+    """
+    outline = np.array(recordings.part.outline)
+    length = characteristic_length(outline)
+    step = min(FINENESS * length if step is None else step, _THIN * thickness(outline))
+    sigmas = sigmas_of(recordings)
+    notes: list[Note] = []
+    ones = [
+        _one(unwrapped(recording), recordings, sigmas, step, notes)
+        for recording in recordings.recordings
+    ]
+    if most_frames is not None:
+        ones = [_fewer(one, most_frames) for one in ones]
+    parked = 10.0 * np.max([np.abs(one.path).max() + length for one in ones]) * np.ones(2)
+    probes = max(one.path.shape[1] for one in ones)
+    tip = Round(recordings.tip_radius) if recordings.tip_radius > 0.0 else Point()
+    legs = 1 + max(len(one.times) for one in ones)
+    frames = max(len(one.instants) for one in ones)
+    return Prepared(
+        files=tuple(one.file for one in ones),
+        outline=outline,
+        shapes=(tip,) * probes,
+        waypoints=np.stack([_padded_path(one.path, legs, probes, parked) for one in ones]),
+        times=np.stack([_padded_clock(one.times, legs) for one in ones]),
+        instants=np.stack([_padded_clock(one.instants, frames) for one in ones]),
+        seen=np.stack([_padded_poses(one.seen, frames) for one in ones]),
+        starts=np.stack([one.start for one in ones]),
+        correction=np.zeros((len(ones), frames, 3)),
+        step=step * (1.0 + 1e-6),  # so that rounding does not cut a leg of one step into two
+        time_step=max(0.02, 1.0 / recordings.sensor.frame_rate),
+        length=length,
+        sigmas=sigmas,
+        seen_tips=recordings.position_source == "camera",
+        parked=parked,
+        notes=tuple(notes),
+    )
+
+
+def _one(
+    recording: Recording, whole: RecordingSet, sigmas: Sigmas, step: float, notes: list[Note]
+) -> _One:
+    recording = _trimmed(recording, notes)
+    times, path = _motion(recording, whole, sigmas, notes)
+    start = _start(recording, whole, sigmas, path[0], notes)
+    margin = min(5.0 * _gap_sigma(whole, sigmas), 10.0 * step)
+    times, path = in_steps(times, path, np.full(len(times) - 1, step))
+    steps = _steps(path, start, whole, max(margin, step), step)
+    times, path = in_steps(times, path, steps)
+    return _One(recording.file, times, path, recording.times, recording.poses, start)
+
+
+def _trimmed(recording: Recording, notes: list[Note]) -> Recording:
+    """The recording from its first whole frame to the last with all probes."""
+    if not recording.probe_names:
+        raise InputError(
+            f"{recording.file}: no probe; a push has at least one; leave the recording out"
+        )
+    probes = np.all(np.isfinite(recording.probes), axis=(1, 2))
+    whole = probes & np.all(np.isfinite(recording.poses), axis=1)
+    if whole.sum() < 2:
+        raise InputError(
+            f"{recording.file}: {whole.sum()} frames in which part and probes are all seen; must be "
+            "at least 2; leave the recording out"
+        )
+    first, last = int(np.argmax(whole)), len(whole) - 1 - int(np.argmax(probes[::-1]))
+    if first:
+        notes.append(Note(file=recording.file, what=f"{first} frames before the first whole one"))
+    if last < len(whole) - 1:
+        left = len(whole) - 1 - last
+        notes.append(Note(file=recording.file, what=f"{left} frames after the last with probes"))
+    kept = slice(first, last + 1)
+    return Recording(
+        file=recording.file,
+        probe_names=recording.probe_names,
+        times=recording.times[kept],
+        poses=recording.poses[kept],
+        probes=recording.probes[kept],
+    )
+
+
+def _motion(
+    recording: Recording, whole: RecordingSet, sigmas: Sigmas, notes: list[Note]
+) -> tuple[Floats, Floats]:
+    """Corners of the path of the probes: (W,) s and (W, P, 2) m."""
+    flat = recording.probes.reshape(len(recording.times), -1)
+    seen = np.all(np.isfinite(flat), axis=1)
+    if not np.all(seen):
+        count = int(np.sum(~seen))
+        notes.append(Note(file=recording.file, what=f"probes interpolated in {count} frames"))
+    times, flat = recording.times[seen], flat[seen]
+    sigma = sigmas.position if whole.position_source == "camera" else 0.0
+    if sigma is None:
+        raise InputError(
+            f"{recording.file}: probes seen by a camera of unknown noise; must be known to tell a "
+            "shaking tip from a noisy one; state sensor.position_sigma_um in set.toml"
+        )
+    if sigma > 0.0:
+        times, flat = smoothed(times, flat, sigma)
+    else:
+        kept = thinned(times, flat, EXACT)
+        times, flat = times[kept], flat[kept]
+    return times, flat.reshape(len(times), -1, 2)
+
+
+def _gap_sigma(whole: RecordingSet, sigmas: Sigmas) -> float:
+    """Standard deviation of the seen distance between a tip and the farthest edge, m."""
+    position = sigmas.position or 0.0
+    arm = characteristic_length(np.array(whole.part.outline)) * (sigmas.orientation or 0.0)
+    tip = position if whole.position_source == "camera" else 0.0
+    return float(np.sqrt(position**2 + arm**2 + tip**2))
+
+
+def _start(
+    recording: Recording, whole: RecordingSet, sigmas: Sigmas, tips: Floats, notes: list[Note]
+) -> Floats:
+    """The first pose, out of the tips if noise has put it there."""
+    start = recording.poses[0].copy()
+    radii = np.full((1, len(tips)), whole.tip_radius)
+    shift, left = freed(start[None], tips[None], np.array(whole.part.outline)[None], radii)
+    size, sigma = float(np.hypot(*shift[0])), _gap_sigma(whole, sigmas)
+    unknown = sigmas.position is None or sigmas.orientation is None
+    if left[0] > EXACT or (size > max(NOISE * sigma, EXACT) and not unknown):
+        raise InputError(
+            f"{recording.file}: at the first whole frame a tip is {1e6 * size:.3g} µm inside the "
+            f"part; must not exceed {NOISE:g} σ = {1e6 * NOISE * sigma:.3g} µm of noise; check "
+            "part, tip radius and units, or leave the recording out"
+        )
+    if size > 0.0:
+        what = f"first pose moved by {1e6 * size:.3g} µm out of a tip that it overlapped"
+        notes.append(Note(file=recording.file, what=what))
+    start[:2] += shift[0]
+    return start
+
+
+def _steps(path: Floats, start: Floats, whole: RecordingSet, margin: float, step: float) -> Floats:
+    """(W − 1,) steps for the legs of a path: short about the first contact with the part at rest."""
+    outline = np.array(whole.part.outline)[None]
+    cos, sin = np.cos(start[2]), np.sin(start[2])
+    offset = path - start[:2]
+    own = np.stack(
+        [
+            cos * offset[..., 0] + sin * offset[..., 1],
+            cos * offset[..., 1] - sin * offset[..., 0],
+        ],
+        axis=-1,
+    )
+    gap = distances(outline, own.reshape(-1, 2))[0].reshape(own.shape[:2]) - whole.tip_radius
+    near = np.abs(gap) <= margin
+    touched = np.logical_or.accumulate(gap < -margin, axis=0)
+    close = np.any(near & ~touched, axis=1)
+    return np.where(close[:-1] | close[1:], step / _FINER, step)
+
+
+def _fewer(one: _One, most: int) -> _One:
+    """The recording with evenly chosen frames."""
+    if len(one.instants) <= most:
+        return one
+    kept = np.unique(np.linspace(0, len(one.instants) - 1, most).round().astype(int))
+    return _One(one.file, one.times, one.path, one.instants[kept], one.seen[kept], one.start)
+
+
+def _padded_clock(times: Floats, count: int) -> Floats:
+    more = count - len(times)
+    return np.append(times, times[-1] + _PAD * np.arange(1, more + 1) / max(more, 1))
+
+
+def _padded_path(path: Floats, count: int, probes: int, parked: Floats) -> Floats:
+    away = np.tile(-parked, (len(path), probes - path.shape[1], 1))
+    wide = np.concatenate([path, away], axis=1)
+    return np.concatenate([wide, np.repeat(wide[-1:], count - len(wide), axis=0)])
+
+
+def _padded_poses(poses: Floats, count: int) -> Floats:
+    return np.vstack([poses, np.full((count - len(poses), 3), np.nan)])

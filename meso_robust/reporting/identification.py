@@ -1,0 +1,116 @@
+"""The report on a fitted model as one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+
+from meso_robust.identification.document import ModelDocument, ParameterSection
+from meso_robust.identification.identify import Identification
+from meso_robust.reporting.identification_figures import (
+    DRAWN_MINIMA,
+    profile_figure,
+    recording_figure,
+    support_figure,
+)
+from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.words import significant
+
+MOST_PICTURES = 12
+"""Recordings that are drawn, those with the largest residuals first."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Picture:
+    """A drawing with its title."""
+
+    title: str
+    svg: Markup
+
+
+def identification_report(document: ModelDocument, found: Identification, source: str) -> str:
+    """One self-contained HTML page: the answer first, then its grounds.
+
+    Parameters
+    ----------
+    document, found
+        The fitted model, as written and as found.
+    source
+        Name of the recording set.
+    """
+    with style():
+        pictures = {
+            "profiles": _profiles(found),
+            "supports": _supports(found),
+            "recordings": [_recording(found, row) for row in _worst(found)],
+        }
+    return (
+        environment()
+        .get_template("identification.html.j2")
+        .render(
+            document=document,
+            source=source,
+            colour="PROVED" if len(found.determined) == len(found.profiles) else "UNKNOWN",
+            headline=_headline(document),
+            figures=_figures(document),
+            rows=[_row(key, one) for key, one in document.parameters.items()],
+            minima=document.minima,
+            pictures=pictures,
+            drawn=DRAWN_MINIMA,
+            significant=significant,
+        )
+    )
+
+
+def _headline(document: ModelDocument) -> str:
+    values = [f"{key} = {significant(one.value, 4)}" for key, one in document.parameters.items()]
+    return ", ".join(values[:2])
+
+
+def _figures(document: ModelDocument) -> list[tuple[str, str]]:
+    """Name and value of what stands under the headline."""
+    best = document.minima[0]
+    shown = [
+        ("recordings", str(len(document.recording))),
+        ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
+        ("RMS of θ", f"{best.theta_deg:.2g}°"),
+        ("local minima", str(len(document.minima))),
+    ]
+    if document.quality is not None:
+        shown.append(("p of χ²", f"{document.quality.p_value:.2g}"))
+    return shown
+
+
+def _row(key: str, one: ParameterSection) -> dict[str, str]:
+    low = "no lower bound" if one.open_low else significant(one.low)
+    high = "no upper bound" if one.open_high else significant(one.high)
+    return {"key": key, "value": significant(one.value), "low": low, "high": high}
+
+
+def _profiles(found: Identification) -> Markup | None:
+    if found.fitted is None:
+        return None
+    return to_svg(profile_figure(found), "profiles", "Rise of χ² along every parameter")
+
+
+def _supports(found: Identification) -> Markup | None:
+    if not found.model.name.startswith("three_point"):
+        return None
+    return to_svg(support_figure(found), "supports", "Support points of the local minima")
+
+
+def _worst(found: Identification) -> list[int]:
+    """Recordings to draw."""
+    scale = np.array([1.0, 1.0, found.prepared.length])
+    left = np.nan_to_num((found.prepared.seen - found.prediction.poses[0]) * scale)
+    mean = np.sum(left**2, axis=(1, 2)) / np.maximum(found.prepared.counts.sum(axis=1), 1)
+    return [int(row) for row in np.argsort(-mean)[:MOST_PICTURES]]
+
+
+def _recording(found: Identification, row: int) -> _Picture:
+    name = found.prepared.files[row]
+    svg = to_svg(recording_figure(found, row), f"rec{row}", f"Recording {name} beside the model")
+    return _Picture(name, svg)

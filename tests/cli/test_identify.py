@@ -1,0 +1,95 @@
+"""``meso-robust identify`` as a user meets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from meso_robust.cli import app
+from meso_robust.identification.document import read_model
+from meso_robust.recordings import RecordingSet, write_set
+from meso_robust.simulator import Film
+from meso_robust.tasks import PAPER
+from tests.identification.sets import random_pushes, recorded
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    rng = np.random.default_rng(7)
+    made: RecordingSet = recorded(
+        random_pushes(rng, 3), Film.ratio(np.full(3, 0.3769e-6)), 0.33, rng
+    )
+    path = tmp_path_factory.mktemp("set")
+    write_set(path, made)
+    return path
+
+
+def run(*words: str | Path) -> tuple[int, str]:
+    result = CliRunner().invoke(app, ["identify", *map(str, words)])
+    return result.exit_code, result.output
+
+
+def test_a_set_gives_a_model_a_document_and_a_page(folder: Path, tmp_path: Path) -> None:
+    code, said = run(
+        folder, "--starts", "3", "--design", "1", "--out", tmp_path, "--json", "--quiet"
+    )
+    assert code == 0
+    document = json.loads(said)
+    assert document["schema"] == "meso-robust/model/1"
+    model = read_model(tmp_path / "model.toml")
+    assert model.parameters["rho_um2"].low < 376900.0 * 1.05
+    assert model.parameters["rho_um2"].high > 376900.0 * 0.95
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "rho_um2" in page
+    assert "push_02.csv" in page
+    assert "http" not in page.replace("http://www.w3.org", "")
+    assert len(json.loads((tmp_path / "experiment.json").read_text())["moves"]) >= 1
+
+
+def test_the_printed_objective_has_no_probability(folder: Path, tmp_path: Path) -> None:
+    code, said = run(folder, "--starts", "3", "--objective", "printed", "--out", tmp_path)
+    assert code == 0
+    assert "last simplex" in said
+    assert read_model(tmp_path / "model.toml").confidence is None
+
+
+@pytest.mark.parametrize("task", [True, False])
+def test_a_plan_needs_a_part_only(folder: Path, tmp_path: Path, task: bool) -> None:
+    code, said = run(PAPER if task else folder, "--plan", "--out", tmp_path)
+    assert code == 0
+    assert "8 pushes" in said
+    assert (tmp_path / "experiment.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "rule"),
+    [
+        (["--model", "magic"], "must be one of viscous"),
+        (["--objective", "magic"], "must be likelihood or printed"),
+        (["--model", "three_point"], "record 1 more"),
+        (["--objective", "printed", "--design", "3"], "leave --objective out"),
+    ],
+)
+def test_bad_input_is_refused(folder: Path, tmp_path: Path, words: list[str], rule: str) -> None:
+    code, said = run(folder, *words, "--out", tmp_path / "out")
+    assert code == 2
+    assert rule in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_recordings_are_not_written_over(folder: Path) -> None:
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    code, said = run(folder, "--plan", "--out", folder)
+    assert code == 2
+    assert "folder of the recordings" in said
+    assert before == {path: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_folder_without_a_set_is_refused(tmp_path: Path) -> None:
+    code, said = run(tmp_path, "--out", tmp_path / "out")
+    assert code == 2
+    assert "set.toml" in said

@@ -1,0 +1,145 @@
+"""``meso-robust track`` as a user meets it: exit status, messages, files."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from meso_robust.cli import app
+from meso_robust.recordings import read_set
+from meso_robust.tracking.calibration_document import load_calibration
+from tests.tracking.pushes import Filmed, push
+
+RUNNER = CliRunner()
+PART = ("--length-um", 1616, "--width-um", 837, "--tip-radius-um", 12.5)
+CAMERA = ("--pixel-um", 5.26)
+FILES = [
+    "calibration.toml",
+    "overlay.avi",
+    "push.csv",
+    "push_covariance.csv",
+    "report.html",
+    "set.toml",
+    "track.json",
+]
+
+
+def tracked(*words: object) -> Any:
+    return RUNNER.invoke(app, ["track", *map(str, words)])
+
+
+@pytest.fixture(scope="module")
+def filmed(tmp_path_factory: pytest.TempPathFactory) -> Filmed:
+    return push(tmp_path_factory.mktemp("cli") / "push.avi", 30)
+
+
+@pytest.fixture(scope="module")
+def done(filmed: Filmed, tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Path]:
+    out = tmp_path_factory.mktemp("cli") / "out"
+    return tracked(filmed.path, *PART, *CAMERA, "--start", "0,0,0", "--out", out, "--json"), out
+
+
+def test_tracked_video_is_status_0_with_all_files(done: tuple[Any, Path]) -> None:
+    result, out = done
+
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in out.iterdir()) == FILES
+    assert len(read_set(out).recordings[0].times) == 30
+    assert load_calibration(out / "calibration.toml").pixel_size == pytest.approx(5.26e-6)
+
+
+def test_json_is_the_document_and_nothing_else(done: tuple[Any, Path], filmed: Filmed) -> None:
+    result, out = done
+    answer = json.loads(result.stdout)
+
+    assert answer == json.loads((out / "track.json").read_text(encoding="utf-8"))
+    assert answer["schema"] == "meso-robust/track/1"
+    assert answer["tracked"] is True
+    video = answer["videos"][0]
+    assert (video["frames"], video["promised"], video["found"], video["lost"]) == (30, 30, 30, [])
+    assert video["probes"][0]["found"] == 30
+    assert answer["provenance"]["asked"]["videos"] == [str(filmed.path)]
+
+
+def test_report_tells_the_verdict_and_needs_nothing_else(done: tuple[Any, Path]) -> None:
+    page = (done[1] / "report.html").read_text(encoding="utf-8")
+
+    assert "<h1>TRACKED</h1>" in page
+    assert page.count("<svg") == 2
+    assert "http://" not in page.replace("http://www.w3.org", "")
+
+
+def test_video_without_the_part_is_status_1_and_makes_no_set(tmp_path: Path) -> None:
+    images = tmp_path / "images"
+    images.mkdir()
+    rng = np.random.default_rng(0)
+    for k in range(3):
+        noise = rng.normal(70.0, 2.0, (480, 640)).round().astype(np.uint8)
+        cv2.imwrite(str(images / f"{k}.png"), noise)
+    out = tmp_path / "out"
+
+    result = tracked(images, *PART, *CAMERA, "--frame-rate-hz", 30, "--out", out)
+
+    assert result.exit_code == 1
+    assert "part not found in any of 3 frames" in result.stderr
+    assert not (out / "set.toml").exists()
+    assert json.loads((out / "track.json").read_text())["tracked"] is False
+    assert "<h1>LOST</h1>" in (out / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("{v}", *CAMERA), "the part"),
+        (("{v}", *PART), "the camera"),
+        (("{v}", *PART[:4], *CAMERA), "--tip-radius-um"),
+        (("{v}", *PART, *CAMERA, "--length-um", "300"), "--width-um"),
+        (("{v}", *PART, "--pixel-um", "-1"), "--pixel-um"),
+        (("{v}", *PART, *CAMERA, "--pitch-um", "100"), "--pitch-um"),
+        (("{v}", *PART, *CAMERA, "--start", "1,2"), "--start"),
+        (("{v}", *PART, *CAMERA, "--probe", "p:1,2"), "--probe"),
+        (("{v}", *PART, *CAMERA, "--probe", "p=9000,2"), "outside the image"),
+        (("{v}", *PART, *CAMERA, "--commands", "{none}"), "--commands"),
+        (("{none}", *PART, *CAMERA), "no such file"),
+        (("{torn}", *PART, *CAMERA), "--allow-truncated"),
+        (("{text}", *PART, *CAMERA), "not a video"),
+        (("{v}", *PART, "--calibration", "{none}"), "cannot be read"),
+        (("{v}", *PART, "--grid", "{text}", "--pitch-um", "100"), "not an image"),
+    ],
+)
+def test_bad_input_is_status_2_with_one_message_and_no_files(
+    filmed: Filmed, tmp_path: Path, words: tuple[object, ...], message: str
+) -> None:
+    whole = filmed.path.read_bytes()
+    (tmp_path / "torn.avi").write_bytes(whole[: len(whole) // 4])
+    (tmp_path / "notes.txt").write_bytes(b"no video at all, but some text\n" * 40)
+    names = {
+        "{v}": filmed.path,
+        "{none}": tmp_path / "none",
+        "{torn}": tmp_path / "torn.avi",
+        "{text}": tmp_path / "notes.txt",
+    }
+    out = tmp_path / "out"
+
+    result = tracked(*(names.get(str(word), word) for word in words), "--out", out)
+
+    assert result.exit_code == 2, result.output
+    assert message in result.stderr
+    assert "Traceback" not in result.output
+    assert not out.exists()
+
+
+def test_command_line_loads_nothing_heavy() -> None:
+    heavy = "{'cv2', 'numba', 'numpy', 'scipy', 'matplotlib', 'sympy', 'casadi'}"
+    code = f"import sys, meso_robust.cli.track; print(sorted({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert done.stdout.strip() == "[]"

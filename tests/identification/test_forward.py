@@ -1,0 +1,147 @@
+"""Predictions against the event-driven engine, and recordings that are not all alike."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meso_robust.errors import InputError
+from meso_robust.identification.forward import corrected, predicted
+from meso_robust.identification.models import viscous
+from meso_robust.identification.prepared import prepare
+from meso_robust.recordings import Recording, RecordingSet, SensorInfo
+from meso_robust.simulator import Film, Outcome
+from meso_robust.simulator.observation import Sensor
+from tests.identification.conftest import MU, RHO
+from tests.identification.sets import PART, UM, first, random_pushes, recorded
+
+MODEL = viscous(PART.outline)
+TRUTH = np.array([[RHO, MU]])
+QUIET = Sensor(position_sigma=0.0, orientation_sigma=0.0, frame_rate=30.0)
+
+
+@pytest.fixture(scope="module")
+def quiet() -> RecordingSet:
+    rng = np.random.default_rng(3)
+    return recorded(random_pushes(rng, 4), Film.ratio(np.full(4, RHO)), MU, rng, sensor=QUIET)
+
+
+def largest(prepared: object, poses: np.ndarray) -> float:
+    """Largest error in um, θ at the corner of the part."""
+    away = (poses - prepared.seen) * [1.0, 1.0, prepared.length]  # type: ignore[attr-defined]
+    return float(1e6 * np.nanmax(np.abs(away)))
+
+
+def test_predictions_are_those_of_the_event_driven_engine(quiet: RecordingSet) -> None:
+    prepared = prepare(quiet, step=MODEL.step)
+    found = predicted(prepared, MODEL, TRUTH)
+    assert found.completed.all()
+    assert largest(prepared, found.poses[0]) < 0.2
+
+
+def test_the_correction_for_the_steps_takes_the_error_of_the_steps_away(
+    quiet: RecordingSet,
+) -> None:
+    prepared = prepare(quiet, step=2.0 * MODEL.step)
+    finer = prepare(quiet, step=0.5 * MODEL.step)
+    plain = predicted(prepared, MODEL, TRUTH)
+    same = {"starts": prepared.starts, "offsets": np.zeros((4, 2))}
+    better = predicted(corrected(prepared, finer, MODEL, TRUTH, **same), MODEL, TRUTH)
+
+    def mean(poses: np.ndarray) -> float:
+        away = (poses - prepared.seen) * [1.0, 1.0, prepared.length]
+        return float(np.sqrt(np.nanmean(away**2)))
+
+    assert mean(better.poses[0]) < 0.25 * mean(plain.poses[0])
+
+
+def test_recordings_of_unequal_length_do_not_disturb_each_other(film_set: RecordingSet) -> None:
+    one = film_set.recordings[1]
+    short = Recording(
+        file="short.csv",
+        probe_names=one.probe_names,
+        times=one.times[:80],
+        poses=one.poses[:80],
+        probes=one.probes[:80],
+    )
+    both = prepare(replace(film_set, recordings=(film_set.recordings[0], short)), step=MODEL.step)
+    alone = prepare(replace(film_set, recordings=(short,)), step=MODEL.step)
+    together = predicted(both, MODEL, np.tile(TRUTH, (2, 1))).poses
+    apart = predicted(alone, MODEL, TRUTH).poses
+    np.testing.assert_allclose(together[1, 1, :80], apart[0, 0], atol=1e-12)
+    assert np.isnan(both.seen[1, 80:]).all()
+
+
+def test_a_recording_with_two_probes_beside_one_with_one(film_set: RecordingSet) -> None:
+    one = film_set.recordings[0]
+    idle = Recording(
+        file="idle.csv",
+        probe_names=("probe1", "idle"),
+        times=one.times,
+        poses=one.poses,
+        probes=np.concatenate([one.probes, one.probes + 5e-3], axis=1),
+    )
+    both = prepare(replace(film_set, recordings=(one, idle)), step=MODEL.step)
+    poses = predicted(both, MODEL, TRUTH).poses
+    np.testing.assert_allclose(poses[0, 1], poses[0, 0], atol=1e-12)
+
+
+def moved_first_pose(recordings: RecordingSet, way: float) -> RecordingSet:
+    """The part seen at its start by `way` nearer to the tip than it is."""
+    one = recordings.recordings[0]
+    poses = one.poses.copy()
+    toward = one.probes[0, 0] - one.probes[-1, 0]
+    poses[0, :2] += way * toward / np.hypot(*toward)
+    return replace(recordings, recordings=(replace(one, poses=poses),))
+
+
+def test_a_first_pose_that_noise_put_into_a_tip_is_moved_out_and_noted(
+    quiet: RecordingSet,
+) -> None:
+    known = SensorInfo(frame_rate=30.0, position_sigma=1.2 * UM, orientation_sigma=0.0014)
+    near = moved_first_pose(replace(quiet, sensor=known), 17.5 * UM)
+    prepared = prepare(near, step=MODEL.step)
+    (note,) = prepared.notes
+    assert "out of a tip" in note.what
+    away = prepared.starts[0] - near.recordings[0].poses[0]
+    assert 0.0 < np.hypot(*away[:2]) < 5 * UM
+    with pytest.raises(InputError, match=r"push_00.csv.*inside the part"):
+        prepare(moved_first_pose(replace(quiet, sensor=known), 60 * UM), step=MODEL.step)
+
+
+def test_what_cannot_be_used_is_refused_with_the_name_of_the_file(film_set: RecordingSet) -> None:
+    one = film_set.recordings[0]
+    without = replace(one, probe_names=(), probes=np.zeros((len(one.times), 0, 2)))
+    with pytest.raises(InputError, match=r"push_00.csv: no probe"):
+        prepare(replace(film_set, recordings=(without,)))
+    blind = replace(one, poses=np.full_like(one.poses, np.nan))
+    with pytest.raises(InputError, match=r"push_00.csv: 0 frames"):
+        prepare(replace(film_set, recordings=(blind,)))
+
+
+def test_frames_before_the_first_whole_one_are_left_out_and_noted(film_set: RecordingSet) -> None:
+    one = film_set.recordings[0]
+    poses = one.poses.copy()
+    poses[:3, 2] = np.nan
+    prepared = prepare(replace(film_set, recordings=(replace(one, poses=poses),)))
+    assert prepared.instants[0, 0] == one.times[3]
+    assert prepared.notes[0].what == "3 frames before the first whole one"
+
+
+def test_vectors_that_are_not_valid_are_refused(film_set: RecordingSet) -> None:
+    prepared = prepare(first(film_set, 1))
+    with pytest.raises(ValueError, match="values"):
+        predicted(prepared, MODEL, np.array([[-1.0, 0.3]]))
+    with pytest.raises(ValueError, match="rho_um2, mu"):
+        predicted(prepared, MODEL, np.array([[RHO, 0.3, 0.1]]))
+
+
+def test_a_start_caught_between_tips_is_an_outcome(film_set: RecordingSet) -> None:
+    one = film_set.recordings[0]
+    pose = one.poses[0]
+    across = np.array([-np.sin(pose[2]), np.cos(pose[2])])
+    tips = pose[:2] + np.array([[433 * UM], [-433 * UM]]) * across
+    held = replace(one, probe_names=("a", "b"), probes=np.tile(tips, (len(one.times), 1, 1)))
+    prepared = prepare(replace(film_set, recordings=(held,)), step=MODEL.step)
+    caught = predicted(prepared, MODEL, TRUTH, starts=pose[None] + [0.0, 0.0, 0.3])
+    assert caught.outcomes[0, 0] == Outcome.OUT_OF_RANGE

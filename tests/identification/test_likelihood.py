@@ -1,0 +1,126 @@
+"""Maximum likelihood: its algebra against dense matrices, its answers against the truth."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from meso_robust.identification.arrow import Arrow
+from meso_robust.identification.identify import Identification, maximised
+from meso_robust.identification.likelihood import Settings, fit
+from meso_robust.identification.models import three_point, viscous
+from meso_robust.identification.prepared import prepare
+from meso_robust.identification.sensor import Sigmas
+from meso_robust.recordings import RecordingSet
+from meso_robust.simulator import ThreePoints
+from tests.identification.conftest import MU, RHO
+from tests.identification.sets import (
+    FIRST_TABLE_POINTS,
+    PART,
+    SENSOR,
+    random_pushes,
+    recorded,
+)
+
+MODEL = viscous(PART.outline)
+NOISE = Settings(position=SENSOR.position_sigma, orientation=SENSOR.orientation_sigma)
+
+
+def dense(jacobian: np.ndarray, n: int) -> np.ndarray:
+    """(R M, n + R d) the whole Jacobian of one fit from (R, M, n + d)."""
+    recordings, rows, columns = jacobian.shape
+    d = columns - n
+    whole = np.zeros((recordings * rows, n + recordings * d))
+    for r in range(recordings):
+        block = slice(r * rows, (r + 1) * rows)
+        whole[block, :n] = jacobian[r, :, :n]
+        whole[block, n + r * d : n + (r + 1) * d] = jacobian[r, :, n:]
+    return whole
+
+
+def test_the_arrow_solves_the_whole_least_squares_problem() -> None:
+    rng = np.random.default_rng(0)
+    n, d, recordings, rows = 2, 3, 4, 20
+    jacobian = rng.standard_normal((recordings, rows, n + d))
+    residuals = rng.standard_normal((recordings, rows))
+    turned = np.swapaxes(jacobian, -1, -2)
+    arrow = Arrow(
+        normal=(turned @ jacobian)[None],
+        slope=(turned @ residuals[..., None])[None, ..., 0],
+        parameters=n,
+    )
+    whole = dense(jacobian, n)
+    answer = np.linalg.lstsq(whole, residuals.ravel(), rcond=None)[0]
+    shared, own = arrow.step(np.zeros(1), np.ones((1, n), dtype=bool))
+    np.testing.assert_allclose(shared[0], answer[:n], rtol=1e-6)
+    np.testing.assert_allclose(own[0].ravel(), answer[n:], rtol=1e-6, atol=1e-9)
+    covariance = np.linalg.inv(whole.T @ whole)[:n, :n]
+    np.testing.assert_allclose(np.linalg.inv(arrow.information()[0]), covariance, rtol=1e-6)
+    left = residuals.ravel() - whole @ answer
+    fall = arrow.fall(shared, own)[0]
+    np.testing.assert_allclose(fall, residuals.ravel() @ residuals.ravel() - left @ left, rtol=1e-6)
+
+
+def test_fits_from_far_apart_meet_and_a_held_parameter_stays(film_set: RecordingSet) -> None:
+    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
+    away = np.array([[0.15e-6, 0.6], [0.8e-6, 0.15], [RHO, MU]])
+    found = fit(prepared, MODEL, away, NOISE)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.fits.values[1:], found.fits.values[:2], rtol=1e-4)
+    held = fit(prepared, MODEL, away, NOISE, held=np.array([True, False]))
+    np.testing.assert_array_equal(held.fits.values[:, 0], away[:, 0])
+    assert np.all(held.fits.chi2[:2] > found.fits.chi2[:2] + 100.0)
+
+
+def test_the_information_is_the_curvature_of_the_profile(film_fit: Identification) -> None:
+    """Profiles come from fits anew, the information from derivatives: two routes to one width."""
+    fitted = film_fit.fitted
+    assert fitted is not None
+    assert film_fit.quality is not None
+    sd = np.sqrt(np.diag(np.linalg.inv(fitted.information[0])))
+    for k, profile in enumerate(film_fit.profiles):
+        ends = np.tile(film_fit.best, (2, 1))
+        ends[:, k] = profile.low, profile.high
+        low, high = MODEL.coordinates(ends)[:, k]
+        wide = 2 * 1.645 * sd[k] * np.sqrt(film_fit.quality.widening)
+        np.testing.assert_allclose(high - low, wide, rtol=0.15)
+
+
+def test_the_truth_lies_where_the_fit_says(film_fit: Identification) -> None:
+    """The data are from the event-driven engine; 3 half widths are 5 standard deviations."""
+    for profile, truth in zip(film_fit.profiles, (RHO, MU), strict=True):
+        half = 0.5 * (profile.high - profile.low)
+        assert abs(profile.value - truth) < 3.0 * half
+        assert half < 0.02 * truth
+    assert film_fit.quality is not None
+    assert film_fit.quality.inflation == 1.0
+    assert 0.9 < film_fit.quality.chi2 / film_fit.quality.freedom < 1.1
+
+
+def test_noise_that_nobody_stated_is_estimated_along(film_set: RecordingSet) -> None:
+    unknown = Sigmas(
+        position=None, orientation=None, position_source="unknown", orientation_source="unknown"
+    )
+    prepared = replace(prepare(film_set, step=MODEL.step), sigmas=unknown)
+    guess = Settings(position=5e-6, orientation=0.01)
+    settings, _ = maximised(prepared, MODEL, np.array([[RHO, MU]]), guess)
+    np.testing.assert_allclose(settings.position, SENSOR.position_sigma, rtol=0.04)
+    np.testing.assert_allclose(settings.orientation, SENSOR.orientation_sigma, rtol=0.06)
+
+
+def test_three_points_are_recovered_from_a_rough_guess() -> None:
+    """Six pushes; the motion is from the stepper with finer steps than those that fit."""
+    model = three_point(PART.outline)
+    rng = np.random.default_rng(4)
+    truth = np.array([0.5, 0.7, *FIRST_TABLE_POINTS.ravel()])
+    points = ThreePoints(points=FIRST_TABLE_POINTS)
+    prepared = prepare(
+        recorded(random_pushes(rng, 6), points, 0.5, rng), step=model.step, most_frames=40
+    )
+    guess = truth + np.append([-0.05, 0.0], rng.normal(0.0, 5e-6, 6))
+    found = fit(prepared, model, guess, NOISE)
+    information = found.information[0][np.ix_(model.fitted, model.fitted)]
+    away = model.coordinates(found.fits.values) - model.coordinates(truth[None])
+    z2 = away[0, model.fitted] @ information @ away[0, model.fitted]
+    assert z2 < chi2.ppf(0.999, 7)
+    assert found.fits.values[0, 1] == truth[1]
