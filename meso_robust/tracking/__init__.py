@@ -1,0 +1,1 @@
+"""Poses of a part and of probe tips seen through a microscope."""

@@ -1,0 +1,96 @@
+"""Positions of the probes as the controller commanded them, from a CSV file with a clock of its own."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.errors import InputError
+
+Floats = npt.NDArray[np.float64]
+UM = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Commands:
+    """What the controller was told.
+
+    Attributes
+    ----------
+    names
+        P probes.
+    times
+        (N,) s, strictly increasing, on the clock of the video.
+    tips
+        (N, P, 2) centres of the tips in m, world; NaN where there was none.
+    """
+
+    names: tuple[str, ...]
+    times: Floats
+    tips: Floats
+
+
+def read_commands(path: Path) -> Commands:
+    """Read ``time_s,<probe>_x_um,<probe>_y_um,…``.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or a column, a cell or the clock breaks its rule.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            rows = list(csv.reader(stream, strict=True))
+    except OSError as error:
+        raise InputError(f"--commands {path}: cannot be read ({error.strerror})") from error
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise InputError(f"--commands {path}: is not a CSV file in UTF-8 ({error})") from error
+    names = _names(path, rows[0] if rows else [])
+    if len(rows) < 2:
+        raise InputError(f"--commands {path}: no rows; must have at least one")
+    values = np.array([_numbers(path, line, row, rows[0]) for line, row in enumerate(rows[1:], 2)])
+    times = values[:, 0]
+    late = np.flatnonzero(~(np.diff(times) > 0.0))
+    if np.isnan(times).any() or late.size:
+        line = int(np.flatnonzero(np.isnan(times))[0] if np.isnan(times).any() else late[0] + 1) + 2
+        raise InputError(
+            f"--commands {path}, line {line}: time_s must be there and after that of the line before"
+        )
+    tips = values[:, 1:].reshape(len(values), len(names), 2) * UM
+    return Commands(names=names, times=times, tips=tips)
+
+
+def _names(path: Path, header: list[str]) -> tuple[str, ...]:
+    names = tuple(column.removesuffix("_x_um") for column in header[1::2])
+    wanted = ["time_s", *(f"{name}_{axis}_um" for name in names for axis in "xy")]
+    if not names or header != wanted:
+        raise InputError(
+            f"--commands {path}: columns {', '.join(header) or 'none'}; must be time_s, then "
+            "<probe>_x_um, <probe>_y_um of each probe; mend the header"
+        )
+    return names
+
+
+def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:
+    if len(row) != len(header):
+        raise InputError(
+            f"--commands {path}, line {line}: {len(row)} cells; must be {len(header)} as in the header"
+        )
+    values = []
+    for name, cell in zip(header, row, strict=True):
+        try:
+            value = float(cell) if cell else math.nan
+        except ValueError:
+            value = math.inf
+        if math.isinf(value) or (cell and math.isnan(value)):
+            raise InputError(
+                f"--commands {path}, line {line}, column {name} = {cell!r}: must be a finite number, "
+                "or empty; mend the cell"
+            )
+        values.append(value)
+    return values

@@ -1,0 +1,313 @@
+"""Where a part's outline lies in an image, from grey values along its normals.
+
+A profile across the outline shows background, etched rim and metal. Its derivative is compared with
+a pattern - first a single step, then the mean of what the part's own outline showed - so that a rim
+band or a halo is part of the pattern instead of a second edge. The pattern is the same for all sides:
+a bias that it has is a common displacement δ along the outward normal, and a uniform pressure on a
+closed outline has neither a resultant nor a moment, so δ changes no pose while the outline is seen
+whole. Where some of it is hidden, δ is estimated along with the pose.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from meso_robust.tracking.covariance import side_modes
+from meso_robust.tracking.sampling import Bools, Floats, Ints, Patch, profiles
+
+Map = Callable[[Floats], Floats]
+
+SPACING = 3.0
+"""Distance in px of the points along the outline: as far as a profile is averaged."""
+CORNER = 6.0
+"""Distance in px kept from corners: etching rounds them and blur mixes the two sides."""
+CLUSTER = 6
+"""Points in a run that errors are taken to share: 18 px, two blocks of compression."""
+STEP = 0.5
+"""Distance in px of the samples of a profile."""
+PATTERN_HALF = 11
+"""Samples either side of the outline that a pattern has (5.5 px: rim, blur and some background)."""
+ALIKE = 0.5
+"""Least normalised correlation of a profile with the pattern to count as the outline."""
+_STEP_WIDTH = 1.6  # px, standard deviation of a blurred single edge
+_TUKEY = 4.0  # scales at which Tukey's weight vanishes (4.685 is 95 % efficient; shadows abound)
+_ROUNDS = 5
+_DIAGONAL = np.diag_indices(4)
+_LEAST_SCALE = 0.05  # px, of residuals: quantisation and texture leave no less
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """Seen pixels to ideal ones, free of distortion, and back.
+
+    Attributes
+    ----------
+    to_ideal, to_image
+        Maps of (N, 2) px to (N, 2) px, each the other's inverse; None: the lens is ideal.
+    """
+
+    to_ideal: Map | None = None
+    to_image: Map | None = None
+
+    def seen(self, points: Floats) -> Floats:
+        """(N, 2) px of the image where ideal ``points`` are seen."""
+        return points if self.to_image is None else self.to_image(points)
+
+    def ideal(self, points: Floats) -> Floats:
+        """(N, 2) ideal px of ``points`` of the image."""
+        return points if self.to_ideal is None else self.to_ideal(points)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """Points on a part's outline, in ideal px of its own frame (v down).
+
+    Attributes
+    ----------
+    corners
+        (V, 2).
+    points, normals
+        (N, 2), and the unit outward normals there.
+    side
+        (N,) the side that each point lies on.
+    design
+        (N, 4) displacement along the normal per unit of (u, v, angle, δ), the first two along
+        the axes of the part's frame.
+    starts
+        First point of every run of CLUSTER points along one side: errors within one are correlated.
+    modes
+        (2 S, N) the sides displaced or tilted as a whole (:func:`covariance.side_modes`).
+    """
+
+    corners: Floats
+    points: Floats
+    normals: Floats
+    side: Ints
+    design: Floats
+    starts: Ints
+    modes: Floats
+
+
+class Matched(NamedTuple):
+    """Edges found along normals.
+
+    Attributes
+    ----------
+    offset
+        (N,) px outward of the outline; NaN where the profile is not visible.
+    quality
+        (N,) normalised correlation with the pattern, 0...1.
+    polarity
+        (N,) +1 or -1: as the pattern, or dark and bright exchanged.
+    """
+
+    offset: Floats
+    quality: Floats
+    polarity: Floats
+
+
+class EdgeFit(NamedTuple):
+    """A pose from edges.
+
+    Attributes
+    ----------
+    pose
+        (3,) u, v in ideal px and angle in rad.
+    delta
+        Common outward displacement in px of what was found.
+    residual, weight
+        (N,) px along the normals, and the robust weights (0: not used).
+    visible
+        (N,) whether a profile could be taken at all.
+    """
+
+    pose: Floats
+    delta: float
+    residual: Floats
+    weight: Floats
+    visible: Bools
+
+
+def rotation(angle: float) -> Floats:
+    """(2, 2) matrix from the part's frame to the image."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def placed(points: Floats, pose: Floats) -> Floats:
+    """(N, 2) ``points`` of the part in ideal px of the image, for a pose (3,)."""
+    return points @ rotation(pose[2]).T + pose[:2]
+
+
+def moved(pose: Floats, motion: Floats) -> Floats:
+    """The pose (3,) after a motion (u, v, angle, ...) along the axes of the part's frame."""
+    return np.append(pose[:2] + rotation(pose[2]) @ motion[:2], pose[2] + motion[2])
+
+
+def sampled_outline(corners: Floats) -> Outline:
+    """Points on the outline ``corners`` (V, 2) px, in either order, away from the corners.
+
+    Sides too short to keep away from both corners carry no points.
+    """
+    ends = np.roll(corners, -1, axis=0)
+    u, v = corners.T
+    turn = np.sign(np.sum(u * ends[:, 1] - v * ends[:, 0]))
+    points, normals, sides = [], [], []
+    for index, (start, end) in enumerate(zip(corners, ends, strict=True)):
+        length = float(np.hypot(*(end - start)))
+        count = int((length - 2.0 * CORNER) // SPACING)
+        if count < 1:
+            continue
+        along = (end - start) / length
+        at = 0.5 * length + SPACING * (np.arange(count) - 0.5 * (count - 1))
+        points.append(start + at[:, None] * along)
+        normals.append(np.tile(turn * np.array([along[1], -along[0]]), (count, 1)))
+        sides.append(np.full(count, index))
+    p, n = np.concatenate(points), np.concatenate(normals)
+    moment = p[:, 0] * n[:, 1] - p[:, 1] * n[:, 0]
+    design = np.column_stack((n, moment, np.ones(len(p))))
+    side = np.concatenate(sides)
+    first = np.searchsorted(side, side)
+    starts = np.flatnonzero((np.arange(len(side)) - first) % CLUSTER == 0)
+    return Outline(corners, p, n, side, design, starts, side_modes(side))
+
+
+def single_step() -> Floats:
+    """(2 PATTERN_HALF + 1,) derivative of a blurred step at the outline."""
+    t = STEP * np.arange(-PATTERN_HALF, PATTERN_HALF + 1)
+    return np.exp(-0.5 * (t / _STEP_WIDTH) ** 2)
+
+
+def seen_normals(outline: Outline, pose: Floats, lens: Lens) -> tuple[Floats, Floats, Floats]:
+    """The outline's points in ideal px and in seen px, and the unit normals in the seen image."""
+    q = placed(outline.points, pose)
+    n = outline.normals @ rotation(pose[2]).T
+    if lens.to_image is None:
+        return q, q, n
+    seen = lens.seen(q)
+    direction = lens.seen(q + n) - seen
+    return q, seen, direction / np.linalg.norm(direction, axis=1, keepdims=True)
+
+
+def slopes(of: Patch, seen: Floats, normals: Floats, reach: float) -> Floats:
+    """(N, K) derivative of the profiles, long enough to move a pattern by ``reach`` px."""
+    half = PATTERN_HALF + math.ceil(reach / STEP) + 1
+    values = profiles(of, seen, normals, half, STEP)
+    return (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
+
+
+@lru_cache(maxsize=16)
+def _band(size: int, length: int) -> tuple[Ints, Floats]:
+    """(size, size - length + 1) which element of a pattern meets which sample, and 1 where one does."""
+    index = np.arange(size)[:, None] - np.arange(size - length + 1)
+    return np.clip(index, 0, length - 1), ((index >= 0) & (index < length)).astype(float)
+
+
+def matched(derivative: Floats, pattern: Floats) -> Matched:
+    """Where each profile agrees best with ``pattern``, either way round."""
+    size, length = derivative.shape[1], len(pattern)
+    shifts = size - length + 1
+    visible = np.asarray(np.isfinite(derivative).all(axis=1))
+    clean = np.where(visible[:, None], derivative, 0.0)
+    index, inside = _band(size, length)
+    agreement = clean @ (pattern[index] * inside)
+    energy = (clean**2) @ inside * np.sum(pattern**2)
+    likeness = agreement / np.sqrt(np.maximum(energy, 1e-12))
+    # a weak but clean edge must not beat a strong one, nor clutter the outline
+    best = np.argmax(np.abs(agreement * likeness), axis=1)
+    rows = np.arange(len(derivative))
+    polarity = np.sign(agreement[rows, best])
+    inner = np.clip(best, 1, shifts - 2)
+    left, centre, right = (np.abs(agreement[rows, inner + k]) for k in (-1, 0, 1))
+    bend = left - 2.0 * centre + right
+    peak = visible & (best == inner) & (bend < 0.0)
+    shift = np.where(peak, 0.5 * (left - right) / np.where(peak, bend, 1.0), 0.0)
+    offset = STEP * (inner + shift - 0.5 * (shifts - 1))
+    quality = np.where(peak, np.abs(likeness[rows, best]), 0.0)
+    return Matched(np.where(visible, offset, np.nan), quality, polarity)
+
+
+def tukey(residual: Floats, scale: float) -> Floats:
+    """Tukey's biweight of residuals, ``scale`` in their unit."""
+    return np.maximum(1.0 - (residual / (_TUKEY * scale)) ** 2, 0.0) ** 2
+
+
+def spread(residual: Floats) -> float:
+    """Robust standard deviation (median absolute value); 1 of nothing."""
+    if not residual.size:
+        return 1.0
+    middle = residual.size // 2
+    return 1.4826 * float(np.partition(np.abs(residual), middle)[middle])
+
+
+def robust_fit(
+    design: Floats, offset: Floats, quality: Floats, delta_sigma: float
+) -> tuple[Floats, Floats]:
+    """Solution (4,) of weighted least squares and its weights (N,), by reweighting.
+
+    ``delta_sigma`` in px is how well δ is known to be zero beforehand; what does not look like the
+    outline (quality below ALIKE) has no weight.
+    """
+    base = np.where(np.isfinite(offset) & (quality >= ALIKE), quality**2, 0.0)
+    used = base > 0.0
+    e = np.where(used, offset, 0.0)
+    weight, solution = base, np.zeros(design.shape[1])
+    scale = max(spread(e[used]), _LEAST_SCALE)
+    for _ in range(_ROUNDS):
+        normal = (design * weight[:, None]).T @ design
+        normal[3, 3] += (scale / delta_sigma) ** 2
+        normal[_DIAGONAL] *= 1.0 + 1e-9
+        normal[_DIAGONAL] += 1e-9
+        solution = np.linalg.solve(normal, design.T @ (weight * e))
+        residual = e - design @ solution
+        scale = max(spread(residual[used]), _LEAST_SCALE)
+        weight = base * tukey(residual, scale)
+    return solution, weight
+
+
+def edge_fit(
+    of: Patch,
+    outline: Outline,
+    pose: Floats,
+    lens: Lens,
+    pattern: Floats,
+    reach: float,
+    delta_sigma: float,
+) -> EdgeFit:
+    """One step towards the pose from the edges within ``reach`` px of the outline at ``pose``."""
+    q, seen, normals = seen_normals(outline, pose, lens)
+    found = matched(slopes(of, seen, normals, reach), pattern)
+    offset = found.offset
+    if lens.to_ideal is not None:
+        n = outline.normals @ rotation(pose[2]).T
+        at = seen + np.nan_to_num(offset)[:, None] * normals
+        offset = np.where(np.isfinite(offset), np.sum((lens.ideal(at) - q) * n, axis=1), np.nan)
+    solution, weight = robust_fit(outline.design, offset, found.quality, delta_sigma)
+    residual = np.nan_to_num(offset) - outline.design @ solution
+    return EdgeFit(
+        moved(pose, solution), float(solution[3]), residual, weight, np.isfinite(found.offset)
+    )
+
+
+def learned_pattern(of: Patch, outline: Outline, pose: Floats, lens: Lens) -> Floats:
+    """(2 PATTERN_HALF + 1,) mean derivative across the outline, its sides turned alike.
+
+    Which way dark and bright lie is decided side by side against the strongest side.
+    """
+    _, seen, normals = seen_normals(outline, pose, lens)
+    half = PATTERN_HALF + 1
+    values = profiles(of, seen, normals, half, STEP)
+    derivative = (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
+    clean = derivative[np.isfinite(derivative).all(axis=1)]
+    if not len(clean):
+        return single_step()
+    # the leading direction of the profiles does not care about their signs
+    _, _, directions = np.linalg.svd(clean, full_matrices=False)
+    sign = np.sign(clean @ directions[0])
+    return np.asarray((sign[:, None] * clean).mean(axis=0))

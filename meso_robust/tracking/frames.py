@@ -1,0 +1,327 @@
+"""Frames of a video file or of a folder of images: grey, 8 bit, each with its instant.
+
+Whatever a file promises and does not hold is an error with a name, found before anything is written
+at the latest: a truncated video is told from a short one by the number of frames it promises.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.errors import InputError
+from meso_robust.tracking.pixels import Grey, decoded
+
+Image = npt.NDArray[np.uint8]
+
+SUFFIXES = {".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm"}
+"""Endings of the files that count as images of a folder."""
+TIMES_FILE = "times.csv"
+"""Beside the images: ``file,time_s``, one line an image."""
+_MOST_RATE = 1e6  # Hz; of the recording format
+_SIXTEEN_BIT = b"Y1\x00\x10"  # OpenCV's code of 16-bit grey video
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frame:
+    """One image.
+
+    Attributes
+    ----------
+    index
+        Place in the file or folder, from 0.
+    time
+        Instant in s.
+    image
+        (H, W) grey values.
+    """
+
+    index: int
+    time: float
+    image: Image
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frames:
+    """What `open_frames` found; iterating reads the images one by one, each time from the start.
+
+    Attributes
+    ----------
+    path
+        The file or folder.
+    rate
+        Frames a second, Hz.
+    size
+        Width and height in pixels.
+    promised
+        Number of frames that the file or folder promises; None if a file does not say.
+    notes
+        What a user should know of how pixels and instants were taken.
+    allow_truncated
+        Whether the frames of a truncated video are used.
+    """
+
+    path: Path
+    rate: float
+    size: tuple[int, int]
+    promised: int | None
+    notes: tuple[str, ...]
+    allow_truncated: bool
+    _read: Callable[[], Iterator[Frame]] = field(repr=False)
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Read the frames.
+
+        Raises
+        ------
+        InputError
+            A frame is missing, cannot be decoded, or differs in size or kind from the first.
+        """
+        return self._read()
+
+
+def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = False) -> Frames:
+    """Open a video file, or a folder of images in their natural order.
+
+    Parameters
+    ----------
+    path
+        The file or folder.
+    rate
+        Frames a second in Hz, instead of what the file says; needed for a folder without a
+        ``times.csv``.
+    allow_truncated
+        Use the frames before the break of a truncated video. The last one read is left out: it may
+        be damaged.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it is no video, it holds no frames, a clock is missing or wrong.
+    """
+    if rate is not None and not 0.0 < rate <= _MOST_RATE:
+        raise InputError(f"frame rate {rate} Hz: must be positive; give the camera's frame rate")
+    if not path.exists():
+        raise InputError(f"{path}: no such file; give a video or a folder of images")
+    if path.is_dir():
+        return _folder(path, rate)
+    return _video(path, rate, allow_truncated)
+
+
+# ------------------------------------------------------------------------------ video files
+
+
+def _video(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
+    capture = _capture(path)
+    stated = capture.get(cv2.CAP_PROP_FPS)
+    count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+    deep = _code(capture, cv2.CAP_PROP_CODEC_PIXEL_FORMAT) == _SIXTEEN_BIT
+    size = tuple(
+        int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
+    )
+    capture.release()
+    if not (math.isfinite(stated) and 0.0 < stated <= _MOST_RATE):
+        if rate is None:
+            raise InputError(f"{path}: says no frame rate; give --frame-rate-hz")
+        stated = rate
+    promised = int(count) if math.isfinite(count) and count > 0 else None
+    notes = ["16-bit grey values are scaled to 8 bits"] if deep else []
+    if rate is not None and rate != stated:
+        notes.append(f"the clock runs at the given {rate:g} Hz, not at the file's {stated:g} Hz")
+
+    def read() -> Iterator[Frame]:
+        return _whole(path, promised, allow_truncated, _stamped(path, stated / (rate or stated)))
+
+    return Frames(
+        path=path,
+        rate=rate or stated,
+        size=(size[0], size[1]),
+        promised=promised,
+        notes=tuple(notes),
+        allow_truncated=allow_truncated,
+        _read=read,
+    )
+
+
+def _capture(path: Path) -> cv2.VideoCapture:
+    # FFmpeg and OpenCV print of their own; what matters is said by our errors
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    level = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(0)
+    try:
+        # by name: another back end would take digits in the name for a numbered sequence
+        capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+    if path.suffix.lower() in SUFFIXES:
+        raise InputError(f"{path}: is a single image; give the folder that holds the images")
+    if path.stat().st_size == 0:
+        raise InputError(f"{path}: is an empty file, zero frames; record it again")
+    # FFmpeg would show a text file as a screen of text
+    if not capture.isOpened() or _code(capture, cv2.CAP_PROP_FOURCC) == b"ansi":
+        raise InputError(
+            f"{path}: is not a video that can be decoded, or has lost its end; copy it once more, "
+            "or convert it to AVI with MJPG"
+        )
+    return capture
+
+
+def _code(capture: cv2.VideoCapture, key: int) -> bytes:
+    return (int(capture.get(key)) & 0xFFFFFFFF).to_bytes(4, "little")
+
+
+def _stamped(path: Path, slower: float) -> Iterator[Frame]:
+    """Frames with the instants of the file times ``slower``."""
+    capture, last, index = _capture(path), -math.inf, 0
+    try:
+        while True:
+            good, image = capture.read()
+            if not good:
+                return
+            time = slower * capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
+            if not time > last:
+                raise InputError(
+                    f"{path}: frame {index} has the time stamp {time:g} s, not after {last:g} s; "
+                    "write the video anew, or give its images with a times.csv"
+                )
+            yield Frame(index=index, time=time, image=_grey8(np.asarray(image)))
+            last, index = time, index + 1
+    finally:
+        capture.release()
+
+
+def _grey8(image: npt.NDArray[np.generic]) -> Image:
+    if image.ndim == 3:
+        image = cv2.cvtColor(np.asarray(image, dtype=np.uint8), cv2.COLOR_BGR2GRAY)
+    return np.ascontiguousarray(image, dtype=np.uint8)
+
+
+def _whole(
+    path: Path, promised: int | None, allow_truncated: bool, frames: Iterator[Frame]
+) -> Iterator[Frame]:
+    """Hold one frame back until it is sure that it is not the broken end of a truncated file."""
+    held, read = None, 0
+    for frame in frames:
+        if held is not None:
+            yield held
+        held, read = frame, read + 1
+    if held is None:
+        raise InputError(f"{path}: zero frames could be read; record it again")
+    if promised is None or read >= promised:
+        yield held
+    elif not allow_truncated:
+        raise InputError(
+            f"{path}: truncated, {read} of {promised} promised frames could be read; copy it once "
+            "more, or use the frames before the break with --allow-truncated"
+        )
+
+
+# ------------------------------------------------------------------------ folders of images
+
+
+def _folder(path: Path, rate: float | None) -> Frames:
+    files = sorted(
+        (file for file in path.iterdir() if file.suffix.lower() in SUFFIXES), key=_natural
+    )
+    if not files:
+        raise InputError(
+            f"{path}: zero frames, no file ends in {', '.join(sorted(SUFFIXES))}; give a folder "
+            "of images"
+        )
+    first = decoded(files[0])
+    grey = Grey.of(files[0], first)
+    height, width = first.shape[:2]
+    times, found = _clock(path, files, rate)
+
+    def read() -> Iterator[Frame]:
+        for index, (file, time) in enumerate(zip(files, times, strict=True)):
+            image = decoded(file)
+            if image.shape[:2] != (height, width):
+                raise InputError(
+                    f"{file}: {image.shape[1]} x {image.shape[0]} pixels, but {files[0].name} has "
+                    f"{width} x {height}; all images of a folder must be of one size"
+                )
+            yield Frame(index=index, time=time, image=grey.eight_bits(file, image))
+
+    return Frames(
+        path=path,
+        rate=found,
+        size=(width, height),
+        promised=len(files),
+        notes=grey.notes,
+        allow_truncated=False,
+        _read=read,
+    )
+
+
+def _natural(path: Path) -> tuple[list[str | int], str]:
+    """Key of the order in which frame_2 comes before frame_10."""
+    parts: list[str | int] = [
+        int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", path.name.lower())
+    ]
+    return parts, path.name
+
+
+def _clock(path: Path, files: list[Path], rate: float | None) -> tuple[list[float], float]:
+    """Instants of the images and frames a second."""
+    table = path / TIMES_FILE
+    if not table.exists():
+        if rate is None:
+            raise InputError(
+                f"{path}: images have no clock; give --frame-rate-hz, or add {TIMES_FILE} "
+                "(file,time_s)"
+            )
+        return [k / rate for k in range(len(files))], rate
+    stated = _read_times(table)
+    missing = [file.name for file in files if file.name not in stated]
+    if missing:
+        raise InputError(f"{table}: has no line for {missing[0]}; add one, one line an image")
+    times = [stated[file.name] for file in files]
+    steps = np.diff(times)
+    if np.any(steps <= 0.0):
+        late = int(np.flatnonzero(steps <= 0.0)[0]) + 1
+        raise InputError(
+            f"{table}: {files[late].name} at {times[late]} s is not after {files[late - 1].name}; "
+            "mend the instants, or rename the images"
+        )
+    if rate is None and not steps.size:
+        raise InputError(f"{table}: one image gives no frame rate; give --frame-rate-hz")
+    return times, rate or float(1.0 / np.median(steps))
+
+
+def _read_times(table: Path) -> dict[str, float]:
+    try:
+        with table.open(encoding="utf-8-sig", newline="") as stream:
+            rows = list(csv.reader(stream, strict=True))
+    except (OSError, csv.Error, UnicodeDecodeError) as error:
+        raise InputError(f"{table}: is not a CSV file in UTF-8 ({error})") from error
+    if not rows or rows[0] != ["file", "time_s"]:
+        raise InputError(f"{table}: must begin with the line file,time_s; mend its header")
+    times: dict[str, float] = {}
+    for line, row in enumerate(rows[1:], start=2):
+        value = _seconds(row)
+        if value is None or row[0] in times:
+            raise InputError(
+                f"{table}, line {line}: {','.join(row)!r}; must be the name of an image, once, and "
+                "a finite number of seconds; mend the line"
+            )
+        times[row[0]] = value
+    return times
+
+
+def _seconds(row: list[str]) -> float | None:
+    """Instant in a line of the clock; None if it has none."""
+    try:
+        value = float(row[1]) if len(row) == 2 else math.nan
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None

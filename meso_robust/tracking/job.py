@@ -1,0 +1,279 @@
+"""The whole job of ``track``: what was asked, the videos one by one, the results in a folder."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from meso_robust.errors import InputError
+from meso_robust.files import write_all
+from meso_robust.recordings import Polygon, RecordingSet, Rectangle, write_set
+from meso_robust.recordings.rules import file_fault
+from meso_robust.tracking.asked import stated_camera, stated_part, stated_pose, stated_probes
+from meso_robust.tracking.calibration_document import calibration_text
+from meso_robust.tracking.commands import Commands, read_commands
+from meso_robust.tracking.frames import Frames, open_frames
+from meso_robust.tracking.grid_fit import GridFit
+from meso_robust.tracking.overlay import write_overlay
+from meso_robust.tracking.track import Scene, Track, track
+from meso_robust.tracking.track_document import TrackDocument, track_document
+from meso_robust.tracking.tracked_set import covariance_file, covariance_text, set_of
+
+Counting: TypeAlias = Callable[[str, int | None], AbstractContextManager[Callable[[], object]]]
+"""What shows progress: made of a text and a number of steps, called after each step."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """What was asked, as on the command line (units in the names)."""
+
+    videos: tuple[Path, ...]
+    task: Path | None = None
+    set_file: Path | None = None
+    length_um: float | None = None
+    width_um: float | None = None
+    tip_radius_um: float | None = None
+    calibration: Path | None = None
+    pixel_um: float | None = None
+    grid: Path | None = None
+    pitch_um: float | None = None
+    start: str | None = None
+    probes: tuple[str, ...] = ()
+    commands: Path | None = None
+    frame_rate_hz: float | None = None
+    allow_truncated: bool = False
+    most_lost: float = 0.1
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ready:
+    """A job with everything read and checked but the frames."""
+
+    job: Job
+    videos: tuple[Frames, ...]
+    files: tuple[str, ...]
+    part: Rectangle | Polygon
+    scene: Scene
+    fit: GridFit | None
+    commands: Commands | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found:
+    """What a job found.
+
+    Attributes
+    ----------
+    ready
+        The job.
+    tracks
+        One a video.
+    recordings
+        The set of those in which the part was found; None if it was found in none.
+    answer
+        The result document.
+    """
+
+    ready: Ready
+    tracks: tuple[Track, ...]
+    recordings: RecordingSet | None
+    answer: TrackDocument
+
+
+def prepared(job: Job) -> Ready:
+    """Read and check everything that was stated.
+
+    Raises
+    ------
+    InputError
+        A file or a value breaks a rule.
+    """
+    part, radius = stated_part(job.task, job.set_file, job.length_um, job.width_um)
+    if job.tip_radius_um is not None:
+        radius = 1e-6 * job.tip_radius_um
+    if radius is None or not 0.0 < radius < 0.01:
+        raise InputError(
+            "the tips' radius must be known and positive; give --tip-radius-um (12.5 for a tip of "
+            "25 um diameter)"
+        )
+    if job.commands is not None and len(job.videos) != 1:
+        raise InputError(f"--commands: {len(job.videos)} videos; belongs to one; track them singly")
+    videos = tuple(open_frames(path, job.frame_rate_hz, job.allow_truncated) for path in job.videos)
+    for video in videos[1:]:
+        if video.size != videos[0].size:
+            raise InputError(
+                f"{video.path}: {video.size[0]} x {video.size[1]} px, but {videos[0].path} has "
+                f"{videos[0].size[0]} x {videos[0].size[1]}; track them singly"
+            )
+    camera, fit = stated_camera(
+        videos[0].size, job.calibration, job.pixel_um, job.grid, job.pitch_um
+    )
+    scene = Scene(
+        outline=part.outline,
+        tip_radius=radius,
+        calibration=camera,
+        pose=stated_pose(job.start),
+        probes=stated_probes(job.probes),
+    )
+    return Ready(
+        job=job,
+        videos=videos,
+        files=_files(job.videos),
+        part=part,
+        scene=scene,
+        fit=fit,
+        commands=None if job.commands is None else read_commands(job.commands),
+    )
+
+
+def run(ready: Ready, counting: Counting) -> Found:
+    """Track every video.
+
+    Raises
+    ------
+    InputError
+        A video breaks a rule.
+    """
+    tracks = []
+    for video in ready.videos:
+        with counting(f"tracking {video.path.name}", video.promised) as each:
+            tracks.append(track(video, ready.scene, each))
+    kept = [k for k, one in enumerate(tracks) if one.found.any()]
+    recordings = None
+    if kept:
+        recordings = set_of(
+            [tracks[k] for k in kept],
+            [ready.files[k] for k in kept],
+            ready.part,
+            ready.scene.tip_radius,
+            ready.commands,
+        )
+    answer = track_document(
+        tracks,
+        ready.files,
+        ready.scene.calibration,
+        ready.job.most_lost,
+        _plain(asdict(ready.job)),
+        _grid(ready.fit),
+    )
+    return Found(ready=ready, tracks=tuple(tracks), recordings=recordings, answer=answer)
+
+
+def write(folder: Path, found: Found, report: str, counting: Counting | None) -> None:
+    """Write the results: the set, covariances, track.json, calibration.toml, report and overlays.
+
+    Parameters
+    ----------
+    folder
+        Made if needed.
+    found
+        What is written.
+    report
+        Text of report.html.
+    counting
+        Shows the progress of the overlays; None: no overlays.
+
+    Raises
+    ------
+    InputError
+        Something cannot be written; nothing is left half written.
+    """
+    ready = found.ready
+    texts = {
+        "calibration.toml": calibration_text(ready.scene.calibration),
+        "report.html": report,
+        "track.json": found.answer.model_dump_json(by_alias=True, indent=2) + "\n",
+    }
+    for one, file in zip(found.tracks, ready.files, strict=True):
+        texts[covariance_file(file)] = covariance_text(one)
+    with _Drafts(folder) as drafts:
+        if counting is not None:
+            _overlays(drafts, found, counting)
+        write_all(folder, texts)
+        if found.recordings is not None:
+            write_set(folder, found.recordings)
+        drafts.place()
+
+
+class _Drafts:
+    """A hidden folder for files that are long in the making; it is gone at the end."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __enter__(self) -> _Drafts:
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            self.path = Path(tempfile.mkdtemp(dir=self._folder, prefix=".", suffix=".part"))
+        except OSError as error:
+            raise InputError(
+                f"--out {self._folder}: cannot be written ({error.strerror}); give a folder that can"
+            ) from error
+        return self
+
+    def place(self) -> None:
+        """Move the drafts into the folder."""
+        for draft in sorted(self.path.iterdir()):
+            os.replace(draft, self._folder / draft.name)
+
+    def __exit__(self, *_: object) -> None:
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _overlays(drafts: _Drafts, found: Found, counting: Counting) -> None:
+    ready = found.ready
+    for one, file in zip(found.tracks, ready.files, strict=True):
+        stem = file.removesuffix(".csv")
+        name = "overlay.avi" if len(found.tracks) == 1 else f"overlay_{stem}.avi"
+        with counting(f"drawing {name}", len(one.times)) as each:
+            write_overlay(
+                drafts.path / name,
+                one,
+                ready.scene.outline,
+                ready.scene.tip_radius,
+                ready.scene.calibration,
+                each,
+            )
+
+
+def _files(videos: Sequence[Path]) -> tuple[str, ...]:
+    """Names of the recordings, after the videos."""
+    names: list[str] = []
+    for k, video in enumerate(videos):
+        stem = re.sub(r"[^A-Za-z0-9_.-]", "_", video.stem if video.suffix else video.name)
+        name = f"{stem}.csv"
+        taken = [other.lower() for other in names]
+        if file_fault(name) or name.lower() in taken or stem.endswith("_covariance"):
+            name = f"push_{k:02d}.csv"
+        names.append(name)
+    return tuple(names)
+
+
+def _grid(fit: GridFit | None) -> dict[str, Any] | None:
+    if fit is None:
+        return None
+    return {
+        "kind": fit.points.kind,
+        "points": int(fit.kept.sum()),
+        "left_out": int((~fit.kept).sum()),
+        "rms_px": round(fit.rms, 4),
+    }
+
+
+def _plain(values: dict[str, Any]) -> dict[str, Any]:
+    """Values that JSON has: paths as texts, what was not given left out."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, (tuple, list)):
+            return [plain(item) for item in value]
+        return str(value) if isinstance(value, Path) else value
+
+    return {key: plain(value) for key, value in values.items() if value not in (None, ())}

@@ -1,0 +1,335 @@
+"""The learned image of a needle, and registration of frames to it.
+
+A needle moves without turning, so that its image only shifts. Each frame is registered to the mean of
+many by least squares (Gauss-Newton, iteratively reweighted; Baker and Matthews, "Lucas-Kanade 20 years
+on", doi:10.1023/B:VISI.0000011205.11775.fd). The brightness of the needle, and that of the film on
+either side of it along the shaft, are free: what lies behind is not known.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.tracking.edge_profile import Behind, behind
+from meso_robust.tracking.needle import Needle, coverage, fit_needle
+
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+Image = npt.NDArray[np.uint8]
+Flags = npt.NDArray[np.bool_]
+
+LEARNED = 40
+"""Frames that the image of a needle is the mean of."""
+_LENGTH = 110.0  # px of shaft that are followed
+_BESIDE, _AHEAD = 4.5, 7.0  # px of film beside and ahead of the needle
+_SEGMENT = 30.0  # px along the shaft within which the film's brightness changes evenly
+_EDGE = 8  # px; the part's rim and meniscus reach as far
+_STEPS, _SMALL = 12, 0.015  # of Gauss-Newton; px
+_LEAST_SCORE = 0.6
+_LEAST_GAIN = 0.2  # brightness of the needle over the learned one
+_LEAST_PIXELS = 150.0
+_SEARCH = 40  # px around the last place, when lost
+_LEAST_APART = 1.0  # px between two fits of a tip that are worth a word
+_TUKEY = 4.7  # standard deviations beyond which a pixel does not count
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Tip:
+    """A probe in a frame.
+
+    Attributes
+    ----------
+    found
+        Whether it can be trusted.
+    shift
+        (2,) px from the learned image; NaN when not found.
+    covariance
+        (2, 2) of the shift, px².
+    reason
+        Why it is not found.
+    score
+        Share of the brightness's variance that the learned image explains.
+    """
+
+    found: bool
+    shift: Floats
+    covariance: Floats
+    reason: str
+    score: float
+
+
+def lost(reason: str, score: float = 0.0) -> Tip:
+    """A probe that was not found."""
+    nothing, spread = np.full(2, math.nan), np.full((2, 2), math.nan)
+    return Tip(found=False, shift=nothing, covariance=spread, reason=reason, score=score)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _View:
+    """Grey values (N,), their weights (N,) and what they are made of (N, K)."""
+
+    target: Singles
+    weight: Singles
+    columns: Singles
+
+
+class Learned:
+    """A piece of the first frame around a needle, then the mean of many.
+
+    Parameters
+    ----------
+    frame
+        (H, W) grey values.
+    needle
+        Where it is in it.
+    outline
+        (V, 2) border of the part in seen px, or None: pixels near it are learned later.
+    """
+
+    def __init__(self, frame: Image, needle: Needle, outline: Floats | None) -> None:
+        self.needle = needle
+        self.frames = 0
+        corridor = needle.polygon(_BESIDE + 2.0, _LENGTH)
+        height, width = frame.shape
+        low = np.clip(np.floor(corridor.min(axis=0)), 0, (width - 1, height - 1)).astype(int)
+        high = np.clip(np.ceil(corridor.max(axis=0)) + 1, low + 1, (width, height)).astype(int)
+        self.corner = low
+        self.shape = (int(high[1] - low[1]), int(high[0] - low[0]))
+        v, u = np.mgrid[: self.shape[0], : self.shape[1]].astype(float)
+        s, n = needle.along_across(u + low[0], v + low[1])
+        distance = needle.distance(s, n)
+        inside = (s < _LENGTH) & (distance < np.where(s < 0.0, _AHEAD, _BESIDE))
+        self._rows = np.flatnonzero(inside.ravel())
+        self._places = np.stack([u.ravel(), v.ravel()], axis=1)[self._rows] + low
+        clear = 1.0 - coverage(needle, low.astype(float), self.shape)
+        self._clear = clear.ravel()[self._rows].astype(np.float32)
+        down, right = np.gradient(clear)
+        self._fading = np.stack([right.ravel(), down.ravel()], axis=1)[self._rows]
+        self._film = _film_basis(clear, s, n)[:, inside]
+        self._film = self._film[np.abs(self._film).sum(axis=1) > 1.0]
+        self._grey = frame[low[1] : high[1], low[0] : high[0]].astype(np.float32)
+        self._counts = np.zeros(self.shape, np.float32)
+        self._seen = self._free_of(outline, np.zeros(2))
+        self._slopes()
+
+    def register(self, frame: Image, start: Floats, outline: Floats | None) -> Tip:
+        """Shift of the needle in a frame, from a start (2,)."""
+        if not self._tip_inside(frame, start):
+            return lost("the tip is outside the image")
+        shift, step = start.copy(), np.full(2, math.inf)
+        scene = behind(frame, outline, self._places + start, self.needle.moved(start))
+        robust = np.ones(len(self._rows), np.float32)
+        for count in range(_STEPS):
+            grey, inside = self._sampled(frame, shift)
+            view = self._view(grey, inside, scene, shift - start)
+            if float(view.weight.sum()) < _LEAST_PIXELS:
+                return lost("too little of the needle is visible")
+            solved = _solve(view, robust)
+            step = solved.step
+            shift = shift + np.clip(step, -3.0, 3.0)
+            if count and np.abs(step).max() < _SMALL:
+                break
+            if count < 3:  # afterwards the weights rest, so that the steps end
+                robust = _robust(view, solved.residual)
+        if not self._tip_inside(frame, shift):
+            return lost("the tip is outside the image")
+        score, covariance = self._judged(view, robust, solved)
+        if np.abs(step).max() >= 10.0 * _SMALL or np.abs(shift - start).max() > 1.5 * _SEARCH:
+            return lost("the needle does not match its learned image")
+        if score < _LEAST_SCORE:
+            return lost("the needle does not look as learned", score)
+        return Tip(found=True, shift=shift, covariance=covariance, reason="", score=score)
+
+    def search(self, frame: Image, around: Floats) -> Floats:
+        """Shift (2,) of the best match of the tip's surroundings, to a pixel."""
+        at = np.rint(np.array(self.needle.tip)).astype(int) - self.corner
+        low = np.clip(at - 14, 0, None)
+        high = np.minimum(at + 15, self.shape[::-1])
+        piece = np.ascontiguousarray(self._grey[low[1] : high[1], low[0] : high[0]])
+        want = self.corner + low + np.rint(around).astype(int)
+        first = np.clip(want - _SEARCH, 0, None)
+        last = np.minimum(want + np.array(piece.shape[::-1]) + _SEARCH, frame.shape[::-1])
+        window = frame[first[1] : last[1], first[0] : last[0]].astype(np.float32)
+        if min(piece.shape) < 3 or np.any(np.array(window.shape) < np.array(piece.shape)):
+            return around
+        match = cv2.matchTemplate(window, piece, cv2.TM_CCOEFF_NORMED)
+        best = np.array(cv2.minMaxLoc(match)[3])
+        return np.asarray(first + best - self.corner - low, dtype=float)
+
+    def learn(self, frame: Image, tip: Tip, outline: Floats | None) -> None:
+        """Add a frame to the mean, while there are not enough."""
+        if self.frames >= LEARNED:
+            return
+        self.frames += 1
+        grey, inside = self._sampled(frame, tip.shift)
+        new = inside & self._free_of(outline, tip.shift)
+        self._counts += new
+        share = new / np.maximum(self._counts, 1.0)
+        self._grey += (share * (grey - self._grey)).astype(np.float32)
+        self._seen = self._counts > 0.0
+        if self.frames in (1, 2, 5, 10, 20, LEARNED):
+            self._slopes()
+
+    def anchor(self) -> tuple[Floats, Floats, str]:
+        """Place (2,) of the tip in the learned image, its covariance (2, 2), and a remark or ""."""
+        v, u = np.mgrid[: self.shape[0], : self.shape[1]].astype(float)
+        tip = self.needle.tip
+        near = np.hypot(u + self.corner[0] - tip[0], v + self.corner[1] - tip[1])
+        free = float(self._seen[near < self.needle.radius + 3.0].mean()) > 0.9
+        used = self._seen.astype(float) if free else None
+        fit = fit_needle(self._grey.astype(float), self.corner.astype(float), self.needle, used)
+        axis = fit.needle.axis
+        place = np.array(fit.needle.tip)
+        apart = place - np.array(tip)
+        covariance = fit.covariance + _systematic(axis)
+        if math.hypot(*apart) > _LEAST_APART:  # something beside the tip, such as dust, draws a fit
+            covariance = covariance + np.outer(apart, apart)
+            remark = (
+                f"its tip in the first frame and in the mean differ by {math.hypot(*apart):.1f} px"
+            )
+            return place, covariance, remark
+        if free:
+            return place, covariance, ""
+        # against the part's edge the end of the tip is not told apart from it
+        covariance = covariance + np.outer(axis, axis)
+        return place, covariance, "never seen free of the part"
+
+    def _view(self, grey: Singles, inside: Flags, scene: Behind | None, moved: Floats) -> _View:
+        """What is compared with the learned image, with the part's edge behind it taken out."""
+        target = grey.ravel()[self._rows]
+        weight = (inside & self._seen).ravel()[self._rows].astype(np.float32)
+        if scene is None:
+            return _View(target=target, weight=weight, columns=self._columns)
+        change, variance = scene.at(moved)
+        clear = self._clear[scene.rows]
+        target[scene.rows] -= clear * change
+        weight[scene.rows] /= 1.0 + clear**2 * variance
+        columns = self._columns.copy()
+        # the needle stands out against what is behind it there, not against film
+        columns[scene.rows, 1:3] -= self._fading[scene.rows] * change[:, None]
+        return _View(target=target, weight=weight, columns=columns)
+
+    def _tip_inside(self, frame: Image, shift: Floats) -> bool:
+        place = np.array(self.needle.tip) + shift
+        return bool(np.all(place >= 0.0) and np.all(place <= np.array(frame.shape[::-1]) - 1.0))
+
+    def _sampled(self, frame: Image, shift: Floats) -> tuple[Singles, Flags]:
+        """The frame where the learned image would be, and which pixels lie inside it."""
+        whole = np.floor(shift).astype(int)
+        part = shift - whole
+        shape = (self.shape[0] + 3, self.shape[1] + 3)
+        piece, inside = _cut(frame, self.corner + whole - 1, shape)
+        across, down = _cubic(part[0]), _cubic(part[1])
+        filtered = cv2.sepFilter2D(piece, cv2.CV_32F, across, down, anchor=(1, 1))
+        grey = filtered[1 : 1 + self.shape[0], 1 : 1 + self.shape[1]]
+        return np.asarray(grey, np.float32), inside[1 : 1 + self.shape[0], 1 : 1 + self.shape[1]]
+
+    def _free_of(self, outline: Floats | None, shift: Floats) -> Flags:
+        """(h, w) pixels that the part's edge, its rim and its meniscus do not reach."""
+        reached = np.zeros(self.shape, np.uint8)
+        if outline is not None:
+            local = np.rint((outline - self.corner - shift) * 16.0).astype(np.int32)
+            cv2.polylines(reached, [local], True, 1, 2 * _EDGE + 1, cv2.LINE_8, 4)
+        return np.asarray(reached == 0)
+
+    def _slopes(self) -> None:
+        smooth = cv2.GaussianBlur(self._grey, (0, 0), 0.6)
+        slopes = [
+            -np.asarray(cv2.Scharr(smooth, cv2.CV_32F, *order)).ravel()[self._rows] / 32.0
+            for order in ((1, 0), (0, 1))
+        ]
+        own = self._grey.ravel()[self._rows]
+        self._columns = np.vstack([own[None], *(s[None] for s in slopes), self._film]).T
+        self._columns = np.ascontiguousarray(self._columns, np.float32)
+
+    def _judged(self, view: _View, robust: Singles, solved: _Solved) -> tuple[float, Floats]:
+        """Share of the variance that is explained, and the covariance (2, 2) of the shift."""
+        weight, residual = view.weight * robust, solved.residual
+        total = float(np.sum(weight))
+        variance = float(weight @ residual**2) / max(total - view.columns.shape[1], 1.0)
+        apart = view.target - float(weight @ view.target) / total
+        score = 1.0 - variance / max(float(weight @ apart**2) / total, 1e-9)
+        widened = self._correlation(residual * np.sqrt(weight))
+        # the mean of so many frames has noise of its own
+        widened *= 1.0 + 1.0 / max(self.frames, 1)
+        return score if solved.seen else 0.0, variance * widened * solved.inverse
+
+    def _correlation(self, residual: Singles) -> float:
+        """Factor by which noise common to neighbours (compression, resampling) widens a mean."""
+        image = np.zeros(self.shape, np.float32)
+        image.ravel()[self._rows] = residual
+        power = float(np.sum(residual**2)) + 1e-9
+        u = float(np.sum(image[:, 1:] * image[:, :-1])) / power
+        v = float(np.sum(image[1:] * image[:-1])) / power
+        return (1.0 + 2.0 * max(u, 0.0)) * (1.0 + 2.0 * max(v, 0.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Solved:
+    """A step (2,) px, its cofactors (2, 2), what it leaves (N,), and whether a needle is seen."""
+
+    step: Floats
+    inverse: Floats
+    residual: Singles
+    seen: bool
+
+
+def _solve(view: _View, robust: Singles) -> _Solved:
+    weighted = view.columns * (view.weight * robust)[:, None]
+    gram = (weighted.T @ view.columns).astype(float)
+    gram[np.diag_indices_from(gram)] += 1e-2  # a segment that does not show stays at none
+    inverse = np.linalg.inv(gram)
+    x = inverse @ (weighted.T @ view.target)
+    seen = abs(x[0]) > _LEAST_GAIN
+    gain = float(x[0]) if seen else 1.0
+    return _Solved(
+        step=np.asarray(x[1:3] / gain, dtype=float),
+        inverse=np.asarray(inverse[1:3, 1:3] / gain**2),
+        residual=np.asarray(view.target - view.columns @ x.astype(np.float32), np.float32),
+        seen=bool(seen),
+    )
+
+
+def _robust(view: _View, residual: Singles) -> Singles:
+    """(N,) Tukey's weights."""
+    rough = np.abs(residual) * np.sqrt(view.weight)
+    sigma = max(1.4826 * float(np.median(rough[view.weight > 0.0][::2])), 0.5)
+    return np.asarray(np.maximum(1.0 - (rough / (_TUKEY * sigma)) ** 2, 0.0) ** 2, np.float32)
+
+
+def _systematic(axis: Floats) -> Floats:
+    """(2, 2) what texture, dust and the model's simplicity leave of the tip's place, px²."""
+    along, across = 0.15**2, 0.03**2
+    return across * np.eye(2) + (along - across) * np.outer(axis, axis)
+
+
+def _film_basis(clear: Floats, s: Floats, n: Floats) -> Floats:
+    """(K, h, w) brightness of the film, one value each side each segment, where it shows."""
+    knots = np.arange(-_AHEAD, _LENGTH + _SEGMENT, _SEGMENT)
+    hats = [np.maximum(0.0, 1.0 - np.abs(s - knot) / _SEGMENT) for knot in knots]
+    return np.stack([clear * hat * side for hat in hats for side in (n >= 0.0, n < 0.0)])
+
+
+def _cubic(part: float) -> Singles:
+    """(4,) weights of Keys' cubic convolution at a share of a pixel, doi:10.1109/TASSP.1981.1163711."""
+    t = np.abs(np.array([1.0 + part, part, 1.0 - part, 2.0 - part]))
+    near = 1.5 * t**3 - 2.5 * t**2 + 1.0
+    far = -0.5 * t**3 + 2.5 * t**2 - 4.0 * t + 2.0
+    return np.where(t <= 1.0, near, far).astype(np.float32)
+
+
+def _cut(frame: Image, low: npt.NDArray[np.int64], shape: tuple[int, int]) -> tuple[Image, Flags]:
+    """A piece of a frame, repeated beyond its border, and which pixels are not."""
+    height, width = frame.shape
+    rows = np.arange(low[1], low[1] + shape[0])
+    columns = np.arange(low[0], low[0] + shape[1])
+    good = ((rows >= 1) & (rows < height - 2))[:, None] & ((columns >= 1) & (columns < width - 2))
+    if low.min() >= 0 and rows[-1] < height and columns[-1] < width:
+        return frame[low[1] : low[1] + shape[0], low[0] : low[0] + shape[1]], good
+    rows, columns = np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
+    return frame[np.ix_(rows, columns)], good

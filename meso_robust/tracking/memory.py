@@ -1,0 +1,102 @@
+"""What a tracker has learned of a part: how its edges, its face and the light upon it look."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meso_robust.tracking.covariance import LAMP_SIGMA, lamp_estimate
+from meso_robust.tracking.edges import Lens, Outline, learned_pattern, single_step
+from meso_robust.tracking.rim import LampFit, lamp_displacement
+from meso_robust.tracking.sampling import Bytes, Floats, Patch
+from meso_robust.tracking.ssd import Appearance, Template, added, blank, template
+
+LEARNING = 12
+"""Frames that the appearance is learned from; after that it is kept, so that it cannot drift."""
+LAMP_FRAMES = 4
+"""Frames in which the displacement by oblique light is measured."""
+_REBUILT = 4  # frames between two templates while learning
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Memory:
+    """What was learned so far.
+
+    Attributes
+    ----------
+    pattern
+        Of the derivative across the outline (:func:`edges.learned_pattern`).
+    appearance, template
+        Of the face, and what is compared (None: not enough seen or nothing to see).
+    frames
+        How many frames were learned from.
+    lamps
+        Displacement by oblique light in each frame where it could be measured.
+    edge_covariance
+        (3, 3) of one learned pose.
+    """
+
+    pattern: Floats
+    appearance: Appearance
+    template: Template | None
+    frames: int
+    lamps: tuple[LampFit, ...]
+    edge_covariance: Floats
+
+    @property
+    def lamp(self) -> Floats:
+        """(2,) px to be taken off a pose from edges."""
+        return self._lamp()[0]
+
+    @property
+    def lamp_covariance(self) -> Floats:
+        """(3, 3) of what is left after that; the model errs alike in every frame."""
+        return self._lamp()[1]
+
+    def _lamp(self) -> tuple[Floats, Floats]:
+        if not self.lamps:
+            return np.zeros(2), LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
+        middle = np.median([fit.displacement for fit in self.lamps], axis=0)
+        mean = np.mean([fit.covariance for fit in self.lamps], axis=0)
+        return lamp_estimate(np.asarray(middle), mean)
+
+    @property
+    def anchor_covariance(self) -> Floats:
+        """(3, 3) of the place that the appearance was learned at."""
+        # neighbouring frames share half of their errors
+        return self.edge_covariance / max(0.5 * self.frames, 1.0)
+
+
+def untaught(corners: Floats) -> Memory:
+    """Nothing learned yet of the part with ``corners`` (V, 2) px."""
+    return Memory(single_step(), blank(corners), None, 0, (), np.zeros((3, 3)))
+
+
+def with_pattern(of: Memory, piece: Patch, outline: Outline, pose: Floats, lens: Lens) -> Memory:
+    """The memory with the edges as they look at a pose (3,)."""
+    return replace(of, pattern=learned_pattern(piece, outline, pose, lens))
+
+
+def with_light(
+    of: Memory, frame: Bytes, mask: Bytes | None, outline: Outline, pose: Floats, lens: Lens
+) -> Memory:
+    """The memory with the displacement by oblique light in one more frame."""
+    if len(of.lamps) >= LAMP_FRAMES:
+        return of
+    near = of.lamps[-1].displacement if of.lamps else None
+    lamp = lamp_displacement(frame, mask, outline, pose, lens, near)
+    return of if lamp is None else replace(of, lamps=(*of.lamps, lamp))
+
+
+def with_face(of: Memory, piece: Patch, pose: Floats, covariance: Floats, lens: Lens) -> Memory:
+    """The memory with the face as seen at one more pose (3,) with its covariance (3, 3)."""
+    if of.frames >= LEARNING:
+        return of
+    frames = of.frames + 1
+    appearance = added(of.appearance, piece, pose, lens)
+    mean = of.edge_covariance + (covariance - of.edge_covariance) / frames
+    compared = template(appearance) if frames % _REBUILT == 0 else of.template
+    return replace(
+        of, appearance=appearance, template=compared, frames=frames, edge_covariance=mean
+    )

@@ -1,0 +1,142 @@
+"""A video to look at: the frames with what the tracker saw in them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.errors import InputError
+from meso_robust.tracking.calibration import Calibration
+from meso_robust.tracking.track import Track
+
+Floats = npt.NDArray[np.float64]
+Colours = npt.NDArray[np.uint8]
+
+MAGNIFIED = 50.0
+"""Factor of the drawn ellipses on one standard deviation: without it they would be invisible."""
+_FINE = 4  # bits of a pixel in OpenCV's drawing
+_GREEN, _ORANGE, _RED, _BLUE = (80, 200, 60), (30, 150, 240), (60, 60, 230), (235, 160, 40)
+
+
+def write_overlay(
+    path: Path,
+    track: Track,
+    outline: Floats,
+    tip_radius: float,
+    calibration: Calibration,
+    each: Callable[[], object] = lambda: None,
+) -> None:
+    """Write the frames of a track as an AVI (MJPG) with outlines, tips, ellipses and words.
+
+    Parameters
+    ----------
+    path
+        The video to write, ending in .avi.
+    track
+        What was seen.
+    outline
+        (V, 2) corners of the part in m, body frame.
+    tip_radius
+        In m.
+    calibration
+        Of the camera.
+    each
+        Called after every frame.
+
+    Raises
+    ------
+    InputError
+        The video cannot be written.
+    """
+    code = cv2.VideoWriter.fourcc(*"MJPG")
+    writer = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, code, track.frames.rate, track.frames.size)
+    if not writer.isOpened():
+        raise InputError(f"{path}: the overlay cannot be written; give --no-overlay")
+    try:
+        for frame, k in zip(track.frames, range(len(track.times)), strict=False):
+            picture = np.asarray(cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR), np.uint8)
+            _draw(picture, track, k, outline, tip_radius, calibration)
+            writer.write(picture)
+            each()
+    finally:
+        writer.release()
+
+
+def _draw(
+    picture: Colours,
+    track: Track,
+    k: int,
+    outline: Floats,
+    tip_radius: float,
+    calibration: Calibration,
+) -> None:
+    colour = _GREEN if track.states[k] == "found" else _ORANGE
+    if track.found[k]:
+        x, y, theta = track.poses[k]
+        c, s = math.cos(theta), math.sin(theta)
+        border = _dense(outline) @ np.array([[c, s], [-s, c]]) + (x, y)
+        _closed(picture, calibration.to_pixels(border), colour)
+        _closed(
+            picture, _ellipse(track.poses[k, :2], track.covariances[k, :2, :2], calibration), colour
+        )
+        axis = np.array(
+            [[x, y], [x + 0.25 * c * np.ptp(outline[:, 0]), y + 0.25 * s * np.ptp(outline[:, 0])]]
+        )
+        _line(picture, calibration.to_pixels(axis), colour)
+    for p, name in enumerate(track.names):
+        tip = track.tips[k, p]
+        if np.isfinite(tip[0]):
+            angle = np.linspace(0.0, 2.0 * math.pi, 25)[:-1]
+            ring = tip + tip_radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            _closed(picture, calibration.to_pixels(ring), _BLUE)
+            _closed(picture, _ellipse(tip, track.tip_covariances[k, p], calibration), _BLUE)
+            u, v = np.rint(calibration.to_pixels(tip)).astype(int).tolist()
+            _text(picture, name, (u + 8, v - 8), _BLUE)
+    _words(picture, track, k, colour)
+
+
+def _words(picture: Colours, track: Track, k: int, colour: tuple[int, int, int]) -> None:
+    line = f"frame {k}  {track.times[k]:.3f} s  {track.states[k]}"
+    _text(picture, line, (8, 18), colour if track.found[k] else _RED)
+    reasons = [track.reasons[k], *track.tip_reasons[k]]
+    for row, reason in enumerate(filter(None, reasons)):
+        _text(picture, reason, (8, 36 + 16 * row), _RED)
+    height = picture.shape[0]
+    _text(picture, f"ellipses: 1 sigma x {MAGNIFIED:g}", (8, height - 8), (200, 200, 200))
+
+
+def _text(picture: Colours, words: str, at: tuple[int, int], colour: tuple[int, int, int]) -> None:
+    plain = words.encode("ascii", "replace").decode()
+    cv2.putText(picture, plain, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
+
+
+def _dense(outline: Floats) -> Floats:
+    """The outline with points between its corners, so that the lens may bend its image."""
+    share = (np.arange(8) / 8.0)[None, :, None]
+    after = np.roll(outline, -1, axis=0)
+    return ((1.0 - share) * outline[:, None] + share * after[:, None]).reshape(-1, 2)
+
+
+def _ellipse(centre: Floats, covariance: Floats, calibration: Calibration) -> Floats:
+    values, vectors = np.linalg.eigh(covariance)
+    axes = vectors * np.sqrt(np.maximum(values, 0.0))
+    angle = np.linspace(0.0, 2.0 * math.pi, 37)[:-1]
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1) @ axes.T
+    return calibration.to_pixels(centre + MAGNIFIED * ring)
+
+
+def _fixed(points: Floats) -> npt.NDArray[np.int32]:
+    return np.rint(points * 2**_FINE).astype(np.int32).reshape(-1, 1, 2)
+
+
+def _closed(picture: Colours, points: Floats, colour: tuple[int, int, int]) -> None:
+    cv2.polylines(picture, [_fixed(points)], True, colour, 1, cv2.LINE_AA, _FINE)
+
+
+def _line(picture: Colours, points: Floats, colour: tuple[int, int, int]) -> None:
+    cv2.polylines(picture, [_fixed(points)], False, colour, 1, cv2.LINE_AA, _FINE)

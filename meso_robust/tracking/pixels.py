@@ -1,0 +1,116 @@
+"""Image files to 8-bit grey: what is converted, what is scaled, what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.errors import InputError
+
+Pixels = npt.NDArray[Any]
+
+# what a whole file ends with, up to a few bytes of padding; decoders fill the rest of a torn one in
+_ENDS = {b"\x89PNG": b"IEND", b"\xff\xd8\xff": b"\xff\xd9"}
+_PADDING = 64
+_DEPTHS = (10, 12, 14, 16)
+
+
+def decoded(path: Path) -> Pixels:
+    """(H, W) or (H, W, C) pixels of an image file as they are stored.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is torn, or is no image.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    for start, end in _ENDS.items():
+        if data.startswith(start) and end not in data[-_PADDING:]:
+            raise InputError(f"{path}: truncated image; copy it once more or leave it out")
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    if image is None:
+        raise InputError(f"{path}: is not an image that can be decoded; leave it out")
+    return image
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grey:
+    """How the images of a folder become grey with 8 bits, the same for all.
+
+    Attributes
+    ----------
+    kind
+        Type of the pixels, "uint8" or "uint16".
+    channels
+        1 or 3.
+    bits
+        Depth that is scaled to 8 bits.
+    """
+
+    kind: str
+    channels: int
+    bits: int
+
+    @classmethod
+    def of(cls, path: Path, image: Pixels) -> Grey:
+        """What the first image of a folder demands.
+
+        Raises
+        ------
+        InputError
+            Its pixels are neither 8-bit or 16-bit grey nor 8-bit colour.
+        """
+        kind, channels = image.dtype.name, 1 if image.ndim == 2 else image.shape[2]
+        if (kind, channels) not in (("uint8", 1), ("uint8", 3), ("uint16", 1)):
+            raise InputError(
+                f"{path}: pixels of type {kind} with {channels} channel(s); must be 8-bit grey, "
+                "16-bit grey or 8-bit colour without transparency; convert the images"
+            )
+        largest = int(image.max()) if kind == "uint16" else 0
+        bits = next(d for d in _DEPTHS if largest < 2**d) if kind == "uint16" else 8
+        return cls(kind=kind, channels=channels, bits=bits)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a user should know of the conversion."""
+        if self.bits > 8:
+            return (
+                f"16-bit grey values are taken as {self.bits}-bit ones, from the brightest pixel of "
+                "the first image, and scaled to 8 bits",
+            )
+        return ("colours are converted to grey",) if self.channels == 3 else ()
+
+    def eight_bits(self, path: Path, image: Pixels) -> npt.NDArray[np.uint8]:
+        """(H, W) grey values with 8 bits.
+
+        Raises
+        ------
+        InputError
+            The image is not of the kind of the first one, or brighter than its depth allows.
+        """
+        channels = 1 if image.ndim == 2 else image.shape[2]
+        if (image.dtype.name, channels) != (self.kind, self.channels):
+            raise InputError(
+                f"{path}: pixels of type {image.dtype.name} with {channels} channel(s), but the "
+                f"first image has {self.kind} with {self.channels}; convert the images"
+            )
+        if self.channels == 3:
+            return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+        if self.bits == 8:
+            return np.ascontiguousarray(image, dtype=np.uint8)
+        if int(image.max()) >= 2**self.bits:
+            raise InputError(
+                f"{path}: grey value {int(image.max())}, but the first image was taken for "
+                f"{self.bits}-bit; convert the images to 8 bits"
+            )
+        # rounding, not cutting: half a grey value of bias would be left otherwise
+        scaled = image.astype(np.float32) * (255.0 / (2**self.bits - 1))
+        return np.rint(scaled).astype(np.uint8)

@@ -1,0 +1,125 @@
+"""Grey values between the pixels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from meso_robust.kernels import inner
+
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+Bytes = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
+
+SMOOTHING = 1.0
+"""Standard deviation in px of the smoothing before any sampling: bilinear interpolation of an image
+this smooth is right to a hundredth of a grey step's pixel, and compression blocks are quenched."""
+_RADIUS = 3
+_KERNEL = cv2.getGaussianKernel(2 * _RADIUS + 1, SMOOTHING, cv2.CV_32F)
+_SPREAD = np.ones((2 * _RADIUS + 1, 2 * _RADIUS + 1), np.uint8)
+
+
+class Patch(NamedTuple):
+    """A smoothed piece of a frame.
+
+    Attributes
+    ----------
+    grey
+        (h, w) smoothed grey values.
+    hidden
+        (h, w) non-zero where a probe hides the scene or reaches through the smoothing.
+    corner
+        (u, v) in px of the piece's first pixel.
+    """
+
+    grey: Singles
+    hidden: Bytes
+    corner: Floats
+
+
+def patch(frame: Bytes, mask: Bytes | None, points: Floats, margin: float) -> Patch:
+    """The piece of ``frame`` about ``points`` (N, 2) in px with ``margin`` px around, smoothed."""
+    height, width = frame.shape
+    low = np.floor(points.min(axis=0) - margin).astype(int)
+    high = np.ceil(points.max(axis=0) + margin).astype(int) + 1
+    u0, v0 = np.clip(low, 0, (width - 1, height - 1))
+    u1, v1 = np.clip(high, (u0 + 1, v0 + 1), (width, height))
+    piece = frame[v0:v1, u0:u1]
+    smooth = cv2.sepFilter2D(piece, cv2.CV_32F, _KERNEL, _KERNEL, borderType=cv2.BORDER_REPLICATE)
+    covered = np.zeros(piece.shape, np.uint8)
+    if mask is not None:
+        covered[mask[v0:v1, u0:u1] != 0] = 1
+        covered = np.asarray(cv2.dilate(covered, _SPREAD), dtype=np.uint8)
+    return Patch(np.asarray(smooth, dtype=np.float32), covered, np.array([u0, v0], dtype=float))
+
+
+@inner
+def _bilinear(grey: Singles, hidden: Bytes, u: float, v: float) -> float:
+    """Grey value at (u, v) of the piece; NaN outside it and where it is hidden."""
+    height, width = grey.shape
+    if not (0.0 <= u <= width - 1.0 and 0.0 <= v <= height - 1.0):
+        return np.nan
+    i, j = min(int(v), height - 2), min(int(u), width - 2)
+    if i < 0 or j < 0 or hidden[i, j] or hidden[i + 1, j + 1]:
+        return np.nan
+    a, b = u - j, v - i
+    top = (1.0 - a) * grey[i, j] + a * grey[i, j + 1]
+    bottom = (1.0 - a) * grey[i + 1, j] + a * grey[i + 1, j + 1]
+    return (1.0 - b) * top + b * bottom
+
+
+@njit(cache=True, error_model="numpy")
+def _sample(grey: Singles, hidden: Bytes, points: Floats, out: Floats) -> None:
+    for n in range(len(points)):
+        out[n] = _bilinear(grey, hidden, points[n, 0], points[n, 1])
+
+
+@njit(cache=True, error_model="numpy")
+def _profiles(
+    grey: Singles, hidden: Bytes, points: Floats, normals: Floats, step: float, out: Floats
+) -> None:
+    half = 0.5 * (out.shape[1] - 1)
+    for n in range(len(points)):
+        nu, nv = normals[n, 0], normals[n, 1]
+        for k in range(out.shape[1]):
+            u = points[n, 0] + (k - half) * step * nu
+            v = points[n, 1] + (k - half) * step * nv
+            total = 0.0
+            for side in range(-1, 2):  # along the edge: thrice the light
+                total += _bilinear(grey, hidden, u - side * nv, v + side * nu)
+            out[n, k] = total / 3.0
+
+
+def sample(of: Patch, points: Floats) -> Floats:
+    """(N,) grey values at ``points`` (N, 2) in px of the frame; NaN where not visible."""
+    values = np.empty(len(points))
+    _sample(of.grey, of.hidden, points - of.corner, values)
+    return values
+
+
+def profiles(of: Patch, points: Floats, normals: Floats, half: int, step: float) -> Floats:
+    """Grey values along normals, averaged over 3 px along the edge.
+
+    Parameters
+    ----------
+    of
+        The piece of the frame.
+    points, normals
+        (N, 2) in px of the frame, and unit normals there.
+    half, step
+        ``half`` samples either side of each point, ``step`` px apart.
+
+    Returns
+    -------
+    Floats
+        (N, 2 half + 1), NaN where a sample is hidden or outside the frame.
+    """
+    values = np.empty((len(points), 2 * half + 1))
+    _profiles(of.grey, of.hidden, points - of.corner, normals, step, values)
+    return values

@@ -1,0 +1,215 @@
+"""``track.json``: what was seen, what was lost and why, and from what."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections import Counter
+from collections.abc import Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from meso_robust import __version__
+from meso_robust.tracking.calibration import Calibration
+from meso_robust.tracking.calibration_document import calibration_values
+from meso_robust.tracking.track import Track
+
+UM, DEG = 1e-6, math.pi / 180.0
+_CHUNK = 1 << 20
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, title=None)
+
+
+class LostDocument(_Section):
+    """Frames in a row without a pose."""
+
+    first: int
+    last: int
+    state: str
+    reason: str
+
+
+class ProbeDocument(_Section):
+    """A probe in a video, as seen."""
+
+    name: str
+    found: int
+    sigma_px: float | None
+    """Root mean square standard deviation of a coordinate."""
+    lost: dict[str, int]
+    """Frames by the reason for which the probe was not found."""
+
+
+class VideoDocument(_Section):
+    """One video."""
+
+    video: str
+    sha256: str | None
+    """Of the file; null for a folder."""
+    file: str | None
+    """The recording made of it; null if the part was never found."""
+    frames: int
+    promised: int | None
+    frame_rate_hz: float
+    width_px: int
+    height_px: int
+    found: int
+    lost_share: float
+    states: dict[str, int]
+    lost: list[LostDocument]
+    rms_px: float | None
+    """Root mean square standard deviation of the part's x and y, px."""
+    rms_um: float | None
+    rms_deg: float | None
+    mean_score: float | None
+    probes: list[ProbeDocument]
+    notes: list[str]
+
+
+class TrackDocument(_Section):
+    """The answer of ``track``."""
+
+    schema_: Literal["meso-robust/track/1"] = Field(
+        default="meso-robust/track/1", serialization_alias="schema"
+    )
+    tracked: bool
+    """Whether in every video the part was found, in all frames but the stated share."""
+    most_lost: float
+    videos: list[VideoDocument]
+    calibration: dict[str, Any]
+    grid: dict[str, Any] | None
+    """What the calibration was fitted to, if it was."""
+    provenance: dict[str, Any]
+
+
+def track_document(
+    tracks: Sequence[Track],
+    files: Sequence[str],
+    calibration: Calibration,
+    most_lost: float,
+    asked: dict[str, Any],
+    grid: dict[str, Any] | None = None,
+) -> TrackDocument:
+    """Sum up some tracks.
+
+    Parameters
+    ----------
+    tracks, files
+        And the files of the recordings made of them.
+    calibration
+        Used for all.
+    most_lost
+        Largest share of frames that may be lost.
+    asked
+        Options of the command, for provenance.
+    grid
+        What the calibration was fitted to.
+    """
+    videos = [_video(track, file, calibration) for track, file in zip(tracks, files, strict=True)]
+    return TrackDocument(
+        tracked=all(video.found > 0 and video.lost_share <= most_lost for video in videos),
+        most_lost=most_lost,
+        videos=videos,
+        calibration=calibration_values(calibration),
+        grid=grid,
+        provenance={"meso_robust": __version__, **_libraries(), "asked": asked},
+    )
+
+
+def lost_in_words(document: TrackDocument) -> str:
+    """One line on the worst video."""
+    worst = max(document.videos, key=lambda video: video.lost_share)
+    reasons = Counter[str]()
+    for run in worst.lost:
+        reasons[run.reason or run.state] += run.last - run.first + 1
+    why = reasons.most_common(1)[0][0] if reasons else "no frames"
+    if not worst.found:
+        return f"{worst.video}: part not found in any of {worst.frames} frames ({why})"
+    return (
+        f"{worst.video}: part lost in {worst.frames - worst.found} of {worst.frames} frames, "
+        f"{100 * worst.lost_share:.1f} %, more than {100 * document.most_lost:g} % (most often: {why})"
+    )
+
+
+def _video(track: Track, file: str, calibration: Calibration) -> VideoDocument:
+    found = track.found
+    spread = track.covariances[found]
+    place = _rms(np.trace(spread[:, :2, :2], axis1=1, axis2=2) / 2.0)
+    count = len(track.times)
+    return VideoDocument(
+        video=str(track.frames.path),
+        sha256=_digest(track.frames.path),
+        file=file if found.any() else None,
+        frames=count,
+        promised=track.frames.promised,
+        frame_rate_hz=track.frames.rate,
+        width_px=track.frames.size[0],
+        height_px=track.frames.size[1],
+        found=int(found.sum()),
+        lost_share=float(1.0 - found.mean()),
+        states=dict(Counter(track.states)),
+        lost=_lost_runs(track),
+        rms_px=None if place is None else place / calibration.pixel_size,
+        rms_um=None if place is None else place / UM,
+        rms_deg=None if place is None else (_rms(spread[:, 2, 2]) or 0.0) / DEG,
+        mean_score=float(track.scores[found].mean()) if found.any() else None,
+        probes=[_probe(track, p, calibration) for p in range(len(track.names))],
+        notes=list(track.notes),
+    )
+
+
+def _rms(variances: Any) -> float | None:
+    return float(np.sqrt(np.mean(variances))) if len(variances) else None
+
+
+def _lost_runs(track: Track) -> list[LostDocument]:
+    keys = [
+        (state, reason) if not found else None
+        for state, reason, found in zip(track.states, track.reasons, track.found, strict=True)
+    ]
+    runs, at = [], 0
+    for key, group in groupby(keys):
+        length = len(list(group))
+        if key is not None:
+            runs.append(LostDocument(first=at, last=at + length - 1, state=key[0], reason=key[1]))
+        at += length
+    return runs
+
+
+def _probe(track: Track, p: int, calibration: Calibration) -> ProbeDocument:
+    seen = np.isfinite(track.tips[:, p, 0])
+    spread = track.tip_covariances[seen, p]
+    sigma = _rms(np.trace(spread, axis1=1, axis2=2) / 2.0)
+    reasons = Counter(
+        row[p] or "a repeated frame"
+        for row, good in zip(track.tip_reasons, seen, strict=True)
+        if not good
+    )
+    return ProbeDocument(
+        name=track.names[p],
+        found=int(seen.sum()),
+        sigma_px=None if sigma is None else sigma / calibration.pixel_size,
+        lost=dict(reasons),
+    )
+
+
+def _digest(path: Path) -> str | None:
+    if path.is_dir():
+        return None
+    digest = hashlib.sha256()
+    with path.open("rb") as stream:
+        while chunk := stream.read(_CHUNK):
+            digest.update(chunk)
+    return digest.hexdigest()
+
+
+def _libraries() -> dict[str, str]:
+    import cv2
+
+    return {"numpy": np.__version__, "opencv": cv2.__version__}

@@ -1,0 +1,110 @@
+"""Tracks to a recording set, with the covariances that its columns have no place for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.recordings import Polygon, Recording, RecordingSet, Rectangle, SensorInfo
+from meso_robust.tracking.commands import Commands
+from meso_robust.tracking.track import Track
+
+Floats = npt.NDArray[np.float64]
+UM, DEG = 1e-6, math.pi / 180.0
+
+_PART = ("xx_um2", "xy_um2", "xt_um_deg", "yy_um2", "yt_um_deg", "tt_deg2")
+_UPPER = np.triu_indices(3)
+
+
+def recording_of(track: Track, file: str, commands: Commands | None = None) -> Recording:
+    """One recording of a track.
+
+    Parameters
+    ----------
+    track
+        What was seen.
+    file
+        Name of its CSV file.
+    commands
+        The controller's positions; they keep their clock: each gets a row of its own, in which the
+        part is not seen, unless a frame has the very same instant. None: the probes as seen.
+    """
+    if commands is None:
+        return Recording(
+            file=file,
+            probe_names=track.names,
+            times=track.times,
+            poses=track.poses,
+            probes=track.tips,
+        )
+    times = np.union1d(track.times, commands.times)
+    poses = np.full((len(times), 3), math.nan)
+    tips = np.full((len(times), len(commands.names), 2), math.nan)
+    poses[np.searchsorted(times, track.times)] = track.poses
+    tips[np.searchsorted(times, commands.times)] = commands.tips
+    return Recording(file=file, probe_names=commands.names, times=times, poses=poses, probes=tips)
+
+
+def sensor_of(tracks: Sequence[Track]) -> SensorInfo:
+    """Frame rate of the first video, and the root mean square of the standard deviations of all."""
+    covariances = np.concatenate([track.covariances[track.found] for track in tracks])
+    known = len(covariances) > 0
+    place = np.trace(covariances[:, :2, :2], axis1=1, axis2=2) / 2.0
+    return SensorInfo(
+        frame_rate=tracks[0].frames.rate,
+        position_sigma=float(np.sqrt(place.mean())) if known else None,
+        orientation_sigma=float(np.sqrt(covariances[:, 2, 2].mean())) if known else None,
+    )
+
+
+def set_of(
+    tracks: Sequence[Track],
+    files: Sequence[str],
+    part: Rectangle | Polygon,
+    tip_radius: float,
+    commands: Commands | None = None,
+) -> RecordingSet:
+    """Recording set of some tracks, one file each."""
+    return RecordingSet(
+        part=part,
+        tip_radius=tip_radius,
+        position_source="camera" if commands is None else "controller",
+        sensor=sensor_of(tracks),
+        recordings=tuple(
+            recording_of(track, file, commands) for track, file in zip(tracks, files, strict=True)
+        ),
+    )
+
+
+def covariance_text(track: Track) -> str:
+    """CSV of a track's covariances, in um and deg; a row each frame, empty where nothing was seen.
+
+    Columns: time_s, state; of the part's x, y, θ the upper triangle, row by row; of each probe as seen
+    its place and the upper triangle of its covariance.
+    """
+    header = ["time_s", "state", *(f"part_{name}" for name in _PART)]
+    for name in track.names:
+        header += [f"{name}_{column}" for column in ("x_um", "y_um", "xx_um2", "xy_um2", "yy_um2")]
+    units = np.array([UM, UM, DEG])
+    part = (track.covariances / np.outer(units, units))[:, _UPPER[0], _UPPER[1]]
+    spread = track.tip_covariances / UM**2
+    tips = np.concatenate(
+        (track.tips / UM, spread[..., 0, :], spread[..., 1, 1:]), axis=-1
+    ).reshape(len(track.times), -1)
+    rows = [",".join(header)]
+    for k, time in enumerate(track.times.tolist()):
+        cells = [repr(time), track.states[k], *map(_cell, part[k]), *map(_cell, tips[k])]
+        rows.append(",".join(cells))
+    return "\n".join(rows) + "\n"
+
+
+def covariance_file(file: str) -> str:
+    """Name of the file beside a recording's."""
+    return f"{file.removesuffix('.csv')}_covariance.csv"
+
+
+def _cell(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.6g}"

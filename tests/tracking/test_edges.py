@@ -1,0 +1,123 @@
+"""Edges along the outline, and the pose from them."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from meso_robust.tracking.edges import (
+    Lens,
+    edge_fit,
+    learned_pattern,
+    placed,
+    robust_fit,
+    sampled_outline,
+    single_step,
+)
+from meso_robust.tracking.rim import lamp_displacement
+from meso_robust.tracking.sampling import Bytes, Floats, patch
+from tests.tracking.drawing import CORNERS, digitised, obliquely_lit, plain
+
+ELL = np.array([[-90.0, -60], [110, -60], [110, 10], [0, 10], [0, 80], [-90, 80]])
+POSE = np.array([317.37, 241.81, 0.41])
+NEARBY = np.array([0.5, 0.4, 0.003])
+
+
+def fitted(image: Bytes, start: Floats, lens: Lens | None = None) -> Floats:
+    """The pose from the edges alone, its pattern learned in the same image."""
+    outline, lens = sampled_outline(CORNERS), lens or Lens()
+    piece = patch(image, None, lens.seen(placed(CORNERS, start)), 20.0)
+    pose, pattern = start, single_step()
+    for reach in (6.0, 3.0, 3.0):
+        pose = edge_fit(piece, outline, pose, lens, pattern, reach, 3.0).pose
+        pattern = learned_pattern(piece, outline, pose, lens)
+    return pose
+
+
+@pytest.mark.parametrize("dark_on_bright", [False, True])
+@pytest.mark.parametrize("blur", [0.6, 1.5])
+def test_pose_of_an_exactly_blurred_rectangle(dark_on_bright: bool, blur: float) -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(4):
+        pose = np.array([*rng.uniform(200.0, 420.0, 1), *rng.uniform(190.0, 290.0, 1), 0.0])
+        pose[2] = rng.uniform(-0.4, 0.4)
+        levels = (170.0, 60.0) if dark_on_bright else (60.0, 170.0)
+        image = digitised(plain(pose, blur, *levels), rng)
+        error = fitted(image, pose + np.array([2.0, -2.5, 0.012])) - pose
+        assert np.abs(error[:2]).max() < 0.03
+        assert abs(error[2]) < math.radians(0.01)
+
+
+def test_a_common_displacement_moves_no_pose_of_a_closed_outline() -> None:
+    outline = sampled_outline(ELL)
+    offset = np.full(len(outline.points), 0.7)
+    solution, _ = robust_fit(outline.design, offset, np.ones(len(offset)), 10.0)
+    assert np.allclose(solution, [0.0, 0.0, 0.0, 0.7], atol=1e-3)
+
+
+def test_outward_normals_and_the_design_agree_with_a_moved_outline() -> None:
+    """Shrunk about a point of its kernel the outline moves inward; moved rigidly, as designed."""
+    for corners in (ELL, ELL[::-1]):
+        outline = sampled_outline(corners)
+        grown = 1.01 * (outline.points - [-45.0, -25.0]) + [-45.0, -25.0]
+        assert np.all(np.sum((grown - outline.points) * outline.normals, axis=1) > 0.0)
+        for k, motion in enumerate(1e-6 * np.eye(3)):
+            shift = np.sum((placed(outline.points, motion) - outline.points) * outline.normals, 1)
+            assert np.allclose(shift / 1e-6, outline.design[:, k], atol=1e-3)
+
+
+def test_outliers_along_a_part_of_one_side_do_not_move_the_fit() -> None:
+    outline, rng = sampled_outline(CORNERS), np.random.default_rng(1)
+    truth = np.array([0.4, -0.3, 0.004, 0.1])
+    offset = outline.design @ truth + rng.normal(0.0, 0.05, len(outline.points))
+    offset[20:60] += rng.uniform(2.0, 5.0, 40)
+    solution, weight = robust_fit(outline.design, offset, np.ones(len(offset)), 3.0)
+    assert np.abs(solution - truth)[:2].max() < 0.05
+    assert weight[20:60].sum() < 1.0
+
+
+def test_a_lens_is_undone_before_the_fit() -> None:
+    """The image is drawn in ideal px and bent by the lens; the pose is the ideal one."""
+    middle, strength = np.array([319.5, 239.5]), 2e-7
+
+    def to_ideal(seen: Floats) -> Floats:
+        d = seen - middle
+        return middle + d * (1.0 + strength * np.sum(d**2, axis=1, keepdims=True))
+
+    def to_image(ideal: Floats) -> Floats:
+        seen = ideal.copy()
+        for _ in range(20):
+            seen = seen - (to_ideal(seen) - ideal)
+        return seen
+
+    pose = np.array([360.2, 200.7, 0.3])
+    v, u = np.mgrid[:480, :640].astype(float)
+    at = to_ideal(np.column_stack((u.ravel(), v.ravel()))).reshape(480, 640, 2).astype(np.float32)
+    bent = cv2.remap(plain(pose).astype(np.float32), at[..., 0], at[..., 1], cv2.INTER_CUBIC)
+    image = digitised(np.asarray(bent, dtype=float), np.random.default_rng(2))
+    error = fitted(image, pose + NEARBY, Lens(to_ideal, to_image)) - pose
+    assert np.abs(error[:2]).max() < 0.05
+    assert abs(error[2]) < math.radians(0.02)
+    assert np.abs(fitted(image, pose + NEARBY) - pose)[:2].max() > 0.3  # without it: elsewhere
+
+
+@pytest.mark.parametrize("azimuth", [0.3, 2.5])
+def test_oblique_light_displaces_the_edges_and_is_recognised(azimuth: float) -> None:
+    lamp = 40.0 * np.array([math.cos(azimuth), math.sin(azimuth)])
+    image = digitised(obliquely_lit(POSE, lamp), np.random.default_rng(3), 1.0)
+    edges = fitted(image, POSE + NEARBY)
+    displaced = (edges - POSE)[:2]
+    assert np.hypot(*displaced) > 0.2
+    fit = lamp_displacement(image, None, sampled_outline(CORNERS), edges, Lens())
+    assert fit is not None
+    assert np.abs(displaced - fit.displacement).max() < 0.06
+
+
+def test_even_light_is_not_taken_for_oblique() -> None:
+    image = digitised(obliquely_lit(POSE, np.zeros(2)), np.random.default_rng(3), 1.0)
+    fit = lamp_displacement(image, None, sampled_outline(CORNERS), POSE, Lens())
+    assert fit is not None
+    assert np.abs(fit.displacement).max() < 0.06

@@ -1,0 +1,145 @@
+"""Probe tips: free, in contact, two at once, found by motion, lost and found again."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from meso_robust.errors import InputError
+from meso_robust.microscope import Optics, Part, Probe, Scene, project, render
+from meso_robust.tracking.frames import open_frames
+from meso_robust.tracking.learned import Tip
+from meso_robust.tracking.needle import Needle
+from meso_robust.tracking.probe_search import moving_needles, needle_at
+from meso_robust.tracking.probes import ProbeTracker
+from tests.tracking.pushes import PART, PIXEL, RADIUS, push, rms
+
+Floats = npt.NDArray[np.float64]
+R_PX = RADIUS / PIXEL
+CONTACT = 20  # frame of `pushed`
+
+
+def seen_outline(pose: Floats) -> Floats:
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    return project(Optics(), PART @ np.array([[c, s], [-s, c]]) + pose[:2])
+
+
+@pytest.fixture(scope="module")
+def followed(tmp_path_factory: pytest.TempPathFactory) -> tuple[ProbeTracker, list[Tip], Floats]:
+    """A tracker after 60 frames of a push, what it said, and the true tips in px."""
+    filmed = push(tmp_path_factory.mktemp("push") / "push.avi", 60)
+    truth = project(Optics(), filmed.tips[:, 0])
+    tracker, tips = None, []
+    for frame, pose in zip(open_frames(filmed.path), filmed.poses, strict=True):
+        outline = seen_outline(pose)
+        if tracker is None:
+            tracker = ProbeTracker("p", needle_at(frame.image, truth[0] + (2.0, -3.0), R_PX))
+            tips.append(tracker.first(frame.image, outline))
+        else:
+            tips.append(tracker.next(frame.image, outline))
+    assert tracker is not None
+    return tracker, tips, truth
+
+
+def test_tips_are_right_within_their_stated_spread_free_and_in_contact(
+    followed: tuple[ProbeTracker, list[Tip], Floats],
+) -> None:
+    tracker, tips, truth = followed
+    anchor, spread, remark = tracker.anchor()
+    errors = np.array([tip.shift for tip in tips]) + anchor - truth
+
+    assert all(tip.found for tip in tips)
+    assert remark == ""
+    for part in (errors[:CONTACT], errors[CONTACT:]):
+        # the needle points down: across its axis it is known ten times better than along it,
+        # where the constant place of the tip in the learned image is the larger error
+        assert rms(part)[0] < 0.06
+        assert rms(part - part.mean(axis=0))[1] < 0.16
+        assert rms(part)[1] < 0.35
+    sigma = np.sqrt([np.diag(spread + tip.covariance) for tip in tips])
+    assert np.all(rms(errors / sigma) < 2.0)
+    assert sigma.max() < 0.3
+
+
+def test_contact_does_not_draw_the_tip(
+    followed: tuple[ProbeTracker, list[Tip], Floats],
+) -> None:
+    tracker, tips, truth = followed
+    errors = np.array([tip.shift for tip in tips]) + tracker.anchor()[0] - truth
+
+    assert np.abs(errors[:CONTACT].mean(axis=0) - errors[CONTACT:].mean(axis=0)).max() < 0.15
+
+
+def test_mask_covers_the_needle_and_leaves_the_part(
+    followed: tuple[ProbeTracker, list[Tip], Floats],
+) -> None:
+    tracker, _, truth = followed
+    mask = tracker.mask((480, 640))
+    u, v = np.rint(truth[-1]).astype(int)
+
+    assert mask[v, u] == 255
+    assert mask[2, int(u + (v - 2) / math.tan(1.45))] == 255  # where the shaft meets the border
+    assert mask[v + 12, u] == 0
+    assert mask[v, u - 20] == 0
+
+
+SCENE = Scene(
+    part=Part(outline=PART),
+    probes=(Probe(tip_radius=RADIUS, direction=1.2), Probe(tip_radius=RADIUS, direction=-1.9)),
+)
+TIPS = np.array([[2e-4, 5.5e-4], [-2e-4, -6.5e-4]])
+
+
+def drawn(move: Floats, seed: int = 0) -> npt.NDArray[np.uint8]:
+    return render(SCENE, np.zeros(3), TIPS + move, np.random.default_rng(seed))
+
+
+def test_needles_that_move_are_found_where_they_reach_in() -> None:
+    frames = [drawn(np.array([0.0, -1.5e-5 * k]) * [[1], [-1]], k) for k in range(5)]
+
+    found = moving_needles(frames, R_PX)
+
+    truth = project(Optics(), TIPS)[::-1]  # from left to right
+    assert np.array([needle.tip for needle in found]) == pytest.approx(truth, abs=2.0)
+    assert [needle.direction for needle in found] == pytest.approx([1.9, -1.2], abs=0.1)
+
+
+def test_needles_that_rest_are_not_taken_for_probes() -> None:
+    assert moving_needles([drawn(np.zeros((2, 2)), k) for k in range(4)], R_PX) == []
+    assert moving_needles([drawn(np.zeros((2, 2)))], R_PX) == []
+
+
+def test_lost_probe_says_so_and_is_found_again() -> None:
+    tip = project(Optics(), TIPS)[0]
+    needle = Needle(tip=(float(tip[0]), float(tip[1])), direction=-1.2, taper=0.09, radius=R_PX)
+    tracker = ProbeTracker("p", needle)
+    without = np.array([[math.nan, math.nan], [0.0, 0.0]])
+
+    first = tracker.first(drawn(np.zeros((2, 2)), 1))
+    gone = tracker.next(drawn(without, 2))
+    back = tracker.next(drawn(np.array([[5e-5, 2e-5], [0.0, 0.0]]), 3))
+
+    assert first.found
+    assert not gone.found
+    assert gone.reason
+    assert np.isnan(gone.shift).all()
+    assert back.found
+    assert back.shift - first.shift == pytest.approx([5e-5 / PIXEL, -2e-5 / PIXEL], abs=0.5)
+
+
+def test_no_needle_where_it_is_stated() -> None:
+    needle = Needle(tip=(100.0, 400.0), direction=0.3, taper=0.09, radius=R_PX)
+    tracker = ProbeTracker("p", needle)
+
+    assert "no needle" in tracker.first(drawn(np.zeros((2, 2)))).reason
+    assert not tracker.next(drawn(np.zeros((2, 2)))).found
+    assert not tracker.mask((480, 640)).any()
+
+
+def test_place_outside_the_image_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="outside the image"):
+        needle_at(drawn(np.zeros((2, 2))), np.array([700.0, 10.0]), R_PX)
