@@ -173,7 +173,7 @@ def _designed(recordings: RecordingSet, found: Identification, count: int) -> di
         criterion=DETERMINANT,
     )
     page = experiment_page(made.experiment, made, found.model)
-    return {**experiment_files(made.experiment), "experiment.html": page}
+    return {**experiment_files(made.experiment, made, found.model), "experiment.html": page}
 
 
 def _plan(asked: _Asked, say: Reporter) -> None:

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from meso_robust.identification.document import ModelDocument, ParameterSection
 from meso_robust.identification.identify import Identification
+from meso_robust.identification.models.model import Model
 from meso_robust.reporting.identification_figures import (
     DRAWN_MINIMA,
     profile_figure,
@@ -54,7 +55,7 @@ def identification_report(document: ModelDocument, found: Identification, source
             document=document,
             source=source,
             colour="PROVED" if len(found.determined) == len(found.profiles) else "UNKNOWN",
-            headline=_headline(document),
+            headline=_headline(document, found.model),
             figures=_figures(document),
             rows=[_row(key, one) for key, one in document.parameters.items()],
             minima=document.minima,
@@ -65,9 +66,27 @@ def identification_report(document: ModelDocument, found: Identification, source
     )
 
 
-def _headline(document: ModelDocument) -> str:
-    values = [f"{key} = {significant(one.value, 4)}" for key, one in document.parameters.items()]
-    return ", ".join(values[:2])
+def _headline(document: ModelDocument, model: Model) -> str:
+    """The first two parameters with their units and intervals."""
+    units = {parameter.key: parameter.unit for parameter in model.parameters}
+    return ", ".join(
+        f"{_symbol(key)} = {_plain(one.value)} [{_end(one.low, one.open_low)}, "
+        f"{_end(one.high, one.open_high)}] {units[key]}".strip()
+        for key, one in list(document.parameters.items())[:2]
+    )
+
+
+def _symbol(key: str) -> str:
+    return key.removesuffix("_um2").removesuffix("_um").replace("rho", "ρ").replace("mu", "µ")
+
+
+def _end(value: float, is_open: bool) -> str:
+    return "?" if is_open else _plain(value)
+
+
+def _plain(value: float) -> str:
+    """About four digits, without an exponent."""
+    return f"{value:.0f}" if abs(value) >= 1000.0 else significant(value, 4)
 
 
 def _figures(document: ModelDocument) -> list[tuple[str, str]]:
