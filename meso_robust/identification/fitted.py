@@ -21,7 +21,8 @@ class Settings:
     position, orientation
         σ of a seen coordinate in m and rad.
     offset
-        σ of a constant offset of the tips in x and y, m; zero: they are where they are said to be.
+        σ of an offset of the tips in x and y at the first and at the last instant, m; zero: they are
+        where they are said to be.
     most
         Most iterations.
     central
@@ -51,7 +52,7 @@ class Settings:
     @property
     def units(self) -> Floats:
         """(d,) units of the nuisances: of the start, and of the offset if there is one."""
-        return np.append(self.sigma, [self.offset] * 2) if self.offset else self.sigma
+        return np.append(self.sigma, [self.offset] * 4) if self.offset else self.sigma
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,7 +64,8 @@ class Fits:
     values
         (B, n) in SI.
     starts, offsets
-        (B, R, 3) poses at the first instants and (B, R, 2) offsets of the tips, m and rad.
+        (B, R, 3) poses at the first instants in m and rad, and (B, R, 4) offsets of the tips in m: x
+        and y at the first instant, x and y at the last.
     chi2
         (B,) squared residuals over σ², with those of the offsets.
     residuals

@@ -75,7 +75,8 @@ def predicted(
         (R, 3) or (K, R, 3) poses at the first instant, m and rad; those seen, if none are given. A
         start that overlaps a tip is moved out of it by the least shift.
     offsets
-        (R, 2) or (K, R, 2) by how much the tips are elsewhere than recorded, m; none by default.
+        (R, 4) or (K, R, 4) by how much the tips are elsewhere than recorded, m: in x and y at the first
+        instant, in x and y at the last, evenly between; none by default.
     workers
         Threads; all cores by default.
 
@@ -88,7 +89,7 @@ def predicted(
     _check(model, values)
     shape = (len(values), len(prepared.files))
     all_starts = np.broadcast_to(prepared.starts if starts is None else starts, (*shape, 3))
-    all_offsets = np.broadcast_to(np.zeros(2) if offsets is None else offsets, (*shape, 2))
+    all_offsets = np.broadcast_to(np.zeros(4) if offsets is None else offsets, (*shape, 4))
     each = max(1, _AT_ONCE // prepared.instants.size)
     parts = [
         _predicted(
@@ -168,7 +169,7 @@ def _predicted(
     count, recordings = starts.shape[:2]
     physics = model.physics(np.repeat(values, recordings, axis=0))
     ways = np.tile(prepared.waypoints, (count, 1, 1, 1))
-    ways += offsets.reshape(-1, 1, 1, 2)
+    ways += _drifting(prepared, offsets)[:, :, None]
     poses = starts.reshape(-1, 3).copy()
     shifts, caught = _freed(prepared, physics, poses, ways[:, 0])
     poses[:, :2] += shifts
@@ -195,6 +196,14 @@ def _predicted(
         modes=result.modes.reshape(*path.shape[:3], -1),
         shifts=shifts.reshape(count, recordings, 2),
     )
+
+
+def _drifting(prepared: Prepared, offsets: Floats) -> Floats:
+    """(K R, W, 2) offsets of the tips at the waypoints, even in time between the two ends."""
+    first, last = prepared.times[:, :1], prepared.instants[:, -1:]
+    share = np.clip((prepared.times - first) / (last - first), 0.0, 1.0)[..., None]
+    both = offsets[..., None, :2] * (1.0 - share) + offsets[..., None, 2:] * share
+    return np.asarray(both.reshape(-1, share.shape[1], 2))
 
 
 def _freed(

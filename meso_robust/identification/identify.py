@@ -381,16 +381,13 @@ def _shift(model: Model, before: Fitted, after: Fitted) -> float:
 
 
 def settings_of(prepared: Prepared, guess: float) -> Settings:
-    """Noise as known, or else as large as the misfit of the first search (m), to be estimated.
-
-    Tips that the camera saw may be off as a whole by as much: a tracker's errors are not white.
-    """
+    """Noise as known, or else as large as the misfit of the first search (m), to be estimated."""
     sigmas = prepared.sigmas
     position = sigmas.position or guess
     return Settings(
         position=position,
         orientation=sigmas.orientation or guess / prepared.length,
-        offset=position if prepared.seen_tips else 0.0,
+        offset=prepared.tip_offset,
     )
 
 

@@ -2,7 +2,7 @@
 
 The noise of the sensor is white and Gaussian, so that −2 log L is a sum of squares. The first frame
 is as noisy as any other, hence each recording's start is unknown, too (a nuisance), and so may be a
-constant offset of its tips. Every start bears on its own recording only: the normal matrix is an
+offset of its tips. Every start bears on its own recording only: the normal matrix is an
 arrow, and its Schur complement is the information about the parameters with the starts unknown.
 
 Levenberg and Marquardt's method (doi:10.1137/0111030) runs for any number of fits side by side, with
@@ -73,7 +73,7 @@ def fit(
     present = problem.at(
         values.copy(),
         np.broadcast_to(prepared.starts if starts is None else starts, (*size, 3)),
-        np.broadcast_to(np.zeros(2) if offsets is None else offsets, (*size, 2)).copy(),
+        np.broadcast_to(np.zeros(4) if offsets is None else offsets, (*size, 4)).copy(),
     )
     return _Descent(problem, present, np.broadcast_to(free, values.shape), jacobian).run()
 
@@ -86,7 +86,7 @@ def evaluated(
     starts: Floats,
     offsets: Floats,
 ) -> Fits:
-    """χ² and residuals of B vectors (B, n) with given starts (B, R, 3) and offsets (B, R, 2)."""
+    """χ² and residuals of B vectors (B, n) with given starts (B, R, 3) and offsets (B, R, 4)."""
     return Problem(prepared, model, settings).at(values, starts, offsets)
 
 

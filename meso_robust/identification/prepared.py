@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.models.model import Floats, characteristic_length
-from meso_robust.identification.paths import in_steps, smoothed, thinned
+from meso_robust.identification.paths import in_steps, scatter, smoothed, thinned
 from meso_robust.identification.sensor import Sigmas, sigmas_of
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
@@ -23,6 +23,7 @@ NOISE = 5.0
 """Standard deviations by which a first pose may overlap a tip and still be taken for noise."""
 EXACT = 1e-9
 """m: commanded positions closer than this to even motion are left out."""
+_ENDS = 4.0  # variance of the end of a line fitted to n samples, times n over theirs
 _FINER = 5.0  # by how much shorter the steps are about the instant of the first contact
 _THIN = 0.2  # of the thinnest place of the part, for a longest step
 _PAD = 1e-3  # s: what a shorter recording is lengthened by, at rest
@@ -62,8 +63,8 @@ class Prepared:
         Characteristic length of the part, m.
     sigmas
         What is known of the noise.
-    seen_tips
-        Whether positions of the probes are from the camera.
+    tip_offset
+        σ in m by which the first and the last position of a seen tip may be off; zero if commanded.
     parked
         (2,) a place far from everything, m.
     notes
@@ -83,7 +84,7 @@ class Prepared:
     time_step: float
     length: float
     sigmas: Sigmas
-    seen_tips: bool
+    tip_offset: float
     parked: Floats
     notes: tuple[Note, ...]
 
@@ -111,7 +112,8 @@ def prepare(
     """Arrange a recording set for `forward.predicted`.
 
     Positions of the probes are exact if they are the controller's, and then thinned without loss;
-    if they were seen, a noise of the sensor's σ is taken out (`paths.smoothed`). Frames before the
+    if they were seen, their scatter from frame to frame is taken out (`paths.smoothed`), and what the
+    stated σ has beyond it is taken for an error that stays (`Prepared.tip_offset`). Frames before the
     first in which everything is seen, and after the last with all probes, are left out; `notes` says
     so.
 
@@ -160,7 +162,7 @@ def prepare(
         time_step=max(0.02, 1.0 / recordings.sensor.frame_rate),
         length=length,
         sigmas=sigmas,
-        seen_tips=recordings.position_source == "camera",
+        tip_offset=_tip_offset(recordings, sigmas),
         parked=parked,
         notes=tuple(notes),
     )
@@ -218,18 +220,30 @@ def _motion(
         count = int(np.sum(~seen))
         notes.append(Note(file=recording.file, what=f"probes interpolated in {count} frames"))
     times, flat = recording.times[seen], flat[seen]
-    sigma = sigmas.position if whole.position_source == "camera" else 0.0
-    if sigma is None:
+    seen_by_camera = whole.position_source == "camera"
+    if seen_by_camera and sigmas.position is None:
         raise InputError(
             f"{recording.file}: probes seen by a camera of unknown noise; must be known to tell a "
             "shaking tip from a noisy one; state sensor.position_sigma_um in set.toml"
         )
-    if sigma > 0.0:
-        times, flat = smoothed(times, flat, sigma)
+    if seen_by_camera:
+        times, flat = smoothed(times, flat, max(scatter(flat), EXACT))
     else:
         kept = thinned(times, flat, EXACT)
         times, flat = times[kept], flat[kept]
     return times, flat.reshape(len(times), -1, 2)
+
+
+def _tip_offset(recordings: RecordingSet, sigmas: Sigmas) -> float:
+    """σ of the ends of a seen tip's path: what smoothing leaves, and what is not scatter at all."""
+    if recordings.position_source != "camera":
+        return 0.0
+    paths = [one.probes.reshape(len(one.times), -1) for one in recordings.recordings]
+    seen = [path[np.all(np.isfinite(path), axis=1)] for path in paths]
+    white = float(np.mean([scatter(path) ** 2 for path in seen]))
+    frames = float(np.median([len(path) for path in seen]))
+    stated = (sigmas.position or 0.0) ** 2
+    return float(np.sqrt(max(stated - white, 0.0) + _ENDS * white / frames))
 
 
 def _gap_sigma(whole: RecordingSet, sigmas: Sigmas) -> float:

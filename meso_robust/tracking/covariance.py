@@ -18,7 +18,7 @@ LAMP_FLOOR = 0.025
 """px; what remains of a displacement towards the lamp however small it was found."""
 LAMP_SHARE = 0.05
 """And the share of it that the rim model (:mod:`meso_robust.tracking.rim`) gets wrong."""
-LAMP_SCATTER = 2.2
+LAMP_SCATTER = 2.5
 """And how many of the standard deviations of that model's fit, whose misfit is not independent."""
 
 

@@ -66,7 +66,9 @@ class Behind:
         return change, variance
 
 
-def behind(frame: Image, outline: Floats | None, places: Floats, needle: Needle) -> Behind | None:
+def behind(
+    frame: Image | Singles, outline: Floats | None, places: Floats, needle: Needle
+) -> Behind | None:
     """What the part's edge does to the film behind a needle.
 
     Parameters
@@ -169,7 +171,7 @@ def _close_sides(border: _Border, about: Floats) -> npt.NDArray[np.int64]:
 
 
 def _profile(
-    frame: Image, border: _Border, edge: int, about: Floats, needle: Needle
+    frame: Image | Singles, border: _Border, edge: int, about: Floats, needle: Needle
 ) -> Floats | None:
     """(2, D) mean change from film and its variance over the distance from an edge, or None."""
     points, normals = _along(border, edge, about)

@@ -1,19 +1,24 @@
 """Probe tips, frame by frame: the needle is learned where it is free and followed by registration.
 
-Where the tip lies in the learned image is fitted once, at the end, to the mean of many frames
-(`needle.fit_needle`); until then, and for the mask, the first fit serves.
+That serves while the video is read and for the mask. At the end all tips are fitted once more to the
+pieces around them, before the part's own image (`tip_refine`); a video of a few frames does not tell
+needle and part apart, and the tip is then fitted once, to the mean of the frames (`needle.fit_needle`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.tracking.backdrop import Glimpse, glimpse
 from meso_robust.tracking.learned import Learned, Tip, lost
+from meso_robust.tracking.matte import window_of
 from meso_robust.tracking.needle import Needle, fit_needle
+from meso_robust.tracking.tip_refine import LEAST, Refined, refined
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -30,6 +35,11 @@ class ProbeTracker:
         Of the probe.
     needle
         Where it is in the first frame, right to a pixel or two.
+
+    Attributes
+    ----------
+    glimpses
+        What was around the tip, frame by frame, None where it was not found.
     """
 
     def __init__(self, name: str, needle: Needle) -> None:
@@ -39,6 +49,7 @@ class ProbeTracker:
         self._shift = np.zeros(2)
         self._speed = np.zeros(2)
         self._visible = True
+        self.glimpses: list[Glimpse | None] = []
 
     def first(self, frame: Image, outline: Floats | None = None) -> Tip:
         """Start in a grey frame (H, W); ``outline`` (V, 2) is the part's in seen px, if it is known."""
@@ -77,6 +88,35 @@ class ProbeTracker:
             corners = self.needle.moved(self._shift).polygon(margin, long)
             cv2.fillPoly(hidden, [np.rint(corners * 16.0).astype(np.int32)], 255, cv2.LINE_8, 4)
         return hidden
+
+    def remember(self, frame: Image, tip: Tip, outline: Floats | None) -> None:
+        """Keep what is around a tip (about 10 kB); ``outline`` is the part's in this very frame."""
+        if not tip.found:
+            self.glimpses.append(None)
+            return
+        place = np.array(self.needle.tip) + tip.shift
+        self.glimpses.append(glimpse(frame, place, window_of(self.needle), outline))
+
+    def places(self, tips: Sequence[Tip]) -> Refined:
+        """Tips in px of all frames that were remembered, NaN where they were not found.
+
+        Parameters
+        ----------
+        tips
+            What `first` and `next` said.
+        """
+        kept = [one for one in self.glimpses if one is not None]
+        if len(kept) < LEAST:
+            place, spread, remark = self.anchor()
+            shifts = np.array([tip.shift for tip in tips]).reshape(-1, 2)
+            covariances = np.array([tip.covariance for tip in tips]).reshape(-1, 2, 2)
+            return Refined(tips=place + shifts, covariances=spread + covariances, remark=remark)
+        found = refined(kept, self.needle, window_of(self.needle))
+        where = [k for k, one in enumerate(self.glimpses) if one is not None]
+        places = np.full((len(tips), 2), math.nan)
+        spreads = np.full((len(tips), 2, 2), math.nan)
+        places[where], spreads[where] = found.tips, found.covariances
+        return Refined(tips=places, covariances=spreads, remark=found.remark)
 
     def anchor(self) -> tuple[Floats, Floats, str]:
         """Place (2,) of the tip in the learned image, its covariance (2, 2), and a remark or ""."""

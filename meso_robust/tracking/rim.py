@@ -17,16 +17,17 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import erfcx, ndtr
 
+from meso_robust.tracking.covariance import LAMP_SIGMA
 from meso_robust.tracking.edges import CORNER, Lens, Outline, placed, rotation
 from meso_robust.tracking.sampling import Bytes, Floats
 
 _IN, _OUT, _BIN = -10.0, 9.0, 0.25  # px inward and outward of the outline, and a bin
 _CENTRES = np.arange(_IN, _OUT, _BIN) + 0.5 * _BIN
 _LEAST = 150  # pixels a side must show
-# displacement common to all sides (px), log of blur, chamfer and meniscus (px): middle and spread
+# displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px): middle and spread
 # of what etched foil under a 4x objective shows; they bind only where the image says nothing
-_EXPECTED = np.array([0.0, 0.0, math.log(2.5), math.log(2.5)])
-_SPREAD = np.array([0.3, 0.5, 0.35, 0.4])
+_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5)])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4])
 _TRUST = 3.0  # weight of what is expected: profiles agree with the model to some grey steps only
 _GREY = 1.0 / 6.0  # weight of a grey step: one is believed where 36 pixels say so
 # a strongly lit rim may have been taken for the edge on one side and not on the other
@@ -154,9 +155,9 @@ def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
         normal = unit.T @ unit
         normal[np.diag_indices(len(normal))] += 1e-6
         rest = target - unit @ np.linalg.solve(normal, unit.T @ target)
-        return np.append(_GREY * rest, _TRUST * (unknown[2:] - _EXPECTED) / _SPREAD)
+        return np.append(_GREY * rest, _TRUST * (unknown - _EXPECTED) / _SPREAD)
 
-    begin = np.concatenate((start, _EXPECTED))
+    begin = np.concatenate((start, _EXPECTED[2:]))
     try:
         return least_squares(misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2], max_nfev=12)
     except (ValueError, np.linalg.LinAlgError):  # a shape ran to infinity

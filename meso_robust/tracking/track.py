@@ -188,6 +188,8 @@ class _Follower:
             self._started = True
         if seen.found:
             self._outline = self._seen_outline(seen.pose)
+        for probe, tip in zip(self._probes, tips, strict=True):
+            probe.remember(image, tip, self._outline if seen.found else None)
         return seen, tips
 
     def _mask(self, image: Image) -> Image | None:
@@ -279,13 +281,11 @@ def _placed(
     places = np.full((len(tips), len(probes), 2), math.nan)
     spreads = np.full((len(tips), len(probes), 2, 2), math.nan)
     for p, probe in enumerate(probes):
-        anchor, spread, remark = probe.anchor()
-        if remark:
-            notes.append(f"{probe.name}: {remark}")
-        shifts = np.array([row[p].shift for row in tips])
-        covariances = np.array([row[p].covariance for row in tips])
-        places[:, p] = calibration.to_world(anchor + shifts)
-        spreads[:, p] = calibration.point_covariance(anchor + shifts, spread + covariances)
+        found = probe.places([row[p] for row in tips])
+        if found.remark:
+            notes.append(f"{probe.name}: {found.remark}")
+        places[:, p] = calibration.to_world(found.tips)
+        spreads[:, p] = calibration.point_covariance(found.tips, found.covariances)
     return places, spreads
 
 

@@ -45,7 +45,7 @@ def test_the_correction_for_the_steps_takes_the_error_of_the_steps_away(
     prepared = prepare(quiet, step=2.0 * MODEL.step)
     finer = prepare(quiet, step=0.5 * MODEL.step)
     plain = predicted(prepared, MODEL, TRUTH)
-    same = {"starts": prepared.starts, "offsets": np.zeros((4, 2))}
+    same = {"starts": prepared.starts, "offsets": np.zeros((4, 4))}
     better = predicted(corrected(prepared, finer, MODEL, TRUTH, **same), MODEL, TRUTH)
 
     def mean(poses: np.ndarray) -> float:

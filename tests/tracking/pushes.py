@@ -38,6 +38,7 @@ def push(
     gap: float = 120e-6,
     speed: float = 6e-6,
     seed: int = 0,
+    sideways: float = 0.0,
 ) -> Filmed:
     """Film a needle that comes from above, meets the long side and pushes the part down and round.
 
@@ -54,7 +55,9 @@ def push(
     speed
         Way a frame, m.
     seed
-        Of the film's texture and the noise.
+        Of the film's texture, its dust and the noise.
+    sideways
+        Way to the right a way down, of the needle and, from contact on, of the part.
     """
     optics = optics or Optics()
     scene = Scene(
@@ -68,9 +71,11 @@ def push(
     pushed = np.maximum(0.0, speed * k - gap)
     theta = -0.4 * pushed / HALF_LONG
     centre = np.array(optics.centre)
-    tips = np.stack([np.full(frames, 1e-4), HALF_SHORT + RADIUS + gap - speed * k], axis=1)
+    tips = np.stack(
+        [1e-4 + sideways * (speed * k - gap), HALF_SHORT + RADIUS + gap - speed * k], axis=1
+    )
     # the tip rests against the side, which turns about the middle of the part
-    place = np.stack([np.full(frames, 1e-5), -pushed / np.cos(theta)], axis=1)
+    place = np.stack([1e-5 + sideways * pushed, -pushed / np.cos(theta)], axis=1)
     away = (tips[:, 0] - place[:, 0]) * -np.sin(theta) + (tips[:, 1] - place[:, 1]) * np.cos(theta)
     place[:, 1] += np.where(pushed > 0.0, (away - HALF_SHORT - RADIUS) / np.cos(theta), 0.0)
     poses = np.concatenate([place + centre, theta[:, None]], axis=1)

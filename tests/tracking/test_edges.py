@@ -110,10 +110,10 @@ def test_oblique_light_displaces_the_edges_and_is_recognised(azimuth: float) -> 
     image = digitised(obliquely_lit(POSE, lamp), np.random.default_rng(3), 1.0)
     edges = fitted(image, POSE + NEARBY)
     displaced = (edges - POSE)[:2]
-    assert np.hypot(*displaced) > 0.2
+    assert np.hypot(*displaced) > 0.3
     fit = lamp_displacement(image, None, sampled_outline(CORNERS), edges, Lens())
     assert fit is not None
-    assert np.abs(displaced - fit.displacement).max() < 0.06
+    assert np.abs(displaced - fit.displacement).max() < 0.1
 
 
 def test_even_light_is_not_taken_for_oblique() -> None:

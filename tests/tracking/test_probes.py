@@ -13,9 +13,11 @@ from meso_robust.errors import InputError
 from meso_robust.microscope import Optics, Part, Probe, Scene, project, render
 from meso_robust.tracking.frames import open_frames
 from meso_robust.tracking.learned import Tip
+from meso_robust.tracking.matte import window_of
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.probe_search import moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker
+from meso_robust.tracking.tip_refine import refined
 from tests.tracking.pushes import PART, PIXEL, RADIUS, push, rms
 
 Floats = npt.NDArray[np.float64]
@@ -74,6 +76,65 @@ def test_contact_does_not_draw_the_tip(
     assert np.abs(errors[:CONTACT].mean(axis=0) - errors[CONTACT:].mean(axis=0)).max() < 0.15
 
 
+@pytest.fixture(scope="module")
+def near_starts(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> list[tuple[ProbeTracker, list[Tip], Floats]]:
+    """Pushes whose tip starts 40 um (7.6 px) before the part, askew, with different dust."""
+    done = []
+    for seed, sideways in ((0, 0.3), (5, -0.4)):
+        path = tmp_path_factory.mktemp("near") / "push.avi"
+        filmed = push(path, 40, gap=40e-6, speed=4.7e-6, seed=seed, sideways=sideways)
+        truth = project(Optics(), filmed.tips[:, 0])
+        start = open_frames(filmed.path)
+        tracker, tips = None, []
+        for frame, pose in zip(start, filmed.poses, strict=True):
+            outline = seen_outline(pose)
+            if tracker is None:
+                tracker = ProbeTracker("p", needle_at(frame.image, truth[0] + (2.0, -3.0), R_PX))
+                tips.append(tracker.first(frame.image, outline))
+            else:
+                tips.append(tracker.next(frame.image, outline))
+            tracker.remember(frame.image, tips[-1], outline)
+        assert tracker is not None
+        done.append((tracker, tips, truth))
+    return done
+
+
+def test_tip_that_starts_near_the_part_is_placed_along_its_axis(
+    near_starts: list[tuple[ProbeTracker, list[Tip], Floats]],
+) -> None:
+    axis = np.array([math.cos(-1.45), math.sin(-1.45)])
+    along, pulls = [], []
+    for tracker, tips, truth in near_starts:
+        found = tracker.places(tips)
+        errors = found.tips - truth
+        assert found.remark == ""
+        assert rms(errors @ [-axis[1], axis[0]]) < 0.05
+        assert rms(errors @ axis) < 0.2  # the larger part is constant in a video
+        along.append(errors @ axis)
+        pulls.append(
+            errors @ axis / np.sqrt(np.einsum("i,tij,j->t", axis, found.covariances, axis))
+        )
+    assert rms(np.concatenate(along)) < 0.15
+    # 90 % intervals; two constants are too few draws to ask for 85 to 95 %
+    assert np.mean(np.abs(np.concatenate(pulls)) < 1.645) > 0.75
+    assert 0.3 < rms(np.concatenate(pulls))
+
+
+def test_tip_never_seen_free_says_so(
+    near_starts: list[tuple[ProbeTracker, list[Tip], Floats]],
+) -> None:
+    tracker, _, _ = near_starts[0]
+    blocked = [one for one in tracker.glimpses[12:22] if one is not None]
+
+    found = refined(blocked, tracker.needle, window_of(tracker.needle))
+
+    assert found.remark == "never seen free of the part"
+    axis = tracker.needle.axis
+    assert np.all(np.einsum("i,tij,j->t", axis, found.covariances, axis) > 1.0)
+
+
 def test_mask_covers_the_needle_and_leaves_the_part(
     followed: tuple[ProbeTracker, list[Tip], Floats],
 ) -> None:
@@ -119,9 +180,13 @@ def test_lost_probe_says_so_and_is_found_again() -> None:
     tracker = ProbeTracker("p", needle)
     without = np.array([[math.nan, math.nan], [0.0, 0.0]])
 
-    first = tracker.first(drawn(np.zeros((2, 2)), 1))
-    gone = tracker.next(drawn(without, 2))
-    back = tracker.next(drawn(np.array([[5e-5, 2e-5], [0.0, 0.0]]), 3))
+    images = [drawn(np.zeros((2, 2)), 1), drawn(without, 2)]
+    images.append(drawn(np.array([[5e-5, 2e-5], [0.0, 0.0]]), 3))
+    first = tracker.first(images[0])
+    gone, back = tracker.next(images[1]), tracker.next(images[2])
+    for image, seen in zip(images, (first, gone, back), strict=True):
+        tracker.remember(image, seen, None)
+    places = tracker.places([first, gone, back]).tips
 
     assert first.found
     assert not gone.found
@@ -129,6 +194,8 @@ def test_lost_probe_says_so_and_is_found_again() -> None:
     assert np.isnan(gone.shift).all()
     assert back.found
     assert back.shift - first.shift == pytest.approx([5e-5 / PIXEL, -2e-5 / PIXEL], abs=0.5)
+    assert np.isfinite(places).tolist() == [[True, True], [False, False], [True, True]]
+    assert places[0] == pytest.approx(tip, abs=0.5)
 
 
 def test_no_needle_where_it_is_stated() -> None:
