@@ -7,7 +7,8 @@ how much it varies there, which says how far it can be trusted.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -46,6 +47,8 @@ class Behind:
         (M,) which profile belongs to them; −1: none, nothing is known there.
     profiles
         (K, 2, D) mean change from film and its variance, over `DISTANCES`.
+    rays
+        K times (L, D, 2) px, where they were read.
     """
 
     rows: npt.NDArray[np.int64]
@@ -53,6 +56,11 @@ class Behind:
     normals: Floats
     edge: npt.NDArray[np.int64]
     profiles: Floats
+    rays: tuple[Singles, ...]
+
+    def of(self, frame: Image | Singles) -> Behind:
+        """The same edge in another image (H, W)."""
+        return replace(self, profiles=_profiles(frame, self.rays))
 
     def at(self, shift: Floats) -> tuple[Singles, Singles]:
         """Change (M,) in grey values, and its variance over the noise's, after a shift (2,)."""
@@ -106,8 +114,9 @@ def behind(
         np.roll(border.sharp, -1)[side] & (border.lengths[side] - within[each, best] < _CORNER)
     )
     edges = np.unique(border.edges[side])
-    read = {edge: _profile(frame, border, edge, about, needle) for edge in edges.tolist()}
-    known = [edge for edge, profile in read.items() if profile is not None]
+    found = {edge: _rays(frame.shape, border, edge, about, needle) for edge in edges.tolist()}
+    rays = {edge: places for edge, places in found.items() if places is not None}
+    known = list(rays)
     index = np.full(int(border.edges.max()) + 1, -1)
     index[known] = np.arange(len(known))
     return Behind(
@@ -115,7 +124,8 @@ def behind(
         distance=np.sum(gap[each, best] * normals, axis=1),
         normals=normals,
         edge=np.where(cornered, -1, index[border.edges[side]]),
-        profiles=np.array([read[edge] for edge in known]).reshape(-1, 2, len(DISTANCES)),
+        profiles=_profiles(frame, rays.values()),
+        rays=tuple(rays.values()),
     )
 
 
@@ -170,25 +180,31 @@ def _close_sides(border: _Border, about: Floats) -> npt.NDArray[np.int64]:
     return np.flatnonzero(near.all(axis=1))
 
 
-def _profile(
-    frame: Image | Singles, border: _Border, edge: int, about: Floats, needle: Needle
-) -> Floats | None:
-    """(2, D) mean change from film and its variance over the distance from an edge, or None."""
+def _rays(
+    shape: tuple[int, ...], border: _Border, edge: int, about: Floats, needle: Needle
+) -> Singles | None:
+    """(L, D, 2) places across an edge, beside the needle, where its brightness is read, or None."""
     points, normals = _along(border, edge, about)
     if len(points) < _LEAST:
         return None
     at = points[:, None] + DISTANCES[None, :, None] * normals[:, None]
     s, n = needle.along_across(at[..., 0], at[..., 1])
     free = np.all(needle.distance(s, n) > _NEAR, axis=1)
-    height, width = frame.shape
+    height, width = shape
     free &= np.all((at >= 1.0) & (at <= (width - 2.0, height - 2.0)), axis=(1, 2))
-    if free.sum() < _LEAST:
-        return None
-    maps = at[free].astype(np.float32)
-    read = cv2.remap(frame, maps[..., 0], maps[..., 1], cv2.INTER_LINEAR).astype(float)
-    film = np.median(read[:, -3:], axis=1, keepdims=True)
-    change = read - film
+    return at[free].astype(np.float32) if free.sum() >= _LEAST else None
+
+
+def _profile(frame: Image | Singles, rays: Singles) -> Floats:
+    """(2, D) mean change from film and its variance over the distance from an edge."""
+    read = cv2.remap(frame, rays[..., 0], rays[..., 1], cv2.INTER_LINEAR).astype(float)
+    change = read - np.median(read[:, -3:], axis=1, keepdims=True)
     return np.stack([change.mean(axis=0), change.var(axis=0) * (1.0 + 1.0 / len(change))])
+
+
+def _profiles(frame: Image | Singles, rays: Iterable[Singles]) -> Floats:
+    read = [_profile(frame, places) for places in rays]
+    return np.array(read).reshape(-1, 2, len(DISTANCES))
 
 
 def _along(border: _Border, edge: int, about: Floats) -> tuple[Floats, Floats]:
