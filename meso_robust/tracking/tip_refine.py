@@ -20,8 +20,8 @@ LEAST = 8
 """Frames that the needle is fitted to; fewer do not tell it from what is behind it."""
 _CANVAS = 32  # frames that the part's image is the mean of
 _CLEAR = 12.0  # px from the part where a tip counts as free
-_ROUNDS = 4
-_ALONG, _ACROSS = 0.1, 0.025  # px; what the needle's and the film's simplicity leave
+_ROUNDS = 2
+_ALONG, _ACROSS = 0.115, 0.025  # px; what the needle's and the film's simplicity leave
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
 _UNSEEN = 0.5  # px along the axis, where the part may be in front of the tip but was not found
 _BLOCKED = 1.0  # px along the axis, where the part hides the end of the tip in all frames
