@@ -77,8 +77,8 @@ def tracking_report(
 def _meaning(answer: TrackDocument) -> str:
     share = f"{100 * answer.most_lost:g} %"
     if answer.tracked:
-        return f"In every video the part was found in all frames but {share} at most."
-    return f"In at least one video the part was lost in more than {share} of the frames."
+        return f"In every video part and probes were found in all frames but {share} at most."
+    return f"{lost_in_words(answer)}."
 
 
 def _figures(answer: TrackDocument) -> list[tuple[str, str]]:

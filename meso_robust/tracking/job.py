@@ -163,6 +163,7 @@ def run(ready: Ready, counting: Counting) -> Found:
         ready.job.most_lost,
         _plain(asdict(ready.job)),
         _grid(ready.fit),
+        commanded=ready.commands is not None,
     )
     return Found(ready=ready, tracks=tuple(tracks), recordings=recordings, answer=answer)
 

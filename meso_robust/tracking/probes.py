@@ -23,6 +23,7 @@ from meso_robust.tracking.tip_refine import LEAST, Refined, refined
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+_HALO = 4  # px about the part in which the film is not even
 _LEAST_CONTRAST = 4.0  # of film and needle, in standard deviations of what the fit leaves
 
 
@@ -53,7 +54,10 @@ class ProbeTracker:
 
     def first(self, frame: Image, outline: Floats | None = None) -> Tip:
         """Start in a grey frame (H, W); ``outline`` (V, 2) is the part's in seen px, if it is known."""
-        fit = fit_needle(frame.astype(float), np.zeros(2), self.needle)
+        # without the part's rim before it, or whole, where the tip touches the part
+        views = [None] if outline is None else [_beside(frame, outline), None]
+        fits = [fit_needle(frame.astype(float), np.zeros(2), self.needle, used) for used in views]
+        fit = max(fits, key=lambda one: one.contrast)
         moved = float(np.hypot(*(np.array(fit.needle.tip) - np.array(self.needle.tip))))
         if fit.contrast < _LEAST_CONTRAST or moved > 4.0 * (1.0 + self.needle.radius):
             self._visible = False
@@ -123,3 +127,12 @@ class ProbeTracker:
         if self._learned is None:
             return np.full(2, math.nan), np.full((2, 2), math.nan), "never found"
         return self._learned.anchor()
+
+
+def _beside(frame: Image, outline: Floats) -> Floats:
+    """(H, W) 1 where the part and its halo are not, else 0."""
+    covered = np.zeros(frame.shape, np.uint8)
+    corners = [np.rint(outline * 16.0).astype(np.int32)]
+    cv2.fillPoly(covered, corners, 1, cv2.LINE_8, 4)
+    cv2.polylines(covered, corners, True, 1, 2 * _HALO, cv2.LINE_8, 4)
+    return (covered == 0).astype(np.float64)

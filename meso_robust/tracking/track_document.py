@@ -79,7 +79,9 @@ class TrackDocument(_Section):
         default="meso-robust/track/1", serialization_alias="schema"
     )
     tracked: bool
-    """Whether in every video the part was found, in all frames but the stated share."""
+    """Whether in every video part and probes were found, in all frames but the stated share."""
+    commanded: bool
+    """Whether the positions of the probes are the controller's; then none need be seen."""
     most_lost: float
     videos: list[VideoDocument]
     calibration: dict[str, Any]
@@ -95,6 +97,7 @@ def track_document(
     most_lost: float,
     asked: dict[str, Any],
     grid: dict[str, Any] | None = None,
+    commanded: bool = False,
 ) -> TrackDocument:
     """Sum up some tracks.
 
@@ -110,10 +113,13 @@ def track_document(
         Options of the command, for provenance.
     grid
         What the calibration was fitted to.
+    commanded
+        Whether the tips are where the controller says, so that none need be seen.
     """
     videos = [_video(track, file, calibration) for track, file in zip(tracks, files, strict=True)]
     return TrackDocument(
-        tracked=all(video.found > 0 and video.lost_share <= most_lost for video in videos),
+        tracked=not _failures(videos, most_lost, commanded),
+        commanded=commanded,
         most_lost=most_lost,
         videos=videos,
         calibration=calibration_values(calibration),
@@ -123,17 +129,35 @@ def track_document(
 
 
 def lost_in_words(document: TrackDocument) -> str:
-    """One line on the worst video."""
-    worst = max(document.videos, key=lambda video: video.lost_share)
-    reasons = Counter[str]()
-    for run in worst.lost:
-        reasons[run.reason or run.state] += run.last - run.first + 1
-    why = reasons.most_common(1)[0][0] if reasons else "no frames"
-    if not worst.found:
-        return f"{worst.video}: part not found in any of {worst.frames} frames ({why})"
+    """One line on the first video that was not tracked."""
+    return _failures(document.videos, document.most_lost, document.commanded)[0]
+
+
+def _failures(videos: Sequence[VideoDocument], most_lost: float, commanded: bool) -> list[str]:
+    """What was lost in more frames than allowed, a line each."""
+    lines = []
+    for video in videos:
+        reasons = Counter[str]()
+        for run in video.lost:
+            reasons[run.reason or run.state] += run.last - run.first + 1
+        counts = [("part", video.found, dict(reasons))]
+        if not commanded:
+            counts += [(probe.name, probe.found, probe.lost) for probe in video.probes]
+        lines += [
+            f"{video.video}: {_lost(name, found, video.frames, why, most_lost)}"
+            for name, found, why in counts
+            if not found or video.frames - found > most_lost * video.frames
+        ]
+    return lines
+
+
+def _lost(name: str, found: int, frames: int, reasons: dict[str, int], most: float) -> str:
+    why = max(reasons, key=lambda reason: reasons[reason]) if reasons else "no frames"
+    if not found:
+        return f"{name} not found in any of {frames} frames ({why})"
     return (
-        f"{worst.video}: part lost in {worst.frames - worst.found} of {worst.frames} frames, "
-        f"{100 * worst.lost_share:.1f} %, more than {100 * document.most_lost:g} % (most often: {why})"
+        f"{name} lost in {frames - found} of {frames} frames, {100 * (1 - found / frames):.1f} %, "
+        f"more than {100 * most:g} % (most often: {why})"
     )
 
 

@@ -95,6 +95,15 @@ def test_video_without_the_part_is_status_1_and_makes_no_set(tmp_path: Path) -> 
     assert "<h1>LOST</h1>" in (out / "report.html").read_text(encoding="utf-8")
 
 
+def test_video_without_its_probe_is_status_1(filmed: Filmed, tmp_path: Path) -> None:
+    words = ("--start", "0,0,0", "--probe", "left=-1200,-900", "--no-overlay")
+
+    result = tracked(filmed.path, *PART, *CAMERA, *words, "--out", tmp_path)
+
+    assert result.exit_code == 1
+    assert "left not found in any of 30 frames" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

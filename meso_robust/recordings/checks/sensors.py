@@ -52,7 +52,11 @@ def force_problems(view: View) -> list[Problem]:
 
 
 def noise_problems(recordings: RecordingSet, noise: Noise) -> list[Problem]:
-    """Stated deviations that differ from the estimated ones by more than a factor of three."""
+    """Stated deviations that differ from the estimated ones by more than a factor of three.
+
+    Less scatter than stated is for information only: what a tracker states holds errors that stay
+    from frame to frame, too.
+    """
     sensor = recordings.sensor
     both = [spread for spread in (noise.x, noise.y) if spread.sigma is not None]
     position = max(both, key=lambda one: one.sigma or 0.0) if len(both) == 2 else None
@@ -79,7 +83,7 @@ def _differs(key: str, stated: float, found: Spread, unit: float) -> list[Proble
         Problem(
             file=SET_FILE,
             kind="noise",
-            severity="warning",
+            severity="warning" if ratio > 1.0 else "information",
             value=f"{key} = {stated / unit:.4g}; still frames show {found.sigma / unit:.4g} "
             f"({found.freedom} degrees of freedom)",
             rule=f"must agree within a factor of {_RATIO:.0f}",
