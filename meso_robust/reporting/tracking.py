@@ -17,7 +17,7 @@ from meso_robust.reporting.recording_figures import recording_figure
 from meso_robust.reporting.skeleton import environment
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.tracking.track import Track
-from meso_robust.tracking.track_document import TrackDocument, VideoDocument
+from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
 
 MOST_PICTURES = 8
 """Videos that are drawn."""
