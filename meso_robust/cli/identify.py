@@ -38,7 +38,9 @@ def identify(  # noqa: PLR0913  # every option of the verb is an argument
         Path, typer.Argument(help="Recording set (folder); with --plan also a task file.")
     ],
     model: Annotated[str, typer.Option(help="viscous, three_point …")] = "viscous",
-    starts: Annotated[int, typer.Option(min=1, help="Random starts of the search.")] = 20,
+    starts: Annotated[
+        int, typer.Option(min=1, max=10_000, help="Random starts of the search.")
+    ] = 20,
     objective: Annotated[
         str,
         typer.Option(help="likelihood, with intervals; printed: the paper's objective alone."),
@@ -50,7 +52,7 @@ def identify(  # noqa: PLR0913  # every option of the verb is an argument
         bool, typer.Option("--plan", help="Only write the paper's tests A-H for this part.")
     ] = False,
     design: Annotated[
-        int, typer.Option(min=0, help="Also propose this many pushes that tell most.")
+        int, typer.Option(min=0, max=100, help="Also propose this many pushes that tell most.")
     ] = 0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random starts.")] = 0,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
@@ -98,6 +100,11 @@ def _identify(asked: _Asked, say: Reporter) -> None:
     recordings = read_set(asked.recordings)
     _check_out(asked)
 
+    from meso_robust.identification.usable import warnings_of
+
+    with say.doing("checking the recordings"):
+        warnings = warnings_of(recordings)
+
     from meso_robust.identification.answer import document, summary
     from meso_robust.identification.layout import toml_of
     from meso_robust.reporting.identification import identification_report
@@ -116,6 +123,8 @@ def _identify(asked: _Asked, say: Reporter) -> None:
         print(text, end="")
     elif not asked.quiet:
         print(summary(answer))
+        for line in warnings:
+            print(f"  {line}")
         print(f"report: {asked.out / 'report.html'}")
     if not found.determined:
         raise typer.Exit(NEGATIVE)

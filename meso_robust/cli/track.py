@@ -89,6 +89,7 @@ def _track(job: Job, out: Path, overlay: bool, say: Reporter, as_json: bool, qui
     from meso_robust.tracking.track_document import lost_in_words
 
     check_folder(out)
+    _keep_apart(job, out)
     found = run(prepared(job), say.counting)
     from meso_robust.reporting.tracking import tracking_report
 
@@ -100,6 +101,20 @@ def _track(job: Job, out: Path, overlay: bool, say: Reporter, as_json: bool, qui
     elif not quiet:
         for video in answer.videos:
             print(f"{video.video}: part found in {video.found} of {video.frames} frames")
+            for note in video.notes:
+                print(f"  {note}")
         print(f"report: {out / 'report.html'}")
     if not answer.tracked:
         negative(lost_in_words(answer))
+
+
+def _keep_apart(job: Job, out: Path) -> None:
+    """Refuse a folder in which a result could be written over a video."""
+    from meso_robust.errors import InputError
+
+    for video in job.videos:
+        if video.resolve().parent == out.resolve() or video.resolve() == out.resolve():
+            raise InputError(
+                f"--out {out}: holds {video.name}, which must not be written over; give another "
+                "folder"
+            )

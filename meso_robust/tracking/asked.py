@@ -12,6 +12,7 @@ import numpy.typing as npt
 from meso_robust.errors import InputError
 from meso_robust.recordings import Polygon, Rectangle
 from meso_robust.recordings.document import load_document
+from meso_robust.recordings.rules import probe_fault
 from meso_robust.task import load_task
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import load_calibration
@@ -138,6 +139,9 @@ def stated_probes(texts: tuple[str, ...]) -> tuple[Start, ...] | None:
             x = y = math.nan
         if match is None or not (math.isfinite(x) and math.isfinite(y)) or match[1] == "part":
             raise InputError(f"--probe {text!r}: must be NAME=x_um,y_um, such as probe1=820,-40")
+        fault = probe_fault(match[1])
+        if fault:
+            raise InputError(f"--probe {text!r}: {fault}")
         if match[1].lower() in [start.name.lower() for start in found]:
             raise InputError(f"--probe {text!r}: the name stands twice; names must differ")
         found.append(Start(name=match[1], tip=(x * UM, y * UM)))

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
 from meso_robust.recordings import Polygon, RecordingSet, Rectangle, write_set
+from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.rules import file_fault
 from meso_robust.tracking.asked import stated_camera, stated_part, stated_pose, stated_probes
 from meso_robust.tracking.calibration_document import calibration_text
@@ -198,9 +199,11 @@ def write(folder: Path, found: Found, report: str, counting: Counting | None) ->
     with _Drafts(folder) as drafts:
         if counting is not None:
             _overlays(drafts, found, counting)
-        write_all(folder, texts)
         if found.recordings is not None:
             write_set(folder, found.recordings)
+        elif (folder / "track.json").exists():  # the set of an earlier run is not the answer now
+            (folder / SET_FILE).unlink(missing_ok=True)
+        write_all(folder, texts)
         drafts.place()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.identification.document import read_model
-from meso_robust.recordings import RecordingSet, write_set
+from meso_robust.recordings import RecordingSet, read_set, write_set
 from meso_robust.simulator import Film
 from meso_robust.tasks import PAPER
 from tests.identification.sets import random_pushes, recorded
@@ -93,3 +94,19 @@ def test_a_folder_without_a_set_is_refused(tmp_path: Path) -> None:
     code, said = run(tmp_path, "--out", tmp_path / "out")
     assert code == 2
     assert "set.toml" in said
+
+
+def test_poses_that_are_no_measurements_are_not_fitted(folder: Path, tmp_path: Path) -> None:
+    made = read_set(folder)
+    first, *others = made.recordings
+    poses = first.poses.copy()
+    poses[60] = 0.0
+    dirty = replace(made, recordings=(replace(first, poses=poses), *others))
+    write_set(tmp_path / "set", dirty)
+
+    code, said = run(tmp_path / "set", "--out", tmp_path / "out")
+
+    assert code == 2
+    assert "push_00.csv, line" in said
+    assert "--repair" in said
+    assert not (tmp_path / "out").exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -104,6 +105,32 @@ def test_video_without_its_probe_is_status_1(filmed: Filmed, tmp_path: Path) -> 
     assert "left not found in any of 30 frames" in result.stderr
 
 
+def test_a_set_of_an_earlier_run_does_not_outlive_a_run_without_one(
+    done: tuple[Any, Path], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(done[1], out)
+    cv2.imwrite(str(tmp_path / "0.png"), np.full((480, 640), 70, np.uint8))
+    images = tmp_path / "images"
+    images.mkdir()
+    (tmp_path / "0.png").rename(images / "0.png")
+
+    result = tracked(images, *PART, *CAMERA, "--frame-rate-hz", 30, "--out", out)
+
+    assert result.exit_code == 1
+    assert not (out / "set.toml").exists()
+
+
+def test_a_video_is_never_written_over(filmed: Filmed) -> None:
+    before = sorted(filmed.path.parent.iterdir())
+
+    result = tracked(filmed.path, *PART, *CAMERA, "--out", filmed.path.parent)
+
+    assert result.exit_code == 2
+    assert "must not be written over" in result.stderr
+    assert sorted(filmed.path.parent.iterdir()) == before
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -112,6 +139,7 @@ def test_video_without_its_probe_is_status_1(filmed: Filmed, tmp_path: Path) -> 
         (("{v}", *PART[:4], *CAMERA), "--tip-radius-um"),
         (("{v}", *PART, *CAMERA, "--length-um", "300"), "--width-um"),
         (("{v}", *PART, "--pixel-um", "-1"), "--pixel-um"),
+        (("{v}", *PART, *CAMERA, "--probe", "a" * 70 + "=1,1"), "--probe"),
         (("{v}", *PART, *CAMERA, "--pitch-um", "100"), "--pitch-um"),
         (("{v}", *PART, *CAMERA, "--start", "1,2"), "--start"),
         (("{v}", *PART, *CAMERA, "--probe", "p:1,2"), "--probe"),
