@@ -42,12 +42,16 @@ reports: $(INSTALLED)
 	$(BIN)/python -m tests.simulator.inertia_report --out reports/simulator
 	$(BIN)/python -m tests.simulator.effects_report --out reports/simulator/effects.md
 	$(BIN)/python -m tests.basis.report --out reports/basis
+	$(BIN)/python -m tests.identification.sensitivity_report --out reports/identification
 
 # The full forms of the campaigns: hours on two cores. The totals of `falsify` go on where they stand.
 campaign: $(INSTALLED)
 	$(BIN)/python -m tests.campaigns.refuted
 	$(BIN)/python -m tests.checker.mutations --count 3000
 	$(BIN)/python -m tests.campaigns.falsify --workers 2 --stepper-attack
+	$(BIN)/python -m tests.tracking.accuracy --frames 10000 --seed 2 --out reports/tracking/accuracy.md
+	$(BIN)/python -m tests.identification.recovery
+	$(BIN)/python -m tests.identification.design_report --sets 80 --out reports/identification
 	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
 
 lock:
