@@ -8,6 +8,7 @@ grid may be turned, distorted and cut by the border of the image.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -20,6 +21,8 @@ Image = npt.NDArray[np.uint8]
 
 LEAST_POINTS = 12
 """Fewer would leave nothing to judge the fit by."""
+_AROUND = 16  # places around a corner, opposite ones compared
+_UNEVEN = 0.5  # of the contrast there
 _SMOOTHING = 2.0  # px; noise must not make saddles, squares are much larger
 _REACH = 0.3  # of the pitch; how far a neighbour may lie from where it is expected
 _ROUND = 0.8  # least share of its enclosing circle that a dot fills; a square fills 0.64
@@ -91,7 +94,23 @@ def _corners(image: Image) -> Floats:
     fine = cv2.cornerSubPix(image, rough.reshape(-1, 1, 2).copy(), (half, half), (-1, -1), stop)
     fine = fine.reshape(-1, 2)
     inside = np.all((fine >= half) & (fine < np.array(image.shape[::-1]) - half), axis=1)
-    return fine[inside & (np.abs(fine - rough).max(axis=1) < half)].astype(float)
+    kept = fine[inside & (np.abs(fine - rough).max(axis=1) < half)]
+    corners = kept.astype(float)
+    return corners[_alike_opposite(smooth, corners, 1.4 * half)]
+
+
+def _alike_opposite(
+    smooth: npt.NDArray[Any], points: Floats, reach: float
+) -> npt.NDArray[np.bool_]:
+    """(N,) whether a corner looks alike after half a turn; one on the rim of a board does not."""
+    if not len(points):
+        return np.zeros(0, dtype=bool)
+    angles = np.linspace(0.0, 2.0 * np.pi, _AROUND, endpoint=False)
+    around = points[:, None] + reach * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    u, v = (np.ascontiguousarray(around[..., k], dtype=np.float32) for k in range(2))
+    grey = cv2.remap(smooth, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    uneven = np.abs(grey - np.roll(grey, _AROUND // 2, axis=1)).max(axis=1)
+    return np.asarray(uneven < _UNEVEN * np.ptp(grey, axis=1))
 
 
 def _spacing(points: Floats) -> float:

@@ -94,6 +94,13 @@ def fitted(kind: str, seed: int, k1: float) -> tuple[Optics, GridFit]:
     return optics, calibrate(image, pitch)
 
 
+def test_corners_on_the_rim_of_a_chessboard_are_not_of_the_grid() -> None:
+    fit = calibrate(grid_image(OPTICS, 100e-6, "chessboard", count=(20, 14)), 100e-6)
+
+    assert len(fit.kept) == 19 * 13
+    assert fit.kept.all()
+
+
 @pytest.mark.parametrize(("kind", "k1"), [("chessboard", -0.02), ("dots", 0.025)])
 def test_grid_gives_the_camera_back_within_its_intervals(kind: str, k1: float) -> None:
     optics, fit = fitted(kind, 4, k1)
