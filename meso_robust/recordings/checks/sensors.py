@@ -87,6 +87,8 @@ def _differs(key: str, stated: float, found: Spread, unit: float) -> list[Proble
             value=f"{key} = {stated / unit:.4g}; still frames show {found.sigma / unit:.4g} "
             f"({found.freedom} degrees of freedom)",
             rule=f"must agree within a factor of {_RATIO:.0f}",
-            advice="mend the key, or leave it out to have it estimated",
+            advice="mend the key, or leave it out to have it estimated"
+            if ratio > 1.0
+            else "right if errors that stay from frame to frame are in it, else mend the key",
         )
     ]
