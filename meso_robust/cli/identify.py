@@ -100,7 +100,7 @@ def _identify(asked: _Asked, say: Reporter) -> None:
     recordings = read_set(asked.recordings)
     _check_out(asked)
 
-    from meso_robust.identification.usable import warnings_of
+    from meso_robust.identification.usable import pathological_of, warnings_of
 
     with say.doing("checking the recordings"):
         warnings = warnings_of(recordings)
@@ -110,7 +110,9 @@ def _identify(asked: _Asked, say: Reporter) -> None:
     from meso_robust.reporting.identification import identification_report
 
     found = _fitted(asked, recordings, say)
-    answer = document(recordings, found, __version__)
+    with say.doing("looking for pathological starts"):
+        remarks = (*warnings, *pathological_of(recordings, found.model, found.best))
+    answer = document(recordings, found, __version__, remarks)
     text = answer.model_dump_json(by_alias=True, indent=2) + "\n"
     with say.doing("writing the results"):
         page = identification_report(answer, found, str(asked.recordings))
@@ -123,7 +125,7 @@ def _identify(asked: _Asked, say: Reporter) -> None:
         print(text, end="")
     elif not asked.quiet:
         print(summary(answer))
-        for line in warnings:
+        for line in remarks:
             print(f"  {line}")
         print(f"report: {asked.out / 'report.html'}")
     if not found.determined:

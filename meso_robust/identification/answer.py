@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -26,7 +27,9 @@ from meso_robust.recordings import RecordingSet, Rectangle
 from meso_robust.simulator import Outcome
 
 
-def document(recordings: RecordingSet, found: Identification, version: str) -> ModelDocument:
+def document(
+    recordings: RecordingSet, found: Identification, version: str, remarks: Sequence[str] = ()
+) -> ModelDocument:
     """The document of what was found.
 
     Parameters
@@ -35,6 +38,8 @@ def document(recordings: RecordingSet, found: Identification, version: str) -> M
         What was fitted, and how.
     version
         Of this package.
+    remarks
+        What else to keep in mind about the recordings; joins the notes.
     """
     model, likelihood = found.model, found.fitted is not None
     unseen = np.flatnonzero(~model.fitted)
@@ -61,7 +66,10 @@ def document(recordings: RecordingSet, found: Identification, version: str) -> M
                 seed=found.seed,
                 starts=found.starts,
                 meso_robust=version,
-                notes=tuple(f"{note.file}: {note.what}" for note in found.prepared.notes),
+                notes=(
+                    *(f"{note.file}: {note.what}" for note in found.prepared.notes),
+                    *remarks,
+                ),
             ),
         }
     )

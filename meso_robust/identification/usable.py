@@ -1,8 +1,10 @@
-"""Which recording sets may be fitted: what `recordings` finds wrong must be mended first."""
+"""What to keep in mind about a recording set that is fitted, and what must be mended first."""
 
 from __future__ import annotations
 
 from meso_robust.errors import InputError
+from meso_robust.identification.models.model import Floats, Model
+from meso_robust.identification.sensitivity import StartBox, sensitivities_of_set
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.problems import problems
 
@@ -27,3 +29,21 @@ def warnings_of(recordings: RecordingSet) -> tuple[str, ...]:
             "bad poses as not seen"
         )
     return tuple(str(p) for p in found if p.severity == "warning")
+
+
+def pathological_of(recordings: RecordingSet, model: Model, values: Floats) -> tuple[str, ...]:
+    """Recordings whose start is pathological within the paper's 5 µm and 0.005°, a line each.
+
+    Parameters
+    ----------
+    recordings
+        That were fitted.
+    model, values
+        The fitted model, and its (n,) parameters in SI.
+    """
+    return tuple(
+        f"{one.name}: pathological start ({', '.join(one.reasons)}): its motion says more of the "
+        "start than of the part"
+        for one in sensitivities_of_set(recordings, model, values, StartBox())
+        if one.pathological
+    )

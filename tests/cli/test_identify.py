@@ -15,7 +15,7 @@ from meso_robust.identification.document import read_model
 from meso_robust.recordings import RecordingSet, read_set, write_set
 from meso_robust.simulator import Film
 from meso_robust.tasks import PAPER
-from tests.identification.sets import random_pushes, recorded
+from tests.identification.sets import PART, RADIUS, random_pushes, recorded
 
 
 @pytest.fixture(scope="module")
@@ -110,3 +110,20 @@ def test_poses_that_are_no_measurements_are_not_fitted(folder: Path, tmp_path: P
     assert "push_00.csv, line" in said
     assert "--repair" in said
     assert not (tmp_path / "out").exists()
+
+
+def test_a_push_through_the_middle_is_named_pathological(tmp_path: Path) -> None:
+    """Fig. 4 of the paper: pushed at the centre of drag, the part turns either way."""
+    rng = np.random.default_rng(3)
+    pushes = random_pushes(rng, 3)
+    pushes.poses[0] = 0.0
+    pushes.tips[0, 0] = [0.0, 0.5 * PART.width + RADIUS + 20e-6]
+    pushes.travels[0, 0] = [0.0, -500e-6]
+    made = recorded(pushes, Film.ratio(np.full(3, 0.3769e-6)), 0.33, rng)
+    write_set(tmp_path / "set", made)
+
+    code, said = run(tmp_path / "set", "--starts", "3", "--out", tmp_path / "out")
+
+    assert code == 0
+    named = [line for line in said.splitlines() if "pathological start (turns either way" in line]
+    assert [line.split(":")[0].strip() for line in named] == ["push_00.csv"]
