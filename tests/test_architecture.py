@@ -33,10 +33,18 @@ MAY_IMPORT = {
     "policy": {*BELOW_PLANNING, "planning", "certificates", "campaigns", "simulator"},
     "checker": {"errors", "task"},
     "simulator": {"errors", "kernels"},
-    "recordings": {"errors", "files"},
+    "recordings": {"errors", "toml_files", "files"},
     "microscope": {"errors", "files", "kernels"},
-    "tracking": {"errors", "files", "kernels", "recordings", "task", "__version__"},
-    "identification": {"errors", "files", "kernels", "simulator", "recordings", "task"},
+    "tracking": {"errors", "toml_files", "files", "kernels", "recordings", "task", "__version__"},
+    "identification": {
+        "errors",
+        "toml_files",
+        "files",
+        "kernels",
+        "simulator",
+        "recordings",
+        "task",
+    },
 }
 ABOVE = {"cli", "reporting", "__init__"}  # what nothing else may reach
 

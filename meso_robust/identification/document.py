@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
-from meso_robust.errors import InputError
 from meso_robust.identification.models import MODELS, Model
 from meso_robust.identification.models.model import Floats
 from meso_robust.recordings import Rectangle
+from meso_robust.toml_files import checked, read_toml
 
 SCHEMA = "meso-robust/model/1"
 FILE = "model.toml"
@@ -195,13 +193,7 @@ def read_model(path: Path) -> ModelDocument:
         The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
         value and rule.
     """
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a model.toml") from error
-    except ValueError as error:
-        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
-    return parse_model(values, str(path))
+    return parse_model(read_toml(path, "give a model.toml"), str(path))
 
 
 def parse_model(values: Mapping[str, Any], source: str) -> ModelDocument:
@@ -212,24 +204,8 @@ def parse_model(values: Mapping[str, Any], source: str) -> ModelDocument:
     InputError
         A value breaks a rule.
     """
-    try:
-        return ModelDocument.model_validate_json(json.dumps(values, allow_nan=True))
-    except TypeError as error:
-        raise InputError(f"{source}: dates and times have no place in a model ({error})") from error
-    except ValidationError as error:
-        raise InputError(f"{source}: {_first_of(error)}") from error
-
-
-def _first_of(error: ValidationError) -> str:
-    first = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in first["loc"]) or "model"
-    rule = first["msg"].removeprefix("Value error, ")
-    if first["type"] in ("missing", "extra_forbidden"):
-        what = "is missing" if first["type"] == "missing" else "is unknown"
-        return f"key {key} {what}; `meso-robust schema model` lists all keys"
-    if first["type"] == "value_error":
-        return f"key {key}: {rule}"
-    return f"key {key} = {first['input']!r}: {rule}"
+    keys = "`meso-robust schema model`"
+    return checked(ModelDocument, values, source, whole="model", keys=keys)
 
 
 def _outline(part: PartSection) -> Floats:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import tomllib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -15,13 +12,12 @@ from pydantic import (
     ConfigDict,
     Field,
     FiniteFloat,
-    ValidationError,
     model_validator,
 )
 
-from meso_robust.errors import InputError
 from meso_robust.recordings.outline import outline_fault
 from meso_robust.recordings.rules import file_fault, probe_fault, twice_fault
+from meso_robust.toml_files import checked, read_toml
 
 SCHEMA = "meso-robust/recordings/1"
 SET_FILE = "set.toml"
@@ -31,7 +27,6 @@ SET_FILE = "set.toml"
 # table obey the same laws.
 Length = Annotated[FiniteFloat, Field(ge=1, le=1e6)]
 Coordinate = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
-_LONGEST_SHOWN = 60  # characters of a wrong value in a message
 
 
 def _raise_if(fault: str | None) -> None:
@@ -145,15 +140,8 @@ def load_document(path: Path) -> SetDocument:
         The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
         value and rule.
     """
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror}); give the folder of a recording set"
-        ) from error
-    except ValueError as error:  # of TOML, of UTF-8, or of a number too long for Python
-        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
-    return parse_document(values, str(path))
+    advice = "give the folder of a recording set"
+    return parse_document(read_toml(path, advice), str(path))
 
 
 def parse_document(values: dict[str, Any], source: str) -> SetDocument:
@@ -164,33 +152,5 @@ def parse_document(values: dict[str, Any], source: str) -> SetDocument:
     InputError
         A value breaks a rule.
     """
-    try:
-        # through JSON, because strict checking of a TOML array as a tuple would refuse the list
-        return SetDocument.model_validate_json(json.dumps(values, allow_nan=True))
-    except ValidationError as error:
-        raise InputError(f"{source}: {_first_of(error)}") from error
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"{source}: has a date, a time or an endless number ({error}); give plain values"
-        ) from error
-
-
-def _first_of(error: ValidationError) -> str:
-    first = error.errors(include_url=False)[0]
-    key = _path(first["loc"]) or "set"
-    rule = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "missing":
-        return f"key {key} is missing; `meso-robust schema recordings` lists all keys"
-    if first["type"] == "extra_forbidden":
-        return f"key {key} is unknown; `meso-robust schema recordings` lists all keys"
-    if first["type"] == "value_error":
-        return f"key {key}: {rule}"
-    shown = repr(first["input"])
-    shown = shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}…"
-    return f"key {key} = {shown}: {rule}"
-
-
-def _path(keys: Sequence[str | int]) -> str:
-    """Key as in ``recording[0].file``."""
-    text = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
-    return text.removeprefix(".")
+    keys = "`meso-robust schema recordings`"
+    return checked(SetDocument, values, source, whole="set", keys=keys)

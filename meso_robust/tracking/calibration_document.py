@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from meso_robust.errors import InputError
+from meso_robust.toml_files import checked, read_toml
 from meso_robust.tracking.calibration import MOST_K1, Calibration, Interval
 
 SCHEMA = "meso-robust/calibration/1"
@@ -64,21 +63,9 @@ def load_calibration(path: Path) -> Calibration:
         The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
         value and rule.
     """
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror}); give a calibration file"
-        ) from error
-    except ValueError as error:
-        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
-    try:
-        # through JSON, because strict checking of a TOML array as a tuple would refuse the list
-        return _loaded(CalibrationDocument.model_validate_json(json.dumps(values)))
-    except ValidationError as error:
-        raise InputError(f"{path}: {_first_of(error)}") from error
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{path}: has a date or an endless number ({error})") from error
+    values = read_toml(path, "give a calibration file")
+    keys = "the calibration.toml that `meso-robust track --grid` writes"
+    return _loaded(checked(CalibrationDocument, values, str(path), whole="calibration", keys=keys))
 
 
 def calibration_text(calibration: Calibration) -> str:
@@ -150,13 +137,3 @@ def _loaded_interval(section: IntervalSection) -> Interval:
         k1=math.inf if section.k1 is None else section.k1,
         k1_centre=section.k1_centre_px or (math.inf, math.inf),
     )
-
-
-def _first_of(error: ValidationError) -> str:
-    first = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in first["loc"]) or "calibration"
-    if first["type"] == "missing":
-        return f"key {key} is missing; add it"
-    if first["type"] == "extra_forbidden":
-        return f"key {key} is unknown; leave it out"
-    return f"key {key} = {first['input']!r}: {first['msg'].removeprefix('Value error, ')}"

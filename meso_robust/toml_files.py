@@ -1,0 +1,86 @@
+"""TOML files that users write: read, and checked against a pydantic model, with one message."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from meso_robust.errors import InputError
+
+_Document = TypeVar("_Document", bound=BaseModel)
+_LONGEST_SHOWN = 60  # characters of a wrong value in a message
+
+
+def read_toml(path: Path, advice: str) -> dict[str, Any]:
+    """Values of a TOML file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read (with the advice) or is not TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); {advice}") from error
+    except ValueError as error:  # of TOML, of UTF-8, or of a number too long for Python
+        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
+
+
+def checked(
+    document: type[_Document], values: Mapping[str, Any], source: str, *, whole: str, keys: str
+) -> _Document:
+    """The document that some values make.
+
+    Parameters
+    ----------
+    document
+        Its model.
+    values
+        As read.
+    source
+        Names them in messages.
+    whole
+        What a fault of no single key is a fault of.
+    keys
+        Where all keys are listed.
+
+    Raises
+    ------
+    InputError
+        A value breaks a rule.
+    """
+    try:
+        # through JSON, because strict checking of a TOML array as a tuple would refuse the list
+        return document.model_validate_json(json.dumps(values, allow_nan=True))
+    except ValidationError as error:
+        raise InputError(f"{source}: {_first_of(error, whole, keys)}") from error
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{source}: has a date, a time or an endless number ({error}); give plain values"
+        ) from error
+
+
+def _first_of(error: ValidationError, whole: str, keys: str) -> str:
+    first = error.errors(include_url=False)[0]
+    key = _path(first["loc"]) or whole
+    rule = first["msg"].removeprefix("Value error, ")
+    if first["type"] in ("missing", "extra_forbidden"):
+        what = "missing" if first["type"] == "missing" else "unknown"
+        return f"key {key} is {what}; {keys} lists all keys"
+    if first["type"] == "value_error":
+        return f"key {key}: {rule}"
+    shown = repr(first["input"])
+    shown = shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}…"
+    return f"key {key} = {shown}: {rule}"
+
+
+def _path(keys: Sequence[str | int]) -> str:
+    """Key as in ``recording[0].file``."""
+    text = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
+    return text.removeprefix(".")
