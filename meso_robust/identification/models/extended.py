@@ -85,13 +85,13 @@ def _parameter(effect: str, key: str, scale: float) -> Parameter:
             f"scales.{effect}.{key}: {scale}; must be positive and finite; give a typical change"
         )
     # one part in 1e9 inside, so that rounding of the unit does not leave the catalogue's range
-    inside = 1.0 - 1e-9
+    low, high = known.low * known.to_si, known.high * known.to_si
     return Parameter(
         key=f"{effect}.{key}",
         unit=known.unit,
         to_si=known.to_si,
-        low=known.low * known.to_si * (inside if np.isfinite(known.low) else 1.0),
-        high=known.high * known.to_si * (inside if np.isfinite(known.high) else 1.0),
+        low=low + 1e-9 * abs(low) if np.isfinite(low) else low,
+        high=high - 1e-9 * abs(high) if np.isfinite(high) else high,
         scale=scale * known.to_si,
         meaning=known.meaning,
     )

@@ -1,0 +1,224 @@
+"""A diagnosis as the document ``diagnosis.json``."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
+from meso_robust.diagnosis.intervals import Interval, intervals
+from meso_robust.diagnosis.name import Candidate
+from meso_robust.diagnosis.next_push import next_experiment
+from meso_robust.diagnosis.show import Errors, improvement
+from meso_robust.diagnosis.trials import tried
+from meso_robust.simulator.catalogue import CATALOGUE, stage_of
+
+UM, DEG = 1e6, 180.0 / np.pi
+VISCOSITY = "film_viscosity"
+"""The scale of the drag: no motion depends on it."""
+_LISTED = 12  # tests and candidates that are listed
+
+
+def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> DiagnosisDocument:
+    """The document of a diagnosis.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    version
+        Of this package.
+    remarks
+        What else to keep in mind about the recordings.
+    """
+    best = found.best
+    answers = found.naming.answers if found.naming else ()
+    unseen = [one for one in found.visible if not one.seen]
+    # by a mapping, because `schema` is the name of a method of pydantic's models
+    return DiagnosisDocument.model_validate(
+        {
+            "schema": SCHEMA,
+            "verdict": found.verdict,
+            "why": _why(found),
+            "baseline": {"model": found.baseline.model.name, "parameters": _baseline(found)},
+            "noise": {
+                "position_sigma_um": UM * float(found.noise.sigma[0]),
+                "orientation_sigma_deg": DEG * float(found.noise.sigma[2]),
+                "correlation": found.noise.correlation,
+                "source": found.noise.source,
+            },
+            "training": found.baseline.prepared.files,
+            "mismatch": _mismatch(found),
+            "effects": _effects(best, answers) if best else (),
+            "ambiguous_with": tuple(one.effects for one in answers[1:]),
+            "not_identifiable": (VISCOSITY, *(one.effect for one in unseen)),
+            "not_identifiable_why": tuple(
+                {
+                    "effect": one.effect,
+                    "detectability": one.sigma,
+                    "alike": one.alike,
+                    "push": tried(one.effect).shown_by,
+                }
+                for one in unseen
+            ),
+            "candidates": _candidates(found),
+            "held_out": _held_out(found),
+            "next_experiment": next_experiment(found),
+            "provenance": {
+                "recordings_sha256": found.sha256,
+                "seed": found.seed,
+                "quick": found.quick,
+                "meso_robust": version,
+                "notes": (
+                    *(f"{note.file}: {note.what}" for note in found.baseline.prepared.notes),
+                    *remarks,
+                ),
+            },
+        }
+    )
+
+
+def _why(found: Diagnosis) -> str:
+    detection, best = found.detection, found.best
+    if best is None or found.naming is None:
+        return (
+            f"nothing beyond the refitted model is supported: the largest of {len(detection.tests)} "
+            f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
+        )
+    names = " + ".join(best.effects)
+    answers = found.naming.answers
+    if len(answers) == 1:
+        return f"{names} leaves nothing that the detector sees (p = {answers[0].p_value:.2g})"
+    if answers:
+        others = " or ".join(" + ".join(one.effects) for one in answers[1:])
+        return f"{names} explains the recordings, and so does {others}; they cannot be told apart"
+    return f"no set of effects is enough: {names} {best.rejected or 'leaves a mismatch'}"
+
+
+def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:
+    base = found.baseline
+    known = intervals(base.model, base.fits.values[0], base.jacobian, base.tangent)
+    return {one.key: _value(one) for one in known}
+
+
+def _value(one: Interval) -> dict[str, object]:
+    return {"value": one.value, "low": one.low, "high": one.high, "unit": one.unit}
+
+
+def _mismatch(found: Diagnosis) -> dict[str, object]:
+    from meso_robust.diagnosis.detect import ALARM
+
+    detection = found.detection
+    return {
+        "detected": detection.detected,
+        "p_value": detection.p_value,
+        "threshold": ALARM,
+        "nulls": len(detection.null_statistics),
+        "tests": tuple(
+            {"name": test.name, "kind": test.kind, "sigma": float(sigma)}
+            for test, sigma in zip(
+                detection.tests[:_LISTED], detection.sigmas[:_LISTED], strict=True
+            )
+        ),
+        "where": (),
+    }
+
+
+def intervals_of(found: Candidate) -> tuple[Interval, ...]:
+    """Intervals of all numbers of an extended model."""
+    refit = found.refit
+    return intervals(refit.model, refit.fits.values[0], refit.fitted.jacobian[0], refit.tangent)
+
+
+def _effects(best: Candidate, answers: tuple[Candidate, ...]) -> tuple[dict[str, object], ...]:
+    known = {one.key: one for one in intervals_of(best)}
+    able = sum(one.probability for one in answers) or 1.0
+    return tuple(
+        {
+            "name": trial.effect,
+            "probability": _probability(trial.effect, best, answers, able),
+            "parameters": {
+                key: _value(known[f"{trial.effect}.{key}"])
+                for key in trial.scales
+                if f"{trial.effect}.{key}" in known
+            }
+            | {key: _fixed(trial.effect, key, value) for key, value in trial.held.items()},
+            "stage": stage_of(trial.effect).name,
+            "equation": CATALOGUE[trial.effect].equation,
+        }
+        for trial in best.refit.trials
+    )
+
+
+def _fixed(effect: str, key: str, value: float) -> dict[str, object]:
+    unit = next(one.unit for one in CATALOGUE[effect].parameters if one.key == key)
+    return {"value": value, "low": value, "high": value, "unit": unit}
+
+
+def _probability(
+    effect: str, best: Candidate, answers: tuple[Candidate, ...], able: float
+) -> float:
+    """Share of the answers that hold the effect; of a set that is not enough, nothing is claimed."""
+    if best not in answers:
+        return 0.0
+    return float(min(1.0, sum(one.probability for one in answers if effect in one.effects) / able))
+
+
+def _candidates(found: Diagnosis) -> tuple[dict[str, object], ...]:
+    if found.naming is None:
+        return ()
+    return tuple(
+        {
+            "effects": one.effects,
+            "gain": one.refit.gain,
+            "chi2": one.refit.chi2,
+            "probability": one.probability,
+            "adequate": one.adequate,
+            "rejected": one.rejected,
+        }
+        for one in found.naming.candidates[:_LISTED]
+    )
+
+
+def _held_out(found: Diagnosis) -> dict[str, object]:
+    before, after = found.before, found.after
+    if before is None:
+        before, after = found.trained, found.retrained
+    later = after or before
+    low, high = improvement(before, later, found.seed)
+    section = {
+        "recordings": before.prepared.files if found.before is not None else (),
+        "baseline_sigma": before.whole,
+        "extended_sigma": later.whole,
+        "noise_floor_sigma": 1.0,
+        "baseline_um": UM * before.whole_metres,
+        "extended_um": UM * later.whole_metres,
+        "improvement_low": low,
+        "improvement_high": high,
+        "each": _each(before, later, "held_out") if found.before is not None else (),
+    }
+    beyond = found.extrapolation
+    if beyond is None:
+        return section
+    last = beyond.after or beyond.before
+    return section | {
+        "extrapolation": beyond.what,
+        "extrapolation_recordings": beyond.files,
+        "extrapolation_baseline_sigma": beyond.before.whole,
+        "extrapolation_extended_sigma": last.whole,
+        "each": (*section["each"], *_each(beyond.before, last, "extrapolation")),
+    }
+
+
+def _each(before: Errors, after: Errors, which: str) -> tuple[dict[str, object], ...]:
+    return tuple(
+        {
+            "recording": file,
+            "split": which,
+            "baseline_sigma": float(before.sigma[k]),
+            "extended_sigma": float(after.sigma[k]),
+            "baseline_um": UM * float(before.metres[k]),
+            "extended_um": UM * float(after.metres[k]),
+        }
+        for k, file in enumerate(before.prepared.files)
+    )

@@ -1,0 +1,189 @@
+"""The whole diagnosis: refit, detect, locate, name, show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
+from meso_robust.diagnosis.detect import Detection, Detector, Span, detector
+from meso_robust.diagnosis.identifiable import Visibility, visibilities
+from meso_robust.diagnosis.name import Candidate, Contest, Naming
+from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
+from meso_robust.diagnosis.nulls import null_rows
+from meso_robust.diagnosis.show import Errors, Extrapolation, errors, extrapolated
+from meso_robust.diagnosis.signatures import Signature, signatures
+from meso_robust.diagnosis.spans import spans_of
+from meso_robust.diagnosis.split import Split, split
+from meso_robust.diagnosis.store import Store
+from meso_robust.diagnosis.trials import trials
+from meso_robust.identification.answer import set_hash
+from meso_robust.recordings import RecordingSet
+
+Floats = npt.NDArray[np.float64]
+Told = Callable[[str, int, int], None]
+"""Called with what is being done, how much of it is done, and of how much."""
+
+NULLS = {True: 99, False: 299}
+"""Simulated sets without a mismatch of a quick and of a full diagnosis."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Diagnosis:
+    """What recordings say of a model.
+
+    Attributes
+    ----------
+    recordings
+        All, with the noise stated.
+    sha256
+        Of the recordings as given.
+    split, noise, baseline, spans, signatures
+        What the tests stand on.
+    detection
+        Whether there is a mismatch.
+    visible
+        What these recordings could show.
+    naming
+        Outcome of the competition; None where nothing is to be explained.
+    before, after
+        Errors on the held-out recordings of the plain and of the best extended model.
+    trained, retrained
+        Likewise on the recordings of the fit.
+    extrapolation
+        Errors on a kind of push that was left out of the fits.
+    quick, seed
+        As asked.
+    """
+
+    recordings: RecordingSet
+    sha256: str
+    split: Split
+    noise: Noise
+    baseline: Baseline
+    spans: tuple[Span, ...]
+    signatures: list[Signature]
+    detection: Detection
+    visible: tuple[Visibility, ...]
+    naming: Naming | None
+    before: Errors | None
+    after: Errors | None
+    trained: Errors
+    retrained: Errors | None
+    extrapolation: Extrapolation | None
+    quick: bool
+    seed: int
+
+    @property
+    def best(self) -> Candidate | None:
+        """The set of effects of the extended model."""
+        if self.naming is None:
+            return None
+        return self.naming.answers[0] if self.naming.answers else self.naming.best
+
+    @property
+    def verdict(self) -> str:
+        """As in `diagnosis.json`."""
+        if self.naming is None:
+            return "consistent"
+        return {0: "unknown", 1: "named"}.get(len(self.naming.answers), "ambiguous")
+
+
+def diagnose(
+    recordings: RecordingSet,
+    *,
+    model: str = "viscous",
+    quick: bool = False,
+    seed: int = 0,
+    store: Path | None = None,
+    told: Told = lambda *_: None,
+) -> Diagnosis:
+    """Locate a mismatch between recordings and a model, and say what physics was left out.
+
+    Parameters
+    ----------
+    recordings
+        As read.
+    model
+        The plain model, a name in `identification.models.MODELS`.
+    quick
+        Fewer simulated nulls and forms of effects.
+    seed
+        The same seed gives the same result.
+    store
+        Folder for intermediate results, with which an interrupted diagnosis goes on.
+    told
+        Told of progress.
+
+    Raises
+    ------
+    InputError
+        If the recordings cannot be used.
+    """
+    sha256 = set_hash(recordings)
+    kept = Store(store, f"{sha256} {model} {quick} {seed}")
+    noise = noise_of(recordings)
+    recordings = with_noise(recordings, noise)
+    parts = split(recordings, seed)
+    baseline = fitted_baseline(parts.training, noise, model, quick=quick, seed=seed, told=told)
+    told("simulating recordings without a mismatch", 0, 1)
+    nulls = kept.kept("nulls", lambda: {"rows": null_rows(baseline, NULLS[quick], seed)})["rows"]
+    told("simulating every effect", 0, 1)
+    marks = signatures(baseline, trials(baseline.prepared))
+    spans = spans_of(parts.training, baseline.prepared)
+    tests: Detector = detector(baseline.tangent, marks, spans, baseline.prepared.files)
+    detection = tests.detection(baseline.rows, nulls)
+    naming = None
+    if detection.detected:
+        naming = Contest(baseline, marks, spans, nulls, quick, told).named()
+    told("comparing with recordings that were held out", 0, 1)
+    return _shown(
+        Diagnosis(
+            recordings=recordings,
+            sha256=sha256,
+            split=parts,
+            noise=noise,
+            baseline=baseline,
+            spans=spans,
+            signatures=marks,
+            detection=detection,
+            visible=visibilities(baseline.tangent, marks),
+            naming=naming,
+            before=None,
+            after=None,
+            trained=_on(parts.training, baseline, None),
+            retrained=None,
+            extrapolation=None,
+            quick=quick,
+            seed=seed,
+        )
+    )
+
+
+def _shown(found: Diagnosis) -> Diagnosis:
+    """The diagnosis with what both models are worth on recordings that were held out."""
+    from dataclasses import replace
+
+    best, held_out, baseline = found.best, found.split.held_out, found.baseline
+    model, values = baseline.model, baseline.fits.values[0]
+    if best is not None:
+        model, values = best.refit.model, best.refit.fits.values[0]
+    return replace(
+        found,
+        before=_on(held_out, baseline, None) if held_out else None,
+        after=_on(held_out, baseline, best) if held_out and best else None,
+        retrained=_on(found.split.training, baseline, best) if best else None,
+        extrapolation=extrapolated(found.split.training, baseline, model, values)
+        if best is not None
+        else None,
+    )
+
+
+def _on(recordings: RecordingSet, baseline: Baseline, best: Candidate | None) -> Errors:
+    if best is None:
+        return errors(recordings, baseline.model, baseline.fits.values[0], baseline)
+    return errors(recordings, best.refit.model, best.refit.fits.values[0], baseline)

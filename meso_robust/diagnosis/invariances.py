@@ -1,0 +1,210 @@
+"""Invariances of the plain model, tested on the recordings alone: no simulator.
+
+A rigid part on an even, centred, memoryless film, pushed by rigid tips, moves about its own frame in
+the same way at any speed, place and heading, later, mirrored and turned; it rests while no tip
+touches it and when the tip retracts; a tip in contact stays at its radius from the outline. Pairs of
+pushes that coincide in the frame of the part, and single pushes, test that. What they may differ by
+is the noise, and the unequal starts of a pair times how much a push makes of them: of a contact
+that is elsewhere by ``a``, an angle of about ``S a / k²`` after a way S, k the radius of gyration of
+the outline.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import chi2 as chi2_law
+
+from meso_robust.diagnosis.runs import FEWEST, Run, gaps_of, in_frame, longer, runs_of
+from meso_robust.diagnosis.symmetries import Symmetry, gyration, symmetries
+from meso_robust.identification.prepared import Prepared
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_ALIKE = 5e-6  # m: contacts and paths that are farther apart are not the same push
+_SHORTEST = 80e-6  # m: of a common way
+_GRID = 10e-6  # m: between places where two paths are compared
+_SPEED = 1.2  # ratio of speeds that counts as another speed
+_PLACE = 100e-6  # m
+_HEADING = np.radians(10.0)
+_LATER = 1.0  # s
+_DEGREE = 3  # of the polynomial in the way of the tip that a motion is smoothed by
+_TAIL = 150e-6  # m: last part of a push that its end is extrapolated from
+_EXACT = np.array([0.3e-6, 0.3e-6, 0.3e-3])  # of that extrapolation, m and rad
+_SHARE = 0.3  # of the largest sensitivity to the place, that is never relied on to vanish
+_SINGLE = ("untouched", "retract", "rest", "onset", "metric")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pair:
+    """Two pushes that should coincide, or one that should keep to something (first = second).
+
+    Attributes
+    ----------
+    invariance
+        What should make no difference: of pairs ``speed``, ``place``, ``heading``, ``later``,
+        ``reversal``, ``mirror``, ``turn``, several joined by ``+``, or ``repeat``; of single pushes
+        ``untouched`` (drift before contact), ``rest`` (drift after the push), ``retract`` (motion
+        as the tip leaves), ``onset`` (gap of a tip in contact) and ``metric`` (its change).
+    first, second
+        Files.
+    difference, tolerance
+        (3,) x, y in m and θ in rad in the frame of the first part at its start, and the standard
+        deviation that noise and unequal starts explain; of a gap in x only.
+    sigma
+        Length of the difference in such deviations.
+    p_value
+        Probability of a longer one by chance.
+    way
+        Travel of the tip at which motions are compared, m; zero for single pushes.
+    symmetry
+        Of the outline, that takes the second push to the first.
+    """
+
+    invariance: str
+    first: str
+    second: str
+    difference: Floats
+    tolerance: Floats
+    sigma: float
+    p_value: float
+    way: float
+    symmetry: Symmetry
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Family:
+    """All tests of one invariance.
+
+    Attributes
+    ----------
+    invariance
+        As in `Pair`.
+    p_value
+        Of the least probable of its `count` tests, corrected for their number (Šidák).
+    count, worst
+        Number of tests, and index of the least probable one among all pairs.
+    """
+
+    invariance: str
+    p_value: float
+    count: int
+    worst: int
+
+
+def pairs(prepared: Prepared, sigma: Floats, correlation: float = 0.0) -> tuple[Pair, ...]:
+    """Test every invariance that the recordings offer.
+
+    Parameters
+    ----------
+    prepared
+        R recordings.
+    sigma, correlation
+        (3,) standard deviations of x, y (m) and θ (rad), and φ of the noise.
+    """
+    runs, poses = runs_of(prepared, sigma, correlation), prepared.seen
+    noise = sigma * np.sqrt(longer(correlation))
+    found = [
+        pair for run in runs for name in _SINGLE if (pair := _single(prepared, run, name, noise))
+    ]
+    known = symmetries(prepared.outline)
+    for first, second in itertools.combinations(runs, 2):
+        for symmetry in known:
+            pair = _coinciding(prepared, first, second, symmetry, noise)
+            if pair is not None:
+                found.append(_measured(prepared, pair, first, second, poses))
+    return tuple(found)
+
+
+def compared(
+    prepared: Prepared,
+    found: Sequence[Pair],
+    poses: Floats,
+    sigma: Floats,
+    correlation: float = 0.0,
+) -> tuple[Pair, ...]:
+    """The same tests on other poses (R, T, 3) of the same commands, such as a model's predictions.
+
+    Frames, ways and tolerances are those of the recordings, so that `Pair.sigma` can be held against
+    theirs.
+    """
+    runs = {run.file: run for run in runs_of(prepared, sigma, correlation)}
+    shown = np.where(np.isfinite(prepared.seen), poses, np.nan)
+    return tuple(
+        _measured(prepared, pair, runs[pair.first], runs[pair.second], shown) for pair in found
+    )
+
+
+def families(found: Sequence[Pair]) -> tuple[Family, ...]:
+    """By invariance, the least probable first."""
+    each = []
+    for name in dict.fromkeys(pair.invariance for pair in found):
+        of = [k for k, pair in enumerate(found) if pair.invariance == name]
+        worst = min(of, key=lambda k: found[k].p_value)
+        corrected = -np.expm1(len(of) * np.log1p(-min(found[worst].p_value, 1.0 - 1e-16)))
+        each.append(
+            Family(invariance=name, p_value=float(corrected), count=len(of), worst=worst)
+        )
+    return tuple(sorted(each, key=lambda one: one.p_value))
+
+
+def _measured(
+    prepared: Prepared, pair: Pair, first: Run, second: Run, poses: Floats
+) -> Pair:
+    """A pair with the difference that some poses show."""
+    if pair.invariance in _SINGLE:
+        difference = _STATISTICS[pair.invariance](prepared, first, poses[first.recording])[0]
+    else:
+        one = _moved(prepared, first, poses[first.recording], pair.way)
+        other = _moved(prepared, second, poses[second.recording], pair.way)
+        difference = one - pair.symmetry.of_motion(other)
+    used = pair.tolerance > 0.0
+    square = float(np.sum((difference[used] / pair.tolerance[used]) ** 2))
+    return replace(
+        pair,
+        difference=difference,
+        sigma=float(np.sqrt(square)),
+        p_value=float(chi2_law.sf(square, int(used.sum()))),
+    )
+
+
+def _coinciding(
+    prepared: Prepared, first: Run, second: Run, symmetry: Symmetry, noise: Floats
+) -> Pair | None:
+    """The pair with its tolerance, if the second push is the symmetric image of the first."""
+    if first.tip != second.tip:
+        return None
+    apart = first.point - symmetry.of_points(second.point)
+    blur = float(np.hypot(_blur(prepared, first), _blur(prepared, second)))
+    if np.hypot(*apart) > _ALIKE + 3.0 * blur:
+        return None
+    way = min(first.length, second.length)
+    grid = np.arange(0.0, way + 0.5 * _GRID, _GRID)
+    paths = first.tips_at(grid) - symmetry.of_points(second.tips_at(grid))
+    # probes that are parked play no part
+    off = np.hypot(*np.moveaxis(paths, -1, 0))[:, _present(prepared, first)].max(axis=1)
+    alike = off <= _ALIKE + 3.0 * blur + 0.02 * grid
+    if not np.all(alike):
+        way = float(grid[int(np.argmin(alike))]) - _GRID
+    if way < _SHORTEST:
+        return None
+    names = _differing(first, second, symmetry)
+    tolerance = _tolerance(prepared, first, second, way, apart, paths, grid, noise)
+    if tolerance is None:
+        return None
+    return Pair(
+        invariance="+".join(names) or "repeat",
+        first=first.file,
+        second=second.file,
+        difference=np.zeros(3),
+        tolerance=tolerance,
+        sigma=0.0,
+        p_value=1.0,
+        way=way,
+        symmetry=symmetry,
+    )

@@ -1,0 +1,290 @@
+"""Which physics was left out: sets of effects compete by their evidence, and must be adequate.
+
+One effect at first; if none is enough, pairs and triples are built on the best ones, and what turns
+out not to be needed is dropped again. A set is an answer only if nothing is left that the detector
+sees. Several answers that the recordings do not tell apart are all given; none is "unknown".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.detect import Span, detector
+from meso_robust.diagnosis.refit import Refit, refined, refitted
+from meso_robust.diagnosis.signatures import Signature, estimate
+from meso_robust.simulator.catalogue import CATALOGUE
+
+Floats = npt.NDArray[np.float64]
+Told = Callable[[str, int, int], None]
+
+_PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
+_DOUBT = 0.01  # of the probability may be outside the set that is given
+_FORMS = 2  # forms of an effect that are refitted
+_MORE = 2.0  # nats by which another set must be better to count as such
+_SAME = 1.5  # σ, root of the sum of squares: motions that no recording here tells apart
+_BEAM = 3  # sets that a further effect is added to
+_ADDED = 5  # effects that are added to each, those that promise most
+_FAR = 25.0  # nats behind the best, at which a set is not built on
+_LARGEST = 3  # effects of a set
+_CLOSE = 0.5  # of the gain of the best, behind it, up to which a search is taken to its end
+_HOPELESS = 0.5  # of the best gain, that a linear estimate must reach in a quick search
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidate:
+    """A set of effects in the competition.
+
+    Attributes
+    ----------
+    refit
+        The fit.
+    probability
+        Among the sets that were refitted, the plain model among them.
+    adequate
+        Whether nothing is left that the detector sees; None if not asked.
+    p_value
+        Of the largest local test of what is left; NaN if not asked.
+    rejected
+        Why it is no answer; empty if it may be.
+    """
+
+    refit: Refit
+    probability: float = 0.0
+    adequate: bool | None = None
+    p_value: float = np.nan
+    rejected: str = ""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names."""
+        return self.refit.effects
+
+    @property
+    def score(self) -> float:
+        """Log evidence with the prior of a set of this size."""
+        return self.refit.gain - _PRIOR * len(self.refit.trials)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Naming:
+    """Outcome of the competition.
+
+    Attributes
+    ----------
+    answers
+        Sets that explain the recordings, the most probable first; several if they cannot be told
+        apart, none if nothing is adequate.
+    best
+        The best set, adequate or not; None if no effect helps.
+    candidates
+        All, the best first.
+    """
+
+    answers: tuple[Candidate, ...]
+    best: Candidate | None
+    candidates: tuple[Candidate, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contest:
+    """What all sets are judged by."""
+
+    baseline: Baseline
+    signatures: list[Signature]
+    spans: tuple[Span, ...]
+    nulls: Floats
+    quick: bool
+    told: Told
+
+    def named(self) -> Naming:
+        """Let the sets compete."""
+        field = self._singles()
+        for _ in range(_LARGEST - 1):
+            field = self._judged(field)
+            if _answers(field):
+                break
+            more = self._extended(field)
+            if not more:
+                break
+            field = _ranked([*field, *more])
+        field = self._pruned(self._judged(field))
+        answers = _answers(field)
+        return Naming(answers=answers, best=field[0] if field else None, candidates=tuple(field))
+
+    def _singles(self) -> list[Candidate]:
+        """Every effect by itself."""
+        chosen = self._forms(None, ())
+        if self.quick and chosen:
+            most = max(promise for promise, _ in chosen)
+            chosen = [one for one in chosen if one[0] > _HOPELESS * most - _FAR]
+        fits = []
+        for done, (_, one) in enumerate(chosen):
+            self.told("naming", done, len(chosen))
+            fits.append(refitted(self.baseline, (one,)))
+        return self._refined(_best_of_each(fits))
+
+    def _refined(self, fits: list[Refit]) -> list[Candidate]:
+        """Candidates; those that may win have their searches taken to the end."""
+        best = max((one.gain for one in fits), default=0.0)
+        close = best - max(_FAR, _CLOSE * best)
+        return _ranked(
+            [
+                Candidate(
+                    refit=refined(self.baseline, self._chosen(one), one)
+                    if one.gain > max(close, 0.0)
+                    else one
+                )
+                for one in fits
+            ]
+        )
+
+    def _forms(
+        self, start: Refit | None, without: tuple[str, ...]
+    ) -> list[tuple[float, Signature]]:
+        """The most promising forms of every effect, with what a linear estimate promises."""
+        at = start.tangent if start else self.baseline.tangent
+        rows = start.rows if start else self.baseline.rows
+        evidence = at.evidence(rows)
+        promised: dict[str, list[tuple[float, Signature]]] = {}
+        for one in self.signatures:
+            if one.trial.effect in without:
+                continue
+            left = one.left(at)
+            if not np.any(left):
+                continue
+            gain = 0.5 * estimate(evidence, left, one.one_sided)[1]
+            promised.setdefault(one.trial.effect, []).append((gain, one))
+        most = 1 if self.quick else _FORMS
+        return [
+            pair
+            for own in promised.values()
+            for pair in sorted(own, key=lambda pair: -pair[0])[:most]
+        ]
+
+    def _extended(self, field: list[Candidate]) -> list[Candidate]:
+        """Sets with one effect more, built on the best of the largest ones."""
+        size = max(len(one.refit.trials) for one in field)
+        bases = [one for one in field if len(one.refit.trials) == size][:_BEAM]
+        known = {one.effects for one in field}
+        fits: list[Refit] = []
+        for base in bases:
+            forms = self._forms(base.refit, base.effects)
+            best: dict[str, tuple[float, Signature]] = {}
+            for gain, one in sorted(forms, key=lambda pair: pair[0]):
+                best[one.trial.effect] = (gain, one)
+            for _, one in sorted(best.values(), key=lambda pair: -pair[0])[:_ADDED]:
+                names = tuple(sorted((*base.effects, one.trial.effect)))
+                if names in known:
+                    continue
+                known.add(names)
+                self.told("naming sets", len(fits), _BEAM * _ADDED)
+                fits.append(
+                    refitted(self.baseline, (*self._chosen(base.refit), one), start=base.refit)
+                )
+        return self._refined(fits)
+
+    def _chosen(self, base: Refit) -> tuple[Signature, ...]:
+        """Signatures of the effects of a set, in its order."""
+        return tuple(
+            next(one for one in self.signatures if one.trial is trial) for trial in base.trials
+        )
+
+    def _judged(self, field: list[Candidate]) -> list[Candidate]:
+        """Probabilities, duplicates, and whether the likely sets are adequate."""
+        field = _without_duplicates(_with_probabilities(field))
+        best = max((one.score for one in field if not one.rejected), default=0.0)
+        return [
+            self._asked(one) if not one.rejected and one.score > best - _FAR else one
+            for one in field
+        ]
+
+    def _asked(self, one: Candidate) -> Candidate:
+        """The set with what the detector says of it."""
+        if one.adequate is not None:
+            return one
+        if one.score <= 0.0:
+            return replace(one, adequate=False, rejected="no better than the plain model")
+        files = self.baseline.prepared.files
+        tests = detector(one.refit.tangent, self.signatures, self.spans, files)
+        found = tests.detection(one.refit.rows, self.nulls)
+        adequate = not found.detected
+        why = "" if adequate else f"leaves a mismatch ({found.tests[0].name})"
+        return replace(one, adequate=adequate, p_value=found.p_value, rejected=why)
+
+    def _pruned(self, field: list[Candidate]) -> list[Candidate]:
+        """Drop answers that contain a smaller adequate set of about the same evidence."""
+        answers = [one for one in field if one.adequate and not one.rejected]
+        pruned = []
+        for one in field:
+            smaller = [
+                other
+                for other in answers
+                if set(other.effects) < set(one.effects) and other.score > one.score - _MORE
+            ]
+            if smaller and not one.rejected:
+                one = replace(one, rejected=f"{' + '.join(smaller[0].effects)} is enough")
+            pruned.append(one)
+        return pruned
+
+
+def _best_of_each(fits: list[Refit]) -> list[Refit]:
+    """The best form of every set."""
+    best: dict[tuple[str, ...], Refit] = {}
+    for one in fits:
+        if one.effects not in best or one.gain > best[one.effects].gain:
+            best[one.effects] = one
+    return list(best.values())
+
+
+def _ranked(field: list[Candidate]) -> list[Candidate]:
+    return sorted(field, key=lambda one: -one.score)
+
+
+def _with_probabilities(field: list[Candidate]) -> list[Candidate]:
+    """Bayes' rule among the sets and the plain model, whose score is 0."""
+    scores = np.array([one.score for one in field])
+    top = max(0.0, float(scores.max(initial=0.0)))
+    weights = np.exp(scores - top)
+    total = float(weights.sum() + np.exp(-top))
+    return _ranked(
+        [
+            replace(one, probability=float(weight / total))
+            for one, weight in zip(field, weights, strict=True)
+        ]
+    )
+
+
+def _without_duplicates(field: list[Candidate]) -> list[Candidate]:
+    """Mark sets that make the motion of a simpler one with more numbers."""
+    kept: list[Candidate] = []
+    for one in sorted(field, key=lambda one: (one.refit.numbers, -one.score)):
+        same = [
+            other
+            for other in kept
+            if not other.rejected
+            and other.refit.numbers < one.refit.numbers
+            and one.score < other.score + _MORE
+            and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME
+        ]
+        if same and not one.rejected:
+            one = replace(one, rejected=f"the same motion as {' + '.join(same[0].effects)}")
+        kept.append(one)
+    return _ranked(kept)
+
+
+def _answers(field: list[Candidate]) -> tuple[Candidate, ...]:
+    """The adequate sets that hold all but a little of the probability."""
+    able = [one for one in field if one.adequate and not one.rejected]
+    total = sum(one.probability for one in able)
+    given, sum_of = [], 0.0
+    for one in _ranked(able):
+        given.append(one)
+        sum_of += one.probability
+        if sum_of >= (1.0 - _DOUBT) * total:
+            break
+    return tuple(given)

@@ -1,0 +1,123 @@
+"""Noise of the sensor as the tests of a diagnosis need it: deviations and colour, model or no model.
+
+Deviations that are not stated come from still frames; without any, from third differences of the
+poses, in which smooth motion does not show: what is white is then taken for noise, and all else of
+the misfit for physics, so that a model's failure cannot pass for noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.errors import InputError
+from meso_robust.identification.paths import scatter
+from meso_robust.recordings import RecordingSet, unwrapped
+from meso_robust.recordings.noise import Spread, estimated_noise
+
+Floats = npt.NDArray[np.float64]
+
+_MOST = 0.9  # correlation of neighbours beyond which "noise" is motion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Noise:
+    """Gaussian noise of the sensor, an autoregression of first order.
+
+    Attributes
+    ----------
+    sigma
+        (3,) standard deviations of x and y in m, and of θ in rad.
+    correlation
+        φ, correlation of neighbouring frames, 0 … 0.9.
+    freedom
+        Degrees of freedom of the estimates; infinite where σ was stated.
+    correlation_error
+        Standard error of φ.
+    source
+        Where σ is from.
+    """
+
+    sigma: Floats
+    correlation: float
+    freedom: float
+    correlation_error: float
+    source: str
+
+
+def noise_of(recordings: RecordingSet) -> Noise:
+    """Noise of a recording set.
+
+    Raises
+    ------
+    InputError
+        If no deviation is stated and the poses show none.
+    """
+    found = estimated_noise(recordings)
+    correlation, error = _correlation((found.x, found.y, found.theta))
+    position, orientation = recordings.sensor.position_sigma, recordings.sensor.orientation_sigma
+    sources, freedom = ["stated"] * 2, np.inf
+    if not position:
+        position, sources[0] = _position(recordings, found.x, found.y, correlation)
+        freedom = float(found.x.freedom or np.inf)
+    if not orientation:
+        orientation, sources[1] = _orientation(recordings, found.theta, correlation)
+        freedom = min(freedom, float(found.theta.freedom or np.inf))
+    if not (position > 0.0 and orientation > 0.0):
+        raise InputError(
+            "set.toml: sensor: no noise is stated and half of the poses repeat exactly; must be "
+            "known to tell a misfit from noise; state position_sigma_um and orientation_sigma_deg"
+        )
+    return Noise(
+        sigma=np.array([position, position, orientation]),
+        correlation=correlation,
+        freedom=freedom,
+        correlation_error=error,
+        source=sources[0] if sources[0] == sources[1] else f"{sources[0]}, θ {sources[1]}",
+    )
+
+
+def with_noise(recordings: RecordingSet, noise: Noise) -> RecordingSet:
+    """The recordings with the noise stated."""
+    sensor = replace(
+        recordings.sensor,
+        position_sigma=float(noise.sigma[0]),
+        orientation_sigma=float(noise.sigma[2]),
+    )
+    return replace(recordings, sensor=sensor)
+
+
+def _correlation(spreads: tuple[Spread, ...]) -> tuple[float, float]:
+    """φ and its standard error; the latter is what white noise would have where nothing is known."""
+    known = [(s.correlation, s.freedom) for s in spreads if s.correlation is not None]
+    if not known:
+        return 0.0, 0.1
+    weight = np.array([freedom for _, freedom in known], dtype=float)
+    mean = float(np.sum(weight * [value for value, _ in known]) / weight.sum())
+    return float(np.clip(mean, 0.0, _MOST)), float(1.0 / np.sqrt(weight.sum()))
+
+
+def _position(
+    recordings: RecordingSet, x: Spread, y: Spread, correlation: float
+) -> tuple[float, str]:
+    if x.sigma is not None and y.sigma is not None:
+        return float(np.hypot(x.sigma, y.sigma) / np.sqrt(2.0)), "still frames"
+    return _rough(recordings, slice(0, 2), correlation), "roughness of the poses"
+
+
+def _orientation(recordings: RecordingSet, theta: Spread, correlation: float) -> tuple[float, str]:
+    if theta.sigma is not None:
+        return theta.sigma, "still frames"
+    return _rough(recordings, slice(2, 3), correlation), "roughness of the poses"
+
+
+def _rough(recordings: RecordingSet, columns: slice, correlation: float) -> float:
+    """σ from third differences, freed of what colour takes out of them."""
+    squares = []
+    for recording in recordings.recordings:
+        poses = unwrapped(recording).poses[:, columns]
+        squares.append(scatter(poses[np.all(np.isfinite(poses), axis=1)]) ** 2)
+    share = np.polyval([-2.0, 12.0, -30.0, 20.0], correlation) / 20.0
+    return float(np.sqrt(np.mean(squares) / share))

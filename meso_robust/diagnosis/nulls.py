@@ -1,0 +1,129 @@
+"""Recordings without a mismatch: simulated with the fitted model, and fitted like the real ones.
+
+Motion is from shorter steps than the fit's, so that errors of the solver are in the distribution;
+noise has the colour of the sensor's, with what is not known of it drawn anew for each set, and the
+frames that the camera lost are lost again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.identification.arrow import Arrow
+from meso_robust.identification.forward import predicted
+from meso_robust.simulator import Outcome
+
+Floats = npt.NDArray[np.float64]
+
+_ROUNDS = 3  # Newton's steps of a refit that starts next to its end
+_FARTHEST = 0.5  # largest step of a coordinate
+
+
+def null_rows(baseline: Baseline, count: int, seed: int) -> Floats:
+    """White residuals (B, R, M) of sets simulated without a mismatch, each refitted.
+
+    Parameters
+    ----------
+    baseline
+        The fitted model.
+    count
+        B.
+    seed
+        Of parameters and noise.
+    """
+    rng = np.random.default_rng([seed, 1])
+    fits, settings = baseline.fits, baseline.settings
+    values = _drawn(baseline, count, rng)
+    starts = np.broadcast_to(fits.starts, (count, *fits.starts.shape[1:]))
+    offsets = np.zeros((count, *fits.offsets.shape[1:]))
+    if settings.offset:
+        offsets = settings.offset * rng.standard_normal(offsets.shape)
+    truth = predicted(baseline.finer, baseline.model, values, starts=starts, offsets=offsets)
+    kept = np.all(truth.outcomes == Outcome.COMPLETED, axis=1)
+    seen = truth.poses[kept] + _coloured(baseline, truth.poses[kept].shape, rng)
+    return _refitted(baseline, seen)
+
+
+def _drawn(baseline: Baseline, count: int, rng: np.random.Generator) -> Floats:
+    """Vectors (B, n) as likely as the recordings make them."""
+    model, fitted = baseline.model, baseline.found.fitted
+    best = baseline.fits.values
+    if fitted is None:
+        return np.repeat(best, count, axis=0)
+    free = model.fitted
+    spread = np.linalg.pinv(fitted.information[0][np.ix_(free, free)], hermitian=True)
+    moves = np.zeros((count, len(free)))
+    widths, ways = np.linalg.eigh(spread)
+    steps = rng.standard_normal((count, len(widths))) * np.sqrt(np.clip(widths, 0.0, 0.01))
+    moves[:, free] = steps @ ways.T
+    drawn = model.values(model.coordinates(best) + moves)
+    drawn[:, ~free] = best[:, ~free]
+    drawn[~model.valid(drawn)] = best
+    return np.asarray(drawn)
+
+
+def _coloured(baseline: Baseline, shape: tuple[int, ...], rng: np.random.Generator) -> Floats:
+    """Noise (B, R, T, 3) in m and rad."""
+    noise, count = baseline.noise, shape[0]
+    phi = noise.correlation + noise.correlation_error * rng.standard_normal(count)
+    phi = np.clip(phi, 0.0, 0.95)[:, None, None]
+    spread = np.zeros((count, 3))
+    if np.isfinite(noise.freedom):
+        spread = rng.standard_normal((count, 3)) / np.sqrt(2.0 * noise.freedom)
+    fresh = rng.standard_normal(shape)
+    for t in range(1, shape[2]):
+        fresh[:, :, t] = phi * fresh[:, :, t - 1] + np.sqrt(1.0 - phi**2) * fresh[:, :, t]
+    return np.asarray(fresh * baseline.settings.sigma * (1.0 + spread)[:, None, None])
+
+
+def _refitted(baseline: Baseline, seen: Floats) -> Floats:
+    """White residuals (B, R, M) of data (B, R, T, 3) after a fit of everything to each."""
+    model, settings, prepared = baseline.model, baseline.settings, baseline.prepared
+    n, count = len(model.parameters), len(seen)
+    coordinates = np.repeat(model.coordinates(baseline.fits.values), count, axis=0)
+    starts = np.repeat(baseline.fits.starts, count, axis=0)
+    offsets = np.zeros((count, *baseline.fits.offsets.shape[1:]))
+    normal = _normal(baseline)
+    moving = np.broadcast_to(model.fitted, coordinates.shape)
+    for turn in range(_ROUNDS + 1):
+        values = _valid(baseline, model.values(coordinates))
+        poses = predicted(prepared, model, values, starts=starts, offsets=offsets).poses
+        residuals = np.where(baseline.seen, (seen - poses) / settings.sigma, 0.0)
+        if turn == _ROUNDS:
+            break
+        slope = np.einsum(
+            "rmj,brm->brj", baseline.jacobian, residuals.reshape(count, len(poses[0]), -1)
+        )
+        if settings.offset:
+            slope[..., n + 3 :] -= offsets / settings.offset
+        arrow = Arrow(
+            normal=np.broadcast_to(normal, (count, *normal.shape)), slope=slope, parameters=n
+        )
+        shared, own = arrow.step(np.full(count, 1e-6), moving)
+        coordinates = coordinates + np.clip(shared, -_FARTHEST, _FARTHEST)
+        starts = starts + own[..., :3] * settings.sigma
+        if settings.offset:
+            offsets = offsets + own[..., 3:] * settings.offset
+    scaled = offsets / settings.offset if settings.offset else None
+    return baseline.tangent.rows(residuals, scaled)
+
+
+def _normal(baseline: Baseline) -> Floats:
+    """(R, n + d, n + d) normal matrices at the fit."""
+    jacobian = baseline.jacobian
+    normal = np.einsum("rmi,rmj->rij", jacobian, jacobian)
+    if baseline.settings.offset:
+        own = np.arange(len(baseline.model.parameters) + 3, jacobian.shape[-1])
+        normal[:, own, own] += 1.0
+    return np.asarray(normal)
+
+
+def _valid(baseline: Baseline, values: Floats) -> Floats:
+    """Values within their ranges; those of the fit where a constraint is broken."""
+    low = [parameter.low for parameter in baseline.model.parameters]
+    high = [parameter.high for parameter in baseline.model.parameters]
+    values = np.clip(values, low, high)
+    values[~baseline.model.valid(values)] = baseline.fits.values
+    return np.asarray(values)

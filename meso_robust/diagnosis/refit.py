@@ -1,0 +1,192 @@
+"""A set of effects, refitted in the simulator together with everything else, and its evidence.
+
+The evidence is the log marginal likelihood, by Laplace's approximation about the fit: by the chain
+rule it is the sum of the log densities with which each recording is predicted from those before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.diagnosis.baseline import Baseline, rows_of
+from meso_robust.diagnosis.signatures import Signature, estimate, extended, start_of, within
+from meso_robust.diagnosis.tangent import Tangent, tangent
+from meso_robust.diagnosis.trials import Trial
+from meso_robust.identification.fitted import Fits, Fitted
+from meso_robust.identification.likelihood import fit
+from meso_robust.identification.models import Model
+
+Floats = npt.NDArray[np.float64]
+
+WIDTH = 10.0
+"""Standard deviation of the size of an effect before any recording, in typical changes."""
+_FORM = (
+    5.0  # likewise of a number that gives it its form, about the value that the search starts from
+)
+_ROUGH = 4  # iterations that show whether an effect is worth more
+_END = 1e-4  # typical changes from the end of a range that count as at it
+_MOST = 16  # iterations of a refit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Refit:
+    """The model with some effects, fitted.
+
+    Attributes
+    ----------
+    trials
+        The effects with the form that the search started from.
+    model
+        The plain model with their numbers.
+    fits, fitted
+        The best fit (one), and what the search knows of it.
+    tangent
+        What it can take of the data.
+    rows
+        (R, M) white residuals.
+    chi2
+        Sum of squares of what is left.
+    gain
+        Log evidence over that of the plain model.
+    """
+
+    trials: tuple[Trial, ...]
+    model: Model
+    fits: Fits
+    fitted: Fitted
+    tangent: Tangent
+    rows: Floats
+    chi2: float
+    gain: float
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names, in alphabetical order."""
+        return tuple(sorted(trial.effect for trial in self.trials))
+
+    @property
+    def numbers(self) -> int:
+        """Of all effects together."""
+        return sum(len(trial.scales) for trial in self.trials)
+
+    @property
+    def evidence(self) -> Floats:
+        """(R M,) what is left."""
+        return self.tangent.evidence(self.rows)
+
+
+def refitted(
+    baseline: Baseline, chosen: tuple[Signature, ...], *, start: Refit | None = None
+) -> Refit:
+    """Fit the model with some effects, roughly: `refined` goes on.
+
+    Parameters
+    ----------
+    baseline
+        The plain fit.
+    chosen
+        One signature for each effect.
+    start
+        A fit of all but the last of them to start from.
+    """
+    model = extended(baseline.model, tuple(one.trial for one in chosen))
+    settings = replace(baseline.settings, chord=True, central=False, most=_ROUGH, flat=1.0)
+    before = start.fits if start else baseline.fits
+    found = fit(
+        baseline.prepared,
+        model,
+        _first(baseline, chosen, model, start)[None],
+        settings,
+        starts=before.starts[0],
+        offsets=before.offsets[0],
+    )
+    return _scored(baseline, chosen, model, found)
+
+
+def refined(baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit) -> Refit:
+    """A rough fit with its search taken to its end."""
+    fits = rough.fits
+    found = fit(
+        baseline.prepared,
+        rough.model,
+        fits.values,
+        replace(baseline.settings, chord=True, most=_MOST, flat=0.05),
+        starts=fits.starts[0],
+        offsets=fits.offsets[0],
+    )
+    return _scored(baseline, chosen, rough.model, found)
+
+
+def _first(
+    baseline: Baseline, chosen: tuple[Signature, ...], model: Model, start: Refit | None
+) -> Floats:
+    """(n,) vector to start from: what a linear estimate makes of the last effect."""
+    before, last = start or baseline, chosen[-1]
+    sizes = np.zeros(0)
+    if last.trial.sizes:
+        at = before.tangent
+        sizes = estimate(at.evidence(before.rows), last.left(at), last.one_sided)[0]
+        sizes = np.clip(sizes, -3.0 * WIDTH, 3.0 * WIDTH)
+    values = np.append(before.fits.values[0], start_of(last.trial, sizes))
+    return np.asarray(within(model, values[None])[0])
+
+
+def _scored(
+    baseline: Baseline, chosen: tuple[Signature, ...], model: Model, found: Fitted
+) -> Refit:
+    n = len(model.parameters)
+    jacobian = found.jacobian[0].copy()
+    jacobian[..., :n][..., ~_loose(model, found.fits.values[0])] = 0.0
+    at = tangent(jacobian, n, baseline.seen, baseline.noise.correlation)
+    rows = rows_of(at, baseline.settings, found.fits)[0]
+    evidence = at.evidence(rows)
+    base = baseline.evidence
+    chi2 = float(evidence @ evidence)
+    gain = 0.5 * (float(base @ base) - chi2) - _occam(baseline, chosen, model, found)
+    return Refit(
+        trials=tuple(one.trial for one in chosen),
+        model=model,
+        fits=found.fits,
+        fitted=found,
+        tangent=at,
+        rows=rows,
+        chi2=chi2,
+        gain=gain,
+    )
+
+
+def _loose(model: Model, values: Floats) -> npt.NDArray[np.bool_]:
+    """(n,) whether a number is away from the ends of its range: only then it takes of the data."""
+    low = np.array([parameter.low for parameter in model.parameters])
+    high = np.array([parameter.high for parameter in model.parameters])
+    scale = np.array([parameter.scale for parameter in model.parameters])
+    return np.asarray((values > low + _END * scale) & (values < high - _END * scale))
+
+
+def _occam(baseline: Baseline, chosen: tuple[Signature, ...], model: Model, found: Fitted) -> float:
+    """By how much the numbers of the effects had to be tuned, in nats: ½ log |1 + w² I| + ½ |x/w|²."""
+    base = len(baseline.model.parameters)
+    jacobian = found.jacobian[0]
+    plain = np.delete(jacobian, np.arange(base, len(model.parameters)), axis=2)
+    at = tangent(plain, base, baseline.seen, baseline.noise.correlation)
+    own = np.moveaxis(jacobian[..., base : len(model.parameters)], -1, 0)
+    own = own.reshape(len(own), *baseline.seen.shape)
+    left = at.evidence(at.rows(own))
+    away, widths = _before(chosen, model, found.fits.values[0], base)
+    scaled = widths[:, None] * left
+    log_volume = 0.5 * float(np.linalg.slogdet(np.eye(len(left)) + scaled @ scaled.T)[1])
+    return log_volume + 0.5 * float(np.sum((away / widths) ** 2))
+
+
+def _before(
+    chosen: tuple[Signature, ...], model: Model, values: Floats, base: int
+) -> tuple[Floats, Floats]:
+    """(p,) how far the numbers are from what is likely before any recording, and its widths."""
+    trials = [one.trial for one in chosen]
+    middle = np.concatenate([start_of(one, np.zeros(len(one.sizes))) for one in trials])
+    widths = [WIDTH if key in one.sizes else _FORM for one in trials for key in one.scales]
+    scales = np.array([parameter.scale for parameter in model.parameters[base:]])
+    return (values[base:] - middle) / scales, np.array(widths)

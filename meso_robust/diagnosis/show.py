@@ -1,0 +1,216 @@
+"""What a model is worth on recordings that its fit has not seen: only their starts are fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.diagnosis.baseline import Baseline, rows_of
+from meso_robust.diagnosis.split import without
+from meso_robust.diagnosis.tangent import Tangent, tangent
+from meso_robust.identification.fitted import Fits, Settings
+from meso_robust.identification.forward import corrected, predicted
+from meso_robust.identification.likelihood import fit
+from meso_robust.identification.models import Model
+from meso_robust.identification.prepared import Prepared, prepare
+from meso_robust.recordings import RecordingSet
+
+Floats = npt.NDArray[np.float64]
+
+_FINER = 4.0  # by how much shorter steps tell the error of the steps
+_MOST = 12  # iterations of a fit
+_RESAMPLED = 4000
+_SHARE = 0.9  # of the bootstrap within the interval
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Errors:
+    """Errors of a model on R recordings.
+
+    Attributes
+    ----------
+    sigma
+        (R,) root mean squares of the white residuals, per degree of freedom.
+    metres
+        (R,) root mean squares of the distance between the seen and the predicted place, m.
+    rows, at
+        (R, M) white residuals, and what the starts can take.
+    poses
+        (R, T, 3) predicted.
+    prepared
+        The recordings.
+    """
+
+    sigma: Floats
+    metres: Floats
+    rows: Floats
+    at: Tangent
+    poses: Floats
+    prepared: Prepared
+
+    @property
+    def whole(self) -> float:
+        """Root mean square over all recordings, in σ."""
+        freedom = _freedom(self.at)
+        return float(np.sqrt(np.sum(self.sigma**2 * freedom) / freedom.sum()))
+
+    @property
+    def whole_metres(self) -> float:
+        """Likewise of the place, m."""
+        counts = self.prepared.counts[:, 0]
+        return float(np.sqrt(np.sum(self.metres**2 * counts) / counts.sum()))
+
+
+def errors(recordings: RecordingSet, model: Model, values: Floats, baseline: Baseline) -> Errors:
+    """Errors on recordings of a model whose values (n,) are held.
+
+    Parameters
+    ----------
+    recordings
+        With the noise stated.
+    model, values
+        What is tried.
+    baseline
+        Tells step and noise.
+    """
+    prepared = prepare(recordings, step=baseline.prepared.step)
+    finer = prepare(recordings, step=baseline.prepared.step / _FINER)
+    settings = replace(baseline.settings, most=_MOST)
+    held = np.ones(len(model.parameters), dtype=bool)
+    found = fit(prepared, model, values[None], settings, held=held)
+    prepared = corrected(
+        prepared,
+        finer,
+        model,
+        values[None],
+        starts=found.fits.starts,
+        offsets=found.fits.offsets,
+    )
+    found = fit(
+        prepared,
+        model,
+        values[None],
+        settings,
+        starts=found.fits.starts[0],
+        offsets=found.fits.offsets[0],
+        held=held,
+    )
+    return _errors(prepared, model, settings, found.fits, found.jacobian[0], baseline)
+
+
+def _errors(
+    prepared: Prepared,
+    model: Model,
+    settings: Settings,
+    fits: Fits,
+    jacobian: Floats,
+    baseline: Baseline,
+) -> Errors:
+    n = len(model.parameters)
+    starts_only = jacobian.copy()
+    starts_only[..., :n] = 0.0
+    at = tangent(starts_only, n, np.isfinite(prepared.seen), baseline.noise.correlation)
+    rows = rows_of(at, settings, fits)[0]
+    left = at.cleaned(rows)
+    poses = predicted(prepared, model, fits.values, starts=fits.starts, offsets=fits.offsets).poses[
+        0
+    ]
+    away = prepared.seen[..., :2] - poses[..., :2]
+    return Errors(
+        sigma=np.sqrt(np.sum(left**2, axis=1) / _freedom(at)),
+        metres=np.sqrt(np.nanmean(np.sum(away**2, axis=2), axis=1)),
+        rows=left,
+        at=at,
+        poses=poses,
+        prepared=prepared,
+    )
+
+
+def _freedom(at: Tangent) -> Floats:
+    """(R,) numbers beyond those that the starts take."""
+    taken = np.sum(np.any(at.own != 0.0, axis=1), axis=1)
+    return np.maximum(at.seen.sum(axis=(1, 2)) - np.minimum(taken, 3), 1).astype(float)
+
+
+def improvement(before: Errors, after: Errors, seed: int) -> tuple[float, float]:
+    """Interval of the relative fall of the error in σ, by drawing recordings anew."""
+    rng = np.random.default_rng([seed, 2])
+    freedom = _freedom(before.at)
+    drawn = rng.integers(0, len(freedom), (_RESAMPLED, len(freedom)))
+    squares = [np.sum((one.sigma**2 * freedom)[drawn], axis=1) for one in (before, after)]
+    fall = 1.0 - np.sqrt(squares[1] / np.maximum(squares[0], 1e-300))
+    tail = 0.5 * (1.0 - _SHARE)
+    low, high = np.quantile(fall, [tail, 1.0 - tail])
+    return float(low), float(high)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Extrapolation:
+    """Errors on a kind of push that the fits have not seen.
+
+    Attributes
+    ----------
+    what
+        In words.
+    files
+        Recordings.
+    before, after
+        Of the plain and of the extended model, both fitted without them.
+    """
+
+    what: str
+    files: tuple[str, ...]
+    before: Errors
+    after: Errors | None
+
+
+def extrapolated(
+    training: RecordingSet, baseline: Baseline, model: Model, values: Floats
+) -> Extrapolation | None:
+    """Fit both models without the fastest, or else the farthest, pushes, and predict these.
+
+    Parameters
+    ----------
+    training
+        Recordings of the baseline.
+    baseline
+        The plain fit.
+    model, values
+        The extended one, (n,); or the plain one.
+    """
+    what, files = _kind(baseline.prepared)
+    if not files:
+        return None
+    rest = without(training, set(files))
+    theirs = without(training, {one.file for one in rest.recordings})
+    prepared = prepare(rest, step=baseline.prepared.step)
+    settings = replace(baseline.settings, most=_MOST, chord=True)
+    plain = fit(prepared, baseline.model, baseline.fits.values, settings).fits.values[0]
+    before = errors(theirs, baseline.model, plain, baseline)
+    after = None
+    if model is not baseline.model:
+        named = fit(prepared, model, values[None], settings).fits.values[0]
+        after = errors(theirs, model, named, baseline)
+    return Extrapolation(what=what, files=files, before=before, after=after)
+
+
+def _kind(prepared: Prepared) -> tuple[str, tuple[str, ...]]:
+    """Between a sixth and two fifths of the recordings that go farther than all others."""
+    way = np.linalg.norm(np.diff(prepared.waypoints, axis=1), axis=-1).max(axis=-1)
+    clock = np.diff(prepared.times, axis=1)
+    speed = np.max(np.where(clock > 0.0, way / clock, 0.0), axis=1)
+    place = np.hypot(*prepared.starts[:, :2].T)
+    for values, what in ((speed, "the fastest pushes"), (place, "the pushes farthest out")):
+        order = np.argsort(-values)
+        gaps = -np.diff(values[order]) / max(float(np.ptp(values)), 1e-30)
+        few, many = max(2, len(order) // 6), int(0.4 * len(order))
+        if many >= few:
+            cut = few + int(np.argmax(gaps[few - 1 : many]))
+            if gaps[cut - 1] > _APART:
+                return what, tuple(prepared.files[k] for k in sorted(order[:cut].tolist()))
+    return "", ()
+
+
+_APART = 0.05  # of the range of a quantity, that a kind of push must stand apart

@@ -1,0 +1,155 @@
+"""What each effect would change in these recordings, beyond what a refit could take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.tangent import Tangent
+from meso_robust.diagnosis.trials import Trial
+from meso_robust.identification.forward import predicted
+from meso_robust.identification.models import Model, with_effects
+from meso_robust.simulator.catalogue import CATALOGUE
+
+Floats = npt.NDArray[np.float64]
+
+_FLAT = 1e-6  # σ: a change this small is rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Signature:
+    """A trial, and what it changes.
+
+    Attributes
+    ----------
+    trial
+        What is tried.
+    columns
+        (k, R, M) white changes of the predictions, one for each size of the trial; of a trial without
+        sizes the one of the whole effect.
+    one_sided
+        Whether the sizes cannot be negative.
+    """
+
+    trial: Trial
+    columns: Floats
+    one_sided: bool
+
+    def left(self, at: Tangent) -> Floats:
+        """(k, R M) of the changes that a refit could not take."""
+        return at.evidence(self.columns)
+
+
+def extended(model: Model, trials: tuple[Trial, ...]) -> Model:
+    """The model with the numbers of some trials."""
+    return with_effects(
+        model,
+        {trial.effect: trial.scales for trial in trials},
+        fixed={trial.effect: trial.held for trial in trials if trial.held},
+    )
+
+
+def start_of(trial: Trial, sizes: Floats) -> Floats:
+    """(p,) values in SI of the numbers of a trial, with sizes (k,) in units of their changes."""
+    shown = dict(zip(trial.sizes, np.multiply(list(trial.sizes.values()), sizes), strict=True))
+    shown |= {key: trial.shape[key] for key in trial.free}
+    to_si = {one.key: one.to_si for one in CATALOGUE[trial.effect].parameters}
+    return np.array([shown[key] * to_si[key] for key in trial.scales])
+
+
+def within(model: Model, values: Floats) -> Floats:
+    """Values (K, n) moved into the ranges of the model."""
+    low = [parameter.low for parameter in model.parameters]
+    high = [parameter.high for parameter in model.parameters]
+    return np.clip(values, low, high)
+
+
+def signatures(baseline: Baseline, trials: list[Trial]) -> list[Signature]:
+    """Signatures of trials about a fit; those with which a push fails are left out."""
+    plain = _poses(baseline, baseline.model, baseline.fits.values)[0][0]
+    found = []
+    for effect in dict.fromkeys(trial.effect for trial in trials):
+        own = [trial for trial in trials if trial.effect == effect]
+        found += _of_effect(baseline, own, plain)
+    return found
+
+
+def _of_effect(baseline: Baseline, trials: list[Trial], plain: Floats) -> list[Signature]:
+    """Signatures of the trials of one effect, in one batch for each set of held numbers."""
+    rows, poses, ended = [], [], []
+    groups: dict[tuple[tuple[str, float], ...], list[Trial]] = {}
+    for trial in trials:
+        groups.setdefault(tuple(sorted(trial.held.items())), []).append(trial)
+    for group in groups.values():
+        model = extended(baseline.model, (group[0],))
+        values, owners = [], []
+        for trial in group:
+            for sizes in np.eye(len(trial.sizes)) if trial.sizes else np.zeros((1, 0)):
+                values.append(np.append(baseline.fits.values[0], start_of(trial, sizes)))
+                owners.append(trial)
+        found, completed = _poses(baseline, model, within(model, np.array(values)))
+        rows += owners
+        poses += list(found)
+        ended += list(completed)
+    return [
+        one
+        for trial in trials
+        if (one := _signature(baseline, trial, plain, rows, poses, ended)) is not None
+    ]
+
+
+def _signature(
+    baseline: Baseline,
+    trial: Trial,
+    plain: Floats,
+    rows: list[Trial],
+    poses: list[Floats],
+    ended: list[bool],
+) -> Signature | None:
+    own = [k for k, row in enumerate(rows) if row is trial]
+    if not all(ended[k] for k in own):
+        return None
+    changes = (np.stack([poses[k] for k in own]) - plain) / baseline.settings.sigma
+    if trial.sizes and not np.any(np.abs(changes) > _FLAT):
+        changes = np.zeros_like(changes)
+    low = {one.key: one.low for one in CATALOGUE[trial.effect].parameters}
+    return Signature(
+        trial=trial,
+        columns=baseline.tangent.rows(np.where(baseline.seen, changes, 0.0)),
+        one_sided=not trial.sizes or all(low[key] >= 0.0 for key in trial.sizes),
+    )
+
+
+def _poses(baseline: Baseline, model: Model, values: Floats) -> tuple[Floats, list[bool]]:
+    """Poses (K, R, T, 3) with the starts of the fit, and whether all runs ended well."""
+    found = predicted(
+        baseline.prepared,
+        model,
+        values,
+        starts=baseline.fits.starts[0],
+        offsets=baseline.fits.offsets[0],
+    )
+    return found.poses, found.completed.tolist()
+
+
+def estimate(evidence: Floats, left: Floats, one_sided: bool) -> tuple[Floats, float]:
+    """Sizes (k,) of an effect by least squares, and what they take of the sum of squares.
+
+    Parameters
+    ----------
+    evidence
+        (R M,) of the recordings.
+    left
+        (k, R M) of the signature.
+    one_sided
+        Whether sizes cannot be negative.
+    """
+    gram = left @ left.T
+    slope = left @ evidence
+    sizes = np.linalg.lstsq(gram, slope, rcond=1e-9)[0]
+    if one_sided:
+        sizes = np.maximum(sizes, 0.0)
+    return sizes, float(2.0 * sizes @ slope - sizes @ gram @ sizes)

@@ -1,0 +1,57 @@
+"""Results of the long steps on disk, so that an interrupted diagnosis goes on where it stood."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.generic]
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """Arrays by name, of one diagnosis only.
+
+    Attributes
+    ----------
+    folder
+        Where they are kept; None to keep nothing.
+    identity
+        Of recordings, options and version: results of another diagnosis are never taken up.
+    """
+
+    folder: Path | None
+    identity: str
+
+    def kept(self, name: str, make: Callable[[], Mapping[str, Array]]) -> Mapping[str, Array]:
+        """The arrays of a name: from disk, or made and put there.
+
+        A file that cannot be read, as one of a killed run, is made again.
+        """
+        if self.folder is None:
+            return make()
+        key = hashlib.sha256(f"{self.identity}\n{name}".encode()).hexdigest()[:32]
+        path = self.folder / f"{key}.npz"
+        try:
+            with np.load(path, allow_pickle=False) as found:
+                return {entry: found[entry] for entry in found.files}
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+            pass
+        made = make()
+        self.folder.mkdir(parents=True, exist_ok=True)
+        unfinished = path.with_suffix(".part.npz")
+        np.savez(unfinished, **made)
+        unfinished.replace(path)
+        return made
+
+    def clear(self) -> None:
+        """Remove what was kept."""
+        if self.folder is not None:
+            shutil.rmtree(self.folder, ignore_errors=True)

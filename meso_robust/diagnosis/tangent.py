@@ -1,0 +1,136 @@
+"""Linear algebra about a fit: coloured noise made white, and nuisances projected out.
+
+A vector of the data is what is seen of all recordings in standard deviations, made white: with noise
+of correlation φ, ``(r_t − φ r_{t−1}) / √(1 − φ²)``. What the parameters and starts of the fit could
+take of such a vector is projected out; what is left is evidence against the fitted model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+_RANK = 1e-8  # of the largest singular value, below which a direction is none
+_PRIOR = 4  # offsets of the tips, with a prior of their own
+
+
+def whitened(residuals: Floats, seen: npt.NDArray[np.bool_], correlation: float) -> Floats:
+    """Residuals (…, R, T, 3) in σ with the colour taken out; zero where not seen (R, T, 3).
+
+    A frame after one that was not seen is as uncertain as a first one.
+    """
+    kept = np.where(seen, residuals, 0.0)
+    if correlation == 0.0:
+        return kept
+    white = kept.copy()
+    both = seen[:, 1:] & seen[:, :-1]
+    after = (kept[..., 1:, :] - correlation * kept[..., :-1, :]) / np.sqrt(1.0 - correlation**2)
+    white[..., 1:, :] = np.where(both, after, kept[..., 1:, :])
+    return white
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tangent:
+    """What a fitted model can take of the data, to first order.
+
+    Attributes
+    ----------
+    own
+        (R, M, d) orthonormal: what the start of each recording can take.
+    shared
+        (R M, n) orthonormal: what parameters can take beyond the starts.
+    seen
+        (R, T, 3) whether there is a datum.
+    correlation
+        φ of the noise.
+    """
+
+    own: Floats
+    shared: Floats
+    seen: npt.NDArray[np.bool_]
+    correlation: float
+
+    @property
+    def freedom(self) -> int:
+        """Numbers in the data beyond what the fit takes."""
+        taken = int(np.count_nonzero(np.any(self.own != 0.0, axis=1)))
+        return int(self.seen.sum()) - taken - self.shared.shape[1]
+
+    def rows(self, residuals: Floats, offsets: Floats | None = None) -> Floats:
+        """(…, R, M) white data of residuals (…, R, T, 3) and offsets (…, R, 4) in σ."""
+        white = whitened(residuals, self.seen, self.correlation)
+        flat = white.reshape(*white.shape[:-2], -1)
+        more = self.own.shape[1] - flat.shape[-1]
+        if not more:
+            return flat
+        prior = np.zeros((*flat.shape[:-1], more)) if offsets is None else -offsets
+        return np.concatenate([flat, np.broadcast_to(prior, (*flat.shape[:-1], more))], axis=-1)
+
+    def cleaned(self, rows: Floats) -> Floats:
+        """(…, R, M) of what is left of rows (…, R, M) after the starts have taken their part."""
+        taken = np.einsum("rmd,...rm->...rd", self.own, rows, optimize=True)
+        return np.asarray(rows - np.einsum("rmd,...rd->...rm", self.own, taken, optimize=True))
+
+    def evidence(self, rows: Floats) -> Floats:
+        """(…, R M) of what neither starts nor parameters can take."""
+        left = self.cleaned(rows)
+        flat = left.reshape(*left.shape[:-2], -1)
+        return np.asarray(flat - (flat @ self.shared) @ self.shared.T)
+
+    def with_columns(self, columns: Floats) -> Tangent:
+        """The tangent of a model with further parameters, of rows (k, R, M)."""
+        left = self.evidence(columns).reshape(len(columns), -1).T
+        more = basis(left)
+        return Tangent(
+            self.own, np.concatenate([self.shared, more], axis=1), self.seen, self.correlation
+        )
+
+
+def tangent(
+    jacobian: Floats, parameters: int, seen: npt.NDArray[np.bool_], correlation: float
+) -> Tangent:
+    """The tangent of a fit.
+
+    Parameters
+    ----------
+    jacobian
+        (R, 3 T, n + d) derivatives of the predictions over σ; of d = 7 the last 4 are offsets in σ.
+    parameters
+        n.
+    seen
+        (R, T, 3) whether there is a datum.
+    correlation
+        φ of the noise.
+    """
+    count, frames = seen.shape[:2]
+    columns = np.moveaxis(jacobian, -1, 0).reshape(-1, count, frames, 3)
+    white = whitened(columns, seen, correlation).reshape(len(columns), count, -1)
+    own, shared = white[parameters:], white[:parameters]
+    if len(own) > 3:
+        prior = np.zeros((len(own), count, _PRIOR))
+        prior[np.arange(_PRIOR) + 3, :, np.arange(_PRIOR)] = 1.0
+        own = np.concatenate([own, prior], axis=-1)
+        none = np.zeros((parameters, count, _PRIOR))
+        shared = np.concatenate([shared, none], axis=-1)
+    bases = np.stack([_padded(own[:, r].T) for r in range(count)])
+    only = Tangent(bases, np.zeros((bases.shape[0] * bases.shape[1], 0)), seen, correlation)
+    left = only.cleaned(shared).reshape(parameters, -1).T
+    return Tangent(bases, basis(left), seen, correlation)
+
+
+def basis(columns: Floats) -> Floats:
+    """Orthonormal basis (M, k') of the span of columns (M, k); directions of no length are left out."""
+    if not columns.shape[1]:
+        return columns
+    left, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(left[:, sizes > _RANK * max(float(sizes[0]), 1e-300)])
+
+
+def _padded(columns: Floats) -> Floats:
+    """Orthonormal basis with as many columns as were given, zero where the rank is less."""
+    found = basis(columns)
+    return np.pad(found, ((0, 0), (0, columns.shape[1] - found.shape[1])))

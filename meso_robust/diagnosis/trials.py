@@ -1,0 +1,303 @@
+"""What to try of each effect: one line an effect.
+
+A trial names the numbers of an effect that are fitted, by how much each is changed to see what it
+does (a change that would matter to a plan), and the values that the search starts from. Numbers are
+for a part of 1.6 mm pushed at 75 µm/s and are scaled to the recordings at hand.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.identification.prepared import Prepared
+from meso_robust.identification.touching import distances
+from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.effects import REFERENCE_SPEED
+
+Floats = npt.NDArray[np.float64]
+
+REFERENCE_LENGTH = 910e-6
+"""Characteristic length in m of the part that the numbers are for."""
+_POST = 50.0  # µm, radius of a post; its far side is never touched
+_CLOSE = 6.0  # µm within which a post may stand of what was seen of the part
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """One way to try an effect, in the units of the catalogue.
+
+    Attributes
+    ----------
+    effect
+        Name.
+    sizes
+        ``{key: change}``, numbers that are zero without the effect; each is a direction to search in.
+    shape
+        ``{key: value}`` of numbers that give the effect its form, as the search starts.
+    free
+        ``{key: change}`` of those among them that are fitted; the others are held.
+    """
+
+    effect: str
+    sizes: Mapping[str, float]
+    shape: Mapping[str, float] = field(default_factory=dict)
+    free: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """Fitted numbers with their typical changes."""
+        return {**self.sizes, **self.free}
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Numbers that stay as they are."""
+        return {key: value for key, value in self.shape.items() if key not in self.free}
+
+
+Forms = Callable[[str, Prepared], Iterable[Trial]]
+"""Trials of the effect of a name in some recordings."""
+
+
+@dataclass(frozen=True, slots=True)
+class Try:
+    """What to do about an effect.
+
+    Attributes
+    ----------
+    shown_by
+        The push that would show it.
+    forms
+        What to try of it.
+    """
+
+    shown_by: str
+    forms: Forms
+
+
+def sized(**sizes: float) -> Forms:
+    """An effect that has sizes only."""
+    return lambda effect, _: [Trial(effect=effect, sizes=sizes)]
+
+
+def shaped(size: Mapping[str, float], free: Mapping[str, float], **grid: Iterable[float]) -> Forms:
+    """An effect whose form is searched from every point of a grid."""
+    keys, values = list(grid), [list(one) for one in grid.values()]
+    shapes = [dict(zip(keys, point, strict=True)) for point in itertools.product(*values)]
+    return lambda effect, _: [
+        Trial(effect=effect, sizes=size, shape=shape, free=free) for shape in shapes
+    ]
+
+
+def _edges(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    for edge in range(len(prepared.outline)):
+        yield Trial(effect=effect, sizes={"change": 0.2}, shape={"edge": float(edge)})
+
+
+def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """Walls in eight directions, as near as the part ever came; strength and place are one number."""
+    scale = 1e6 * REFERENCE_LENGTH / prepared.length
+    places = prepared.seen[..., :2]
+    for direction in np.arange(0.0, 360.0, 45.0).tolist():
+        normal = np.array([np.cos(np.radians(direction)), np.sin(np.radians(direction))])
+        nearest = scale * float(np.nanmax(places @ normal))
+        for reach in (150.0, 500.0):
+            shape = {"direction_deg": direction, "position_um": nearest, "range_um": reach}
+            yield Trial(
+                effect=effect,
+                sizes={"pull_um_s": 1.0},
+                shape=shape,
+                free={"direction_deg": 20.0, "range_um": 50.0},
+            )
+
+
+def _posts(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """Posts about the last poses that no part was ever seen to overlap."""
+    scale = 1e6 * REFERENCE_LENGTH / prepared.length
+    centres = _rim(prepared, _POST / scale)
+    gaps = _least_gaps(prepared, centres)
+    for centre in scale * centres[gaps > (_POST - _CLOSE) / scale]:
+        yield Trial(
+            effect=effect,
+            sizes={},
+            shape={"radius_um": _POST, "x_um": float(centre[0]), "y_um": float(centre[1])},
+            free={"x_um": 5.0, "y_um": 5.0},
+        )
+
+
+def _rim(prepared: Prepared, away: float) -> Floats:
+    """(N, 2) places around the last pose of every recording, a distance in m off its outline."""
+    outline = prepared.outline
+    points = []
+    for poses in prepared.seen:
+        x, y, theta = poses[np.all(np.isfinite(poses), axis=1)][-1]
+        turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
+        for start, end in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+            side = end - start
+            normal = np.array([side[1], -side[0]]) / np.hypot(*side)
+            for share in (0.05, 0.3, 0.5, 0.7, 0.95):
+                points.append(turn @ (start + share * side + away * normal) + [x, y])
+    return np.array(points)
+
+
+def _least_gaps(prepared: Prepared, points: Floats) -> Floats:
+    """(N,) least distance in m of points from all poses of the part that were seen."""
+    seen = prepared.seen[:, ::4].reshape(-1, 3)
+    least = np.full(len(points), np.inf)
+    for x, y, theta in seen[np.all(np.isfinite(seen), axis=1)]:
+        cos, sin = np.cos(theta), np.sin(theta)
+        dx, dy = (points - [x, y]).T
+        own = np.stack([cos * dx + sin * dy, cos * dy - sin * dx], axis=1)
+        near = np.hypot(dx, dy) < 1.5 * prepared.length
+        if np.any(near):
+            gap = distances(prepared.outline[None], own[near])[0]
+            least[near] = np.minimum(least[near], gap)
+    return least
+
+
+_LAYS = (0.0, 22.5, 45.0, 67.5)
+
+TRIALS: Mapping[str, Try] = {
+    "dry_friction": Try(
+        "one push off the centre at three speeds, a decade apart", sized(ratio=0.1)
+    ),
+    "stribeck_friction": Try(
+        "one push off the centre at three slow speeds",
+        shaped({"ratio": 0.1}, {"speed_um_s": 15.0}, speed_um_s=(10.0, 30.0, 100.0)),
+    ),
+    "shear_thinning": Try(
+        "pushes off the centre and through it, on a film known to be without dry contact",
+        sized(exponent_drop=0.05),
+    ),
+    "anisotropic_drag": Try(
+        "one push repeated with part and push turned by 90° on the stage",
+        shaped({"fraction": 0.05}, {"direction_deg": 20.0}, direction_deg=_LAYS),
+    ),
+    "part_anisotropic_drag": Try(
+        "slanted pushes on a long and on a short edge",
+        shaped({"fraction": 0.05}, {"direction_deg": 20.0}, direction_deg=_LAYS),
+    ),
+    "drag_centre_offset": Try(
+        "a push through the centre from each of two opposite edges", sized(x_um=10.0, y_um=10.0)
+    ),
+    "drag_gradient": Try(
+        "one push repeated 1 mm away along x and along y", sized(x_per_mm=0.05, y_per_mm=0.05)
+    ),
+    "drag_drift": Try(
+        "a force sensor at the tip; motion alone does not depend on the drag of the film",
+        sized(rate_percent_s=1.0),
+    ),
+    "breakaway_friction": Try(
+        "one push after rests of 1 s, 10 s and 100 s",
+        shaped({"ratio": 0.1}, {"distance_um": 2.0}, distance_um=(2.0, 20.0)),
+    ),
+    "uneven_support": Try(
+        "one push repeated with the part turned by 180°, both senses of rotation",
+        shaped(
+            {"ratio": 0.1},
+            {"x_um": 50.0, "y_um": 50.0},
+            x_um=(-120.0, 120.0),
+            y_um=(-60.0, 60.0),
+        ),
+    ),
+    "body_force": Try(
+        "five seconds of camera before the tip comes, at two headings of the stage",
+        sized(x_um_s=0.5, y_um_s=0.5),
+    ),
+    "film_flow": Try(
+        "five seconds of camera before the tip comes, with the stage tilted and level",
+        sized(x_um_s=0.5, y_um_s=0.5),
+    ),
+    "wall_capillarity": Try("camera without tip near the wall and away from it", _meniscus),
+    "unmodelled_wall": Try("a push across the place in doubt", _posts),
+    "tip_adhesion": Try(
+        "draw the tip back slowly after a push and keep the camera running",
+        shaped({"pull_um_s": 2.0}, {"range_um": 1.0}, range_um=(1.0, 5.0)),
+    ),
+    "tip_attraction": Try(
+        "approach slowly, stop 5 µm before contact and wait",
+        shaped({"pull_um_s": 2.0}, {"range_um": 2.0}, range_um=(3.0, 10.0)),
+    ),
+    "edge_dependent_friction": Try("slanted pushes that slip, one on each edge", _edges),
+    "part_geometry": Try(
+        "a push through the centre from each of four edges", sized(x_um=3.0, y_um=3.0)
+    ),
+    "tip_radius": Try(
+        "approaches to all four edges, contact seen at high frame rate", sized(excess_um=2.0)
+    ),
+    "reference_offset": Try("pushes that turn the part by 20° or more", sized(x_um=3.0, y_um=3.0)),
+    "probe_compliance": Try(
+        "stop suddenly at the highest speed and keep the camera running", sized(time_ms=10.0)
+    ),
+    "backlash": Try(
+        "approach with and without a reversal just before contact", sized(width_um=2.0)
+    ),
+    "probe_drift": Try("hold the tip on the part for ten seconds", sized(x_um_s=0.3, y_um_s=0.3)),
+    "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
+    "camera_scale": Try("long pushes along x and along y; a calibration grid", sized(percent=0.3)),
+    "camera_rotation": Try(
+        "long pushes along x and along y; a calibration grid", sized(angle_deg=0.2)
+    ),
+    "camera_drift": Try("ten seconds of camera without any motion", sized(x_um_s=0.3, y_um_s=0.3)),
+    "lens_distortion": Try(
+        "pushes in the corners of the image; a calibration grid", sized(k1_per_mm2=0.003)
+    ),
+}
+"""What to try of each effect, and the push that would show it; without a line, see `tried`."""
+
+
+def trials(prepared: Prepared) -> list[Trial]:
+    """All trials, scaled to the part and the speeds of the recordings."""
+    length = prepared.length / REFERENCE_LENGTH
+    speed = typical_speed(prepared) / REFERENCE_SPEED
+    return [
+        _scaled(one, length, speed)
+        for name in CATALOGUE
+        for one in tried(name).forms(name, prepared)
+    ]
+
+
+def tried(effect: str) -> Try:
+    """What to do about an effect; one without a line has each of its sizes tried by one unit."""
+    if effect in TRIALS:
+        return TRIALS[effect]
+    sizes = {one.key: 1.0 for one in CATALOGUE[effect].parameters if one.size}
+    return Try("pushes on all edges, at three speeds, places and headings", sized(**sizes))
+
+
+def typical_speed(prepared: Prepared) -> float:
+    """Median speed in m/s of the probes while they move."""
+    way = np.linalg.norm(np.diff(prepared.waypoints, axis=1), axis=-1).max(axis=-1)
+    time = np.diff(prepared.times, axis=1)
+    moving = way > 0.0
+    return float(np.median(way[moving] / time[moving])) if np.any(moving) else REFERENCE_SPEED
+
+
+def _scaled(trial: Trial, length: float, speed: float) -> Trial:
+    def turned(values: Mapping[str, float]) -> dict[str, float]:
+        return {key: value * _factor(key, length, speed) for key, value in values.items()}
+
+    return Trial(
+        effect=trial.effect,
+        sizes=turned(trial.sizes),
+        shape=turned(trial.shape),
+        free=turned(trial.free),
+    )
+
+
+def _factor(key: str, length: float, speed: float) -> float:
+    """By what a number of this name grows with the lengths and speeds of an experiment."""
+    factors = (
+        ("_per_mm2", length**-2),
+        ("_per_mm", 1.0 / length),
+        ("_um_s", speed),
+        ("_um", length),
+        ("_percent_s", speed / length),
+        ("_ms", length / speed),
+        ("ratio", speed),
+    )
+    return next((factor for end, factor in factors if key.endswith(end)), 1.0)

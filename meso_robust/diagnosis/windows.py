@@ -1,0 +1,294 @@
+"""Where the plain model fails: every window by itself, and what hidden input would explain it.
+
+Recordings are cut into windows by contact phase. With the parameters held, only the pose at the start
+of each window is fitted; what is left is the misfit that arises within the window. To it hidden
+inputs are fitted, constant within a window and free from window to window, one stage of the chain at
+a time, through the derivatives of the complementarity simulator: contacts stay unilateral and keep
+their friction. A *slack* is the twist by which the part moved beyond the model, whatever the cause.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.diagnosis.cuts import Cut, cuts_of, sliced, sliced_poses
+from meso_robust.diagnosis.document import Channel, PhaseName
+from meso_robust.diagnosis.hidden_inputs import CHANNELS, TIP_OFFSET, Inputs, with_inputs
+from meso_robust.diagnosis.window_statistics import (
+    ChannelTotal,
+    Statistics,
+    channel_totals,
+    statistics_of,
+    surprise,
+)
+from meso_robust.identification.fitted import Fits, Settings
+from meso_robust.identification.models.model import Model
+from meso_robust.identification.prepared import Prepared, prepare
+from meso_robust.identification.problem import Problem
+from meso_robust.recordings import RecordingSet
+from meso_robust.simulator import Outcome
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+_ROUNDS = 4  # of the fit of the starts
+_DAMPING = (1e-3, 1.0, 30.0)  # shares of the diagonal, tried at once
+_FLOOR = 1e-6  # information below which a start is not moved
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Window:
+    """One window: where it is, how badly the model does, and what would help.
+
+    Attributes
+    ----------
+    recording, start_s, end_s, phase
+        As in `Cut`.
+    chi2, freedom, components
+        Misfit, see `Statistics`.
+    sigma
+        The misfit in standard deviations of chance.
+    channel
+        Stage whose hidden input explains it best, for the inputs that it takes.
+    gains, ranks
+        (C,) by channel.
+    inputs
+        Values of the inputs that the window tells, by name, in the units of the names.
+    slack, slack_sigma
+        (3,) m/s and rad/s, stage frame.
+    """
+
+    recording: int
+    start_s: float
+    end_s: float
+    phase: PhaseName
+    chi2: float
+    freedom: int
+    components: Floats
+    sigma: float
+    channel: Channel
+    gains: Floats
+    ranks: Floats
+    inputs: dict[str, float]
+    slack: Floats
+    slack_sigma: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Windows:
+    """All windows of a set, and what is needed to look at other data of the same commands.
+
+    Attributes
+    ----------
+    cuts
+        The W windows.
+    prepared
+        The windows as recordings.
+    poses
+        (W, 3) predicted in the middle of each window, m and rad.
+    found
+        What the recordings say.
+    """
+
+    cuts: tuple[Cut, ...]
+    prepared: Prepared
+    poses: Floats
+    found: Statistics
+    _problem: Problem
+    _inputs: Inputs
+    _fits: Fits
+    _jacobian: Floats
+    _correlation: float
+
+    def __len__(self) -> int:
+        """Number of windows."""
+        return len(self.cuts)
+
+    @property
+    def windows(self) -> tuple[Window, ...]:
+        """One by one."""
+        return tuple(self._window(w) for w in range(len(self)))
+
+    def statistics(self, seen: Floats) -> Statistics:
+        """What other data (R, T, 3) of the same commands would say, such as a simulated null.
+
+        Starts are fitted anew with the derivatives at hand, which costs some milliseconds.
+        """
+        cut = sliced_poses(seen, self.cuts)
+        cut = np.where(np.isfinite(self.prepared.seen), cut, np.nan)
+        other = replace(self.prepared, seen=cut, starts=_first(cut))
+        problem = replace(self._problem, prepared=other)
+        fits = _settled(problem, self._fits.values, self._jacobian)
+        return statistics_of(
+            self._inputs, other, fits, self._jacobian, self._problem.settings, self._correlation
+        )
+
+    def totals(self, found: Statistics | None = None) -> tuple[ChannelTotal, ...]:
+        """By channel, of the recordings or of other statistics, in the order of `CHANNELS`."""
+        return channel_totals(self.found if found is None else found)
+
+    def _window(self, w: int) -> Window:
+        cut, found = self.cuts[w], self.found
+        names, shown = self._inputs.names, found.inputs[w] * self._inputs.units
+        effects = range(self._inputs.base, len(shown))
+        cost = np.log(max(found.freedom[w], np.e))
+        paid = (found.gains[w] - cost * found.ranks[w])[: len(CHANNELS)]
+        return Window(
+            recording=cut.recording,
+            start_s=cut.start_s,
+            end_s=cut.end_s,
+            phase=cut.phase,
+            chi2=float(found.chi2[w]),
+            freedom=int(found.freedom[w]),
+            components=found.components[w],
+            sigma=float(max(surprise(found.chi2[w], found.freedom[w]), 0.0)),
+            channel=CHANNELS[int(np.argmax(paid))],
+            gains=found.gains[w],
+            ranks=found.ranks[w],
+            inputs={names[k]: float(shown[k]) for k in effects if np.isfinite(shown[k])},
+            slack=found.slack[w],
+            slack_sigma=found.slack_sigma[w],
+        )
+
+
+def windowed(
+    recordings: RecordingSet,
+    model: Model,
+    values: Floats,
+    sigma: Floats,
+    correlation: float = 0.0,
+    *,
+    prepared: Prepared | None = None,
+) -> Windows:
+    """Look at every window of a recording set.
+
+    Parameters
+    ----------
+    recordings
+        As read.
+    model, values
+        The plain model and its fitted parameters (n,), SI.
+    sigma
+        (3,) standard deviations of x and y (m) and θ (rad).
+    correlation
+        φ of the noise of neighbouring frames.
+    prepared
+        The recordings as prepared for the model; prepared here by default. Other data are given to
+        `Windows.statistics` in its layout.
+
+    Raises
+    ------
+    InputError
+        As `prepare`.
+    ValueError
+        If no recording has a window with enough frames.
+    """
+    whole = prepare(recordings, step=model.step) if prepared is None else prepared
+    cuts = cuts_of(recordings, whole)
+    if not cuts:
+        raise ValueError(
+            "recordings: no window with enough frames; record longer or with all poses"
+        )
+    settings = Settings(
+        position=sigma[0], orientation=sigma[2], offset=whole.tip_offset or TIP_OFFSET
+    )
+    inputs = with_inputs(model)
+    extended = np.append(values, np.zeros(len(inputs.model.parameters) - inputs.base))[None]
+    problem = Problem(sliced(whole, cuts), inputs.model, settings)
+    fits = _settled(problem, extended)
+    ran = fits.outcomes[0] == Outcome.COMPLETED
+    jacobian = problem.jacobian(fits, inputs.spans, inputs.model.fitted[None])[0]
+    jacobian[~ran] = 0.0
+    found = statistics_of(inputs, problem.prepared, fits, jacobian, settings, correlation)
+    return Windows(
+        cuts=cuts,
+        prepared=problem.prepared,
+        poses=_middle(problem.prepared, fits, settings.sigma),
+        found=found,
+        _problem=problem,
+        _inputs=inputs,
+        _fits=fits,
+        _jacobian=jacobian,
+        _correlation=correlation,
+    )
+
+
+def _first(seen: Floats) -> Floats:
+    """(W, 3) first whole pose of each window (W, T, 3)."""
+    whole = np.all(np.isfinite(seen), axis=2)
+    return np.asarray(seen[np.arange(len(seen)), np.argmax(whole, axis=1)])
+
+
+def _middle(prepared: Prepared, fits: Fits, sigma: Floats) -> Floats:
+    """(W, 3) predicted poses in the middle frames that were seen."""
+    poses = prepared.seen - fits.residuals[0] * sigma
+    rows = []
+    for pose in poses:
+        kept = np.flatnonzero(np.all(np.isfinite(pose), axis=1))
+        rows.append(pose[kept[len(kept) // 2]])
+    return np.stack(rows)
+
+
+def _settled(problem: Problem, values: Floats, jacobian: Floats | None = None) -> Fits:
+    """The starts of all windows fitted, each window going down by itself.
+
+    Old derivatives (W, 3 T, n + d) may be given; without, they are computed in every round.
+    """
+    shape, n = (1, len(problem.prepared.files)), len(problem.model.parameters)
+    starts = np.broadcast_to(problem.prepared.starts, (*shape, 3))
+    fits = problem.at(values, starts, np.zeros((*shape, 4)))
+    none = np.zeros((1, n), dtype=bool)
+    for _ in range(_ROUNDS):
+        slopes = jacobian
+        if slopes is None:
+            slopes = problem.jacobian(fits, np.ones((1, n)), none)[0]
+        known = (
+            7 if problem.prepared.tip_offset else 3
+        )  # commanded tips are where they are said to be
+        fits = _lower(problem, fits, slopes[..., n : n + known])
+    return fits
+
+
+def _lower(problem: Problem, fits: Fits, own: Floats) -> Fits:
+    """One damped step of every window where it lowers the window's χ²."""
+    settings, d = problem.settings, own.shape[-1]
+    normal = np.swapaxes(own, 1, 2) @ own
+    slope = np.einsum("wmd,wm->wd", own, fits.residuals[0].reshape(len(own), -1))
+    normal[:, range(3, d), range(3, d)] += 1.0
+    slope[:, 3:] -= fits.offsets[0, :, : d - 3] / settings.offset
+    diagonal = np.einsum("wdd->wd", normal)[:, None] * np.eye(d) + _FLOOR * np.eye(d)
+    steps = np.stack(
+        [np.linalg.solve(normal + share * diagonal, slope[..., None])[..., 0] for share in _DAMPING]
+    )
+    moves = np.zeros((len(steps), *fits.offsets.shape[1:]))
+    moves[..., : d - 3] = steps[..., 3:] * settings.offset
+    tried = problem.at(
+        np.repeat(fits.values, len(_DAMPING), axis=0),
+        fits.starts + steps[..., :3] * settings.sigma,
+        fits.offsets + moves,
+    )
+    costs = np.concatenate([_costs(problem, fits), _costs(problem, tried)])
+    best = np.argmin(costs, axis=0)
+    rows = np.arange(costs.shape[1])
+
+    def chosen(old: Floats, new: Floats) -> Floats:
+        return np.concatenate([old, new])[best, rows][None]
+
+    return Fits(
+        values=fits.values,
+        starts=chosen(fits.starts, tried.starts),
+        offsets=chosen(fits.offsets, tried.offsets),
+        chi2=np.array([costs[best, rows].sum()]),
+        residuals=chosen(fits.residuals, tried.residuals),
+        outcomes=np.concatenate([fits.outcomes, tried.outcomes])[best, rows][None],
+    )
+
+
+def _costs(problem: Problem, fits: Fits) -> Floats:
+    """(B, W) χ² by window, offsets included."""
+    costs = np.sum(fits.residuals**2, axis=(2, 3))
+    costs = costs + np.sum((fits.offsets / problem.settings.offset) ** 2, axis=2)
+    return np.where(fits.outcomes == Outcome.COMPLETED, costs, np.inf)
