@@ -14,6 +14,7 @@ import typer
 from meso_robust.cli.certify import certify
 from meso_robust.cli.check import check
 from meso_robust.cli.derive import derive
+from meso_robust.cli.diagnose import diagnose
 from meso_robust.cli.drive import drive
 from meso_robust.cli.identify import identify
 from meso_robust.cli.plan import plan
@@ -29,7 +30,20 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (plan, certify, check, simulate, drive, derive, track, recordings, identify, schema):
+_VERBS = (
+    plan,
+    certify,
+    check,
+    simulate,
+    drive,
+    derive,
+    track,
+    recordings,
+    identify,
+    diagnose,
+    schema,
+)
+for verb in _VERBS:
     app.command()(verb)
 
 

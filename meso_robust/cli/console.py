@@ -5,11 +5,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import NoReturn
+from typing import NoReturn, TypeAlias
 
 import typer
 
 POSITIVE, NEGATIVE, BAD_INPUT = 0, 1, 2
+INTERRUPTED = 130
+"""What shells give for a run that was ended by Ctrl-C."""
+
+Told: TypeAlias = Callable[[str, int, int], None]
+"""Called with a stage of the work, how much of it is done, and how much there is."""
 
 
 class Reporter:
@@ -42,6 +47,39 @@ class Reporter:
         with Progress(console=self._console, transient=True) as progress:
             task = progress.add_task(what, total=total)
             yield lambda: progress.advance(task)
+
+    @contextmanager
+    def following(self) -> Iterator[Told]:
+        """Show a bar for every stage that the block tells of by calling what it is given.
+
+        Stages come one after the other: the next one ends those before it.
+        """
+        if not self._console.is_terminal:
+            said: set[str] = set()
+
+            def line(stage: str, *_: int) -> None:
+                if stage not in said:
+                    said.add(stage)
+                    self._console.print(f"{stage} ...", markup=False, highlight=False)
+
+            yield line
+            return
+        from rich.markup import escape
+        from rich.progress import Progress, TaskID
+
+        with Progress(console=self._console, transient=True) as progress:
+            bars: dict[str, TaskID] = {}
+
+            def bar(stage: str, done: int, total: int) -> None:
+                if stage not in bars:
+                    for ended in progress.tasks:
+                        progress.update(ended.id, total=1, completed=1)
+                    bars[stage] = progress.add_task(escape(stage), total=None)
+                # one step tells nothing on the way: its bar only shows that work goes on
+                known = total if total > 1 or done else None
+                progress.update(bars[stage], completed=done, total=known)
+
+            yield bar
 
 
 def refuse(message: object) -> NoReturn:

@@ -15,6 +15,7 @@ from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
 
 if TYPE_CHECKING:
     from meso_robust.job import Planned
+    from meso_robust.premises.promise import Promise
     from meso_robust.task import Task
 
 
@@ -23,6 +24,7 @@ class _Asked:
     """What the user asked for."""
 
     task: Path | None
+    model: Path | None
     out: Path
     samples: int
     seed: int
@@ -36,6 +38,13 @@ class _Asked:
 def plan(  # noqa: PLR0913  # every option of the verb is an argument
     task: Annotated[
         Path | None, typer.Argument(help="Task file (TOML); the paper's task if left out.")
+    ] = None,
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            help="Fitted model (model.toml): plan for the task as it says the laboratory is, or say "
+            "which premise of the proof it breaks; also writes that task and premises.json."
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("meso-robust-plan"),
     samples: Annotated[int, typer.Option(min=1, help="Random runs in the simulator.")] = 1000,
@@ -69,6 +78,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
 
     asked = _Asked(
         task=task,
+        model=model,
         out=out,
         samples=samples,
         seed=seed,
@@ -94,6 +104,9 @@ def _plan(asked: _Asked, say: Reporter) -> None:
     file = asked.task or PAPER
     task = load_task(file)
     check_folder(asked.out)
+    if asked.model is not None:
+        _promise(task, asked.model, asked, say)
+        return
 
     from meso_robust.job import make, make_best
 
@@ -110,6 +123,28 @@ def _plan(asked: _Asked, say: Reporter) -> None:
         more |= map_files(result.task, say.doing)
     write(result, asked.out, say, more)
     tell(result, asked.out, asked.as_json, asked.quiet)
+
+
+def _promise(task: Task, file: Path, asked: _Asked, say: Reporter) -> None:
+    """Plan for the task as a fitted model says it is."""
+    from meso_robust.errors import InputError
+    from meso_robust.identification.layout import toml_of
+    from meso_robust.premises.answer import document, summary
+    from meso_robust.premises.promise import promise, read
+
+    if asked.widest or asked.policy or asked.maps:
+        raise InputError(
+            "--model: goes with none of --widest, --policy, --maps, which are about a task alone; "
+            f"plan with the model first, then use {asked.out / 'task.toml'}"
+        )
+    made = promise(task, read(file, task), asked.samples, asked.seed, say.doing)
+    answer = document(made)
+    more = {
+        "task.toml": toml_of(made.changed.task),
+        "premises.json": answer.model_dump_json(by_alias=True, indent=2) + "\n",
+    }
+    write(made.planned, asked.out, say, more, made)
+    tell(made.planned, asked.out, asked.as_json, asked.quiet, summary(made))
 
 
 def _policy(task: Task, say: Reporter) -> dict[str, str]:
@@ -137,14 +172,18 @@ def _policy(task: Task, say: Reporter) -> dict[str, str]:
 
 
 def write(
-    result: Planned, out: Path, say: Reporter, more: Mapping[str, str] = MappingProxyType({})
+    result: Planned,
+    out: Path,
+    say: Reporter,
+    more: Mapping[str, str] = MappingProxyType({}),
+    promise: Promise | None = None,
 ) -> None:
     """Write plan, certificate, report and ``more`` files (name to text), all or none."""
     from meso_robust.files import write_all
     from meso_robust.reporting.page import report
 
     with say.doing("writing the report"):
-        page = report(result)
+        page = report(result, promise)
     documents = {"plan.json": result.plan, "certificate.json": result.certificate}
     texts = {
         name: document.model_dump_json(by_alias=True, indent=2) + "\n"
@@ -153,12 +192,14 @@ def write(
     write_all(out, {**texts, "report.html": page, **more})
 
 
-def tell(result: Planned, out: Path, as_json: bool, quiet: bool) -> None:
-    """Print the answer; ends with exit status 1 unless it is PROVED."""
+def tell(
+    result: Planned, out: Path, as_json: bool, quiet: bool, summary: str | None = None
+) -> None:
+    """Print the answer (or another ``summary`` of it); ends with exit status 1 unless PROVED."""
     if as_json:
         print(result.certificate.model_dump_json(by_alias=True, indent=2))
     elif not quiet:
-        print(result.summary)
+        print(summary or result.summary)
         print(f"report: {out / 'report.html'}")
     if result.certificate.verdict != "PROVED":
         raise typer.Exit(NEGATIVE)

@@ -12,13 +12,15 @@ from meso_robust.cli.console import refuse
 
 def schema(
     name: Annotated[
-        str, typer.Argument(help="task, plan, policy, certificate, recordings or model")
+        str,
+        typer.Argument(help="task, plan, policy, certificate, recordings, model or diagnosis"),
     ],
 ) -> None:
     """Print the JSON Schema of a document."""
     from pydantic import BaseModel
 
     from meso_robust.certificates.document import CertificateDocument
+    from meso_robust.diagnosis.document import DiagnosisDocument
     from meso_robust.identification.document import ModelDocument
     from meso_robust.planning.document import PlanDocument
     from meso_robust.policy.document import PolicyDocument
@@ -32,6 +34,7 @@ def schema(
         "certificate": CertificateDocument,
         "recordings": SetDocument,
         "model": ModelDocument,
+        "diagnosis": DiagnosisDocument,
     }
     if name not in models:
         refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")

@@ -190,7 +190,7 @@ def _held_out(found: Diagnosis) -> dict[str, object]:
         "recordings": before.prepared.files if found.before is not None else (),
         "baseline_sigma": before.whole,
         "extended_sigma": later.whole,
-        "noise_floor_sigma": 1.0,
+        "noise_floor_sigma": found.noise.floor,
         "baseline_um": UM * before.whole_metres,
         "extended_um": UM * later.whole_metres,
         "improvement_low": low,

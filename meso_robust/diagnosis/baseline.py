@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.diagnosis.noise import Noise
+from meso_robust.diagnosis.noise import Noise, weighed
 from meso_robust.diagnosis.tangent import Tangent, tangent
 from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.identify import Identification, identify
@@ -20,6 +20,8 @@ Floats = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 
 _FINER = 4.0  # by how much shorter the steps of the other solver are
+_LONGEST = 0.2  # s, of a step: forces that act on a part at rest move it evenly
+_PIECES = 50  # of a recording, at least, where that is less
 _STARTS = {True: 6, False: 12}  # random starts of a quick and of a full search
 
 
@@ -100,14 +102,18 @@ def fitted_baseline(
     if found.fitted is None or found.settings is None:  # only of the printed objective
         raise AssertionError("a likelihood has a fit")
     jacobian = found.fitted.jacobian[0]
+    noise = weighed(noise, found.settings.sigma)
     n = len(found.model.parameters)
+    longest = min(_LONGEST, float(np.max(found.prepared.times[:, -1])) / _PIECES)
     return Baseline(
         found=found,
         model=found.model,
-        prepared=found.prepared,
+        prepared=replace(found.prepared, time_step=longest),
         settings=found.settings,
         fits=found.fitted.fits,
-        finer=prepare(training, step=found.prepared.step / _FINER),
+        finer=replace(
+            prepare(training, step=found.prepared.step / _FINER), time_step=longest / _FINER
+        ),
         jacobian=jacobian,
         tangent=tangent(jacobian, n, np.isfinite(found.prepared.seen), noise.correlation),
         noise=noise,

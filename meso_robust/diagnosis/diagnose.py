@@ -146,7 +146,7 @@ def diagnose(
             recordings=recordings,
             sha256=sha256,
             split=parts,
-            noise=noise,
+            noise=baseline.noise,
             baseline=baseline,
             spans=spans,
             signatures=marks,

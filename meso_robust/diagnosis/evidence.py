@@ -41,7 +41,7 @@ class Evidence:
     held_out: tuple[str, ...]
     """Recordings that no fit has seen."""
     extrapolation: tuple[str, ...]
-    """Those of them that hold out a kind of push, too."""
+    """Recordings of a kind of push that a fit of its own left out."""
     null_statistics: Floats
     """(B,) largest local test of every set that was simulated without a mismatch."""
     statistic: float

@@ -57,6 +57,7 @@ _SHARED: dict[Channel, tuple[str, ...]] = {
 }
 """What may be the same in all windows, beyond the parameters of the plain model."""
 _STEP = 0.03  # of a coordinate of the model itself, for its difference
+_SLIP = 0.15  # of friction at the tips: wide, so that it shows whether a sticking tip would slip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -107,8 +108,15 @@ def with_inputs(model: Model) -> Inputs:
         ),
         free=_columns([*kinds, *tips], _FREE),
         shared=_columns([*kinds, *tips], _SHARED),
-        spans=np.where(np.arange(len(kinds)) < base, _STEP, 1.0)[None],
+        spans=np.array([_span(kind, k < base) for k, kind in enumerate(kinds)])[None],
     )
+
+
+def _span(kind: str, plain: bool) -> float:
+    """Step of a difference, in coordinates."""
+    if not plain:
+        return 1.0
+    return _SLIP if kind == "mu" else _STEP
 
 
 def _kind(parameter: Parameter, plain: bool) -> str:
@@ -151,13 +159,14 @@ _TOLD = 0.1  # σ: least length of a direction, in typical changes, that a windo
 
 def solved(columns: Floats, data: Floats, least: float = _TOLD) -> Solved:
     """Explain data (M,) of unit white noise by columns (M, k), in directions longer than `least`."""
-    left, sizes, right = np.linalg.svd(columns, full_matrices=False)
-    told = sizes > least
-    along = (left.T @ data)[told]
-    estimate = right[told].T @ (along / sizes[told])
-    error = np.sqrt(np.sum((right[told].T / sizes[told]) ** 2, axis=1))
+    squares, ways = np.linalg.eigh(columns.T @ columns)
+    told = squares > least**2
+    sizes, ways = np.sqrt(squares[told]), ways[:, told]
+    along = ways.T @ (columns.T @ data) / sizes
+    estimate = ways @ (along / sizes)
+    error = np.sqrt(np.sum((ways / sizes) ** 2, axis=1))
     # a factor is told if hardly any of it lies in directions that are not
-    known = np.sum(right[told] ** 2, axis=0) > 0.99
+    known = np.sum(ways**2, axis=1) > 0.99
     return Solved(
         gain=float(along @ along),
         rank=int(told.sum()),

@@ -19,12 +19,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import chi2 as chi2_law
 
-from meso_robust.diagnosis.runs import FEWEST, Run, gaps_of, in_frame, longer, runs_of
+from meso_robust.diagnosis.runs import FEWEST, Run, from_start, longer, runs_of
+from meso_robust.diagnosis.single_pushes import SINGLES, offered
 from meso_robust.diagnosis.symmetries import Symmetry, gyration, symmetries
+from meso_robust.identification.models.model import centroid
 from meso_robust.identification.prepared import Prepared
 
 Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 _ALIKE = 5e-6  # m: contacts and paths that are farther apart are not the same push
 _SHORTEST = 80e-6  # m: of a common way
@@ -34,10 +35,7 @@ _PLACE = 100e-6  # m
 _HEADING = np.radians(10.0)
 _LATER = 1.0  # s
 _DEGREE = 3  # of the polynomial in the way of the tip that a motion is smoothed by
-_TAIL = 150e-6  # m: last part of a push that its end is extrapolated from
-_EXACT = np.array([0.3e-6, 0.3e-6, 0.3e-3])  # of that extrapolation, m and rad
 _SHARE = 0.3  # of the largest sensitivity to the place, that is never relied on to vanish
-_SINGLE = ("untouched", "retract", "rest", "onset", "metric")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,7 +108,7 @@ def pairs(prepared: Prepared, sigma: Floats, correlation: float = 0.0) -> tuple[
     runs, poses = runs_of(prepared, sigma, correlation), prepared.seen
     noise = sigma * np.sqrt(longer(correlation))
     found = [
-        pair for run in runs for name in _SINGLE if (pair := _single(prepared, run, name, noise))
+        pair for run in runs for name in SINGLES if (pair := _single(prepared, run, name, noise))
     ]
     known = symmetries(prepared.outline)
     for first, second in itertools.combinations(runs, 2):
@@ -147,18 +145,15 @@ def families(found: Sequence[Pair]) -> tuple[Family, ...]:
         of = [k for k, pair in enumerate(found) if pair.invariance == name]
         worst = min(of, key=lambda k: found[k].p_value)
         corrected = -np.expm1(len(of) * np.log1p(-min(found[worst].p_value, 1.0 - 1e-16)))
-        each.append(
-            Family(invariance=name, p_value=float(corrected), count=len(of), worst=worst)
-        )
+        each.append(Family(invariance=name, p_value=float(corrected), count=len(of), worst=worst))
     return tuple(sorted(each, key=lambda one: one.p_value))
 
 
-def _measured(
-    prepared: Prepared, pair: Pair, first: Run, second: Run, poses: Floats
-) -> Pair:
+def _measured(prepared: Prepared, pair: Pair, first: Run, second: Run, poses: Floats) -> Pair:
     """A pair with the difference that some poses show."""
-    if pair.invariance in _SINGLE:
-        difference = _STATISTICS[pair.invariance](prepared, first, poses[first.recording])[0]
+    if pair.invariance in SINGLES:
+        test = SINGLES[pair.invariance]
+        difference = test(prepared, first, poses[first.recording], np.ones(3))[0]
     else:
         one = _moved(prepared, first, poses[first.recording], pair.way)
         other = _moved(prepared, second, poses[second.recording], pair.way)
@@ -194,7 +189,8 @@ def _coinciding(
     if way < _SHORTEST:
         return None
     names = _differing(first, second, symmetry)
-    tolerance = _tolerance(prepared, first, second, way, apart, paths, grid, noise)
+    last = paths[int(way / _GRID), first.tip] - paths[0, first.tip]
+    tolerance = _tolerance(prepared, first, second, way, apart, last, noise)
     if tolerance is None:
         return None
     return Pair(
@@ -208,3 +204,101 @@ def _coinciding(
         way=way,
         symmetry=symmetry,
     )
+
+
+def _tolerance(
+    prepared: Prepared,
+    first: Run,
+    second: Run,
+    way: float,
+    apart: Floats,
+    paths: Floats,
+    noise: Floats,
+) -> Floats | None:
+    """(3,) what noise and unequal starts explain, m and rad; None with too few frames.
+
+    `apart` (2,) is between the contacts, `paths` (2,) how far the tips have come apart after the way.
+    """
+    shares = [_smoothed(prepared, run, way) for run in (first, second)]
+    if shares[0] is None or shares[1] is None:
+        return None
+    square = noise**2 * sum(float(share @ share) for share in shares if share is not None)
+    starts = first.start_sigma**2 + second.start_sigma**2
+    square = square + starts
+    square[:2] += way**2 * starts[2]
+    along = np.array([-first.normal[1], first.normal[0]])
+    reach, angle = float(np.hypot(*first.point)), float(np.hypot(*paths)) / way
+    place = np.sqrt((apart @ along) ** 2 + (reach * angle) ** 2 + starts[0] + reach**2 * starts[2])
+    centre = centroid(prepared.outline)
+    x, y = first.point - centre
+    arm, k = x * first.normal[1] - y * first.normal[0], gyration(prepared.outline)
+    slope = way * (abs(k**2 - arm**2) / (k**2 + arm**2) ** 2 + _SHARE / k**2)
+    square[2] += (slope * place) ** 2
+    square[:2] += (reach * slope * place) ** 2 + (way * angle) ** 2
+    return np.asarray(np.sqrt(square))
+
+
+def _differing(first: Run, second: Run, symmetry: Symmetry) -> list[str]:
+    """What two pushes that coincide about the part differ by."""
+    ratio = max(first.speed, second.speed) / min(first.speed, second.speed)
+    normals = [np.arctan2(run.normal[1], run.normal[0]) + run.start[2] for run in (first, second)]
+    turned = abs((normals[0] - normals[1] + np.pi) % (2.0 * np.pi) - np.pi)
+    differs = {
+        symmetry.kind: symmetry.kind != "same",
+        "speed": ratio > _SPEED,
+        "place": float(np.hypot(*(first.start - second.start)[:2])) > _PLACE,
+        "heading": turned > _HEADING,
+        "later": abs(first.contact_s - second.contact_s) > _LATER,
+        "reversal": first.reversals != second.reversals,
+    }
+    return [name for name, does in differs.items() if does]
+
+
+def _blur(prepared: Prepared, run: Run) -> float:
+    """σ in m of a place of the outline at the start."""
+    return float(np.hypot(run.start_sigma[0], prepared.length * run.start_sigma[2]))
+
+
+def _present(prepared: Prepared, run: Run) -> npt.NDArray[np.bool_]:
+    """(P,) whether a recording has a probe."""
+    away = prepared.waypoints[run.recording] == -prepared.parked
+    return ~np.all(away, axis=(0, 2))
+
+
+def _smoothed(prepared: Prepared, run: Run, way: float) -> Floats | None:
+    """Weights of the pushed frames (n,) in the motion at a way of the tip: a cubic fitted to it."""
+    travel = run.travel_at(prepared.instants[run.recording, run.pushed]) / way
+    kept = travel <= 1.0
+    if int(kept.sum()) < FEWEST + _DEGREE:
+        return None
+    powers = np.vander(travel[kept], _DEGREE + 1)
+    weights = np.zeros(len(travel))
+    weights[kept] = np.ones(_DEGREE + 1) @ np.linalg.pinv(powers)
+    return weights
+
+
+def _moved(prepared: Prepared, run: Run, poses: Floats, way: float) -> Floats:
+    """(3,) motion in the frame of the start after a way of the tip, m and rad."""
+    weights = _smoothed(prepared, run, way)
+    if weights is None:
+        raise AssertionError("a pair has enough frames")
+    return from_start(weights @ poses[run.pushed], poses[run.still].mean(axis=0))
+
+
+def _single(prepared: Prepared, run: Run, name: str, noise: Floats) -> Pair | None:
+    """A test of one push, if it has the frames."""
+    if not offered(prepared, run, name, noise):
+        return None
+    poses = prepared.seen[run.recording]
+    pair = Pair(
+        invariance=name,
+        first=run.file,
+        second=run.file,
+        difference=np.zeros(3),
+        tolerance=SINGLES[name](prepared, run, poses, noise)[1],
+        sigma=0.0,
+        p_value=1.0,
+        way=0.0,
+        symmetry=symmetries(prepared.outline)[0],
+    )
+    return _measured(prepared, pair, run, run, prepared.seen)

@@ -27,10 +27,10 @@ _DOUBT = 0.01  # of the probability may be outside the set that is given
 _FORMS = 2  # forms of an effect that are refitted
 _MORE = 2.0  # nats by which another set must be better to count as such
 _SAME = 1.5  # σ, root of the sum of squares: motions that no recording here tells apart
-_BEAM = 3  # sets that a further effect is added to
-_ADDED = 5  # effects that are added to each, those that promise most
+_BEAM = {True: 2, False: 3}  # sets that a further effect is added to, if quick and if not
+_ADDED = {True: 3, False: 5}  # effects that are added to each, those that promise most
 _FAR = 25.0  # nats behind the best, at which a set is not built on
-_LARGEST = 3  # effects of a set
+_LARGEST = {True: 2, False: 3}  # effects of a set
 _CLOSE = 0.5  # of the gain of the best, behind it, up to which a search is taken to its end
 _HOPELESS = 0.5  # of the best gain, that a linear estimate must reach in a quick search
 
@@ -104,7 +104,7 @@ class Contest:
     def named(self) -> Naming:
         """Let the sets compete."""
         field = self._singles()
-        for _ in range(_LARGEST - 1):
+        for _ in range(_LARGEST[self.quick] - 1):
             field = self._judged(field)
             if _answers(field):
                 break
@@ -125,8 +125,23 @@ class Contest:
         fits = []
         for done, (_, one) in enumerate(chosen):
             self.told("naming", done, len(chosen))
-            fits.append(refitted(self.baseline, (one,)))
+            fits += self._tried((one,), None)
         return self._refined(_best_of_each(fits))
+
+    def _tried(self, chosen: tuple[Signature, ...], start: Refit | None) -> list[Refit]:
+        """A rough fit of a set; none where its search leaves what can be simulated."""
+        try:
+            return [refitted(self.baseline, chosen, start=start)]
+        except (ValueError, np.linalg.LinAlgError):
+            return []
+
+    def _ended(self, one: Refit) -> Refit:
+        """A fit with its search taken to the end; as it was where that fails or is no better."""
+        try:
+            more = refined(self.baseline, self._chosen(one), one)
+        except (ValueError, np.linalg.LinAlgError):
+            return one
+        return more if more.gain >= one.gain else one
 
     def _refined(self, fits: list[Refit]) -> list[Candidate]:
         """Candidates; those that may win have their searches taken to the end."""
@@ -134,11 +149,7 @@ class Contest:
         close = best - max(_FAR, _CLOSE * best)
         return _ranked(
             [
-                Candidate(
-                    refit=refined(self.baseline, self._chosen(one), one)
-                    if one.gain > max(close, 0.0)
-                    else one
-                )
+                Candidate(refit=self._ended(one) if one.gain > max(close, 0.0) else one)
                 for one in fits
             ]
         )
@@ -169,7 +180,7 @@ class Contest:
     def _extended(self, field: list[Candidate]) -> list[Candidate]:
         """Sets with one effect more, built on the best of the largest ones."""
         size = max(len(one.refit.trials) for one in field)
-        bases = [one for one in field if len(one.refit.trials) == size][:_BEAM]
+        bases = [one for one in field if len(one.refit.trials) == size][: _BEAM[self.quick]]
         known = {one.effects for one in field}
         fits: list[Refit] = []
         for base in bases:
@@ -177,12 +188,12 @@ class Contest:
             best: dict[str, tuple[float, Signature]] = {}
             for gain, one in sorted(forms, key=lambda pair: pair[0]):
                 best[one.trial.effect] = (gain, one)
-            for _, one in sorted(best.values(), key=lambda pair: -pair[0])[:_ADDED]:
+            for _, one in sorted(best.values(), key=lambda pair: -pair[0])[: _ADDED[self.quick]]:
                 names = tuple(sorted((*base.effects, one.trial.effect)))
                 if names in known:
                     continue
                 known.add(names)
-                self.told("naming sets", len(fits), _BEAM * _ADDED)
+                self.told("naming sets", len(fits), _BEAM[self.quick] * _ADDED[self.quick])
                 fits.append(
                     refitted(self.baseline, (*self._chosen(base.refit), one), start=base.refit)
                 )

@@ -1,8 +1,8 @@
 """Noise of the sensor as the tests of a diagnosis need it: deviations and colour, model or no model.
 
-Deviations that are not stated come from still frames; without any, from third differences of the
-poses, in which smooth motion does not show: what is white is then taken for noise, and all else of
-the misfit for physics, so that a model's failure cannot pass for noise.
+Deviations that are not stated come from still frames. Without any, third differences of the poses,
+in which smooth motion does not show, tell the white part of the noise: the floor that a model could
+reach. The fit then weighs x, y and θ by its own residuals, as no other scale is known.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from meso_robust.recordings.noise import Spread, estimated_noise
 
 Floats = npt.NDArray[np.float64]
 
+_ROUGHNESS = "roughness of the poses"
 _MOST = 0.9  # correlation of neighbours beyond which "noise" is motion
 
 
@@ -38,6 +39,10 @@ class Noise:
         Standard error of φ.
     source
         Where σ is from.
+    known
+        Whether σ is stated or seen in still frames; otherwise it is the floor only.
+    floor
+        What a perfect model would leave, in σ.
     """
 
     sigma: Floats
@@ -45,6 +50,8 @@ class Noise:
     freedom: float
     correlation_error: float
     source: str
+    known: bool = True
+    floor: float = 1.0
 
 
 def noise_of(recordings: RecordingSet) -> Noise:
@@ -76,17 +83,28 @@ def noise_of(recordings: RecordingSet) -> Noise:
         freedom=freedom,
         correlation_error=error,
         source=sources[0] if sources[0] == sources[1] else f"{sources[0]}, θ {sources[1]}",
+        known=_ROUGHNESS not in sources,
     )
 
 
 def with_noise(recordings: RecordingSet, noise: Noise) -> RecordingSet:
-    """The recordings with the noise stated."""
+    """The recordings with the noise stated, if it is known."""
+    if not noise.known:
+        return recordings
     sensor = replace(
         recordings.sensor,
         position_sigma=float(noise.sigma[0]),
         orientation_sigma=float(noise.sigma[2]),
     )
     return replace(recordings, sensor=sensor)
+
+
+def weighed(noise: Noise, sigma: Floats) -> Noise:
+    """The noise as a fit has weighed it by σ (3,); what was measured stays as the floor."""
+    if noise.known:
+        return noise
+    floor = float(np.sqrt(np.mean((noise.sigma / sigma) ** 2)))
+    return replace(noise, sigma=sigma, floor=floor, source="residuals of the fit")
 
 
 def _correlation(spreads: tuple[Spread, ...]) -> tuple[float, float]:
@@ -104,13 +122,13 @@ def _position(
 ) -> tuple[float, str]:
     if x.sigma is not None and y.sigma is not None:
         return float(np.hypot(x.sigma, y.sigma) / np.sqrt(2.0)), "still frames"
-    return _rough(recordings, slice(0, 2), correlation), "roughness of the poses"
+    return _rough(recordings, slice(0, 2), correlation), _ROUGHNESS
 
 
 def _orientation(recordings: RecordingSet, theta: Spread, correlation: float) -> tuple[float, str]:
     if theta.sigma is not None:
         return theta.sigma, "still frames"
-    return _rough(recordings, slice(2, 3), correlation), "roughness of the poses"
+    return _rough(recordings, slice(2, 3), correlation), _ROUGHNESS
 
 
 def _rough(recordings: RecordingSet, columns: slice, correlation: float) -> float:

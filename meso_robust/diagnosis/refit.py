@@ -16,6 +16,7 @@ from meso_robust.diagnosis.signatures import Signature, estimate, extended, star
 from meso_robust.diagnosis.tangent import Tangent, tangent
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.identification.fitted import Fits, Fitted
+from meso_robust.identification.forward import corrected
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
 
@@ -107,17 +108,36 @@ def refitted(
 
 
 def refined(baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit) -> Refit:
-    """A rough fit with its search taken to its end."""
+    """A rough fit with its search taken to its end, freed of the error of the steps."""
+    model, settings = rough.model, replace(baseline.settings, chord=True, most=_MOST, flat=0.05)
     fits = rough.fits
     found = fit(
         baseline.prepared,
-        rough.model,
+        model,
         fits.values,
-        replace(baseline.settings, chord=True, most=_MOST, flat=0.05),
+        settings,
         starts=fits.starts[0],
         offsets=fits.offsets[0],
     )
-    return _scored(baseline, chosen, rough.model, found)
+    fits = found.fits
+    sharp = corrected(
+        baseline.prepared,
+        baseline.finer,
+        model,
+        fits.values,
+        starts=fits.starts,
+        offsets=fits.offsets,
+    )
+    found = fit(
+        sharp,
+        model,
+        fits.values,
+        settings,
+        starts=fits.starts[0],
+        offsets=fits.offsets[0],
+        jacobian=found.jacobian,
+    )
+    return _scored(baseline, chosen, model, found)
 
 
 def _first(

@@ -106,6 +106,11 @@ def in_frame(points: Floats, pose: Floats) -> Floats:
     return np.stack([cos * x + sin * y, cos * y - sin * x], axis=-1)
 
 
+def from_start(pose: Floats, start: Floats) -> Floats:
+    """A pose (3,) in the frame of another."""
+    return np.array([*in_frame(pose[:2], start), pose[2] - start[2]])
+
+
 def gaps_of(prepared: Prepared, tips: Floats, pose: Floats) -> tuple[Floats, Floats]:
     """(k, P) gaps in m between tips (k, P, 2) and the part at a pose (3,), and their normals."""
     own = in_frame(tips, pose)

@@ -125,13 +125,16 @@ def _signature(
 
 def _poses(baseline: Baseline, model: Model, values: Floats) -> tuple[Floats, list[bool]]:
     """Poses (K, R, T, 3) with the starts of the fit, and whether all runs ended well."""
-    found = predicted(
-        baseline.prepared,
-        model,
-        values,
-        starts=baseline.fits.starts[0],
-        offsets=baseline.fits.offsets[0],
-    )
+    try:
+        found = predicted(
+            baseline.prepared,
+            model,
+            values,
+            starts=baseline.fits.starts[0],
+            offsets=baseline.fits.offsets[0],
+        )
+    except ValueError:  # the effect does not go with these starts, such as a post within a part
+        return np.zeros((len(values), *baseline.seen.shape)), [False] * len(values)
     return found.poses, found.completed.tolist()
 
 

@@ -16,7 +16,7 @@ from meso_robust.identification.prepared import Prepared
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-_SHORTEST = 1e-6  # σ: least length of a ramp of one σ a second
+_SHORTEST = 1e-3  # σ: least length of a ramp of one σ a second
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -146,7 +146,7 @@ def channel_totals(found: Statistics) -> tuple[ChannelTotal, ...]:
     cost = np.log(max(float(found.freedom.sum()), np.e))
     common = np.maximum(found.shared_gains - cost * found.shared_ranks, 0.0)
     evidence = np.maximum(free, common)
-    most = max(float(evidence.max()), 1e-300)
+    most = max(float(evidence.max()), cost)  # less than one input costs is nothing
     gains, ranks = found.gains.sum(axis=0), found.ranks.sum(axis=0)
     sigma = np.maximum(surprise(gains, ranks), surprise(found.shared_gains, found.shared_ranks))
     return tuple(

@@ -34,7 +34,7 @@ from meso_robust.simulator import Outcome
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-_ROUNDS = 4  # of the fit of the starts
+_ROUNDS = 3  # of the fit of the starts
 _DAMPING = (1e-3, 1.0, 30.0)  # shares of the diagonal, tried at once
 _FLOOR = 1e-6  # information below which a start is not moved
 
@@ -120,11 +120,10 @@ class Windows:
         cut = sliced_poses(seen, self.cuts)
         cut = np.where(np.isfinite(self.prepared.seen), cut, np.nan)
         other = replace(self.prepared, seen=cut, starts=_first(cut))
-        problem = replace(self._problem, prepared=other)
+        settings = replace(self._problem.settings, offset=other.tip_offset)
+        problem = replace(self._problem, prepared=other, settings=settings)
         fits = _settled(problem, self._fits.values, self._jacobian)
-        return statistics_of(
-            self._inputs, other, fits, self._jacobian, self._problem.settings, self._correlation
-        )
+        return statistics_of(self._inputs, other, fits, self._jacobian, settings, self._correlation)
 
     def totals(self, found: Statistics | None = None) -> tuple[ChannelTotal, ...]:
         """By channel, of the recordings or of other statistics, in the order of `CHANNELS`."""
@@ -144,7 +143,7 @@ class Windows:
             chi2=float(found.chi2[w]),
             freedom=int(found.freedom[w]),
             components=found.components[w],
-            sigma=float(max(surprise(found.chi2[w], found.freedom[w]), 0.0)),
+            sigma=float(np.maximum(surprise(found.chi2[w], found.freedom[w]), 0.0)),
             channel=CHANNELS[int(np.argmax(paid))],
             gains=found.gains[w],
             ranks=found.ranks[w],
@@ -198,7 +197,8 @@ def windowed(
     inputs = with_inputs(model)
     extended = np.append(values, np.zeros(len(inputs.model.parameters) - inputs.base))[None]
     problem = Problem(sliced(whole, cuts), inputs.model, settings)
-    fits = _settled(problem, extended)
+    # commanded tips are where they are said to be; only derivatives ask what if not
+    fits = _settled(replace(problem, settings=replace(settings, offset=whole.tip_offset)), extended)
     ran = fits.outcomes[0] == Outcome.COMPLETED
     jacobian = problem.jacobian(fits, inputs.spans, inputs.model.fitted[None])[0]
     jacobian[~ran] = 0.0
@@ -257,8 +257,9 @@ def _lower(problem: Problem, fits: Fits, own: Floats) -> Fits:
     settings, d = problem.settings, own.shape[-1]
     normal = np.swapaxes(own, 1, 2) @ own
     slope = np.einsum("wmd,wm->wd", own, fits.residuals[0].reshape(len(own), -1))
-    normal[:, range(3, d), range(3, d)] += 1.0
-    slope[:, 3:] -= fits.offsets[0, :, : d - 3] / settings.offset
+    if settings.offset:
+        normal[:, range(3, d), range(3, d)] += 1.0
+        slope[:, 3:] -= fits.offsets[0] / settings.offset
     diagonal = np.einsum("wdd->wd", normal)[:, None] * np.eye(d) + _FLOOR * np.eye(d)
     steps = np.stack(
         [np.linalg.solve(normal + share * diagonal, slope[..., None])[..., 0] for share in _DAMPING]
@@ -290,5 +291,6 @@ def _lower(problem: Problem, fits: Fits, own: Floats) -> Fits:
 def _costs(problem: Problem, fits: Fits) -> Floats:
     """(B, W) χ² by window, offsets included."""
     costs = np.sum(fits.residuals**2, axis=(2, 3))
-    costs = costs + np.sum((fits.offsets / problem.settings.offset) ** 2, axis=2)
+    if problem.settings.offset:
+        costs = costs + np.sum((fits.offsets / problem.settings.offset) ** 2, axis=2)
     return np.where(fits.outcomes == Outcome.COMPLETED, costs, np.inf)

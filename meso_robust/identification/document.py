@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence, Set
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
-from meso_robust.identification.models import MODELS, Model
+from meso_robust.identification.models import MODELS, Model, with_effects
 from meso_robust.identification.models.model import Floats
 from meso_robust.recordings import Rectangle
+from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.toml_files import checked, read_toml
 
 SCHEMA = "meso-robust/model/1"
@@ -139,6 +140,7 @@ class ModelDocument(_Section):
 
     schema_: Annotated[Literal["meso-robust/model/1"], Field(alias="schema")]
     model: Key
+    """One of `MODELS`, or such a base with effects of the catalogue: ``base+effect+effect``."""
     objective: Literal["printed", "likelihood"]
     interval: Literal["profile likelihood", "last simplex"]
     """What the intervals are; only those of the likelihood have a probability."""
@@ -146,7 +148,8 @@ class ModelDocument(_Section):
     part: PartSection
     parameters: dict[Key, ParameterSection]
     held: dict[Key, FiniteFloat] = {}
-    """Parameters that no motion shows, as they were simulated; any other value does as well."""
+    """Parameters that no motion shows, as they were simulated (any other value does as well), and
+    parameters of effects that were not fitted."""
     not_identifiable: tuple[NotIdentifiableSection, ...]
     quality: QualitySection | None = None
     sensor: SensorSection | None = None
@@ -156,14 +159,18 @@ class ModelDocument(_Section):
 
     @model_validator(mode="after")
     def _keys_of_model(self) -> Self:
-        if self.model in MODELS:
-            known = set(MODELS[self.model](_outline(self.part)).keys)
-            given = {*self.parameters, *self.held}
-            if known != given:
-                raise ValueError(
-                    f"parameters: {', '.join(sorted(given))}; must be those of model {self.model}: "
-                    f"{', '.join(sorted(known))}"
-                )
+        base, *effects = self.model.split("+")
+        if base not in MODELS:
+            return self
+        given = {*self.parameters, *self.held}
+        _check_effects(effects, given)
+        known = set(MODELS[base](_outline(self.part)).keys)
+        plain = {key for key in given if "." not in key}
+        if known != plain:
+            raise ValueError(
+                f"parameters: {', '.join(sorted(plain))}; must be those of model {base}: "
+                f"{', '.join(sorted(known))}"
+            )
         return self
 
     @property
@@ -173,15 +180,60 @@ class ModelDocument(_Section):
         Raises
         ------
         KeyError
-            If the model is not one of `MODELS`.
+            If the base of the model is not one of `MODELS`.
         """
         model = self.made()
         shown = {key: section.value for key, section in self.parameters.items()} | self.held
         return np.array([shown[p.key] * p.to_si for p in model.parameters])
 
     def made(self) -> Model:
-        """The model for this part."""
-        return MODELS[self.model](_outline(self.part))
+        """The model for this part; ``base+effect+effect`` is the base extended by effects.
+
+        Raises
+        ------
+        KeyError
+            If the base is not one of `MODELS`.
+        """
+        base, *effects = self.model.split("+")
+        model = MODELS[base](_outline(self.part))
+        if not effects:
+            return model
+        return with_effects(
+            model,
+            _by_effect(effects, dict.fromkeys(self.parameters, 1.0)),
+            _by_effect(effects, self.held),
+        )
+
+
+def _by_effect(effects: Sequence[str], values: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """``{effect: {parameter: value}}`` of the keys ``effect.parameter``, in the order of effects."""
+    found: dict[str, dict[str, float]] = {}
+    for effect in effects:
+        of = {key: value for key, value in values.items() if key.startswith(f"{effect}.")}
+        if of:
+            found[effect] = {key.partition(".")[2]: value for key, value in of.items()}
+    return found
+
+
+def _check_effects(effects: Sequence[str], keys: Set[str]) -> None:
+    """Refuse a name with effects that the keys ``effect.parameter`` do not fit."""
+    for effect in effects:
+        if effect not in CATALOGUE:
+            raise ValueError(
+                f"model: effect {effect!r} is not in the catalogue; use {', '.join(CATALOGUE)}"
+            )
+    owners = {key.partition(".")[0] for key in keys if "." in key}
+    if len(set(effects)) < len(effects) or owners != set(effects):
+        raise ValueError(
+            f"model: its name has the effects {', '.join(effects) or '(none)'}, its parameters those "
+            f"of {', '.join(sorted(owners)) or '(none)'}; must be the same, each once"
+        )
+    known = {f"{effect}.{one.key}" for effect in effects for one in CATALOGUE[effect].parameters}
+    extra = sorted(key for key in keys if "." in key and key not in known)
+    if extra:
+        raise ValueError(
+            f"parameters: {', '.join(extra)}; must be one of {', '.join(sorted(known))}"
+        )
 
 
 def read_model(path: Path) -> ModelDocument:

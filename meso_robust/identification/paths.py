@@ -51,6 +51,42 @@ def _straight(times: Floats, path: Floats, first: int, last: int) -> Floats:
     return np.asarray(path[first] + share[:, None] * (path[last] - path[first]))
 
 
+def with_corners(times: Floats, path: Floats, tolerance: float) -> tuple[Floats, Floats]:
+    """Samples of a commanded path with the corners that fell between them.
+
+    A probe that goes evenly to a point and evenly on from there is at the point between two samples,
+    and was farther out than any of them. Where the lines through the two samples before and the two
+    after meet in between, in all coordinates at one instant, that is where it turned.
+
+    Parameters
+    ----------
+    times
+        (S,) s, increasing.
+    path
+        (S, C) coordinates in m.
+    tolerance
+        By how much the lines may miss each other, m; also the least corner that counts.
+    """
+    if len(times) < 4:
+        return times, path
+    speed = np.diff(path, axis=0) / np.diff(times)[:, None]
+    before, after = speed[:-2], speed[2:]
+    gap = times[2:-1] - times[1:-2]
+    turn = before - after
+    miss = path[2:-1] - path[1:-2] - after * gap[:, None]
+    squares = np.sum(turn**2, axis=1)
+    at = np.sum(turn * miss, axis=1) / np.where(squares > 0.0, squares, 1.0)
+    left = np.abs(miss - turn * at[:, None]).max(axis=1)
+    way = np.abs(turn).max(axis=1)
+    corner = (left <= tolerance) & (at * way > tolerance) & ((gap - at) * way > tolerance)
+    found = np.flatnonzero(corner)
+    where = path[1:-2][found] + before[found] * at[found, None]
+    return (
+        np.insert(times, found + 2, times[1:-2][found] + at[found]),
+        np.insert(path, found + 2, where, axis=0),
+    )
+
+
 def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]:
     """Even motion with as few corners as samples with white noise call for.
 

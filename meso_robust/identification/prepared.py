@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.models.model import Floats, characteristic_length
-from meso_robust.identification.paths import in_steps, scatter, smoothed, thinned
+from meso_robust.identification.paths import in_steps, scatter, smoothed, thinned, with_corners
 from meso_robust.identification.sensor import Sigmas, sigmas_of
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
@@ -23,6 +23,8 @@ NOISE = 5.0
 """Standard deviations by which a first pose may overlap a tip and still be taken for noise."""
 EXACT = 1e-9
 """m: commanded positions closer than this to even motion are left out."""
+CORNER = 5e-9
+"""m: commanded lines that meet this closely between two samples have a corner there."""
 _ENDS = 4.0  # variance of the end of a line fitted to n samples, times n over theirs
 _FINER = 5.0  # by how much shorter the steps are about the instant of the first contact
 _THIN = 0.2  # of the thinnest place of the part, for a longest step
@@ -229,6 +231,7 @@ def _motion(
     if seen_by_camera:
         times, flat = smoothed(times, flat, max(scatter(flat), EXACT))
     else:
+        times, flat = with_corners(times, flat, CORNER)
         kept = thinned(times, flat, EXACT)
         times, flat = times[kept], flat[kept]
     return times, flat.reshape(len(times), -1, 2)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from meso_robust.bounds import Verdict
 from meso_robust.job import Planned
+from meso_robust.premises.promise import Promise
 from meso_robust.reporting.words import Side, Witness, factor, number, sides, witness_words
 
 MEANING = {
@@ -36,6 +38,8 @@ class Open:
     """How the sides below are to be read."""
     over: tuple[Side, ...]
     settled_by: str
+    premise: bool = False
+    """Whether it is a premise of the proof, not one of its inequalities."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,16 +53,46 @@ class Answer:
     witness: Witness | None
 
 
-def answer(result: Planned) -> Answer:
-    """Put the answer together."""
+def answer(result: Planned, promise: Promise | None = None) -> Answer:
+    """Put the answer together; ``promise`` is what a fitted model made of the task, if there is one."""
     certificate = result.certificate
     witness = certificate.witness
     return Answer(
         verdict=certificate.verdict,
-        meaning=MEANING[certificate.verdict],
-        figures=_figures(result),
+        meaning=_meaning(certificate.verdict, promise),
+        figures=_figures(result) if promise is None else _promised(result, promise),
         open=_open(result),
         witness=None if witness is None else witness_words(witness),
+    )
+
+
+def _meaning(verdict: str, promise: Promise | None) -> str:
+    if promise is None or verdict == "REFUTED":
+        return MEANING[verdict]
+    if verdict == "PROVED":
+        so = ", on the conditions below" if promise.conditions else ""
+        return (
+            "The plan is certified: it reaches the goal in every laboratory within the fitted "
+            f"model's intervals, for every error within the bounds below{so}."
+        )
+    if promise.broken:
+        return (
+            "Nothing is proved of this laboratory: the fitted model breaks a premise of the proof, or "
+            "leaves a bound open. Boxes and inequalities below are those of the plain model."
+        )
+    return MEANING[verdict]
+
+
+def _promised(result: Planned, promise: Promise) -> tuple[Figure, ...]:
+    """Key figures where a fitted model was given: of its own physics, if a premise is broken."""
+    if not promise.broken:
+        return _figures(result)
+    ran = promise.evidence
+    runs = "none" if ran is None else f"{ran.in_goal} of {ran.runs}"
+    return (
+        Figure(str(len(result.certificate.policy)), "moves"),
+        Figure(str(len(promise.broken)), "of the model not absorbed"),
+        Figure(runs, "runs under the model's own physics end in the goal (evidence, not proof)"),
     )
 
 
@@ -91,6 +125,16 @@ def _open(result: Planned) -> Open | None:
     undecided = result.certificate.undecided
     if undecided is None:
         return None
+    if result.chain.verdict is Verdict.PROVED:  # of the plain model: what is open is a premise
+        return Open(
+            where="what the proof rests on",
+            claim=undecided.claim,
+            inequality=undecided.inequality,
+            how="",
+            over=(),
+            settled_by=undecided.settled_by,
+            premise=True,
+        )
     found = result.chain.open_obligation
     number_ = len(result.chain.steps) if found is None else result.chain.steps.index(found[0]) + 1
     if found is None:

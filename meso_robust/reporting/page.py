@@ -9,6 +9,8 @@ from markupsafe import Markup
 from meso_robust.bounds import Verdict
 from meso_robust.campaigns.monte_carlo import excess
 from meso_robust.job import Planned
+from meso_robust.premises.answer import document
+from meso_robust.premises.promise import Promise
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
@@ -34,13 +36,15 @@ class Picture:
     svg: Markup
 
 
-def report(result: Planned) -> str:
+def report(result: Planned, promise: Promise | None = None) -> str:
     """One self-contained HTML page on a plan: the answer first, then its grounds.
 
     Parameters
     ----------
     result
         Everything that ``meso-robust plan`` found out.
+    promise
+        What a fitted model made of the task, if the plan was made with one.
     """
     templates = environment()
     templates.filters.update(factor=factor, number=number, small=small)
@@ -55,7 +59,8 @@ def report(result: Planned) -> str:
     return templates.get_template("template.html.j2").render(
         task=result.task,
         certificate=result.certificate,
-        answer=answer(result),
+        answer=answer(result, promise),
+        promise=None if promise is None else document(promise),
         pictures=pictures,
         steps=rows.step_rows(result),
         margins=rows.margin_rows(result),
@@ -65,7 +70,7 @@ def report(result: Planned) -> str:
         policy=rows.policy_rows(result),
         nominal=rows.nominal_rows(result),
         quantities=QUANTITIES,
-        proved=result.chain.verdict is Verdict.PROVED,
+        proved=result.certificate.verdict == "PROVED",
     )
 
 

@@ -1,0 +1,186 @@
+"""What an effect adds to the errors of a task: bounded over the whole of its interval.
+
+Every bound is one of a distance in the plane, which no coordinate exceeds; it is rounded up to two
+decimals. The stages of the camera follow one another (`simulator.observation`), so a bound that grows
+with the place holds for all of them together where the pose and all that is added to it stay within
+`Budget.radius_um` of the world's origin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+Ends = tuple[float, float]
+Ranges = Mapping[str, Ends]
+"""Lower and upper end of each parameter of an effect, in the catalogue's units."""
+
+_ROUNDING = 1.0 + 1e-12  # far more than a few operations on doubles lose
+_DIGITS = 100  # steps of a unit that bounds are rounded up to
+NOTHING: Ends = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Budget:
+    """What bounds that grow with place or time are computed for; a plan must keep within it."""
+
+    radius_um: float
+    """Largest distance of what is seen of the part from the world's origin."""
+    seconds: float
+    """Longest time from the zero of a drift to the last pose that is sensed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Post:
+    """A round post on the stage: where it can be, and its radius, um."""
+
+    x_um: Ends
+    y_um: Ends
+    radius_um: Ends
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Absorbed:
+    """What an effect comes to at most; zeros add nothing."""
+
+    said: str
+    sensed_um: float = 0.0
+    """Added to the largest error of a sensed x or y."""
+    turned_deg: float = 0.0
+    """Added to the largest error of a sensed orientation."""
+    probe_um: float = 0.0
+    """Added to the largest error of a probe's x or y."""
+    length_um: Ends = NOTHING
+    """By how much the part is longer than stated."""
+    width_um: Ends = NOTHING
+    post: Post | None = None
+    """What the part and the tips must stay clear of."""
+    bounded_by: Literal["", "place", "time"] = ""
+    """What of the budget the bound rests on."""
+    condition: str = ""
+    """What the laboratory must keep to for the bound to hold."""
+
+
+Absorb = Callable[[Ranges, Budget], Absorbed]
+
+
+def spelled(value: float) -> Fraction:
+    """The decimal number that a double was written as."""
+    return Fraction(repr(float(value)))
+
+
+def rounded_up(value: float | Fraction) -> float:
+    """A decimal number of two digits that is not below a bound; a double may have been rounded."""
+    bound = value if isinstance(value, Fraction) else Fraction(value * _ROUNDING)
+    return math.ceil(bound * _DIGITS) / _DIGITS
+
+
+def largest(ends: Ends) -> float:
+    """Largest absolute value."""
+    return max(abs(ends[0]), abs(ends[1]))
+
+
+def _distance(ranges: Ranges, x: str, y: str) -> float:
+    return math.hypot(largest(ranges[x]), largest(ranges[y]))
+
+
+def drag_scale(_: Ranges, __: Budget) -> Absorbed:
+    """A factor on the whole drag, at any time: only ρ enters."""
+    return Absorbed(said="nothing changes: at every instant the motion depends on ρ and μ only")
+
+
+def part_geometry(ranges: Ranges, _: Budget) -> Absorbed:
+    """Edges that stand out by d: the part is longer by 2 d."""
+    x, y = ranges["x_um"], ranges["y_um"]
+    return Absorbed(
+        said="the part's sides, each with its interval",
+        length_um=(2.0 * x[0], 2.0 * x[1]),
+        width_um=(2.0 * y[0], 2.0 * y[1]),
+    )
+
+
+def reference_offset(ranges: Ranges, _: Budget) -> Absorbed:
+    """The tracked point is off the centre by R(θ) c, whose length is that of c."""
+    far = rounded_up(_distance(ranges, "x_um", "y_um"))
+    return Absorbed(said=f"sensed position ± {far:g} µm more: |R(θ) c| = |c|", sensed_um=far)
+
+
+def backlash(ranges: Ranges, _: Budget) -> Absorbed:
+    """A probe within b/2 of its command; while it pushes it lags by b/2 throughout.
+
+    The lost motion is taken up at the start of a move, where the tip is free of contact for every
+    error in the bound. What the part meets is the way of a tip whose error is constant; that it
+    comes later does not matter, because the path does not depend on the speed.
+    """
+    far = rounded_up(spelled(largest(ranges["width_um"])) / 2)
+    return Absorbed(said=f"probe position ± {far:g} µm more: half the lost motion", probe_um=far)
+
+
+def unmodelled_wall(ranges: Ranges, _: Budget) -> Absorbed:
+    """A post that part and tips stay clear of is of no effect."""
+    return Absorbed(
+        said="of no effect if part and tips are proved to stay clear of it",
+        post=Post(x_um=ranges["x_um"], y_um=ranges["y_um"], radius_um=ranges["radius_um"]),
+    )
+
+
+def camera_latency(ranges: Ranges, _: Budget) -> Absorbed:
+    """A pose that has been at rest for the latency is seen as it is."""
+    wait = math.ceil(largest(ranges["time_ms"]) * _ROUNDING)
+    return Absorbed(
+        said="nothing changes: poses are sensed at rest",
+        condition=f"the part has been at rest for {wait} ms before its pose is sensed, and still is "
+        f"{wait} ms later",
+    )
+
+
+def camera_rotation(ranges: Ranges, budget: Budget) -> Absorbed:
+    """|R(φ) x - x| ≤ |φ| |x|, and every orientation is off by φ."""
+    angle = largest(ranges["angle_deg"])
+    far, turn = rounded_up(math.radians(angle) * budget.radius_um), rounded_up(angle)
+    return Absorbed(
+        said=f"sensed position ± {far:g} µm and orientation ± {turn:g}° more: |φ| |x| and |φ|, "
+        f"{_place(budget)}",
+        sensed_um=far,
+        turned_deg=turn,
+        bounded_by="place",
+    )
+
+
+def camera_scale(ranges: Ranges, budget: Budget) -> Absorbed:
+    """|s| |x|."""
+    far = rounded_up(0.01 * largest(ranges["percent"]) * budget.radius_um)
+    return Absorbed(
+        said=f"sensed position ± {far:g} µm more: |s| |x|, {_place(budget)}",
+        sensed_um=far,
+        bounded_by="place",
+    )
+
+
+def lens_distortion(ranges: Ranges, budget: Budget) -> Absorbed:
+    """|k1| |x|³."""
+    millimetres = 1e-3 * budget.radius_um
+    far = rounded_up(largest(ranges["k1_per_mm2"]) * millimetres**2 * budget.radius_um)
+    return Absorbed(
+        said=f"sensed position ± {far:g} µm more: |k1| |x|³, {_place(budget)}",
+        sensed_um=far,
+        bounded_by="place",
+    )
+
+
+def camera_drift(ranges: Ranges, budget: Budget) -> Absorbed:
+    """|d| t."""
+    far = rounded_up(_distance(ranges, "x_um_s", "y_um_s") * budget.seconds)
+    return Absorbed(
+        said=f"sensed position ± {far:g} µm more: |d| t",
+        sensed_um=far,
+        bounded_by="time",
+        condition=f"the last pose is sensed within {budget.seconds:g} s of the camera's calibration",
+    )
+
+
+def _place(budget: Budget) -> str:
+    return f"|x| ≤ {budget.radius_um:g} µm"

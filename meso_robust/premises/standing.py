@@ -1,0 +1,164 @@
+"""How a fitted model stands to the premises: every parameter and every effect, over its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from meso_robust.certificates.document import ASSUMPTIONS
+from meso_robust.identification.document import ModelDocument, ParameterSection
+from meso_robust.premises.absorbing import Absorbed, Budget, Ends, Ranges
+from meso_robust.premises.lines import BASE, BASES, LINES, NO_LINE, Line
+from meso_robust.simulator.catalogue import CATALOGUE
+
+Word = Literal["absorbed", "off", "breaks a premise", "not identified"]
+BREAKS: Word = "breaks a premise"
+RATIO, FRICTION = "rho_um2", "mu"
+"""Parameters of the base model that become ranges of the task."""
+OFF: Ends = (0.0, 0.0)
+
+_OF_PARAMETER = {
+    RATIO: Line(
+        premise=ASSUMPTIONS[4],
+        claim="eq-5-ratio",
+        derivation="derivations/one_point_sticking.py",
+        why="the certificate needs bounds of ρ",
+    ),
+    FRICTION: Line(
+        premise=ASSUMPTIONS[4],
+        claim="sticking-arc",
+        derivation="derivations/one_point_sticking.py",
+        why="the certificate needs bounds of μ",
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Standing:
+    """A parameter of the base, the base itself, or an effect, and the promise."""
+
+    name: str
+    word: Word
+    premise: str = ""
+    claim: str = ""
+    derivation: str = ""
+    said: str = ""
+    """How it is absorbed, or why it is not."""
+    absorbed: Absorbed | None = None
+
+    @property
+    def survives(self) -> bool:
+        """Whether the promise can be made in spite of it."""
+        return self.word in ("absorbed", "off")
+
+
+def standings(document: ModelDocument, budget: Budget) -> tuple[Standing, ...]:
+    """Everything that the model says, in the order of its file."""
+    base, *effects = document.model.split("+")
+    return (
+        *([] if base == BASE else [_of_base(base)]),
+        *(_of_parameter(document, key) for key in (RATIO, FRICTION) if base == BASE),
+        *(_of_effect(document, effect, budget) for effect in effects),
+    )
+
+
+def unknown(document: ModelDocument, key: str) -> str:
+    """Why a parameter has no interval; empty if it has one."""
+    if key in document.held:
+        return f"{key} was held at {document.held[key]:g}, not fitted: the recordings say nothing of it"
+    of = next((one.why for one in document.not_identifiable if one.name == key), "")
+    if of:
+        return f"{key} is not identifiable: {of}"
+    section = document.parameters[key]
+    if section.open_low or section.open_high:
+        side = " and ".join(
+            word
+            for word, is_open in (("lower", section.open_low), ("upper", section.open_high))
+            if is_open
+        )
+        return f"the recordings give {key} no {side} bound"
+    if document.interval != "profile likelihood":
+        return (
+            f"{key} has the ends of the last simplex only, which bound nothing: fit the likelihood "
+            "(`meso-robust identify`)"
+        )
+    return ""
+
+
+def ends(section: ParameterSection) -> Ends:
+    """The interval of a parameter, in the unit of its name."""
+    return section.low, section.high
+
+
+def _of_base(base: str) -> Standing:
+    return _broken(base, BASES.get(base))
+
+
+def _of_parameter(document: ModelDocument, key: str) -> Standing:
+    why, line = unknown(document, key), _OF_PARAMETER[key]
+    if why:
+        return _standing(key, "not identified", line, why)
+    low, high = ends(document.parameters[key])
+    return _standing(key, "absorbed", line, f"a range of the task: {low:g} … {high:g}")
+
+
+def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing:
+    ranges, why = _ranges(document, effect), _unbounded(document, effect)
+    sizes = [one.key for one in CATALOGUE[effect].parameters if one.size]
+    if not why and all(ranges[key] == OFF for key in sizes):
+        return Standing(name=effect, word="off", said="no size but zero is left")
+    line = LINES.get(effect)
+    if line is None or line.absorb is None:
+        return _broken(effect, line)
+    found = line.absorb(ranges, budget)
+    if why and found != line.absorb(_anything(effect), budget):
+        return _standing(effect, "not identified", line, why)
+    return _standing(effect, "absorbed", line, f"{line.why}: {found.said}", found)
+
+
+def _unbounded(document: ModelDocument, effect: str) -> str:
+    """Why a parameter of an effect has no interval: one that was fitted, or a size that was held."""
+    keys = {f"{effect}.{one.key}": one.size for one in CATALOGUE[effect].parameters}
+    held = [key for key, size in keys.items() if size and document.held.get(key, 0.0) != 0.0]
+    fitted = [key for key in keys if key in document.parameters]
+    return next((why for key in [*held, *fitted] if (why := unknown(document, key))), "")
+
+
+def _anything(effect: str) -> Ranges:
+    """Intervals that no bound survives: an effect that is absorbed over them needs none."""
+    return {one.key: (-1e30, 1e30) for one in CATALOGUE[effect].parameters}
+
+
+def _ranges(document: ModelDocument, effect: str) -> Ranges:
+    found: dict[str, Ends] = {}
+    for one in CATALOGUE[effect].parameters:
+        key = f"{effect}.{one.key}"
+        fitted, held = document.parameters.get(key), document.held.get(key, one.default)
+        found[one.key] = (held, held) if fitted is None else ends(fitted)
+    return found
+
+
+def _broken(name: str, line: Line | None) -> Standing:
+    if line is None:
+        return Standing(name=name, word=BREAKS, premise=NO_LINE, said=NO_LINE)
+    return _standing(name, BREAKS, line, line.why)
+
+
+def _standing(
+    name: str, word: Word, line: Line, said: str, absorbed: Absorbed | None = None
+) -> Standing:
+    return Standing(
+        name=name,
+        word=word,
+        premise=line.premise,
+        claim=line.claim,
+        derivation=line.derivation,
+        said=said,
+        absorbed=absorbed,
+    )
+
+
+def by_name(found: tuple[Standing, ...]) -> Mapping[str, Standing]:
+    """Standings by the name of parameter or effect."""
+    return {one.name: one for one in found}

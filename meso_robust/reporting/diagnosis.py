@@ -1,0 +1,233 @@
+"""The report on what the plain model leaves out, as one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from itertools import pairwise
+
+import matplotlib
+import numpy as np
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording
+from meso_robust.diagnosis.evidence import Evidence
+from meso_robust.reporting import canvas
+from meso_robust.reporting.diagnosis_figures import (
+    BAND,
+    BASELINE,
+    CHANNELS,
+    EXTENDED,
+    LEVELS,
+    SHADES,
+    TIP_WAY,
+    held_out_figure,
+    map_figure,
+    null_figure,
+    overlay_figure,
+    residuals,
+    size,
+    strip_figure,
+    vectors_figure,
+)
+from meso_robust.reporting.diagnosis_words import (
+    COMPONENTS,
+    LOOKS,
+    PHASES,
+    answer,
+    plain,
+    set_words,
+    sets,
+    standing_words,
+    unit_words,
+)
+from meso_robust.reporting.equations import typeset
+from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.words import number, significant
+from meso_robust.simulator.catalogue import CATALOGUE
+
+MOST_PICTURES = 6
+"""Recordings that are drawn, those that the plain model fits worst first."""
+MOST_ROWS = 40
+"""Rows of one table, and recordings of one picture."""
+
+_THEME = {
+    canvas.INK: "ink",
+    canvas.MUTED: "muted",
+    canvas.GRID: "grid",
+    "#9aa5b1": "frame",
+    "#ffffff": "paper",
+    BASELINE: "before",
+    EXTENDED: "after",
+    TIP_WAY: "way",
+    BAND: "band",
+    **{shade: f"s{level}" for level, shade in enumerate(SHADES)},
+    **{colour: channel for channel, colour in CHANNELS.items()},
+}
+"""Names that the style sheet has for the colours of the pictures, so that they follow the theme."""
+_COLOURS = re.compile("|".join(_THEME))
+
+
+@dataclass(frozen=True, slots=True)
+class _Picture:
+    """A drawing with its title."""
+
+    title: str
+    svg: Markup
+
+
+def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: str) -> str:
+    """One self-contained HTML page: the answer first, then its grounds.
+
+    Parameters
+    ----------
+    document, evidence
+        The diagnosis, as written, and the motion that it is about.
+    source
+        Name of the recording set.
+    """
+    # the names of files are no formulas, whatever signs they have
+    with style(), matplotlib.rc_context({"text.parse_math": False}):
+        pictures = _pictures(document, evidence)
+    return (
+        environment()
+        .get_template("diagnosis.html.j2")
+        .render(
+            document=document,
+            source=source,
+            look=LOOKS[document.verdict],
+            answer=answer(document),
+            figures=_figures(document),
+            pictures=pictures,
+            sets=sets(document),
+            spans=document.mismatch.where[:MOST_ROWS],
+            held_out=_held_out(document),
+            shades=_shades(),
+            channels=list(CHANNELS),
+            most=MOST_ROWS,
+            phases=PHASES,
+            components=COMPONENTS,
+            typeset=typeset,
+            set_words=set_words,
+            unit=unit_words,
+            plain=plain,
+            standing=standing_words,
+            meaning=_meaning,
+            number=lambda value: "—" if value is None else significant(value, 3),
+            percent=lambda share: number(100.0 * share, 0),
+            probability=_probability,
+        )
+    )
+
+
+def _meaning(effect: str, key: str) -> str:
+    """What the catalogue says of a parameter; nothing for those it does not know."""
+    known = CATALOGUE[effect].parameters if effect in CATALOGUE else ()
+    return next((one.meaning for one in known if one.key == key), "")
+
+
+def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
+    """Value and name of what stands under the headline."""
+    mismatch, held = document.mismatch, document.held_out
+    p = _probability(mismatch.p_value)
+    shown = [(f"p = {p}", f"of a misfit as large without a mismatch; {mismatch.nulls} sets")]
+    if held.recordings:
+        shown.append(
+            (
+                _before_after(document, held.baseline_sigma, held.extended_sigma, "σ"),
+                f"error on {len(held.recordings)} held-out recordings; noise floor "
+                f"{significant(held.noise_floor_sigma, 3)} σ",
+            )
+        )
+        shown.append(
+            (
+                _before_after(document, held.baseline_um, held.extended_um, "µm"),
+                "the same error in position",
+            )
+        )
+    before, after = held.extrapolation_baseline_sigma, held.extrapolation_extended_sigma
+    if before is not None and after is not None:
+        shown.append((_before_after(document, before, after, "σ"), "error on extrapolation"))
+    return shown
+
+
+def _before_after(document: DiagnosisDocument, before: float, after: float, unit: str) -> str:
+    """Both errors, or the one there is if nothing was added."""
+    if not document.effects:
+        return f"{significant(before, 3)} {unit}"
+    return f"{significant(before, 3)} → {significant(after, 3)} {unit}"
+
+
+def _probability(value: float) -> str:
+    """Two digits, and never a zero or a one that is none."""
+    if value == 0.0 or value >= 0.001:
+        return significant(value, 2) if value < 0.995 or value == 1.0 else "> 0.99"
+    return "< 0.001"
+
+
+def _held_out(document: DiagnosisDocument) -> list[HeldOutRecording]:
+    """Recordings of the held-out picture and table, worst first."""
+    worst = sorted(document.held_out.each, key=lambda one: -one.baseline_sigma)
+    return sorted(worst, key=lambda one: one.split == "extrapolation")[:MOST_ROWS]
+
+
+def _shades() -> list[tuple[str, str]]:
+    """Name in the style sheet and range of every shade of the map."""
+    ends = [f"{level:g}" for level in LEVELS]
+    between = [f"{low}–{high} σ" for low, high in pairwise(ends)]
+    return [
+        (f"s{level}", words)
+        for level, words in enumerate([f"< {ends[0]} σ", *between, f"> {ends[-1]} σ"])
+    ]
+
+
+def _pictures(document: DiagnosisDocument, evidence: Evidence) -> dict[str, object]:
+    """Everything that is drawn; None where there is nothing to draw."""
+    worst = np.argsort(-size(residuals(evidence, evidence.baseline)), kind="stable").tolist()
+    vectors, scale = vectors_figure(evidence)
+    rows = sorted(worst[:MOST_ROWS])
+    held, spans = _held_out(document), document.mismatch.where
+    floor = document.held_out.noise_floor_sigma
+    return {
+        "held_out": _themed(
+            held_out_figure(held, floor, bool(document.effects)), "held", "Held-out errors"
+        )
+        if held
+        else None,
+        "strip": _themed(
+            strip_figure(spans, evidence, _marked(document, evidence)), "strip", "Spans of misfit"
+        )
+        if spans
+        else None,
+        "map": _themed(map_figure(evidence, rows), "map", "Residuals by recording and time"),
+        "vectors": _themed(vectors, "vectors", "Residuals by place on the stage"),
+        "scale": f"{scale:g}",
+        "null": _themed(null_figure(evidence, document), "null", "Local tests without a mismatch")
+        if len(evidence.null_statistics)
+        else None,
+        "recordings": [_recording(evidence, row) for row in worst[:MOST_PICTURES]],
+    }
+
+
+def _marked(document: DiagnosisDocument, evidence: Evidence) -> list[int]:
+    """Recordings of the strip of spans: the marked ones first, as many as there is room for."""
+    named = {span.recording for span in document.mismatch.where}
+    rows = sorted(range(len(evidence.files)), key=lambda row: evidence.files[row] not in named)
+    return sorted(rows[:MOST_ROWS])
+
+
+def _recording(evidence: Evidence, row: int) -> _Picture:
+    file = evidence.files[row]
+    kind = "held out" if file in evidence.held_out else "training"
+    if file in evidence.extrapolation:
+        kind += ", extrapolation"
+    svg = _themed(overlay_figure(evidence, row), f"rec{row}", f"Recording {file} beside the models")
+    return _Picture(f"{file} ({kind})", svg)
+
+
+def _themed(figure: Figure, name: str, label: str) -> Markup:
+    """The figure with its colours by name."""
+    svg = to_svg(figure, name, label)
+    return Markup(_COLOURS.sub(lambda found: f"var(--{_THEME[found.group()]})", svg))

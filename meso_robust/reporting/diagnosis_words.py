@@ -1,0 +1,180 @@
+"""A diagnosis in words: the answer in one sentence, and in a few lines for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from meso_robust.diagnosis.document import (
+    DiagnosisDocument,
+    EffectSection,
+    ValueSection,
+    Verdict,
+    WhereSection,
+)
+from meso_robust.reporting.words import number, significant
+
+MOST_SPANS = 3
+"""Spans that the lines for a terminal name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How a verdict is shown."""
+
+    colour: str
+    """Class of the page's head."""
+    meaning: str
+
+
+LOOKS: dict[Verdict, Look] = {
+    "consistent": Look(
+        "PROVED", "Nothing beyond the refitted plain model is supported by these recordings."
+    ),
+    "named": Look("NAMED", "What the plain model leaves out was found, named and modelled."),
+    "ambiguous": Look(
+        "UNKNOWN", "Something is left out, and these recordings leave several explanations open."
+    ),
+    "unknown": Look(
+        "REFUTED", "Something is left out, and nothing in the catalogue of effects explains it."
+    ),
+}
+PHASES = {
+    "approach": "approach",
+    "one_point": "one tip",
+    "two_point": "two tips",
+    "retract": "retract",
+    "rest": "rest",
+}
+COMPONENTS = {"x": "x", "y": "y", "theta": "θ"}
+_UNITS = {"_um2": " µm²", "_um_s": " µm/s", "_um": " µm", "_deg": "°", "_ms": " ms", "_s": " s"}
+
+
+def answer(document: DiagnosisDocument) -> str:
+    """The answer in one sentence: what, how large, and what it does to the held-out error."""
+    held = held_out_words(document)
+    if document.verdict == "consistent":
+        return f"{parameters_words(document.baseline.parameters)}; {held}"
+    if document.verdict == "named":
+        return f"{effects_words(document)}; {held}"
+    if document.verdict == "ambiguous":
+        return f"{' or '.join(sets(document))}; {held}"
+    spans = document.mismatch.where
+    where = span_words(spans[0]) if spans else "nowhere in particular"
+    return f"largest in {where}; {held}"
+
+
+def effects_words(document: DiagnosisDocument) -> str:
+    """Every effect of the extended model with its parameters."""
+    return "; ".join(effect_words(effect) for effect in document.effects)
+
+
+def standing_words(document: DiagnosisDocument, effect: EffectSection) -> str:
+    """How sure an effect is; of a set that is not enough, nothing is claimed."""
+    if document.verdict == "unknown":
+        return "not enough alone"
+    return f"probability {significant(effect.probability, 2)}"
+
+
+def effect_words(effect: EffectSection) -> str:
+    """``dry_friction (support): ratio 0.21 [0.18, 0.24]``."""
+    return f"{effect.name} ({effect.stage}): {parameters_words(effect.parameters)}"
+
+
+def parameters_words(parameters: dict[str, ValueSection]) -> str:
+    """Values with their intervals and units."""
+    return ", ".join(f"{key} {value_words(key, one)}" for key, one in parameters.items())
+
+
+def value_words(key: str, one: ValueSection) -> str:
+    """``0.21 [0.18, 0.24] unit``; what was not fitted has no interval."""
+    value, unit = plain(one.value), unit_words(key, one)
+    if one.low == one.high:
+        return f"{value}{unit} (held)"
+    return f"{value} [{plain(one.low)}, {plain(one.high)}]{unit}"
+
+
+def unit_words(key: str, one: ValueSection) -> str:
+    """The unit that is stated, else the one that the key ends in, else nothing."""
+    if one.unit:
+        return f" {one.unit}"
+    return next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
+
+
+def plain(value: float) -> str:
+    """Three digits, or all before the point; an exponent where that would be too long."""
+    return number(value, 0) if 1e3 <= abs(value) < 1e7 else significant(value, 3)
+
+
+def held_out_words(document: DiagnosisDocument) -> str:
+    """``held-out error 4.1 → 1.05 σ``."""
+    held = document.held_out
+    if not held.recordings:
+        return "no recording was held out"
+    before, after = (significant(v, 3) for v in (held.baseline_sigma, held.extended_sigma))
+    return f"held-out error {before if not document.effects else f'{before} → {after}'} σ"
+
+
+def sets(document: DiagnosisDocument) -> list[str]:
+    """The sets of effects that remain possible, the best one first."""
+    best = tuple(effect.name for effect in document.effects)
+    return [set_words(names) for names in (best, *document.ambiguous_with) if names]
+
+
+def set_words(names: Iterable[str]) -> str:
+    """``body_force + backlash``; the plain model has none."""
+    return " + ".join(names) or "plain model"
+
+
+def span_words(span: WhereSection) -> str:
+    """Recording, time, phase, stage and component of a span."""
+    time = f"{span.start_s:.2f}–{span.end_s:.2f} s"
+    what = f"{span.channel}, {COMPONENTS[span.component]}, {significant(span.sigma, 3)} σ"
+    grows = f", grows with {span.grows_with}" if span.grows_with else ""
+    return f"{span.recording} at {time} ({PHASES[span.phase]}): {what}{grows}"
+
+
+def summary(document: DiagnosisDocument) -> str:
+    """The answer in a few lines: verdict, effects, where, held-out errors."""
+    return "\n".join(
+        [
+            f"{document.verdict.upper()}: {document.why}",
+            *_effect_lines(document),
+            *_where_lines(document),
+            *_held_out_lines(document),
+            *_next_lines(document),
+        ]
+    )
+
+
+def _effect_lines(document: DiagnosisDocument) -> list[str]:
+    lines = [
+        f"  {effect_words(effect)}, {standing_words(document, effect)}"
+        for effect in document.effects
+    ]
+    return lines + [f"  or: {set_words(names)}" for names in document.ambiguous_with]
+
+
+def _where_lines(document: DiagnosisDocument) -> list[str]:
+    spans = document.mismatch.where
+    lines = [f"  where: {span_words(span)}" for span in spans[:MOST_SPANS]]
+    more = len(spans) - MOST_SPANS
+    return [*lines, f"  and {more} more spans"] if more > 0 else lines
+
+
+def _held_out_lines(document: DiagnosisDocument) -> list[str]:
+    held = document.held_out
+    lines = [f"  {held_out_words(document)} (noise floor {significant(held.noise_floor_sigma, 3)})"]
+    if document.effects and held.recordings:
+        low, high = (number(100.0 * v, 0) for v in (held.improvement_low, held.improvement_high))
+        lines[0] += f", {held.baseline_um:.2f} → {held.extended_um:.2f} µm, falls by {low}–{high} %"
+    before, after = held.extrapolation_baseline_sigma, held.extrapolation_extended_sigma
+    if before is not None and after is not None:
+        errors = f"{significant(before, 3)} → {significant(after, 3)} σ"
+        lines.append(f"  extrapolation ({held.extrapolation}): {errors}")
+    return lines
+
+
+def _next_lines(document: DiagnosisDocument) -> list[str]:
+    why, what = document.next_experiment.why, document.next_experiment.push.what
+    return [f"  next: {what or why}"] if what or why else []
