@@ -76,12 +76,13 @@ def _diagnose(asked: _Asked, say: Reporter) -> None:
     recordings = read_set(asked.recordings)
     _check_out(asked)
 
+    from meso_robust.diagnosis.answer import document as documented
     from meso_robust.identification.usable import warnings_of
 
     with say.doing("checking the recordings"):
         warnings = warnings_of(recordings)
     found = _found(asked, recordings, say)
-    document = found.document(__version__, warnings)
+    document = documented(found, __version__, warnings)
     text = document.model_dump_json(by_alias=True, indent=2) + "\n"
     with say.doing("writing the results"):
         _write(asked, found, document, text)
@@ -108,12 +109,17 @@ def _found(asked: _Asked, recordings: RecordingSet, say: Reporter) -> Diagnosis:
 def _write(asked: _Asked, found: Diagnosis, document: DiagnosisDocument, text: str) -> None:
     import shutil
 
+    from meso_robust import __version__
     from meso_robust.diagnosis.document import FILE
+    from meso_robust.diagnosis.model_file import model_toml
+    from meso_robust.diagnosis.pictures import evidence
     from meso_robust.files import write_all
     from meso_robust.reporting.diagnosis import diagnosis_report
 
-    page = diagnosis_report(document, found.evidence(), str(asked.recordings))
-    write_all(asked.out, {FILE: text, "model.toml": found.model_toml(), "report.html": page})
+    page = diagnosis_report(document, evidence(found), str(asked.recordings))
+    write_all(
+        asked.out, {FILE: text, "model.toml": model_toml(found, __version__), "report.html": page}
+    )
     shutil.rmtree(asked.out / STATE, ignore_errors=True)
 
 

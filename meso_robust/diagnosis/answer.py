@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
-from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust import __version__
+from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.intervals import Interval, intervals
 from meso_robust.diagnosis.name import Candidate
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.show import Errors, improvement
 from meso_robust.diagnosis.trials import tried
+from meso_robust.identification.usable import warnings_of
+from meso_robust.recordings import read_set
 from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 
 UM, DEG = 1e6, 180.0 / np.pi
@@ -62,6 +69,7 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
                 for one in unseen
             ),
             "candidates": _candidates(found),
+            **_located(found),
             "held_out": _held_out(found),
             "next_experiment": next_experiment(found),
             "provenance": {
@@ -76,6 +84,20 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             },
         }
     )
+
+
+def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, Any]:
+    """``diagnosis.json`` of the recording set in a folder, as a plain dictionary.
+
+    Raises
+    ------
+    InputError
+        If the recordings cannot be used.
+    """
+    recordings = read_set(folder)
+    remarks = warnings_of(recordings)
+    found = diagnose(recordings, quick=quick, seed=seed)
+    return document(found, __version__, remarks).model_dump(mode="json", by_alias=True)
 
 
 def _why(found: Diagnosis) -> str:
@@ -120,7 +142,34 @@ def _mismatch(found: Diagnosis) -> dict[str, object]:
                 detection.tests[:_LISTED], detection.sigmas[:_LISTED], strict=True
             )
         ),
-        "where": (),
+        "where": tuple(asdict(one) for one in found.located.places) if found.located else (),
+    }
+
+
+def _located(found: Diagnosis) -> dict[str, object]:
+    """What the three ways of locating say."""
+    where = found.located
+    if where is None:
+        return {}
+    predicted = {(p.invariance, p.first, p.second): p.sigma for p in found.predicted_pairs}
+    return {
+        "channels": tuple(
+            {"channel": one.channel, "share": one.share, "sigma": one.sigma}
+            for one in where.channels
+        ),
+        "covariates": tuple(asdict(one) for one in where.covariates),
+        "invariances": tuple(
+            {
+                "invariance": one.invariance,
+                "first": one.first,
+                "second": one.second,
+                "difference_um": UM * float(np.hypot(*one.difference[:2])),
+                "difference_deg": DEG * abs(float(one.difference[2])),
+                "sigma": one.sigma,
+                "predicted_sigma": predicted.get((one.invariance, one.first, one.second)),
+            }
+            for one in where.pairs
+        ),
     }
 
 

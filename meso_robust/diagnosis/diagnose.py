@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust import __version__
 from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
 from meso_robust.diagnosis.detect import Detection, Detector, Span, detector
 from meso_robust.diagnosis.identifiable import Visibility, visibilities
-from meso_robust.diagnosis.name import Candidate, Contest, Naming
+from meso_robust.diagnosis.invariances import Pair
+from meso_robust.diagnosis.located import Located, located, predicted_pairs
+from meso_robust.diagnosis.name import Candidate, Contest, Naming, judged
 from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.show import Errors, Extrapolation, errors, extrapolated
@@ -48,6 +51,10 @@ class Diagnosis:
         Whether there is a mismatch.
     visible
         What these recordings could show.
+    located
+        Where the mismatch is; None where there is none.
+    predicted_pairs
+        The same pairs as the best extended model has them.
     naming
         Outcome of the competition; None where nothing is to be explained.
     before, after
@@ -69,6 +76,8 @@ class Diagnosis:
     signatures: list[Signature]
     detection: Detection
     visible: tuple[Visibility, ...]
+    located: Located | None
+    predicted_pairs: tuple[Pair, ...]
     naming: Naming | None
     before: Errors | None
     after: Errors | None
@@ -125,7 +134,7 @@ def diagnose(
         If the recordings cannot be used.
     """
     sha256 = set_hash(recordings)
-    kept = Store(store, f"{sha256} {model} {quick} {seed}")
+    kept = Store(store, f"{__version__} {sha256} {model} {quick} {seed}")
     noise = noise_of(recordings)
     recordings = with_noise(recordings, noise)
     parts = split(recordings, seed)
@@ -137,8 +146,10 @@ def diagnose(
     spans = spans_of(parts.training, baseline.prepared)
     tests: Detector = detector(baseline.tangent, marks, spans, baseline.prepared.files)
     detection = tests.detection(baseline.rows, nulls)
-    naming = None
+    where, naming = None, None
     if detection.detected:
+        told("looking where it is", 0, 1)
+        where = located(parts.training, baseline, seed)
         naming = Contest(baseline, marks, spans, nulls, quick, told).named()
     told("comparing with recordings that were held out", 0, 1)
     return _shown(
@@ -152,6 +163,8 @@ def diagnose(
             signatures=marks,
             detection=detection,
             visible=visibilities(baseline.tangent, marks),
+            located=where,
+            predicted_pairs=(),
             naming=naming,
             before=None,
             after=None,
@@ -165,21 +178,30 @@ def diagnose(
 
 
 def _shown(found: Diagnosis) -> Diagnosis:
-    """The diagnosis with what both models are worth on recordings that were held out."""
-    from dataclasses import replace
-
-    best, held_out, baseline = found.best, found.split.held_out, found.baseline
-    model, values = baseline.model, baseline.fits.values[0]
-    if best is not None:
-        model, values = best.refit.model, best.refit.fits.values[0]
+    """The diagnosis with what the models are worth on recordings that were held out."""
+    held_out, baseline = found.split.held_out, found.baseline
+    before = _on(held_out, baseline, None) if held_out else None
+    naming, after = found.naming, None
+    if naming is not None and held_out and before is not None:
+        each = tuple(_on(held_out, baseline, one) for one in naming.answers)
+        naming = judged(naming, before, each)
+        found = replace(found, naming=naming)
+        after = _on(held_out, baseline, found.best) if found.best else None
+    best = found.best
+    if best is None:
+        return replace(found, before=before)
+    retrained = _on(found.split.training, baseline, best)
+    pairs = found.located.pairs if found.located else ()
+    refit = best.refit
     return replace(
         found,
-        before=_on(held_out, baseline, None) if held_out else None,
-        after=_on(held_out, baseline, best) if held_out and best else None,
-        retrained=_on(found.split.training, baseline, best) if best else None,
-        extrapolation=extrapolated(found.split.training, baseline, model, values)
-        if best is not None
-        else None,
+        before=before,
+        after=after,
+        retrained=retrained,
+        predicted_pairs=predicted_pairs(baseline, pairs, retrained.poses),
+        extrapolation=extrapolated(
+            found.split.training, baseline, refit.model, refit.fits.values[0]
+        ),
     )
 
 

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.detect import Span, detector
 from meso_robust.diagnosis.refit import Refit, refined, refitted
+from meso_robust.diagnosis.show import Errors
 from meso_robust.diagnosis.signatures import Signature, estimate
 from meso_robust.simulator.catalogue import CATALOGUE
 
@@ -23,9 +24,10 @@ Floats = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 
 _PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
-_DOUBT = 0.01  # of the probability may be outside the set that is given
+_DOUBT = 0.03  # of the probability may be outside the set that is given
 _FORMS = 2  # forms of an effect that are refitted
 _MORE = 2.0  # nats by which another set must be better to count as such
+_WORSE = 3.0  # nats by which held-out recordings refute an answer
 _SAME = 1.5  # σ, root of the sum of squares: motions that no recording here tells apart
 _BEAM = {True: 2, False: 3}  # sets that a further effect is added to, if quick and if not
 _ADDED = {True: 3, False: 5}  # effects that are added to each, those that promise most
@@ -299,3 +301,30 @@ def _answers(field: list[Candidate]) -> tuple[Candidate, ...]:
         if sum_of >= (1.0 - _DOUBT) * total:
             break
     return tuple(given)
+
+
+def judged(naming: Naming, before: Errors, each: tuple[Errors, ...]) -> Naming:
+    """The answers that recordings no fit has seen do not refute.
+
+    Parameters
+    ----------
+    naming
+        Outcome of the competition.
+    before, each
+        Errors on held-out recordings of the plain model, and of every answer.
+    """
+    if not each:
+        return naming
+    plain = -0.5 * float(np.sum(before.rows**2))
+    scores = np.array([-0.5 * float(np.sum(one.rows**2)) for one in each])
+    best = max(float(scores.max()), plain)
+    refuted = {
+        one.effects: f"held-out recordings are {best - score:.1f} nats likelier without it"
+        for one, score in zip(naming.answers, scores, strict=True)
+        if score < best - _WORSE
+    }
+    answers = tuple(one for one in naming.answers if one.effects not in refuted)
+    candidates = tuple(
+        replace(one, rejected=refuted.get(one.effects, one.rejected)) for one in naming.candidates
+    )
+    return replace(naming, answers=answers, candidates=candidates)

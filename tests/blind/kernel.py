@@ -215,8 +215,10 @@ def touch(laws, outline, pose, speed, body, contact, now, wrench):  # type: igno
     normal = max(normal, 0.0)
     limit = friction(laws, edge, normal, now[0]) * normal
     slip = uy * nx - ux * ny
-    spring = TANGENTIAL * laws.stiffness / (1.0 + TANGENTIAL * laws.stiffness * compliance)
-    tangential = min(max(contact[0] - spring * slip * now[1], -limit), limit)
+    # The tip's deflection turns with the contact, so that what it had counts, not what it gains.
+    spring, had = TANGENTIAL * laws.stiffness, contact[2] * nx - contact[1] * ny
+    trial = (contact[0] - spring * (slip * now[1] + had)) / (1.0 + spring * compliance)
+    tangential = min(max(trial, -limit), limit)
     fx, fy = (normal - drawn) * nx - tangential * ny, (normal - drawn) * ny + tangential * nx
     contact[0], contact[4], contact[5], contact[6] = tangential, normal, gap, slip
     contact[1], contact[2] = -compliance * fx, -compliance * fy

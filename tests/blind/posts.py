@@ -61,10 +61,14 @@ def laid(
 def _ending_at(
     plan: Plan, world: World, place: Floats, radius: float, rng: np.random.Generator
 ) -> Plan:
-    """A push that ends with the far edge at the post, or a little before it."""
-    poses = paths(plan, world)
-    end = poses[-1]
-    point, normal = contact_point((plan.edge + 2) % 4, float(rng.uniform(-0.6, 0.6)))
+    """A push that ends with the far edge at the post, or a little before it.
+
+    The post is off the line of the push, so that the part turns about it and does not jam.
+    """
+    end = paths(plan, world)[-1]
+    facing = -plan.place
+    aside = facing + float(rng.uniform(0.5, 0.8)) * (-1.0 if facing > 0.0 else 1.0)
+    point, normal = contact_point((plan.edge + 2) % 4, aside)
     front = end[:2] + turned(point + (radius + rng.uniform(0.0, STAGGER)) * normal, end[2])
     return moved(plan, place - front)
 

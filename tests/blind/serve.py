@@ -24,7 +24,7 @@ from typing import IO, Any, Protocol
 Document = dict[str, Any]
 
 ROOT = Path(__file__).resolve().parents[2]
-DIAGNOSER = "meso_robust.diagnosis.diagnose:diagnosed"
+DIAGNOSER = "meso_robust.diagnosis.answer:diagnosed"
 ONE_THREAD = ("OMP", "OPENBLAS", "MKL", "NUMBA")
 LONGEST = 1800.0  # s, after which a folder counts as not answered
 GRACE = 5.0  # s between the end of a process's output and its own
