@@ -229,13 +229,13 @@ def _candidates(found: Diagnosis) -> tuple[dict[str, object], ...]:
     )
 
 
-def _held_out(found: Diagnosis) -> dict[str, object]:
+def _held_out(found: Diagnosis) -> dict[str, Any]:
     before, after = found.before, found.after
     if before is None:
         before, after = found.trained, found.retrained
     later = after or before
     low, high = improvement(before, later, found.seed)
-    section = {
+    section: dict[str, Any] = {
         "recordings": before.prepared.files if found.before is not None else (),
         "baseline_sigma": before.whole,
         "extended_sigma": later.whole,

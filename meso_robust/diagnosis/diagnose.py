@@ -18,7 +18,7 @@ from meso_robust.diagnosis.located import Located, located, predicted_pairs
 from meso_robust.diagnosis.name import Candidate, Contest, Naming, judged
 from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
 from meso_robust.diagnosis.nulls import null_rows
-from meso_robust.diagnosis.show import Errors, Extrapolation, errors, extrapolated
+from meso_robust.diagnosis.show import Errors, Extrapolation, errors, extrapolated, trained
 from meso_robust.diagnosis.signatures import Signature, signatures
 from meso_robust.diagnosis.spans import spans_of
 from meso_robust.diagnosis.split import Split, split
@@ -62,7 +62,7 @@ class Diagnosis:
     trained, retrained
         Likewise on the recordings of the fit.
     extrapolation
-        Errors on a kind of push that was left out of the fits.
+        Errors on a kind of push that was left out of the fits; None of a quick diagnosis.
     quick, seed
         As asked.
     """
@@ -168,7 +168,7 @@ def diagnose(
             naming=naming,
             before=None,
             after=None,
-            trained=_on(parts.training, baseline, None),
+            trained=trained(baseline, None),
             retrained=None,
             extrapolation=None,
             quick=quick,
@@ -190,7 +190,7 @@ def _shown(found: Diagnosis) -> Diagnosis:
     best = found.best
     if best is None:
         return replace(found, before=before)
-    retrained = _on(found.split.training, baseline, best)
+    retrained = trained(baseline, best.refit)
     pairs = found.located.pairs if found.located else ()
     refit = best.refit
     return replace(
@@ -199,9 +199,9 @@ def _shown(found: Diagnosis) -> Diagnosis:
         after=after,
         retrained=retrained,
         predicted_pairs=predicted_pairs(baseline, pairs, retrained.poses),
-        extrapolation=extrapolated(
-            found.split.training, baseline, refit.model, refit.fits.values[0]
-        ),
+        extrapolation=None
+        if found.quick
+        else extrapolated(found.split.training, baseline, refit.model, refit.fits.values[0]),
     )
 
 

@@ -24,7 +24,7 @@ Floats = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 
 _PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
-_DOUBT = 0.03  # of the probability may be outside the set that is given
+_DOUBT = 0.05  # of the probability may be outside the set that is given
 _FORMS = 2  # forms of an effect that are refitted
 _MORE = 2.0  # nats by which another set must be better to count as such
 _WORSE = 3.0  # nats by which held-out recordings refute an answer
@@ -33,7 +33,10 @@ _BEAM = {True: 2, False: 3}  # sets that a further effect is added to, if quick 
 _ADDED = {True: 3, False: 5}  # effects that are added to each, those that promise most
 _FAR = 25.0  # nats behind the best, at which a set is not built on
 _LARGEST = {True: 2, False: 3}  # effects of a set
-_CLOSE = 0.5  # of the gain of the best, behind it, up to which a search is taken to its end
+_CLOSE = {
+    True: 0.2,
+    False: 0.5,
+}  # of the gain of the best, behind it, up to which a search is taken to its end
 _HOPELESS = 0.5  # of the best gain, that a linear estimate must reach in a quick search
 
 
@@ -148,7 +151,7 @@ class Contest:
     def _refined(self, fits: list[Refit]) -> list[Candidate]:
         """Candidates; those that may win have their searches taken to the end."""
         best = max((one.gain for one in fits), default=0.0)
-        close = best - max(_FAR, _CLOSE * best)
+        close = best - max(_FAR, _CLOSE[self.quick] * best)
         return _ranked(
             [
                 Candidate(refit=self._ended(one) if one.gain > max(close, 0.0) else one)

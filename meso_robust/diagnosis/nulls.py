@@ -37,7 +37,7 @@ def null_rows(baseline: Baseline, count: int, seed: int) -> Floats:
     fits, settings = baseline.fits, baseline.settings
     values = _drawn(baseline, count, rng)
     starts = np.broadcast_to(fits.starts, (count, *fits.starts.shape[1:]))
-    offsets = np.zeros((count, *fits.offsets.shape[1:]))
+    offsets: Floats = np.zeros((count, *fits.offsets.shape[1:]))
     if settings.offset:
         offsets = settings.offset * rng.standard_normal(offsets.shape)
     truth = predicted(baseline.finer, baseline.model, values, starts=starts, offsets=offsets)
@@ -67,14 +67,15 @@ def _drawn(baseline: Baseline, count: int, rng: np.random.Generator) -> Floats:
 def _coloured(baseline: Baseline, shape: tuple[int, ...], rng: np.random.Generator) -> Floats:
     """Noise (B, R, T, 3) in m and rad."""
     noise, count = baseline.noise, shape[0]
-    phi = noise.correlation + noise.correlation_error * rng.standard_normal(count)
-    phi = np.clip(phi, 0.0, 0.95)[:, None, None]
+    drawn = noise.correlation + noise.correlation_error * rng.standard_normal(count)
+    phi = np.clip(drawn, 0.0, 0.95)[:, None, None]
     spread = np.zeros((count, 3))
     if np.isfinite(noise.freedom):
         spread = rng.standard_normal((count, 3)) / np.sqrt(2.0 * noise.freedom)
     fresh = rng.standard_normal(shape)
+    kept = np.sqrt(1.0 - phi**2)
     for t in range(1, shape[2]):
-        fresh[:, :, t] = phi * fresh[:, :, t - 1] + np.sqrt(1.0 - phi**2) * fresh[:, :, t]
+        fresh[:, :, t] = phi * fresh[:, :, t - 1] + kept * fresh[:, :, t]
     return np.asarray(fresh * baseline.settings.sigma * (1.0 + spread)[:, None, None])
 
 

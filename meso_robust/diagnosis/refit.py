@@ -109,7 +109,10 @@ def refitted(
 
 def refined(baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit) -> Refit:
     """A rough fit with its search taken to its end, freed of the error of the steps."""
-    model, settings = rough.model, replace(baseline.settings, chord=True, most=_MOST, flat=0.05)
+    model, settings = (
+        rough.model,
+        replace(baseline.settings, chord=True, central=False, most=_MOST, flat=0.05),
+    )
     fits = rough.fits
     found = fit(
         baseline.prepared,

@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
+from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.split import without
 from meso_robust.diagnosis.tangent import Tangent, tangent
 from meso_robust.identification.fitted import Fits, Settings
-from meso_robust.identification.forward import corrected, predicted
+from meso_robust.identification.forward import corrected
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
 from meso_robust.identification.prepared import Prepared, prepare
@@ -38,7 +39,7 @@ class Errors:
     rows, at
         (R, M) white residuals, and what the starts can take.
     poses
-        (R, T, 3) predicted.
+        (R, T, 3) predicted; NaN where nothing was seen.
     prepared
         The recordings.
     """
@@ -77,7 +78,7 @@ def errors(recordings: RecordingSet, model: Model, values: Floats, baseline: Bas
     """
     prepared = prepare(recordings, step=baseline.prepared.step)
     finer = prepare(recordings, step=baseline.prepared.step / _FINER)
-    settings = replace(baseline.settings, most=_MOST)
+    settings = replace(baseline.settings, most=_MOST, chord=True, central=False)
     held = np.ones(len(model.parameters), dtype=bool)
     found = fit(prepared, model, values[None], settings, held=held)
     prepared = corrected(
@@ -96,8 +97,18 @@ def errors(recordings: RecordingSet, model: Model, values: Floats, baseline: Bas
         starts=found.fits.starts[0],
         offsets=found.fits.offsets[0],
         held=held,
+        jacobian=found.jacobian,
     )
     return _errors(prepared, model, settings, found.fits, found.jacobian[0], baseline)
+
+
+def trained(baseline: Baseline, refit: Refit | None) -> Errors:
+    """Errors on the recordings of the fit, of the plain model or of one with effects."""
+    if refit is None:
+        model, fits, jacobian = baseline.model, baseline.fits, baseline.jacobian
+    else:
+        model, fits, jacobian = refit.model, refit.fits, refit.fitted.jacobian[0]
+    return _errors(baseline.prepared, model, baseline.settings, fits, jacobian, baseline)
 
 
 def _errors(
@@ -114,9 +125,7 @@ def _errors(
     at = tangent(starts_only, n, np.isfinite(prepared.seen), baseline.noise.correlation)
     rows = rows_of(at, settings, fits)[0]
     left = at.cleaned(rows)
-    poses = predicted(prepared, model, fits.values, starts=fits.starts, offsets=fits.offsets).poses[
-        0
-    ]
+    poses = np.where(at.seen, prepared.seen - fits.residuals[0] * settings.sigma, np.nan)
     away = prepared.seen[..., :2] - poses[..., :2]
     return Errors(
         sigma=np.sqrt(np.sum(left**2, axis=1) / _freedom(at)),

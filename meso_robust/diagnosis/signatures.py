@@ -155,4 +155,4 @@ def estimate(evidence: Floats, left: Floats, one_sided: bool) -> tuple[Floats, f
     sizes = np.linalg.lstsq(gram, slope, rcond=1e-9)[0]
     if one_sided:
         sizes = np.maximum(sizes, 0.0)
-    return sizes, float(2.0 * sizes @ slope - sizes @ gram @ sizes)
+    return np.asarray(sizes), float(2.0 * sizes @ slope - sizes @ gram @ sizes)

@@ -124,9 +124,9 @@ def tip_attraction(size: float, rng: Rng) -> Change:
 
 
 def edge_dependent_friction(size: float, rng: Rng) -> Change:
-    # A coefficient cannot fall by more than itself; a larger change is a rise.
-    edge, way = int(rng.integers(4)), sign(rng)
-    change = size * (way if size < 0.8 else 1.0)
+    # A coefficient cannot fall by more than itself: a fall is by a factor, as a rise is.
+    edge, falls = int(rng.integers(4)), rng.random() < 0.7
+    change = 1.0 / (1.0 + size) - 1.0 if falls else size
     return Change({"change": change, "edge": edge}, {"edge_change": change, "edge": edge})
 
 

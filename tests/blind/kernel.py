@@ -86,13 +86,13 @@ def tensor(laws, theta):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def film(laws, nodes, pose, speed, now, matrix, load):  # type: ignore[no-untyped-def]
-    """Quadrature of the film into matrix (3, 3) and the load (3,) of its flow; ages the nodes.
+def film(laws, nodes, age, pose, speed, now, matrix, load):  # type: ignore[no-untyped-def]
+    """Quadrature of the film into matrix (3, 3) and the load (3,) of its flow; ages the contact.
 
-    The wrench on the part is load - matrix @ speed. nodes: (Q, 4) x, y, relative pressure, age.
-    now: time and step, s.
+    The wrench on the part is load - matrix @ speed. nodes: (Q, 3) x, y, relative pressure. age: (1,)
+    of the contact, s, renewed at the mean (rms) slip of the footprint. now: time and step, s.
     """
-    span = RENEWAL * now[1]
+    slip = 0.0
     c, s = np.cos(pose[2]), np.sin(pose[2])
     xx, yy, xy = tensor(laws, pose[2])
     matrix[:] = 0.0
@@ -102,7 +102,7 @@ def film(laws, nodes, pose, speed, now, matrix, load):  # type: ignore[no-untype
         rx, ry = c * nodes[k, 0] - s * nodes[k, 1], s * nodes[k, 0] + c * nodes[k, 1]
         ux, uy = speed[0] - speed[2] * ry - laws.flow_x, speed[1] + speed[2] * rx - laws.flow_y
         u = np.sqrt(ux * ux + uy * uy + CREEP * CREEP)
-        fluid, dry = node_drag(laws, u, nodes[k, 3], nodes[k, 2])
+        fluid, dry = node_drag(laws, u, age[0], nodes[k, 2])
         factor, patch = place_factors(laws, pose[0] + rx, pose[1] + ry)
         dry = weight * (dry + patch / u)
         fluid *= weight * factor
@@ -117,9 +117,9 @@ def film(laws, nodes, pose, speed, now, matrix, load):  # type: ignore[no-untype
         load[0] += kxx * laws.flow_x + kxy * laws.flow_y
         load[1] += kxy * laws.flow_x + kyy * laws.flow_y
         load[2] += mx * laws.flow_x + my * laws.flow_y
-        if laws.ageing != 0.0:
-            rate = u / laws.ageing_distance
-            nodes[k, 3] += (1.0 / rate - nodes[k, 3]) * -np.expm1(-rate * span)
+        slip += weight * u * u
+    rate = np.sqrt(slip) / laws.ageing_distance
+    age[0] += (1.0 / rate - age[0]) * -np.expm1(-rate * RENEWAL * now[1])
     matrix[1, 0], matrix[2, 0], matrix[2, 1] = matrix[0, 1], matrix[0, 2], matrix[1, 2]
     if laws.growth != 0.0:
         growth = np.exp(laws.growth * now[0])
@@ -293,9 +293,13 @@ def simulate(laws, outline, nodes, path, start, samples, step):  # type: ignore[
     """
     pose, speed, wrench, now = start.copy(), np.zeros(3), np.zeros(3), np.array([0.0, step])
     inertia = laws.mass * np.array([1.0, 1.0, turning(outline)])
-    aged = np.zeros((len(nodes), 4))
-    aged[:, :3] = nodes
-    matrix, load, inverse, stretch = np.zeros((3, 3)), np.zeros(3), np.zeros((3, 3)), np.zeros(3)
+    age, matrix, load, inverse, stretch = (
+        np.zeros(1),
+        np.zeros((3, 3)),
+        np.zeros(3),
+        np.zeros((3, 3)),
+        np.zeros(3),
+    )
     lost = path[0, 1:].copy()
     tip = np.array([0.0, 0.0, 0.0, 0.0, laws.tip_radius, laws.compliance])
     post = np.array([laws.post_x, laws.post_y, 0.0, 0.0, laws.post_radius, 0.0])
@@ -306,7 +310,7 @@ def simulate(laws, outline, nodes, path, start, samples, step):  # type: ignore[
     while taken < len(samples):
         now[0] = count * step
         if count % RENEWAL == 0:
-            film(laws, aged, pose, speed, now, matrix, load)
+            film(laws, nodes, age, pose, speed, now, matrix, load)
             invert(matrix, (1.0 - laws.memory) * step, inertia, inverse)
         wrench[:] = load
         ambient(laws, pose, wrench)

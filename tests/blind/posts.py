@@ -14,7 +14,7 @@ from tests.blind.world import World, run
 Floats = npt.NDArray[np.float64]
 
 TOUCHING = 5
-"""Pushes that end at the post."""
+"""Pushes across the part that end at the post."""
 STAGGER = 15.0
 """How far before the post the pushes end at most, um."""
 CLEAR = 400.0
@@ -49,7 +49,8 @@ def laid(
     plans: list[Plan], world: World, place: Floats, radius: float, rng: np.random.Generator
 ) -> list[Plan]:
     """The pushes moved so that they suit a post of a radius at a place (2,) of the stage."""
-    chosen = set(rng.permutation(len(plans))[:TOUCHING].tolist())
+    wide = [k for k, plan in enumerate(plans) if plan.edge % 2 == 0]
+    chosen = set(rng.permutation(wide)[:TOUCHING].tolist())
     return [
         _ending_at(plan, world, place, radius, rng)
         if k in chosen
@@ -63,11 +64,12 @@ def _ending_at(
 ) -> Plan:
     """A push that ends with the far edge at the post, or a little before it.
 
-    The post is off the line of the push, so that the part turns about it and does not jam.
+    The post is so far off the line of the push that this leaves both friction cones: the part turns
+    about it and does not jam. Of a part pushed lengthways no place is as far off.
     """
     end = paths(plan, world)[-1]
     facing = -plan.place
-    aside = facing + float(rng.uniform(0.5, 0.8)) * (-1.0 if facing > 0.0 else 1.0)
+    aside = facing + float(rng.uniform(0.65, 0.85)) * (-1.0 if facing > 0.0 else 1.0)
     point, normal = contact_point((plan.edge + 2) % 4, aside)
     front = end[:2] + turned(point + (radius + rng.uniform(0.0, STAGGER)) * normal, end[2])
     return moved(plan, place - front)

@@ -17,10 +17,11 @@ from tests.blind.corpus import EFFECTS as PUBLISHED, STAGE
 from tests.blind.detectable import just_detectable, nuisance
 from tests.blind.effects import EFFECTS
 from tests.blind.generator import UNIDENTIFIABLE, Case, Made, make, write
+from tests.blind.laws import Laws
 from tests.blind.outside import OUTSIDE
 from tests.blind.posts import CLEAR, STAGGER, TOUCHING, distance, laid, paths
 from tests.blind.pushes import DESIGNS, SPEEDS, commanded
-from tests.blind.world import World, filmed
+from tests.blind.world import World, filmed, run
 
 NULL = Case(seed=3)
 FEW = 4
@@ -156,17 +157,20 @@ def test_a_seed_settles_everything(null: Made) -> None:
     assert another.label["mu"] != null.label["mu"]
 
 
-def test_pushes_are_laid_to_end_at_a_post_or_clear_of_it() -> None:
-    rng, world, place, radius = np.random.default_rng(2), World(), np.array([300.0, -200.0]), 60.0
+def test_pushes_are_laid_to_end_at_a_post_or_clear_of_it_and_do_not_jam() -> None:
+    rng, place, radius = np.random.default_rng(2), np.array([300.0, -200.0]), 60.0
+    free = World(Laws(mu=0.45))
+    posted = World(Laws(mu=0.45, post_radius=radius + 20.0, post_x=place[0], post_y=place[1]))
     plans = [replace(p, speed=225.0) for p in DESIGNS["diagnostic"](rng, 8)]
-    gaps = [
-        distance(world, paths(p, world)[-8:], place) - radius
-        for p in laid(plans, world, place, radius, rng)
-    ]
-    ending = [gap for gap in gaps if gap < CLEAR]
-    assert len(ending) == TOUCHING
-    assert min(ending) > -1.0
-    assert max(ending) < STAGGER + 1.0
+    expected = min(TOUCHING, sum(p.edge % 2 == 0 for p in plans))
+    ending = 0
+    for plan in laid(plans, free, place, radius, rng):
+        gap = distance(free, paths(plan, free)[-8:], place) - radius
+        assert -1.0 < gap < STAGGER + 1.0 or gap > CLEAR
+        ending += gap < CLEAR
+        push = commanded(plan, np.zeros(3))
+        assert np.min(run(posted, push, push.frames)[1][:, 5]) > -0.2
+    assert ending == expected >= 3
 
 
 def test_a_written_set_has_the_recordings_and_no_label(drifting: Made, tmp_path: Path) -> None:
