@@ -26,8 +26,9 @@ Told = Callable[[str, int, int], None]
 _PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
 _DOUBT = 0.05  # of the probability may be outside the set that is given
 _FORMS = 2  # forms of an effect that are refitted
+_TRUST = 0.01  # of what the best set explains: how well scores can be known
 _MORE = 2.0  # nats by which another set must be better to count as such
-_WORSE = 3.0  # nats by which held-out recordings refute an answer
+_WORSE = 5.0  # nats by which held-out recordings refute an answer
 _SAME = 1.5  # σ, root of the sum of squares: motions that no recording here tells apart
 _BEAM = {True: 2, False: 3}  # sets that a further effect is added to, if quick and if not
 _ADDED = {True: 3, False: 5}  # effects that are added to each, those that promise most
@@ -48,6 +49,9 @@ class Candidate:
     ----------
     refit
         The fit.
+    choices
+        Logarithm of the number of forms that the effects were tried in: the best of many is better
+        by chance.
     probability
         Among the sets that were refitted, the plain model among them.
     adequate
@@ -59,6 +63,7 @@ class Candidate:
     """
 
     refit: Refit
+    choices: float = 0.0
     probability: float = 0.0
     adequate: bool | None = None
     p_value: float = np.nan
@@ -72,7 +77,7 @@ class Candidate:
     @property
     def score(self) -> float:
         """Log evidence with the prior of a set of this size."""
-        return self.refit.gain - _PRIOR * len(self.refit.trials)
+        return self.refit.gain - _PRIOR * len(self.refit.trials) - self.choices
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -133,6 +138,9 @@ class Contest:
             fits += self._tried((one,), None)
         return self._refined(_best_of_each(fits))
 
+    def _choices(self, effect: str) -> float:
+        return float(np.log(sum(one.trial.effect == effect for one in self.signatures)))
+
     def _tried(self, chosen: tuple[Signature, ...], start: Refit | None) -> list[Refit]:
         """A rough fit of a set; none where its search leaves what can be simulated."""
         try:
@@ -154,7 +162,10 @@ class Contest:
         close = best - max(_FAR, _CLOSE[self.quick] * best)
         return _ranked(
             [
-                Candidate(refit=self._ended(one) if one.gain > max(close, 0.0) else one)
+                Candidate(
+                    choices=sum(self._choices(trial.effect) for trial in one.trials),
+                    refit=self._ended(one) if one.gain > max(close, 0.0) else one,
+                )
                 for one in fits
             ]
         )
@@ -262,11 +273,15 @@ def _ranked(field: list[Candidate]) -> list[Candidate]:
 
 
 def _with_probabilities(field: list[Candidate]) -> list[Candidate]:
-    """Bayes' rule among the sets and the plain model, whose score is 0."""
+    """Bayes' rule among the sets and the plain model, whose score is 0.
+
+    Differences that are small against what is explained may be the simulator's and count less.
+    """
     scores = np.array([one.score for one in field])
     top = max(0.0, float(scores.max(initial=0.0)))
-    weights = np.exp(scores - top)
-    total = float(weights.sum() + np.exp(-top))
+    doubt = max(1.0, _TRUST * top)
+    weights = np.exp((scores - top) / doubt)
+    total = float(weights.sum() + np.exp(-top / doubt))
     return _ranked(
         [
             replace(one, probability=float(weight / total))
