@@ -52,6 +52,7 @@ campaign: $(INSTALLED)
 	$(BIN)/python -m tests.tracking.accuracy --frames 10000 --seed 2 --out reports/tracking/accuracy.md
 	$(BIN)/python -m tests.identification.recovery
 	$(BIN)/python -m tests.identification.design_report --sets 80 --out reports/identification
+	$(BIN)/python -m tests.blind.campaign --workers 2 --quick-diagnosis
 	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
 
 lock:

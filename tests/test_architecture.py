@@ -36,6 +36,13 @@ MAY_IMPORT = {
     "recordings": {"errors", "toml_files", "files"},
     "microscope": {"errors", "files", "kernels"},
     "tracking": {"errors", "toml_files", "files", "kernels", "recordings", "task", "__version__"},
+    "diagnosis": {
+        "errors",
+        "simulator",
+        "recordings",
+        "identification",
+        "__version__",
+    },
     "identification": {
         "errors",
         "toml_files",

@@ -13,7 +13,9 @@ from meso_robust.cli.console import refuse
 def schema(
     name: Annotated[
         str,
-        typer.Argument(help="task, plan, policy, certificate, recordings, model or diagnosis"),
+        typer.Argument(
+            help="task, plan, policy, certificate, recordings, model, diagnosis or premises"
+        ),
     ],
 ) -> None:
     """Print the JSON Schema of a document."""
@@ -24,6 +26,7 @@ def schema(
     from meso_robust.identification.document import ModelDocument
     from meso_robust.planning.document import PlanDocument
     from meso_robust.policy.document import PolicyDocument
+    from meso_robust.premises.document import PremisesDocument
     from meso_robust.recordings import SetDocument
     from meso_robust.task import Task
 
@@ -35,6 +38,7 @@ def schema(
         "recordings": SetDocument,
         "model": ModelDocument,
         "diagnosis": DiagnosisDocument,
+        "premises": PremisesDocument,
     }
     if name not in models:
         refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")

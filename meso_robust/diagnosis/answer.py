@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from meso_robust import __version__
+from meso_robust.diagnosis.control import SAME
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.intervals import Interval, intervals
@@ -70,6 +71,10 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             ),
             "candidates": _candidates(found),
             **_located(found),
+            "catch_all_sigma": found.catch_all,
+            "decoys": found.decoys.count if found.decoys else 0,
+            "decoy_share": found.decoys.share if found.decoys else None,
+            "control": {**asdict(found.control), "within_sigma": SAME} if found.control else None,
             "held_out": _held_out(found),
             "next_experiment": next_experiment(found),
             "provenance": {
@@ -102,7 +107,7 @@ def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, 
 
 def _why(found: Diagnosis) -> str:
     detection, best = found.detection, found.best
-    if best is None or found.naming is None:
+    if found.naming is None:
         return (
             f"nothing beyond the refitted model is supported: the largest of {len(detection.tests)} "
             f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
@@ -114,7 +119,10 @@ def _why(found: Diagnosis) -> str:
     if answers:
         others = " or ".join(" + ".join(one.effects) for one in answers[1:])
         return f"{names} explains the recordings, and so does {others}; they cannot be told apart"
-    return f"no set of effects is enough: {names} {best.rejected or 'leaves a mismatch'}"
+    why = f"no set of effects is enough: {names} {best.rejected or 'leaves a mismatch'}"
+    if found.catch_all is None:
+        return why
+    return f"{why}; a free hidden input would leave {found.catch_all:.3g} σ"
 
 
 def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:
@@ -244,6 +252,7 @@ def _held_out(found: Diagnosis) -> dict[str, Any]:
         "extended_um": UM * later.whole_metres,
         "improvement_low": low,
         "improvement_high": high,
+        "black_box_sigma": found.black_box,
         "each": _each(before, later, "held_out") if found.before is not None else (),
     }
     beyond = found.extrapolation

@@ -11,6 +11,10 @@ import numpy.typing as npt
 
 from meso_robust import __version__
 from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
+from meso_robust.diagnosis.black_box import black_box
+from meso_robust.diagnosis.catch_all import catch_all
+from meso_robust.diagnosis.control import Control, control
+from meso_robust.diagnosis.decoys import Decoys, decoys
 from meso_robust.diagnosis.detect import Detection, Detector, Span, detector
 from meso_robust.diagnosis.identifiable import Visibility, visibilities
 from meso_robust.diagnosis.invariances import Pair
@@ -18,6 +22,7 @@ from meso_robust.diagnosis.located import Located, located, predicted_pairs
 from meso_robust.diagnosis.name import Candidate, Contest, Naming, judged
 from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
 from meso_robust.diagnosis.nulls import null_rows
+from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.show import Errors, Extrapolation, errors, extrapolated, trained
 from meso_robust.diagnosis.signatures import Signature, signatures
 from meso_robust.diagnosis.spans import spans_of
@@ -65,6 +70,12 @@ class Diagnosis:
         Errors on a kind of push that was left out of the fits; None of a quick diagnosis.
     quick, seed
         As asked.
+    black_box, catch_all
+        Errors in σ on held-out recordings of a regression of equal size, and with free hidden inputs.
+    control
+        Errors where both models predict the same.
+    decoys
+        How signatures that do not belong where they are put did.
     """
 
     recordings: RecordingSet
@@ -86,6 +97,10 @@ class Diagnosis:
     extrapolation: Extrapolation | None
     quick: bool
     seed: int
+    black_box: float | None = None
+    catch_all: float | None = None
+    control: Control | None = None
+    decoys: Decoys | None = None
 
     @property
     def best(self) -> Candidate | None:
@@ -187,12 +202,15 @@ def _shown(found: Diagnosis) -> Diagnosis:
         naming = judged(naming, before, each)
         found = replace(found, naming=naming)
         after = _on(held_out, baseline, found.best) if found.best else None
+    if naming is not None:
+        found = replace(found, catch_all=_catch_all(found, before))
     best = found.best
     if best is None:
         return replace(found, before=before)
     retrained = trained(baseline, best.refit)
     pairs = found.located.pairs if found.located else ()
     refit = best.refit
+    found = _checked(found, best.refit, before, after, retrained)
     return replace(
         found,
         before=before,
@@ -202,6 +220,31 @@ def _shown(found: Diagnosis) -> Diagnosis:
         extrapolation=None
         if found.quick
         else extrapolated(found.split.training, baseline, refit.model, refit.fits.values[0]),
+    )
+
+
+def _catch_all(found: Diagnosis, before: Errors | None) -> float | None:
+    """What any law could reach on held-out recordings; on those of the fit where none are."""
+    held_out, parts = found.split.held_out, found.split
+    if held_out is None or before is None:
+        return catch_all(parts.training, found.baseline.prepared, found.baseline)
+    return catch_all(held_out, before.prepared, found.baseline)
+
+
+def _checked(
+    found: Diagnosis, refit: Refit, before: Errors | None, after: Errors | None, retrained: Errors
+) -> Diagnosis:
+    """The diagnosis with what would speak against the name of the best set."""
+    baseline, held_out = found.baseline, found.split.held_out
+    pairs = [(found.spans, found.trained, retrained)]
+    if held_out and before is not None and after is not None:
+        pairs.append((spans_of(held_out, before.prepared), before, after))
+    columns = [one.columns for one in found.signatures if one.trial in refit.trials]
+    return replace(
+        found,
+        black_box=None if before is None else black_box(found.trained, before, refit.numbers),
+        control=control(pairs, baseline.settings.sigma),
+        decoys=decoys(baseline.tangent, baseline.rows, np.concatenate(columns), found.seed),
     )
 
 

@@ -186,6 +186,17 @@ class HeldOutSection(_Section):
     each: tuple[HeldOutRecording, ...] = ()
 
 
+class ControlSection(_Section):
+    """Spans in which both models predict the same, so that the effects should not help, nor do."""
+
+    spans: Annotated[int, Field(ge=1)]
+    within_sigma: NotNegative
+    """Predictions that differ by less in every frame count as the same."""
+    sigma_before: NotNegative
+    """Root mean square over the noise; 1 where the plain model is right."""
+    sigma_after: NotNegative
+
+
 class PushSection(_Section):
     """A push to make next, in the frame of the part."""
 
@@ -246,6 +257,11 @@ class DiagnosisDocument(_Section):
     covariates: tuple[CovariateSection, ...] = ()
     catch_all_sigma: NotNegative | None = None
     """Error on held-out recordings that a free hidden input leaves."""
+    decoys: Count = 0
+    """Signatures of the best set put on other recordings and in wrong frames."""
+    decoy_share: Probability | None = None
+    """Of them, that explain as much as the signature where it belongs; None without decoys."""
+    control: ControlSection | None = None
     held_out: HeldOutSection
     next_experiment: NextExperiment
     provenance: ProvenanceSection

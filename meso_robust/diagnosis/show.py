@@ -54,8 +54,13 @@ class Errors:
     @property
     def whole(self) -> float:
         """Root mean square over all recordings, in σ."""
-        freedom = _freedom(self.at)
+        freedom = self.freedom
         return float(np.sqrt(np.sum(self.sigma**2 * freedom) / freedom.sum()))
+
+    @property
+    def freedom(self) -> Floats:
+        """(R,) numbers beyond those that the starts take."""
+        return _freedom(self.at)
 
     @property
     def whole_metres(self) -> float:

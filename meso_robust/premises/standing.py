@@ -17,6 +17,8 @@ BREAKS: Word = "breaks a premise"
 RATIO, FRICTION = "rho_um2", "mu"
 """Parameters of the base model that become ranges of the task."""
 OFF: Ends = (0.0, 0.0)
+PREMISE_OF_MODEL = "the recordings support one model"
+_SETTLED = (None, "consistent", "named")
 
 _OF_PARAMETER = {
     RATIO: Line(
@@ -57,9 +59,23 @@ def standings(document: ModelDocument, budget: Budget) -> tuple[Standing, ...]:
     """Everything that the model says, in the order of its file."""
     base, *effects = document.model.split("+")
     return (
+        *([] if document.diagnosis in _SETTLED else [_open(document.diagnosis)]),
         *([] if base == BASE else [_of_base(base)]),
         *(_of_parameter(document, key) for key in (RATIO, FRICTION) if base == BASE),
         *(_of_effect(document, effect, budget) for effect in effects),
+    )
+
+
+def _open(verdict: str | None) -> Standing:
+    """A diagnosis that has not ended with one model: nothing is promised on its ground."""
+    said = {
+        "unknown": "something is missing in the model that no effect explains: diagnosis.json says "
+        "where; record what it proposes next",
+        "ambiguous": "several models explain the recordings alike: diagnosis.json lists them; record "
+        "what it proposes next",
+    }
+    return Standing(
+        name="diagnosis", word=BREAKS, premise=PREMISE_OF_MODEL, said=said[verdict or "unknown"]
     )
 
 

@@ -231,8 +231,7 @@ def _check_start(push: Push) -> None:
             depth = _overlap(push.vertices, scale, poses, shape.corners, start)
         else:
             radius = radii(np.array([shape.radius]), table)[:, 0]
-            own = in_body(poses, start) / scale
-            depth = depth_inside(push.vertices, own) * scale.min(axis=1) + radius
+            depth = _depth(push.vertices, scale, in_body(poses, start)) + radius
         _refuse_overlap("waypoints", f"probe {p}", depth, limit, "the part")
     for k, outline in enumerate(push.fixture.outlines):
         depth = _overlap(push.vertices, scale, poses, outline, np.zeros_like(poses[:, :2]))
@@ -263,6 +262,18 @@ def _in_world(poses: _F, points: _F) -> _F:
     x = poses[:, :1] + cos * points[..., 0] - sin * points[..., 1]
     y = poses[:, 1:2] + sin * points[..., 0] + cos * points[..., 1]
     return np.stack([x, y], axis=2)
+
+
+def _depth(vertices: _F, scale: _F, points: _F) -> _F:
+    """(N,) as `depth_inside` in outlines that are stretched by (1|N, 2) factors."""
+    if len(scale) == 1:
+        return depth_inside(vertices * scale[0], points)
+    depth = np.empty(len(points))
+    factors, which = np.unique(scale, axis=0, return_inverse=True)
+    for k, factor in enumerate(factors):
+        own = which.ravel() == k
+        depth[own] = depth_inside(vertices * factor, points[own])
+    return depth
 
 
 def depth_inside(vertices: _F, points: _F) -> _F:
@@ -310,8 +321,8 @@ def _overlap(vertices: _F, scale: _F, poses: _F, outline: _F, origin: _F) -> _F:
     for k in range(len(vertices)):
         depth = np.maximum(depth, depth_inside(outline, world[:, k]))
     for corner in outline:
-        own = in_body(poses, corner + origin) / scale
-        depth = np.maximum(depth, depth_inside(vertices, own) * scale.min(axis=1))
+        own = in_body(poses, corner + origin)
+        depth = np.maximum(depth, _depth(vertices, scale, own))
     crossing = np.zeros(len(poses), dtype=bool)
     for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         crossing |= _crosses(world, np.roll(world, -1, axis=1), a, b)

@@ -1,0 +1,135 @@
+"""Noise of recordings whose noise is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from meso_robust.diagnosis.noise import Noise, noise_of, weighed, with_noise
+from meso_robust.errors import InputError
+from meso_robust.recordings import RecordingSet
+from tests.diagnosis.designs import SIGMA, Plan, recorded_plans
+from tests.identification.sets import PART
+
+Floats = npt.NDArray[np.float64]
+NORTH = Plan(pose=(0.0, 0.0, 0.4), place=(0.0, 0.5 * PART.width), normal=(0.0, 1.0), wait=4.0)
+THETA = np.array([False, False, True])
+
+
+def unstated(recordings: RecordingSet) -> RecordingSet:
+    sensor = replace(recordings.sensor, position_sigma=None, orientation_sigma=None)
+    return replace(recordings, sensor=sensor)
+
+
+def waiting(colour: float, *, noise: float = 1.0) -> RecordingSet:
+    """Four pushes with four seconds of rest before each."""
+    rng = np.random.default_rng(1)
+    return recorded_plans([NORTH] * 4, rng, noise=noise, colour=colour)
+
+
+def in_contact(recordings: RecordingSet) -> RecordingSet:
+    """Without the frames before the tip has come."""
+    first = int(np.ceil(30.0 * (NORTH.wait + NORTH.gap / NORTH.speed))) + 2
+    kept = tuple(
+        replace(
+            one,
+            times=one.times[first:] - one.times[first],
+            poses=one.poses[first:],
+            probes=one.probes[first:],
+        )
+        for one in recordings.recordings
+    )
+    return replace(recordings, recordings=kept)
+
+
+def test_noise_that_is_stated_is_believed() -> None:
+    found = noise_of(waiting(0.0, noise=3.0))  # the set states a third of it
+    np.testing.assert_allclose(found.sigma, SIGMA, rtol=1e-12)
+    assert found.source == "stated"
+    assert found.known
+    assert found.freedom == np.inf
+    assert found.floor == 1.0
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.5])
+def test_noise_of_a_known_colour_is_found_in_still_frames(colour: float) -> None:
+    found = noise_of(unstated(waiting(colour)))
+    assert found.source == "still frames"
+    assert found.known
+    np.testing.assert_allclose(found.sigma, SIGMA, rtol=0.12)
+    # three coordinates, four recordings, a line each, and more than 110 still frames
+    free = 3 * 4 * 110
+    assert found.correlation_error == pytest.approx(1.0 / np.sqrt(free), rel=0.1)
+    assert found.correlation == pytest.approx(colour, abs=4.0 * found.correlation_error)
+    assert found.freedom == pytest.approx(free / 3, rel=0.2)
+
+
+def test_of_smooth_motion_without_rest_only_the_floor_is_known() -> None:
+    recordings = unstated(in_contact(waiting(0.0)))
+    found = noise_of(recordings)
+    assert found.source == "roughness of the poses"
+    assert not found.known
+    np.testing.assert_allclose(found.sigma, SIGMA, rtol=0.15)
+    assert found.correlation == 0.0
+    assert with_noise(recordings, found) is recordings
+
+
+def test_roughness_is_freed_of_the_colour_of_the_noise() -> None:
+    recordings = waiting(0.6)
+    # θ is rounded while the part rests, so that its noise is told by its roughness in motion only
+    still = tuple(
+        replace(one, poses=np.where(_resting(one.times) & THETA, one.poses[0], one.poses))
+        for one in recordings.recordings
+    )
+    found = noise_of(unstated(replace(recordings, recordings=still)))
+    assert found.source == "still frames, θ roughness of the poses"
+    assert found.correlation == pytest.approx(0.6, abs=0.1)
+    rough = [np.diff(one.poses[~_resting(one.times)[:, 0], 2], n=3) for one in still]
+    # an autoregression has var(Δ³) = σ² c' Φ c with c = (1, −3, 3, −1)
+    weights = np.array([1.0, -3.0, 3.0, -1.0])
+    lags = np.abs(np.subtract.outer(np.arange(4), np.arange(4)))
+    share = weights @ found.correlation**lags @ weights
+    expected = np.std(np.concatenate(rough)) / np.sqrt(share)
+    assert 0.5 * expected < found.sigma[2] < 1.2 * expected
+
+
+def _resting(times: Floats) -> npt.NDArray[np.bool_]:
+    return np.asarray(times < NORTH.wait)[:, None]
+
+
+def test_stated_noise_is_handed_on() -> None:
+    recordings = unstated(waiting(0.0))
+    found = noise_of(recordings)
+    sensor = with_noise(recordings, found).sensor
+    assert sensor.position_sigma == found.sigma[0] == found.sigma[1]
+    assert sensor.orientation_sigma == found.sigma[2]
+    assert sensor.frame_rate == recordings.sensor.frame_rate
+
+
+def test_a_fit_weighs_what_is_not_known() -> None:
+    rough = Noise(
+        sigma=SIGMA, correlation=0.0, freedom=np.inf, correlation_error=0.1, source="", known=False
+    )
+    by_fit = weighed(rough, 2.0 * SIGMA)
+    np.testing.assert_allclose(by_fit.sigma, 2.0 * SIGMA)
+    assert by_fit.floor == pytest.approx(0.5)
+    assert by_fit.source == "residuals of the fit"
+    uneven = weighed(rough, SIGMA * [1.0, 2.0, 4.0])
+    assert uneven.floor == pytest.approx(np.sqrt((1.0 + 0.25 + 0.0625) / 3.0))
+    known = replace(rough, known=True)
+    assert weighed(known, 2.0 * SIGMA) is known
+
+
+def test_poses_without_any_noise_are_refused() -> None:
+    recordings = waiting(0.0)
+    frozen = tuple(
+        replace(one, poses=np.tile(one.poses[0], (len(one.poses), 1)))
+        for one in recordings.recordings
+    )
+    with pytest.raises(InputError, match="position_sigma_um") as caught:
+        noise_of(unstated(replace(recordings, recordings=frozen)))
+    assert "must be" in str(caught.value)
+    assert "state" in str(caught.value)
