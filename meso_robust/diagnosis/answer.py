@@ -112,17 +112,23 @@ def _why(found: Diagnosis) -> str:
             f"nothing beyond the refitted model is supported: the largest of {len(detection.tests)} "
             f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
         )
-    names = " + ".join(best.effects)
     answers = found.naming.answers
+    if best is None or not answers:
+        return _why_unknown(best, found.catch_all)
+    names = " + ".join(best.effects)
     if len(answers) == 1:
         return f"{names} leaves nothing that the detector sees (p = {answers[0].p_value:.2g})"
-    if answers:
-        others = " or ".join(" + ".join(one.effects) for one in answers[1:])
-        return f"{names} explains the recordings, and so does {others}; they cannot be told apart"
-    why = f"no set of effects is enough: {names} {best.rejected or 'leaves a mismatch'}"
-    if found.catch_all is None:
-        return why
-    return f"{why}; a free hidden input would leave {found.catch_all:.3g} σ"
+    others = " or ".join(" + ".join(one.effects) for one in answers[1:])
+    return f"{names} explains the recordings, and so does {others}; they cannot be told apart"
+
+
+def _why_unknown(best: Candidate | None, catch_all: float | None) -> str:
+    why = "no effect of the catalogue helps"
+    if best is not None:
+        names = " + ".join(best.effects)
+        why = f"no set of effects is enough: {names} {best.rejected or 'leaves a mismatch'}"
+    reach = "" if catch_all is None else f"; a free hidden input would leave {catch_all:.3g} σ"
+    return why + reach
 
 
 def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:

@@ -141,6 +141,8 @@ class ModelDocument(_Section):
     schema_: Annotated[Literal["meso-robust/model/1"], Field(alias="schema")]
     model: Key
     """One of `MODELS`, or such a base with effects of the catalogue: ``base+effect+effect``."""
+    diagnosis: Literal["consistent", "named", "ambiguous", "unknown"] | None = None
+    """Verdict of the diagnosis that the model is from; None of an identification."""
     objective: Literal["printed", "likelihood"]
     interval: Literal["profile likelihood", "last simplex"]
     """What the intervals are; only those of the likelihood have a probability."""

@@ -77,11 +77,11 @@ def test_a_part_of_an_effect_that_is_not_named_has_the_catalogue_s_default() -> 
 
 @pytest.mark.parametrize("verdict", ["unknown", "ambiguous"])
 def test_nothing_is_promised_on_a_diagnosis_that_is_open(verdict: str) -> None:
-    found = by_name(standings(document(diagnosis=verdict), BUDGET))
+    found = by_name(standings(model(diagnosis=verdict), BUDGET))
     assert not found["diagnosis"].survives
     assert found["mu"].survives
 
 
 @pytest.mark.parametrize("verdict", ["consistent", "named"])
 def test_a_diagnosis_that_ended_with_one_model_is_no_premise_of_its_own(verdict: str) -> None:
-    assert "diagnosis" not in by_name(standings(document(diagnosis=verdict), BUDGET))
+    assert "diagnosis" not in by_name(standings(model(diagnosis=verdict), BUDGET))
