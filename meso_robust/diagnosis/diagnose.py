@@ -165,7 +165,7 @@ def diagnose(
     if detection.detected:
         told("looking where it is", 0, 1)
         where = located(parts.training, baseline, seed)
-        naming = Contest(baseline, marks, spans, nulls, quick, told).named()
+        naming = Contest(baseline, marks, spans, nulls, quick, told, kept).named()
     told("comparing with recordings that were held out", 0, 1)
     return _shown(
         Diagnosis(

@@ -18,6 +18,7 @@ from meso_robust.diagnosis.detect import Span, detector
 from meso_robust.diagnosis.refit import Refit, refined, refitted
 from meso_robust.diagnosis.show import Errors
 from meso_robust.diagnosis.signatures import Signature, estimate
+from meso_robust.diagnosis.store import NOWHERE, Store
 from meso_robust.simulator.catalogue import CATALOGUE
 
 Floats = npt.NDArray[np.float64]
@@ -110,6 +111,7 @@ class Contest:
     nulls: Floats
     quick: bool
     told: Told
+    store: Store = NOWHERE
 
     def named(self) -> Naming:
         """Let the sets compete."""
@@ -144,14 +146,14 @@ class Contest:
     def _tried(self, chosen: tuple[Signature, ...], start: Refit | None) -> list[Refit]:
         """A rough fit of a set; none where its search leaves what can be simulated."""
         try:
-            return [refitted(self.baseline, chosen, start=start)]
+            return [refitted(self.baseline, chosen, start=start, store=self.store)]
         except (ValueError, np.linalg.LinAlgError):
             return []
 
     def _ended(self, one: Refit) -> Refit:
         """A fit with its search taken to the end; as it was where that fails or is no better."""
         try:
-            more = refined(self.baseline, self._chosen(one), one)
+            more = refined(self.baseline, self._chosen(one), one, store=self.store)
         except (ValueError, np.linalg.LinAlgError):
             return one
         return more if more.gain >= one.gain else one

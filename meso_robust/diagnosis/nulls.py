@@ -41,9 +41,9 @@ def null_rows(baseline: Baseline, count: int, seed: int) -> Floats:
     if settings.offset:
         offsets = settings.offset * rng.standard_normal(offsets.shape)
     truth = predicted(baseline.finer, baseline.model, values, starts=starts, offsets=offsets)
-    kept = np.all(truth.outcomes == Outcome.COMPLETED, axis=1)
-    seen = truth.poses[kept] + _coloured(baseline, truth.poses[kept].shape, rng)
-    return _refitted(baseline, seen)
+    noise = _coloured(baseline, truth.poses.shape, rng)
+    failed = truth.outcomes != Outcome.COMPLETED
+    return _refitted(baseline, truth.poses + noise, noise, failed)
 
 
 def _drawn(baseline: Baseline, count: int, rng: np.random.Generator) -> Floats:
@@ -76,11 +76,18 @@ def _coloured(baseline: Baseline, shape: tuple[int, ...], rng: np.random.Generat
     kept = np.sqrt(1.0 - phi**2)
     for t in range(1, shape[2]):
         fresh[:, :, t] = phi * fresh[:, :, t - 1] + kept * fresh[:, :, t]
-    return np.asarray(fresh * baseline.settings.sigma * (1.0 + spread)[:, None, None])
+    sigma = noise.floor * baseline.settings.sigma
+    return np.asarray(fresh * sigma * (1.0 + spread)[:, None, None])
 
 
-def _refitted(baseline: Baseline, seen: Floats) -> Floats:
-    """White residuals (B, R, M) of data (B, R, T, 3) after a fit of everything to each."""
+def _refitted(
+    baseline: Baseline, seen: Floats, noise: Floats, failed: npt.NDArray[np.bool_]
+) -> Floats:
+    """White residuals (B, R, M) of data (B, R, T, 3) after a fit of everything to each.
+
+    A push that fails (B, R) with numbers so near to the fit's, as a jam between two tips may, says
+    nothing; its noise stands for what a fit would leave.
+    """
     model, settings, prepared = baseline.model, baseline.settings, baseline.prepared
     n, count = len(model.parameters), len(seen)
     coordinates = np.repeat(model.coordinates(baseline.fits.values), count, axis=0)
@@ -90,12 +97,14 @@ def _refitted(baseline: Baseline, seen: Floats) -> Floats:
     moving = np.broadcast_to(model.fitted, coordinates.shape)
     for turn in range(_ROUNDS + 1):
         values = _valid(baseline, model.values(coordinates))
-        poses = predicted(prepared, model, values, starts=starts, offsets=offsets).poses
-        residuals = np.where(baseline.seen, (seen - poses) / settings.sigma, 0.0)
+        found = predicted(prepared, model, values, starts=starts, offsets=offsets)
+        lost = (failed | (found.outcomes != Outcome.COMPLETED))[..., None, None]
+        left = np.where(lost, noise, seen - found.poses)
+        residuals = np.where(baseline.seen, left / settings.sigma, 0.0)
         if turn == _ROUNDS:
             break
         slope = np.einsum(
-            "rmj,brm->brj", baseline.jacobian, residuals.reshape(count, len(poses[0]), -1)
+            "rmj,brm->brj", baseline.jacobian, residuals.reshape(*residuals.shape[:2], -1)
         )
         if settings.offset:
             slope[..., n + 3 :] -= offsets / settings.offset

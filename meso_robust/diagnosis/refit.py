@@ -12,7 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
+from meso_robust.diagnosis.kept_fits import kept_fit
 from meso_robust.diagnosis.signatures import Signature, estimate, extended, start_of, within
+from meso_robust.diagnosis.store import NOWHERE, Store
 from meso_robust.diagnosis.tangent import Tangent, tangent
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.identification.fitted import Fits, Fitted
@@ -80,7 +82,11 @@ class Refit:
 
 
 def refitted(
-    baseline: Baseline, chosen: tuple[Signature, ...], *, start: Refit | None = None
+    baseline: Baseline,
+    chosen: tuple[Signature, ...],
+    *,
+    start: Refit | None = None,
+    store: Store = NOWHERE,
 ) -> Refit:
     """Fit the model with some effects, roughly: `refined` goes on.
 
@@ -92,23 +98,41 @@ def refitted(
         One signature for each effect.
     start
         A fit of all but the last of them to start from.
+    store
+        Where the fit is kept.
     """
     model = extended(baseline.model, tuple(one.trial for one in chosen))
     settings = replace(baseline.settings, chord=True, central=False, most=_ROUGH, flat=1.0)
     before = start.fits if start else baseline.fits
-    found = fit(
-        baseline.prepared,
-        model,
-        _first(baseline, chosen, model, start)[None],
-        settings,
-        starts=before.starts[0],
-        offsets=before.offsets[0],
-    )
-    return _scored(baseline, chosen, model, found)
+
+    def make() -> Fitted:
+        return fit(
+            baseline.prepared,
+            model,
+            _first(baseline, chosen, model, start)[None],
+            settings,
+            starts=before.starts[0],
+            offsets=before.offsets[0],
+        )
+
+    return _scored(baseline, chosen, model, kept_fit(store, f"rough {_key(chosen)}", make))
 
 
-def refined(baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit) -> Refit:
+def refined(
+    baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit, *, store: Store = NOWHERE
+) -> Refit:
     """A rough fit with its search taken to its end, freed of the error of the steps."""
+    found = kept_fit(store, f"fine {_key(chosen)}", lambda: _sharp(baseline, rough))
+    return _scored(baseline, chosen, rough.model, found)
+
+
+def _key(chosen: tuple[Signature, ...]) -> str:
+    """What tells one set of forms from another."""
+    return " ".join(f"{one.trial.effect}{sorted(one.trial.shape.items())}" for one in chosen)
+
+
+def _sharp(baseline: Baseline, rough: Refit) -> Fitted:
+    """The fit at the end of the search, with predictions corrected for the length of the steps."""
     model, settings = (
         rough.model,
         replace(baseline.settings, chord=True, central=False, most=_MOST, flat=0.05),
@@ -131,7 +155,7 @@ def refined(baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit) -> 
         starts=fits.starts,
         offsets=fits.offsets,
     )
-    found = fit(
+    return fit(
         sharp,
         model,
         fits.values,
@@ -140,7 +164,6 @@ def refined(baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit) -> 
         offsets=fits.offsets[0],
         jacobian=found.jacobian,
     )
-    return _scored(baseline, chosen, model, found)
 
 
 def _first(

@@ -166,7 +166,7 @@ def _poses(setting: Prepared, one: tuple[Model, Floats], starts: Floats | None =
     model, values = one
     try:
         found = predicted(setting, model, np.repeat(values[None], len(starts), 0), starts=starts)
-    except ValueError:  # a start that does not go with the effect, such as a post within the part
+    except ValueError:  # values or a start that the simulator refuses
         return np.full((len(starts), *setting.seen.shape), np.inf)
     ended = found.outcomes == Outcome.COMPLETED
     return np.where(ended[..., None, None], found.poses, np.inf)

@@ -40,7 +40,7 @@ class Store:
         key = hashlib.sha256(f"{self.identity}\n{name}".encode()).hexdigest()[:32]
         path = self.folder / f"{key}.npz"
         try:
-            with np.load(path, allow_pickle=False) as found:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as found:
                 return {entry: found[entry] for entry in found.files}
         except (OSError, ValueError, EOFError, zipfile.BadZipFile):
             pass
@@ -55,3 +55,7 @@ class Store:
         """Remove what was kept."""
         if self.folder is not None:
             shutil.rmtree(self.folder, ignore_errors=True)
+
+
+NOWHERE = Store(None, "")
+"""Keeps nothing."""

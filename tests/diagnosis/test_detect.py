@@ -79,9 +79,7 @@ def test_the_p_value_is_the_share_of_nulls_that_are_as_large() -> None:
 
 def test_a_planted_signature_is_the_largest_test() -> None:
     rng = np.random.default_rng(1)
-    found = plain().detection(
-        noise(rng, 1)[0] + 9.0 * unit(31, 34).reshape(R, -1), noise(rng, 150)
-    )
+    found = plain().detection(noise(rng, 1)[0] + 9.0 * unit(31, 34).reshape(R, -1), noise(rng, 150))
     assert found.detected
     assert found.tests[0].name == "camera_drift"
     assert found.tests[0].kind == "signature"
@@ -91,12 +89,12 @@ def test_a_planted_signature_is_the_largest_test() -> None:
 
 def test_without_a_mismatch_p_values_are_even() -> None:
     rng = np.random.default_rng(2)
-    tests, nulls = plain(), noise(rng, 200)
-    p = np.array([tests.detection(noise(rng, 1)[0], nulls).p_value for _ in range(200)])
+    tests, nulls = plain(), noise(rng, 120)
+    p = np.array([tests.detection(noise(rng, 1)[0], nulls).p_value for _ in range(120)])
     for level in (0.1, 0.3, 0.5, 0.8):
-        # 200 draws, and a threshold that is itself from 200 draws
+        # 120 draws, and a threshold that is itself from 120 draws
         assert np.mean(p <= level) == pytest.approx(
-            level, abs=4.0 * np.sqrt(2.0 * level * (1.0 - level) / 200)
+            level, abs=4.0 * np.sqrt(2.0 * level * (1.0 - level) / 120)
         )
 
 
@@ -128,9 +126,7 @@ def test_tests_are_named_and_ordered_as_they_are_computed() -> None:
 def test_enormous_mismatches_have_a_size_as_well() -> None:
     tests = plain()
     sizes = [10.0, 30.0, 50.0, 1e3, 1e6]
-    found = [
-        float(tests.statistics(size * unit(30, 31, 33, 34)[None])[0, 1]) for size in sizes
-    ]
+    found = [float(tests.statistics(size * unit(30, 31, 33, 34)[None])[0, 1]) for size in sizes]
     assert np.all(np.isfinite(found))
     assert np.all(np.diff(found) > 0.0)
     np.testing.assert_allclose(found, sizes, rtol=0.05)
@@ -140,9 +136,7 @@ def test_what_a_refit_takes_is_no_test() -> None:
     whole = unit(3, 9, 15)
     taken = basis(np.stack([whole, unit(40)], axis=1))
     half = signature("film_flow", unit(3, 9, 15) + unit(20), unit(40) + unit(3, 9, 15))
-    tests = detector(
-        nothing_taken(taken), [signature("body_force", whole), half], SPANS, FILES
-    )
+    tests = detector(nothing_taken(taken), [signature("body_force", whole), half], SPANS, FILES)
     assert [one.name for one in tests.names if one.kind == "signature"] == ["film_flow"]
     assert tests.blocks[0].shape == (1, R * T * 3)
     np.testing.assert_allclose(np.abs(tests.blocks[0][0]), unit(20), atol=1e-12)

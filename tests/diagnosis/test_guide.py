@@ -42,7 +42,9 @@ def test_a_toy_effect_is_added_by_the_steps_of_the_guide(tmp_path: Path) -> None
     assert found["stage"] == "observation"
     assert found["shown_by"] == "long pushes along x and along y"
     assert found["premise"] is False
-    assert max(abs(a - b) for a, b in zip(found["seen"], [1.01e-3, 1.98e-3, 0.5], strict=True)) < 1e-15
+    assert (
+        max(abs(a - b) for a, b in zip(found["seen"], [1.01e-3, 1.98e-3, 0.5], strict=True)) < 1e-15
+    )
 
 
 def test_the_toy_is_not_in_the_catalogue() -> None:

@@ -11,7 +11,7 @@ import pytest
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.nulls import null_rows
-from tests.diagnosis.conftest import coloured
+from tests.diagnosis.conftest import baseline_of, coloured, small_set
 
 Floats = npt.NDArray[np.float64]
 COUNT = 40
@@ -81,3 +81,11 @@ def test_what_is_not_known_of_the_noise_is_drawn(null: Diagnosis) -> None:
     # x, y and θ each with σ (1 + 0.22 n): the mean of three squares has a deviation of 0.26
     assert 0.15 < left.std() < 0.4
     assert left.mean() == pytest.approx(1.0 + 1.0 / 20.0, abs=0.15)
+
+
+@pytest.mark.xfail(strict=True, reason="refits of nulls wander where a parameter hardly shows")
+def test_nulls_end_well_where_friction_hardly_shows() -> None:
+    # pushes that stick: from a friction of about their slant on nothing depends on it
+    at = baseline_of(small_set(None, count=6, seed=14))
+    left = sums(at, null_rows(at, 20, 0))
+    assert left.max() < 1.3

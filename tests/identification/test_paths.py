@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meso_robust.identification.paths import in_steps, smoothed, thinned
+from meso_robust.identification.paths import in_steps, smoothed, thinned, with_corners
 
 UM = 1e-6
 
@@ -52,3 +52,76 @@ def test_steps_are_short_enough_and_end_where_the_path_does() -> None:
     assert lengths[4:].max() == pytest.approx(1.75 * UM)
     assert clock[4] == 1.0
     np.testing.assert_array_equal(points[-1], path[-1])
+
+
+def turning(times: np.ndarray, at: float, before: list[float], after: list[float]) -> np.ndarray:
+    """Even motion up to an instant, and other even motion from there; µm/s to m."""
+    since = (times - at)[:, None]
+    return UM * (np.minimum(since, 0.0) * before + np.maximum(since, 0.0) * after)
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ([0.0, 0.0], [75.0, 0.0]),  # from rest
+        ([75.0, 20.0], [0.0, 0.0]),  # to rest
+        ([75.0, 20.0], [-75.0, -20.0]),  # back
+        ([75.0, 0.0], [0.0, -30.0]),
+    ],
+)
+def test_a_turning_point_between_two_samples_is_recovered(
+    before: list[float], after: list[float]
+) -> None:
+    times = np.arange(12) / 30.0 + 0.7
+    at = 0.7 + 5.37 / 30.0
+    path = turning(times, at, before, after)
+    clock, places = with_corners(times, path, 5e-9)
+    assert len(clock) == len(times) + 1
+    assert clock[6] == pytest.approx(at, abs=1e-12)
+    np.testing.assert_allclose(places[6], 0.0, atol=1e-14)
+    np.testing.assert_array_equal(np.delete(clock, 6), times)
+    np.testing.assert_array_equal(np.delete(places, 6, axis=0), path)
+
+
+def test_every_turning_point_is_recovered() -> None:
+    times = np.arange(0.0, 3.0, 1 / 30)
+    instants = np.array([0.0, 0.41, 1.22, 1.77, 3.0])
+    corners = UM * np.array([[0.0, 5.0], [0.0, 5.0], [60.0, 5.0], [20.0, 5.0], [20.0, 5.0]])
+
+    def path(at: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(at, instants, corners[:, axis]) for axis in range(2)], axis=1)
+
+    clock, places = with_corners(times, path(times), 5e-9)
+    assert len(clock) == len(times) + 3
+    for instant, corner in zip(instants[1:-1], corners[1:-1], strict=True):
+        row = int(np.argmin(np.abs(clock - instant)))
+        assert clock[row] == pytest.approx(instant, abs=1e-12)
+        np.testing.assert_allclose(places[row], corner, atol=1e-14)
+    np.testing.assert_allclose(places, path(clock), atol=1e-14)
+
+
+def test_no_corner_is_put_where_there_is_none() -> None:
+    times = np.arange(0.0, 2.0, 1 / 30)
+    even = UM * times[:, None] * [75.0, -10.0]
+    on_a_sample = turning(times, times[20], [75.0, 0.0], [0.0, 75.0])
+    # both coordinates turn between the same samples, but not at one instant
+    apart = np.stack(
+        [
+            turning(times, times[20] + 0.008, [75.0, 0.0], [0.0, 0.0])[:, 0],
+            turning(times, times[20] + 0.025, [0.0, 75.0], [0.0, 0.0])[:, 1],
+        ],
+        axis=1,
+    )
+    for path in (even, on_a_sample, apart, even[:3]):
+        clock, places = with_corners(times[: len(path)], path, 5e-9)
+        np.testing.assert_array_equal(clock, times[: len(path)])
+        np.testing.assert_array_equal(places, path)
+
+
+@pytest.mark.xfail(strict=True, reason="any bend between samples is taken for a corner")
+def test_smooth_motion_has_no_corner() -> None:
+    times = np.arange(0.0, 2.0, 1 / 30)
+    faster = UM * np.stack([40.0 * times**2, 0.0 * times], axis=1)
+    circle = UM * 300.0 * np.stack([np.cos(times), np.sin(times)], axis=1)
+    for path in (faster, circle):
+        np.testing.assert_array_equal(with_corners(times, path, 5e-9)[0], times)

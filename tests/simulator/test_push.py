@@ -228,3 +228,27 @@ def test_first_order_motion_has_no_film_to_be_changed() -> None:
 def test_values_of_effects_are_numbers_or_one_a_run(value: object) -> None:
     with pytest.raises(ValueError, match=r"effects.backlash.width_um: .*must be a number"):
         Effects({"backlash": {"width_um": value}})  # type: ignore[dict-item]
+
+
+def test_a_large_tip_may_touch_a_part_that_is_longer_than_stated() -> None:
+    # 4.75 mm of tip beside a part that stands out by 0.21 mm: the gap is what the drawing says,
+    # not what a drawing stretched together with the tip would say
+    square = np.array([[-45.0, -45.0], [45.0, -45.0], [45.0, 45.0], [-45.0, 45.0]]) * 1e-3
+    touching = 45e-3 + 0.21e-3 + 4.75e-3
+
+    def push(x: float) -> Push:
+        return Push(
+            vertices=square,
+            poses=np.zeros((1, 3)),
+            waypoints=np.array([[[[x, 0.0]], [[x - 1e-3, 0.0]]]]),
+            times=np.array([[0.0, 1.0]]),
+            friction=np.array([[0.3]]),
+            support=Film.ratio(1e-3),
+            shapes=(Round(4.75e-3),),
+            effects=Effects({"part_geometry": {"x_um": 210.0}}),
+            step=100 * UM,
+        )
+
+    push(touching)
+    with pytest.raises(ValueError, match="inside the part"):
+        push(touching - 20 * UM)

@@ -1,0 +1,107 @@
+"""The whole diagnosis of small sets of known truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meso_robust.diagnosis import diagnose as module
+from meso_robust.diagnosis.answer import document
+from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
+from meso_robust.diagnosis.pictures import evidence
+from meso_robust.recordings import RecordingSet
+from tests.diagnosis.conftest import small_set
+from tests.diagnosis.designs import SIGMA
+
+
+def test_a_film_and_friction_are_consistent_with_themselves(null: Diagnosis) -> None:
+    assert null.verdict == "consistent"
+    assert null.naming is None
+    assert null.located is None
+    assert null.best is None
+    assert null.after is None
+    assert null.before is not None
+    assert null.before.whole == pytest.approx(1.0, abs=0.1)
+    assert null.extrapolation is None
+
+
+def test_a_hidden_delay_is_named_and_explains_what_no_fit_has_seen(late: Diagnosis) -> None:
+    assert late.verdict == "named"
+    assert late.best is not None
+    assert late.best.effects == ("camera_latency",)
+    assert late.located is not None
+    assert late.before is not None
+    assert late.after is not None
+    assert late.before.whole > 2.0
+    assert late.after.whole == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_diagnosis_goes_on_from_what_was_kept_and_ends_the_same(
+    monkeypatch: pytest.MonkeyPatch, null: Diagnosis, null_set: RecordingSet, null_store: Path
+) -> None:
+    def again(*_: object) -> None:
+        raise AssertionError("nulls are simulated again")
+
+    monkeypatch.setattr(module, "null_rows", again)
+    resumed = diagnose(null_set, quick=True, store=null_store)
+    assert document(resumed, "0") == document(null, "0")
+    np.testing.assert_array_equal(resumed.detection.null_statistics, null.detection.null_statistics)
+    with pytest.raises(AssertionError, match="simulated again"):
+        diagnose(null_set, quick=True, seed=1, store=null_store)
+
+
+def test_noise_that_nothing_tells_is_weighed_by_the_fit() -> None:
+    recordings = small_set(None, count=5, seed=6)
+    touching = tuple(
+        replace(
+            one,
+            times=one.times[24:-24] - one.times[24],
+            poses=one.poses[24:-24],
+            probes=one.probes[24:-24],
+        )
+        for one in recordings.recordings
+    )
+    sensor = replace(recordings.sensor, position_sigma=None, orientation_sigma=None)
+    told: list[str] = []
+    found = diagnose(
+        replace(recordings, recordings=touching, sensor=sensor),
+        quick=True,
+        told=lambda what, done, of: told.append(what),
+    )
+    assert not found.noise.known
+    assert found.noise.source == "residuals of the fit"
+    np.testing.assert_allclose(found.noise.sigma, SIGMA, rtol=0.25)
+    assert found.noise.floor == pytest.approx(1.0, abs=0.25)
+    assert found.split.held_out is None  # five recordings can spare none
+    assert found.before is None
+    values = document(found, "0")
+    assert values.noise.source == "residuals of the fit"
+    assert values.held_out.recordings == ()
+    assert values.held_out.noise_floor_sigma == found.noise.floor
+    assert found.verdict == "consistent"
+    assert told[-1] == "comparing with recordings that were held out"
+
+
+def test_pictures_show_all_recordings(late: Diagnosis, null: Diagnosis) -> None:
+    found = evidence(late)
+    assert late.split.held_out is not None
+    training = [one.file for one in late.split.training.recordings]
+    held_out = [one.file for one in late.split.held_out.recordings]
+    assert list(found.files) == training + held_out
+    assert list(found.held_out) == held_out
+    assert found.extended is not None
+    at = [found.files.index(file) for file in held_out]
+    for poses, least, most in ((found.baseline, 2.0, np.inf), (found.extended, 0.0, 1.1)):
+        away = (found.seen - poses)[at] / found.sigma
+        assert least < np.sqrt(np.nanmean(away**2)) < most
+    # the tip stands still at first, and so does its picture
+    first = found.tips[:, :8]
+    np.testing.assert_allclose(first - first[:, :1], 0.0, atol=1e-9)
+    for r, file in enumerate(found.files):
+        one = next(one for one in late.recordings.recordings if one.file == file)
+        count = int(np.sum(np.isfinite(found.seen[r, :, 0])))
+        np.testing.assert_allclose(found.tips[r, :count], one.probes[:count], atol=2e-7)
+    assert evidence(null).extended is None

@@ -1,0 +1,132 @@
+"""What is tried of each effect, and how it scales with the experiment."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.signatures import extended, start_of, within
+from meso_robust.diagnosis.trials import TRIALS, Trial, trials, tried, typical_speed
+from meso_robust.identification.prepared import Prepared
+from meso_robust.simulator.catalogue import CATALOGUE
+from tests.identification.sets import PART, UM
+
+
+@pytest.fixture(scope="module")
+def prepared(null: Diagnosis) -> Prepared:
+    return null.baseline.prepared
+
+
+@pytest.fixture(scope="module")
+def grown(prepared: Prepared) -> tuple[dict[str, Trial], ...]:
+    """First trials by effect: as recorded, of a part twice as large, of tips thrice as fast."""
+    large = replace(prepared, length=2.0 * prepared.length)
+    fast = replace(prepared, times=prepared.times / 3.0, instants=prepared.instants / 3.0)
+    return tuple(
+        {one.effect: one for one in reversed(trials(each))} for each in (prepared, large, fast)
+    )
+
+
+def test_every_effect_of_the_catalogue_is_tried(prepared: Prepared) -> None:
+    assert set(TRIALS) == set(CATALOGUE)
+    assert {one.effect for one in trials(prepared)} == set(CATALOGUE)
+    assert all(tried(effect).shown_by for effect in CATALOGUE)
+
+
+def test_trials_start_within_the_ranges_of_the_catalogue(null: Diagnosis) -> None:
+    for one in trials(null.baseline.prepared):
+        known = {p.key: p for p in CATALOGUE[one.effect].parameters}
+        assert {key for key in one.sizes if not known[key].size} == set()
+        assert set(one.free) <= set(one.shape) <= set(known)
+        assert set(one.scales) & set(one.held) == set()
+        assert set(one.sizes) | set(one.shape) == set(known)
+        model = extended(null.baseline.model, (one,))
+        start = start_of(one, np.ones(len(one.sizes)))
+        values = np.append(null.baseline.fits.values[0], start)[None]
+        np.testing.assert_array_equal(within(model, values), values)
+        assert model.valid(values)[0]
+
+
+@pytest.mark.parametrize(
+    ("effect", "key", "by_length", "by_speed"),
+    [
+        ("drag_centre_offset", "x_um", 2.0, 1.0),
+        ("drag_gradient", "x_per_mm", 0.5, 1.0),
+        ("lens_distortion", "k1_per_mm2", 0.25, 1.0),
+        ("body_force", "x_um_s", 1.0, 3.0),
+        ("drag_drift", "rate_percent_s", 0.5, 3.0),
+        ("camera_latency", "time_ms", 2.0, 1.0 / 3.0),
+        ("dry_friction", "ratio", 1.0, 3.0),  # in forces at 75 µm/s
+        ("camera_scale", "percent", 1.0, 1.0),
+        ("camera_rotation", "angle_deg", 1.0, 1.0),
+        ("shear_thinning", "exponent_drop", 1.0, 1.0),
+    ],
+)
+def test_sizes_grow_with_the_part_and_the_speed(
+    grown: tuple[dict[str, Trial], ...], effect: str, key: str, by_length: float, by_speed: float
+) -> None:
+    was, large, fast = (one[effect].sizes[key] for one in grown)
+    assert large == pytest.approx(by_length * was)
+    assert fast == pytest.approx(by_speed * was)
+
+
+def test_the_typical_speed_is_that_of_moving_tips(prepared: Prepared) -> None:
+    # two tips: 1 s of rest, 1 s at 20 µm/s of the faster one, 1 s at 40, 0.5 s at 80
+    path = np.array([[0, 0], [0, 0], [20, 5], [60, 10], [60, 50]]) * UM
+    waypoints = np.stack([path, np.zeros_like(path)], axis=-1)[None]
+    times = np.array([[0.0, 1.0, 2.0, 3.0, 3.5]])
+    hand_made = replace(prepared, waypoints=waypoints, times=times)
+    assert typical_speed(hand_made) == pytest.approx(40 * UM)
+    still = replace(prepared, waypoints=0.0 * waypoints, times=times)
+    assert typical_speed(still) == pytest.approx(75 * UM)
+
+
+def test_every_edge_is_tried(prepared: Prepared) -> None:
+    edges = [t.held["edge"] for t in trials(prepared) if t.effect == "edge_dependent_friction"]
+    assert edges == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_walls_stand_as_near_as_the_part_ever_came(prepared: Prepared) -> None:
+    walls = [one for one in trials(prepared) if one.effect == "wall_capillarity"]
+    assert len(walls) == 16
+    places = prepared.seen[..., :2][np.isfinite(prepared.seen).all(axis=-1)] / UM
+    for one in walls:
+        angle = np.radians(one.shape["direction_deg"])
+        ahead = places @ [np.cos(angle), np.sin(angle)]
+        assert ahead.max() == pytest.approx(one.shape["position_um"], abs=0.01)
+
+
+def test_posts_stand_beside_the_part_and_never_within_it(prepared: Prepared) -> None:
+    posts = [one for one in trials(prepared) if one.effect == "unmodelled_wall"]
+    assert len(posts) > 10
+    half = 0.5 * np.array([PART.length, PART.width]) / UM
+    gaps: list[Any] = []
+    for one in posts:
+        scale = one.shape["radius_um"] / 50.0
+        centre = np.array([one.shape["x_um"], one.shape["y_um"]])
+        away = centre - prepared.seen[..., :2] / UM
+        theta = prepared.seen[..., 2]
+        own = np.stack(
+            [
+                np.cos(theta) * away[..., 0] + np.sin(theta) * away[..., 1],
+                np.cos(theta) * away[..., 1] - np.sin(theta) * away[..., 0],
+            ],
+            axis=-1,
+        )
+        outside = np.hypot(*np.moveaxis(np.maximum(np.abs(own) - half, 0.0), -1, 0))
+        gaps.append(np.nanmin(outside) - 50.0 * scale)
+    assert min(gaps) > -6.0 - 3.0  # between frames that are looked at it moves a little
+    assert np.median(gaps) < 5.0  # and they are where a part could have been stopped
+
+
+def test_an_effect_without_a_line_has_its_sizes_tried(
+    monkeypatch: pytest.MonkeyPatch, prepared: Prepared
+) -> None:
+    monkeypatch.delitem(TRIALS, "stribeck_friction")
+    (only,) = tried("stribeck_friction").forms("stribeck_friction", prepared)
+    assert only.sizes == {"ratio": 1.0}
+    assert "pushes on all edges" in tried("stribeck_friction").shown_by
