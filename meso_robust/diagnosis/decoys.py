@@ -17,7 +17,7 @@ from meso_robust.diagnosis.tangent import Tangent
 
 Floats = npt.NDArray[np.float64]
 
-COUNT = 99
+COUNT = 49
 """Decoys that are drawn."""
 
 
@@ -53,9 +53,9 @@ def decoys(at: Tangent, rows: Floats, columns: Floats, seed: int) -> Decoys | No
         return None
     rng = np.random.default_rng([seed, 3])
     evidence = at.evidence(rows)
-    own = _gain(at, evidence, columns)
-    reached = [_gain(at, evidence, decoy(at, columns, rng)) >= own for _ in range(COUNT)]
-    return Decoys(count=COUNT, share=float(np.mean(reached)))
+    drawn = [columns, *(decoy(at, columns, rng) for _ in range(COUNT))]
+    own, *others = (estimate(evidence, left, False)[1] for left in at.evidence(np.stack(drawn)))
+    return Decoys(count=COUNT, share=float(np.mean(np.array(others) >= own)))
 
 
 def decoy(at: Tangent, columns: Floats, rng: np.random.Generator) -> Floats:
@@ -87,8 +87,3 @@ def _frames(count: int, rng: np.random.Generator) -> Floats:
     found[:, 1, 0], found[:, 1, 1] = sin, side * cos
     found[:, 2, 2] = side
     return found
-
-
-def _gain(at: Tangent, evidence: Floats, columns: Floats) -> float:
-    """Nats by a linear estimate."""
-    return 0.5 * estimate(evidence, at.evidence(columns), False)[1]

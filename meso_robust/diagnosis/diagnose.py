@@ -19,7 +19,7 @@ from meso_robust.diagnosis.detect import Detection, Detector, Span, detector
 from meso_robust.diagnosis.identifiable import Visibility, visibilities
 from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.located import Located, located, predicted_pairs
-from meso_robust.diagnosis.name import Candidate, Contest, Naming, judged
+from meso_robust.diagnosis.name import Candidate, Contest, Naming, judged, partial
 from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.refit import Refit
@@ -38,6 +38,7 @@ Told = Callable[[str, int, int], None]
 
 NULLS = {True: 99, False: 299}
 """Simulated sets without a mismatch of a quick and of a full diagnosis."""
+_PARTS = 3  # sets that may explain a part of a mismatch that none explains
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -200,6 +201,9 @@ def _shown(found: Diagnosis) -> Diagnosis:
     if naming is not None and held_out and before is not None:
         each = tuple(_on(held_out, baseline, one) for one in naming.answers)
         naming = judged(naming, before, each)
+        if not naming.answers:
+            some = naming.candidates[:_PARTS]
+            naming = partial(naming, before, tuple(_on(held_out, baseline, one) for one in some))
         found = replace(found, naming=naming)
         after = _on(held_out, baseline, found.best) if found.best else None
     if naming is not None:

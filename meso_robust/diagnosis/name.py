@@ -348,3 +348,19 @@ def judged(naming: Naming, before: Errors, each: tuple[Errors, ...]) -> Naming:
         replace(one, rejected=refuted.get(one.effects, one.rejected)) for one in naming.candidates
     )
     return replace(naming, answers=answers, candidates=candidates)
+
+
+def partial(naming: Naming, before: Errors, each: tuple[Errors, ...]) -> Naming:
+    """Of a mismatch that nothing explains, the part that carries over to held-out recordings.
+
+    Parameters
+    ----------
+    naming
+        Outcome of the competition, without an answer.
+    before, each
+        Errors on held-out recordings of the plain model, and of the first candidates.
+    """
+    best = min(range(len(each)), key=lambda k: each[k].whole, default=None)
+    if best is None or each[best].whole >= before.whole:
+        return replace(naming, best=None)
+    return replace(naming, best=naming.candidates[best])
