@@ -123,7 +123,7 @@ def _why(found: Diagnosis) -> str:
 
 
 def _why_unknown(best: Candidate | None, catch_all: float | None) -> str:
-    why = "no effect of the catalogue helps"
+    why = "no effect of the catalogue helps on recordings held out"
     if best is not None:
         names = " + ".join(best.effects)
         why = f"no set of effects is enough: {names} {best.rejected or 'leaves a mismatch'}"

@@ -21,7 +21,7 @@ from meso_robust.diagnosis.tangent import Tangent
 
 Floats = npt.NDArray[np.float64]
 
-ALARM = 0.01
+ALARM = 0.005
 """p-value up to which a mismatch is stated."""
 _SMALL = 1e-3  # of a signature: less is left of it by the refit, and it is no test
 _DEEP = 1e-300  # probability below which quantiles are not taken

@@ -36,7 +36,7 @@ Floats = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and of how much."""
 
-NULLS = {True: 99, False: 299}
+NULLS = {True: 199, False: 399}
 """Simulated sets without a mismatch of a quick and of a full diagnosis."""
 _PARTS = 3  # sets that may explain a part of a mismatch that none explains
 

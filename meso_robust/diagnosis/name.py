@@ -27,10 +27,13 @@ Told = Callable[[str, int, int], None]
 _PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
 _DOUBT = 0.05  # of the probability may be outside the set that is given
 _FORMS = 2  # forms of an effect that are refitted
-_TRUST = 0.01  # of what the best set explains: how well scores can be known
+_TRUST = 0.005  # of what the best set explains: how well scores can be known
 _MORE = 2.0  # nats by which another set must be better to count as such
 _WORSE = 5.0  # nats by which held-out recordings refute an answer
-_SAME = 1.5  # σ, root of the sum of squares: motions that no recording here tells apart
+_SAME = 4.0  # σ, root of the sum of squares: motions that no recording here tells apart
+_SAME_MOTION = "the same motion as"
+_BEHIND = 5.0  # nats behind a set that is not enough, at which an adequate one is so by chance
+_SLIGHT = 40.0  # nats, as of 9 σ, that every effect of a set must explain
 _BEAM = {True: 2, False: 3}  # sets that a further effect is added to, if quick and if not
 _ADDED = {True: 3, False: 5}  # effects that are added to each, those that promise most
 _FAR = 25.0  # nats behind the best, at which a set is not built on
@@ -212,9 +215,7 @@ class Contest:
                     continue
                 known.add(names)
                 self.told("naming sets", len(fits), _BEAM[self.quick] * _ADDED[self.quick])
-                fits.append(
-                    refitted(self.baseline, (*self._chosen(base.refit), one), start=base.refit)
-                )
+                fits += self._tried((*self._chosen(base.refit), one), base.refit)
         return self._refined(fits)
 
     def _chosen(self, base: Refit) -> tuple[Signature, ...]:
@@ -227,10 +228,11 @@ class Contest:
         """Probabilities, duplicates, and whether the likely sets are adequate."""
         field = _without_duplicates(_with_probabilities(field))
         best = max((one.score for one in field if not one.rejected), default=0.0)
-        return [
+        asked = [
             self._asked(one) if not one.rejected and one.score > best - _FAR else one
             for one in field
         ]
+        return [_supported(one, asked) for one in asked]
 
     def _asked(self, one: Candidate) -> Candidate:
         """The set with what the detector says of it."""
@@ -259,6 +261,28 @@ class Contest:
                 one = replace(one, rejected=f"{' + '.join(smaller[0].effects)} is enough")
             pruned.append(one)
         return pruned
+
+
+def _supported(one: Candidate, field: list[Candidate]) -> Candidate:
+    """An adequate set, unless another law would do as well.
+
+    A set that is beaten by one that is not enough is adequate by chance. And a further effect that
+    mends little is what any law could mend: among so many pairs some always does.
+    """
+    if not one.adequate or one.rejected:
+        return one
+    top = max((o for o in field if not o.rejected.startswith(_SAME_MOTION)), key=lambda o: o.score)
+    if one.score < top.score - _BEHIND * max(1.0, _TRUST * top.score):
+        ahead = top.score - one.score
+        names = " + ".join(top.effects)
+        return replace(one, rejected=f"{names} is {ahead:.0f} nats likelier, and not enough")
+    parts = [o.score for o in field if set(o.effects) < set(one.effects)]
+    mended = one.score - max(parts, default=0.0)
+    if len(one.effects) > 1 and mended < _SLIGHT:
+        return replace(
+            one, rejected=f"one of them mends {mended:.0f} nats only, as another law might"
+        )
+    return one
 
 
 def _best_of_each(fits: list[Refit]) -> list[Refit]:
@@ -301,11 +325,11 @@ def _without_duplicates(field: list[Candidate]) -> list[Candidate]:
             for other in kept
             if not other.rejected
             and other.refit.numbers < one.refit.numbers
-            and one.score < other.score + _MORE
+            and one.score < other.score
             and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME
         ]
         if same and not one.rejected:
-            one = replace(one, rejected=f"the same motion as {' + '.join(same[0].effects)}")
+            one = replace(one, rejected=f"{_SAME_MOTION} {' + '.join(same[0].effects)}")
         kept.append(one)
     return _ranked(kept)
 

@@ -12,12 +12,13 @@ import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.identification.arrow import Arrow
-from meso_robust.identification.forward import predicted
+from meso_robust.identification.forward import Prediction, predicted
 from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]
 
 _ROUNDS = 3  # Newton's steps of a refit that starts next to its end
+_EXCLUDED = 9.0  # χ² of what no refit takes of a change of the parameters: three σ
 _FARTHEST = 0.5  # largest step of a coordinate
 
 
@@ -36,11 +37,21 @@ def null_rows(baseline: Baseline, count: int, seed: int) -> Floats:
     rng = np.random.default_rng([seed, 1])
     fits, settings = baseline.fits, baseline.settings
     values = _drawn(baseline, count, rng)
-    starts = np.broadcast_to(fits.starts, (count, *fits.starts.shape[1:]))
+    starts = fits.starts + _start_errors(baseline, count, rng)
     offsets: Floats = np.zeros((count, *fits.offsets.shape[1:]))
     if settings.offset:
         offsets = settings.offset * rng.standard_normal(offsets.shape)
-    truth = predicted(baseline.finer, baseline.model, values, starts=starts, offsets=offsets)
+
+    def of(values: Floats) -> Prediction:
+        return predicted(baseline.finer, baseline.model, values, starts=starts, offsets=offsets)
+
+    # the range of a weak parameter is not as even as its curvature says: what the recordings exclude
+    # is not drawn
+    change = of(values).poses - of(np.repeat(fits.values, count, axis=0)).poses
+    rows = baseline.tangent.rows(np.where(baseline.seen, change / settings.sigma, 0.0))
+    excluded = np.sum(baseline.tangent.evidence(rows) ** 2, axis=1) > _EXCLUDED
+    values[excluded] = fits.values
+    truth = of(values)
     noise = _coloured(baseline, truth.poses.shape, rng)
     failed = truth.outcomes != Outcome.COMPLETED
     return _refitted(baseline, truth.poses + noise, noise, failed)
@@ -64,6 +75,15 @@ def _drawn(baseline: Baseline, count: int, rng: np.random.Generator) -> Floats:
     return np.asarray(drawn)
 
 
+def _start_errors(baseline: Baseline, count: int, rng: np.random.Generator) -> Floats:
+    """(B, R, 3) by how much the true starts may differ from the fitted ones, m and rad."""
+    n = len(baseline.model.parameters)
+    own = _normal(baseline)[:, n : n + 3, n : n + 3] + 1e-6 * np.eye(3)
+    widths, ways = np.linalg.eigh(np.linalg.inv(own))
+    steps = rng.standard_normal((count, len(own), 3)) * np.sqrt(widths)
+    return np.asarray(np.einsum("rij,brj->bri", ways, steps) * baseline.settings.sigma)
+
+
 def _coloured(baseline: Baseline, shape: tuple[int, ...], rng: np.random.Generator) -> Floats:
     """Noise (B, R, T, 3) in m and rad."""
     noise, count = baseline.noise, shape[0]
@@ -85,6 +105,8 @@ def _refitted(
 ) -> Floats:
     """White residuals (B, R, M) of data (B, R, T, 3) after a fit of everything to each.
 
+    Of a parameter that hardly shows a step may lead away: the best round counts.
+
     A push that fails (B, R) with numbers so near to the fit's, as a jam between two tips may, says
     nothing; its noise stands for what a fit would leave.
     """
@@ -95,12 +117,18 @@ def _refitted(
     offsets = np.zeros((count, *baseline.fits.offsets.shape[1:]))
     normal = _normal(baseline)
     moving = np.broadcast_to(model.fitted, coordinates.shape)
+    best, least = np.zeros(0), np.full(count, np.inf)
     for turn in range(_ROUNDS + 1):
         values = _valid(baseline, model.values(coordinates))
         found = predicted(prepared, model, values, starts=starts, offsets=offsets)
         lost = (failed | (found.outcomes != Outcome.COMPLETED))[..., None, None]
         left = np.where(lost, noise, seen - found.poses)
         residuals = np.where(baseline.seen, left / settings.sigma, 0.0)
+        scaled = offsets / settings.offset if settings.offset else None
+        rows = baseline.tangent.rows(residuals, scaled)
+        misfit = np.sum(rows**2, axis=(1, 2))
+        best = np.where((misfit < least)[:, None, None], rows, best) if turn else rows
+        least = np.minimum(misfit, least)
         if turn == _ROUNDS:
             break
         slope = np.einsum(
@@ -116,8 +144,7 @@ def _refitted(
         starts = starts + own[..., :3] * settings.sigma
         if settings.offset:
             offsets = offsets + own[..., 3:] * settings.offset
-    scaled = offsets / settings.offset if settings.offset else None
-    return baseline.tangent.rows(residuals, scaled)
+    return best
 
 
 def _normal(baseline: Baseline) -> Floats:

@@ -54,12 +54,6 @@ class Tangent:
     seen: npt.NDArray[np.bool_]
     correlation: float
 
-    @property
-    def freedom(self) -> int:
-        """Numbers in the data beyond what the fit takes."""
-        taken = int(np.count_nonzero(np.any(self.own != 0.0, axis=1)))
-        return int(self.seen.sum()) - taken - self.shared.shape[1]
-
     def rows(self, residuals: Floats, offsets: Floats | None = None) -> Floats:
         """(…, R, M) white data of residuals (…, R, T, 3) and offsets (…, R, 4) in σ."""
         white = whitened(residuals, self.seen, self.correlation)
@@ -80,14 +74,6 @@ class Tangent:
         left = self.cleaned(rows)
         flat = left.reshape(*left.shape[:-2], -1)
         return np.asarray(flat - (flat @ self.shared) @ self.shared.T)
-
-    def with_columns(self, columns: Floats) -> Tangent:
-        """The tangent of a model with further parameters, of rows (k, R, M)."""
-        left = self.evidence(columns).reshape(len(columns), -1).T
-        more = basis(left)
-        return Tangent(
-            self.own, np.concatenate([self.shared, more], axis=1), self.seen, self.correlation
-        )
 
 
 def tangent(

@@ -78,7 +78,9 @@ def with_corners(times: Floats, path: Floats, tolerance: float) -> tuple[Floats,
     at = np.sum(turn * miss, axis=1) / np.where(squares > 0.0, squares, 1.0)
     left = np.abs(miss - turn * at[:, None]).max(axis=1)
     way = np.abs(turn).max(axis=1)
-    corner = (left <= tolerance) & (at * way > tolerance) & ((gap - at) * way > tolerance)
+    same = np.abs(np.diff(speed, axis=0)).max(axis=1) * np.diff(times)[1:] <= tolerance
+    even = np.insert(same[:-2], 0, False) | np.append(same[2:], False)
+    corner = even & (left <= tolerance) & (at * way > tolerance) & ((gap - at) * way > tolerance)
     found = np.flatnonzero(corner)
     where = path[1:-2][found] + before[found] * at[found, None]
     return (

@@ -70,10 +70,10 @@ def main() -> None:
         folder = Path(name)
         data = folder / "set"
         write(make(Case(kind="outside", names=(TOY,), multiples=(8.0,), seed=1)), data)
-        print("without:", run(_DIAGNOSE, None, str(data)).strip())
+        sys.stdout.write(f"without: {run(_DIAGNOSE, None, str(data))}")
         followed(folder)
         found = json.loads(run(_DIAGNOSE, folder, str(data)))
-        print("with:   ", json.dumps(found))
+        sys.stdout.write(f"with:    {json.dumps(found)}\n")
 
 
 if __name__ == "__main__":

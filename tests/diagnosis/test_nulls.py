@@ -83,7 +83,6 @@ def test_what_is_not_known_of_the_noise_is_drawn(null: Diagnosis) -> None:
     assert left.mean() == pytest.approx(1.0 + 1.0 / 20.0, abs=0.15)
 
 
-@pytest.mark.xfail(strict=True, reason="refits of nulls wander where a parameter hardly shows")
 def test_nulls_end_well_where_friction_hardly_shows() -> None:
     # pushes that stick: from a friction of about their slant on nothing depends on it
     at = baseline_of(small_set(None, count=6, seed=14))

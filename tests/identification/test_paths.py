@@ -118,7 +118,6 @@ def test_no_corner_is_put_where_there_is_none() -> None:
         np.testing.assert_array_equal(places, path)
 
 
-@pytest.mark.xfail(strict=True, reason="any bend between samples is taken for a corner")
 def test_smooth_motion_has_no_corner() -> None:
     times = np.arange(0.0, 2.0, 1 / 30)
     faster = UM * np.stack([40.0 * times**2, 0.0 * times], axis=1)
