@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import io
 import json
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -45,7 +43,7 @@ class Made:
     def evidence(self) -> Evidence:
         return diagnoses.evidence(self.verdict)
 
-    def model_toml(self) -> str:
+    def model_toml(self, version: str) -> str:
         return "model = 'viscous'\n"
 
 
@@ -77,9 +75,11 @@ def given(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[dict[str, Any]]
                 raise raises
             return Made(verdict)
 
-        module = ModuleType("meso_robust.diagnosis.diagnose")
-        module.diagnose = diagnose  # type: ignore[attr-defined]
-        monkeypatch.setitem(sys.modules, module.__name__, module)
+        room = "meso_robust.diagnosis"
+        monkeypatch.setattr(f"{room}.diagnose.diagnose", diagnose)
+        monkeypatch.setattr(f"{room}.answer.document", Made.document)
+        monkeypatch.setattr(f"{room}.pictures.evidence", Made.evidence)
+        monkeypatch.setattr(f"{room}.model_file.model_toml", Made.model_toml)
         return asked
 
     return put
@@ -114,7 +114,7 @@ def test_the_verdict_decides_the_exit_status(
     assert written["verdict"] == verdict
     page = (out / "report.html").read_text(encoding="utf-8")
     assert page == f"{verdict} of set, 12 recordings"
-    assert (out / "model.toml").read_text(encoding="utf-8") == Made(verdict).model_toml()
+    assert (out / "model.toml").read_text(encoding="utf-8") == Made(verdict).model_toml("")
 
 
 def test_the_summary_says_what_where_and_how_much(given: Any, folder: Path, tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ import meso_robust
 PACKAGE = Path(meso_robust.__file__).parent
 GUIDE = PACKAGE / "diagnosis" / "ADDING_AN_EFFECT.md"
 TOY = "camera_aspect"
-_STEP = re.compile(r"In\s+`([^`]+)`, after the\s+line `([^`]+)`:\n\n```python\n(.*?)```", re.DOTALL)
+_STEP = re.compile(r"In\s+`([^`]+)`, after the\s+line `([^`]+)`:\n\n```text\n(.*?)```", re.DOTALL)
 _DIAGNOSE = """
 import json, sys
 from pathlib import Path

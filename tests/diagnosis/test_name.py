@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -16,9 +17,11 @@ from meso_robust.diagnosis.name import (
     Contest,
     Naming,
     _answers,
+    _supported,
     _with_probabilities,
     _without_duplicates,
     judged,
+    partial,
 )
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.refit import Refit
@@ -71,8 +74,8 @@ def test_differences_that_may_be_the_simulators_count_less() -> None:
     found = _with_probabilities(
         [candidate("body_force", score=5000.0), candidate("backlash", score=4950.0)]
     )
-    # a hundredth of 5000 nats is 50: one doubt
-    assert found[0].probability / found[1].probability == pytest.approx(np.e)
+    # a two-hundredth of 5000 nats is 25: two doubts
+    assert found[0].probability / found[1].probability == pytest.approx(np.e**2)
 
 
 def test_an_answer_holds_nearly_all_of_the_probability() -> None:
@@ -93,9 +96,9 @@ def test_an_answer_holds_nearly_all_of_the_probability() -> None:
 
 def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
     simple = candidate("dry_friction", score=10.0, numbers=1, rows=1.0)
-    same = candidate("stribeck_friction", score=11.0, numbers=2, rows=2.0)
-    other = candidate("breakaway_friction", score=11.0, numbers=2, rows=9.0)
-    better = candidate("shear_thinning", score=12.5, numbers=2, rows=2.0)
+    same = candidate("stribeck_friction", score=9.0, numbers=2, rows=2.0)
+    other = candidate("breakaway_friction", score=9.0, numbers=2, rows=9.0)
+    better = candidate("shear_thinning", score=10.5, numbers=2, rows=2.0)
     found = {one.effects[0]: one for one in _without_duplicates([simple, same, other, better])}
     assert found["stribeck_friction"].rejected == "the same motion as dry_friction"
     assert [name for name, one in found.items() if one.rejected] == ["stribeck_friction"]
@@ -176,3 +179,36 @@ def test_what_is_enough_by_itself_is_not_given_with_more(pulled: Baseline) -> No
     assert found[more.effects] == "body_force is enough"
     assert found[needed.effects] == ""
     assert found[one.effects] == ""
+
+
+def test_an_answer_that_is_beaten_by_what_is_not_enough_is_none() -> None:
+    ahead = candidate("stribeck_friction", score=20.0, adequate=False, rejected="leaves a mismatch")
+    behind = candidate("body_force", score=14.0, adequate=True)
+    close = candidate("backlash", score=16.0, adequate=True)
+    field = [ahead, behind, close]
+    assert "6 nats likelier" in _supported(behind, field).rejected
+    assert _supported(close, field).rejected == ""
+
+
+def test_a_further_effect_must_explain_much() -> None:
+    single = candidate("body_force", score=50.0, adequate=False, rejected="leaves a mismatch")
+    slight = candidate("body_force", "tip_radius", score=89.0, adequate=True)
+    much = candidate("body_force", "backlash", score=91.0, adequate=True)
+    assert "mends 39 nats only" in _supported(slight, [single, slight]).rejected
+    assert _supported(much, [single, much]).rejected == ""
+
+
+def test_of_what_is_not_explained_the_part_is_given_that_carries_over() -> None:
+    none = Naming(
+        answers=(),
+        best=candidate("body_force", score=9.0),
+        candidates=(candidate("body_force", score=9.0), candidate("backlash", score=8.0)),
+    )
+
+    def left(whole: float) -> Errors:
+        return cast(Errors, SimpleNamespace(whole=whole))
+
+    found = partial(none, left(2.0), (left(2.1), left(1.5)))
+    assert found.best is not None
+    assert found.best.effects == ("backlash",)
+    assert partial(none, left(1.4), (left(2.1), left(1.5))).best is None
