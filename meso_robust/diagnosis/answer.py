@@ -84,6 +84,7 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
                 "meso_robust": version,
                 "notes": (
                     *(f"{note.file}: {note.what}" for note in found.baseline.prepared.notes),
+                    *_ended(found),
                     *remarks,
                 ),
             },
@@ -103,6 +104,22 @@ def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, 
     remarks = warnings_of(recordings)
     found = diagnose(recordings, quick=quick, seed=seed)
     return document(found, __version__, remarks).model_dump(mode="json", by_alias=True)
+
+
+def _ended(found: Diagnosis) -> tuple[str, ...]:
+    """What to know of the errors: pushes that failed in the simulator, and nothing held out."""
+    each = {"plain": (found.trained, found.before), "extended": (found.retrained, found.after)}
+    failed = tuple(
+        f"{file}: its push ends in {outcome} with the {which} model"
+        for which, errors in each.items()
+        for one in errors
+        if one is not None
+        for file, outcome in zip(one.prepared.files, one.outcomes, strict=True)
+        if outcome != "completed"
+    )
+    if found.before is None:
+        return (*failed, "too few recordings to hold any out: errors are those of the fit")
+    return failed
 
 
 def _why(found: Diagnosis) -> str:

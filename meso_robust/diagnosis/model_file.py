@@ -50,12 +50,12 @@ def model_document(found: Diagnosis, version: str) -> ModelDocument:
     }
     plain |= {
         "model": model.name,
-        "interval": "profile likelihood",
+        "interval": "curvature",
         "confidence": CONFIDENCE,
         "parameters": {one.key: _section(one) for one in known},
         "held": plain.get("held", {}) | held,
         "not_identifiable": _unknown(known),
-        "minima": [_minimum(errors, best.refit.chi2, shown)],
+        "minima": [_minimum(errors, float(best.refit.fits.chi2[0]), shown)],
         "recording": _recordings(errors),
     }
     plain.pop("quality", None)
@@ -90,7 +90,7 @@ def _minimum(errors: Errors, chi2: float, shown: dict[str, float]) -> dict[str, 
         "x_um": UM * mean[0],
         "y_um": UM * mean[1],
         "theta_deg": DEG * mean[2],
-        "found": 1,
+        "found": 0,  # the search began at a linear estimate, not at a random start
         "parameters": shown,
     }
 
@@ -109,7 +109,7 @@ def _recordings(errors: Errors) -> list[dict[str, Any]]:
             "x_um": UM * rms[k, 0],
             "y_um": UM * rms[k, 1],
             "theta_deg": DEG * rms[k, 2],
-            "outcome": "completed",
+            "outcome": errors.outcomes[k],
         }
         for k, file in enumerate(errors.prepared.files)
     ]

@@ -17,6 +17,7 @@ from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.recordings import RecordingSet
+from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]
 
@@ -42,6 +43,8 @@ class Errors:
         (R, T, 3) predicted; NaN where nothing was seen.
     prepared
         The recordings.
+    outcomes
+        How each simulated push ended: completed, jam …
     """
 
     sigma: Floats
@@ -50,6 +53,7 @@ class Errors:
     at: Tangent
     poses: Floats
     prepared: Prepared
+    outcomes: tuple[str, ...] = ()
 
     @property
     def whole(self) -> float:
@@ -139,6 +143,9 @@ def _errors(
         at=at,
         poses=poses,
         prepared=prepared,
+        outcomes=tuple(
+            Outcome(int(code)).name.lower().replace("_", " ") for code in fits.outcomes[0]
+        ),
     )
 
 

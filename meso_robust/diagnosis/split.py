@@ -21,7 +21,8 @@ class Split:
     training
         All fits and all choices see these only.
     held_out
-        Nothing sees these before the end; empty if there are too few recordings.
+        No fit sees these, and no search; they may refute an answer that it gave, and of what is
+        not explained they choose the part that carries over. None if there are too few recordings.
     """
 
     training: RecordingSet

@@ -144,8 +144,9 @@ class ModelDocument(_Section):
     diagnosis: Literal["consistent", "named", "ambiguous", "unknown"] | None = None
     """Verdict of the diagnosis that the model is from; None of an identification."""
     objective: Literal["printed", "likelihood"]
-    interval: Literal["profile likelihood", "last simplex"]
-    """What the intervals are; only those of the likelihood have a probability."""
+    interval: Literal["profile likelihood", "curvature", "last simplex"]
+    """What the intervals are: of a profile or the curvature of the likelihood, with a probability; or the
+    width of a search, without one."""
     confidence: Share | None = None
     part: PartSection
     parameters: dict[Key, ParameterSection]

@@ -16,7 +16,7 @@ from meso_robust.primitives.setup import Block, Setup, setup_of
 from meso_robust.task import Task, parse_task
 
 _SAME = 1e-6  # of a length: two statements of it that differ by less are the same
-_FINE = 1e6  # steps of a friction coefficient, a ratio in um^2 or a percentage
+_FINE = 10**6  # steps of a friction coefficient, a ratio in um^2 or a percentage
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,7 +138,10 @@ def _ranges(document: ModelDocument, standings: Mapping[str, Standing]) -> dict[
         found["film_ratio_um2"], found["film_ratio_percent"] = about_middle(low, high)
     if FRICTION in standings and standings[FRICTION].survives:
         low, high = document.parameters[FRICTION].low, document.parameters[FRICTION].high
-        found["friction"] = [math.floor(low * _FINE) / _FINE, math.ceil(high * _FINE) / _FINE]
+        found["friction"] = [
+            math.floor(spelled(low) * _FINE) / _FINE,
+            math.ceil(spelled(high) * _FINE) / _FINE,
+        ]
     return found
 
 
@@ -147,7 +150,7 @@ def about_middle(low: float, high: float) -> Ends:
     middle = round(0.5 * (low + high), 1)
     exact = spelled(middle)
     reach = max(exact - spelled(low), spelled(high) - exact)
-    percent = math.ceil(100 * reach / exact * int(_FINE)) / _FINE
+    percent = math.ceil(100 * reach / exact * _FINE) / _FINE
     return middle, percent
 
 

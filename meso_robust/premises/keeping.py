@@ -31,7 +31,7 @@ def needed(chain: Chain, task: Task) -> Budget:
     radius = max(_farthest(step) for step in chain.steps)
     speed = task.probe.speed_um_s
     seconds = sum(_travel_um(step, chain, task) / speed + HANDLING_S for step in chain.steps)
-    return Budget(radius_um=radius * _ROUNDING + added, seconds=seconds * _ROUNDING)
+    return Budget(radius_um=(radius + added) * _ROUNDING, seconds=seconds * _ROUNDING)
 
 
 def _farthest(step: Step) -> float:

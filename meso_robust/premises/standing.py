@@ -94,7 +94,7 @@ def unknown(document: ModelDocument, key: str) -> str:
             if is_open
         )
         return f"the recordings give {key} no {side} bound"
-    if document.interval != "profile likelihood":
+    if document.interval == "last simplex":
         return (
             f"{key} has the ends of the last simplex only, which bound nothing: fit the likelihood "
             "(`meso-robust identify`)"

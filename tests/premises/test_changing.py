@@ -141,3 +141,10 @@ def test_the_same_part_by_its_corners_is_taken() -> None:
     corners = [[-808.0, -418.5], [808.0, -418.5], [808.0, 418.5], [-808.0, 418.5]]
 
     check_part(paper_task(), model(part={"polygon_um": corners}), "here")
+
+
+def test_friction_is_rounded_outward_where_the_product_of_doubles_rounds_inward() -> None:
+    low = 0.30001099999999997
+    assert low * 1e6 == 300011.0  # although low is less
+    found = made(base={"rho_um2": (372_000.0, 381_000.0), "mu": (low, 0.34)})
+    assert found.task.uncertainty.friction[0] == 0.30001
