@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from meso_robust import __version__
+from meso_robust.diagnosis.candidates import Candidate
 from meso_robust.diagnosis.control import SAME
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.intervals import Interval, intervals
-from meso_robust.diagnosis.name import Candidate
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.show import Errors, improvement
 from meso_robust.diagnosis.trials import tried
@@ -24,6 +24,7 @@ from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 UM, DEG = 1e6, 180.0 / np.pi
 VISCOSITY = "film_viscosity"
 """The scale of the drag: no motion depends on it."""
+_PAIRS = 24  # that are listed
 _LISTED = 12  # tests and candidates that are listed
 
 
@@ -199,7 +200,7 @@ def _located(found: Diagnosis) -> dict[str, object]:
                 "sigma": one.sigma,
                 "predicted_sigma": predicted.get((one.invariance, one.first, one.second)),
             }
-            for one in where.pairs
+            for one in where.pairs[:_PAIRS]
         ),
     }
 

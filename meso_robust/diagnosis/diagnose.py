@@ -12,6 +12,7 @@ import numpy.typing as npt
 from meso_robust import __version__
 from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
 from meso_robust.diagnosis.black_box import black_box
+from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.catch_all import catch_all
 from meso_robust.diagnosis.control import Control, control
 from meso_robust.diagnosis.decoys import Decoys, decoys
@@ -19,10 +20,11 @@ from meso_robust.diagnosis.detect import Detection, Detector, Span, detector
 from meso_robust.diagnosis.identifiable import Visibility, visibilities
 from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.located import Located, located, predicted_pairs
-from meso_robust.diagnosis.name import Candidate, Contest, Naming, judged, partial
+from meso_robust.diagnosis.name import Contest
 from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.required import Witnesses, judged, partial
 from meso_robust.diagnosis.show import Errors, Extrapolation, errors, extrapolated, trained
 from meso_robust.diagnosis.signatures import Signature, signatures
 from meso_robust.diagnosis.spans import spans_of
@@ -197,22 +199,13 @@ def _shown(found: Diagnosis) -> Diagnosis:
     """The diagnosis with what the models are worth on recordings that were held out."""
     held_out, baseline = found.split.held_out, found.baseline
     before = _on(held_out, baseline, None) if held_out else None
-    naming, after = found.naming, None
-    if naming is not None and held_out and before is not None:
-        each = tuple(_on(held_out, baseline, one) for one in naming.answers)
-        naming = judged(naming, before, each)
-        if not naming.answers:
-            some = naming.candidates[:_PARTS]
-            naming = partial(naming, before, tuple(_on(held_out, baseline, one) for one in some))
-        found = replace(found, naming=naming)
-        after = _on(held_out, baseline, found.best) if found.best else None
-    if naming is not None:
-        found = replace(found, catch_all=_catch_all(found, before))
+    if found.naming is not None:
+        found = _judged(replace(found, catch_all=_catch_all(found, before)), before)
     best = found.best
     if best is None:
         return replace(found, before=before)
+    after = _on(held_out, baseline, best) if held_out else None
     retrained = trained(baseline, best.refit)
-    pairs = found.located.pairs if found.located else ()
     refit = best.refit
     found = _checked(found, best.refit, before, after, retrained)
     return replace(
@@ -220,11 +213,54 @@ def _shown(found: Diagnosis) -> Diagnosis:
         before=before,
         after=after,
         retrained=retrained,
-        predicted_pairs=predicted_pairs(baseline, pairs, retrained.poses),
+        predicted_pairs=_pairs(found, retrained),
         extrapolation=None
         if found.quick
         else extrapolated(found.split.training, baseline, refit.model, refit.fits.values[0]),
     )
+
+
+def _judged(found: Diagnosis, before: Errors | None) -> Diagnosis:
+    """The diagnosis with the answers that are left, or else the part that is explained."""
+    naming, baseline, held_out = found.naming, found.baseline, found.split.held_out
+    if naming is None:
+        return found
+    refits = [trained(baseline, one.refit) for one in naming.answers]
+    errors: dict[tuple[str, ...], Errors] = {(): before or found.trained}
+    if held_out is None:
+        errors |= {one.effects: own for one, own in zip(naming.answers, refits, strict=True)}
+    else:
+        errors |= {one.effects: _on(held_out, baseline, one) for one in _asked_of(naming)}
+    told = Witnesses(
+        errors=errors,
+        unseen=held_out is not None,
+        reach=max(found.noise.floor, found.catch_all or 0.0),
+        seen=found.located.pairs if found.located else (),
+        pairs={
+            one.effects: _pairs(found, own) for one, own in zip(naming.answers, refits, strict=True)
+        },
+    )
+    naming = judged(naming, told)
+    if not naming.answers and held_out is not None and before is not None:
+        some = naming.candidates[:_PARTS]
+        naming = partial(naming, before, tuple(_on(held_out, baseline, one) for one in some))
+    return replace(found, naming=naming)
+
+
+def _asked_of(naming: Naming) -> tuple[Candidate, ...]:
+    """The answers, and the sets they contain."""
+    return tuple(
+        one
+        for one in naming.candidates
+        if any(set(one.effects) <= set(answer.effects) for answer in naming.answers)
+    )
+
+
+def _pairs(found: Diagnosis, model: Errors) -> tuple[Pair, ...]:
+    """The invariances as a model has them, of the recordings of the fit."""
+    if found.located is None:
+        return ()
+    return predicted_pairs(found.baseline, found.located.pairs, model.poses)
 
 
 def _catch_all(found: Diagnosis, before: Errors | None) -> float | None:

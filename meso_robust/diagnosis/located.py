@@ -22,7 +22,7 @@ from meso_robust.recordings import RecordingSet
 Floats = npt.NDArray[np.float64]
 
 _COMPONENTS: tuple[Component, ...] = ("x", "y", "theta")
-_LISTED = 24  # spans and pairs that are listed
+_LISTED = 24  # spans that are listed
 _CHANCE = 0.05  # that any of the listed spans is by chance
 
 
@@ -79,7 +79,7 @@ def located(training: RecordingSet, baseline: Baseline, seed: int) -> Located:
         places=_places(found, baseline, follows),
         channels=tuple(sorted(found.totals(), key=lambda one: -one.share)),
         covariates=follows,
-        pairs=tuple(sorted(own, key=lambda one: -one.sigma)[:_LISTED]),
+        pairs=tuple(sorted(own, key=lambda one: -one.sigma)),
     )
 
 

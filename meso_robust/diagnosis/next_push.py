@@ -10,8 +10,8 @@ from meso_robust.diagnosis.rival_pushes import Rival, best_push
 from meso_robust.diagnosis.trials import tried
 
 if TYPE_CHECKING:
+    from meso_robust.diagnosis.candidates import Candidate
     from meso_robust.diagnosis.diagnose import Diagnosis
-    from meso_robust.diagnosis.name import Candidate
 
 UM = 1e6
 ALIKE = 3.0

@@ -10,21 +10,22 @@ import numpy as np
 import pytest
 
 from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.candidates import (
+    Candidate,
+    Naming,
+    answers_of,
+    pruned,
+    supported,
+    with_probabilities,
+    without_duplicates,
+)
 from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.name import (
-    Candidate,
-    Contest,
-    Naming,
-    _answers,
-    _supported,
-    _with_probabilities,
-    _without_duplicates,
-    judged,
-    partial,
-)
+from meso_robust.diagnosis.invariances import Pair
+from meso_robust.diagnosis.name import Contest
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.required import Witnesses, judged, partial
 from meso_robust.diagnosis.show import Errors
 from meso_robust.diagnosis.signatures import signatures
 from meso_robust.diagnosis.trials import Trial
@@ -63,7 +64,7 @@ def test_a_score_pays_for_effects_and_for_forms() -> None:
 
 def test_probabilities_are_those_of_bayes() -> None:
     field = [candidate("backlash", score=2.0), candidate("body_force", score=5.0)]
-    found = _with_probabilities(field)
+    found = with_probabilities(field)
     weights = np.exp([5.0, 2.0, 0.0])  # the plain model among them
     assert [one.effects for one in found] == [("body_force",), ("backlash",)]
     expected = weights[:2] / weights.sum()
@@ -71,7 +72,7 @@ def test_probabilities_are_those_of_bayes() -> None:
 
 
 def test_differences_that_may_be_the_simulators_count_less() -> None:
-    found = _with_probabilities(
+    found = with_probabilities(
         [candidate("body_force", score=5000.0), candidate("backlash", score=4950.0)]
     )
     # a two-hundredth of 5000 nats is 25: two doubts
@@ -80,7 +81,7 @@ def test_differences_that_may_be_the_simulators_count_less() -> None:
 
 def test_an_answer_holds_nearly_all_of_the_probability() -> None:
     def field(second: float) -> list[Candidate]:
-        return _with_probabilities(
+        return with_probabilities(
             [
                 candidate("body_force", score=20.0, adequate=True),
                 candidate("backlash", score=second, adequate=True),
@@ -89,9 +90,9 @@ def test_an_answer_holds_nearly_all_of_the_probability() -> None:
             ]
         )
 
-    assert [one.effects for one in _answers(field(16.0))] == [("body_force",)]
-    assert [one.effects for one in _answers(field(18.0))] == [("body_force",), ("backlash",)]
-    assert _answers([]) == ()
+    assert [one.effects for one in answers_of(field(16.0))] == [("body_force",)]
+    assert [one.effects for one in answers_of(field(18.0))] == [("body_force",), ("backlash",)]
+    assert answers_of([]) == ()
 
 
 def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
@@ -99,18 +100,35 @@ def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
     same = candidate("stribeck_friction", score=9.0, numbers=2, rows=2.0)
     other = candidate("breakaway_friction", score=9.0, numbers=2, rows=9.0)
     better = candidate("shear_thinning", score=10.5, numbers=2, rows=2.0)
-    found = {one.effects[0]: one for one in _without_duplicates([simple, same, other, better])}
+    found = {one.effects[0]: one for one in without_duplicates([simple, same, other, better])}
     assert found["stribeck_friction"].rejected == "the same motion as dry_friction"
     assert [name for name, one in found.items() if one.rejected] == ["stribeck_friction"]
 
 
-def errors(misfit: float) -> Errors:
-    """With −½ Σ r² = −misfit."""
-    nothing = cast(Any, None)
+def errors(misfit: float, whole: float = 1.0) -> Errors:
+    """With −½ Σ r² = −misfit, and an error of so many σ."""
     rows = np.sqrt([[misfit, misfit]])
-    return Errors(
-        sigma=nothing, metres=nothing, rows=rows, at=nothing, poses=nothing, prepared=nothing
+    return cast(Errors, SimpleNamespace(rows=rows, whole=whole))
+
+
+def pair(x: float, tolerance: float = 1e-6) -> Pair:
+    """A push that should coincide with another, and is so far off along x, m."""
+    return cast(
+        Pair,
+        SimpleNamespace(
+            invariance="speed",
+            first="a.csv",
+            second="b.csv",
+            difference=np.array([x, 0.0, 0.0]),
+            tolerance=np.array([tolerance, tolerance, 1e-3]),
+        ),
     )
+
+
+def told(plain: float, unseen: bool = True, reach: float = 1.0, **each: Errors) -> Witnesses:
+    """Errors of sets, named ``a__b``, and no pairs."""
+    own = {tuple(name.split("__")): one for name, one in each.items()}
+    return Witnesses(errors={(): errors(plain)} | own, unseen=unseen, reach=reach, pairs={})
 
 
 def naming(*names: str) -> Naming:
@@ -120,15 +138,54 @@ def naming(*names: str) -> Naming:
 
 def test_held_out_recordings_refute_answers() -> None:
     both = naming("body_force", "backlash")
-    kept = judged(both, errors(500.0), (errors(100.0), errors(104.0)))
+    kept = judged(both, told(500.0, body_force=errors(100.0), backlash=errors(104.0)))
     assert [one.effects for one in kept.answers] == [("body_force",), ("backlash",)]
-    found = judged(both, errors(500.0), (errors(106.0), errors(100.0)))
+    found = judged(both, told(500.0, body_force=errors(106.0), backlash=errors(100.0)))
     assert [one.effects for one in found.answers] == [("backlash",)]
     assert "6.0 nats" in found.candidates[0].rejected
     assert found.candidates[1].rejected == ""
-    assert judged(both, errors(90.0), (errors(96.0), errors(97.0))).answers == ()
-    none = replace(both, answers=())
-    assert judged(none, errors(1.0), ()) is none
+    worse = told(90.0, body_force=errors(96.0), backlash=errors(97.0))
+    assert judged(both, worse).answers == ()
+    fitted = replace(worse, unseen=False)  # a fit that is no worse than another refutes nothing
+    assert len(judged(both, fitted).answers) == 2
+
+
+def test_every_effect_of_a_set_must_help_where_nothing_was_fitted() -> None:
+    one = candidate("backlash", "body_force", score=9.0, adequate=True)
+    found = Naming(answers=(one,), best=one, candidates=(one,))
+
+    def against(part: float) -> str:
+        witnesses = told(500.0, body_force=errors(part), backlash__body_force=errors(50.0))
+        return judged(found, witnesses).candidates[0].rejected
+
+    assert against(50.1) == ""
+    assert against(49.9) == "held-out recordings are as likely with body_force alone"
+
+
+def test_an_answer_must_come_near_what_any_law_could_reach() -> None:
+    one = naming("body_force")
+    assert judged(one, told(500.0, reach=1.1, body_force=errors(9.0, 1.31))).answers
+    found = judged(one, told(500.0, reach=1.1, body_force=errors(9.0, 1.33)))
+    assert found.answers == ()
+    assert found.candidates[0].rejected == "leaves 1.33 σ, where any law could leave 1.10 σ"
+
+
+def test_invariances_must_be_broken_as_they_are_seen_to_be() -> None:
+    one = naming("body_force")
+
+    def answers(seen: float, predicted: float) -> int:
+        witnesses = replace(
+            told(500.0, body_force=errors(9.0)),
+            seen=(pair(0.0), pair(seen)),
+            pairs={("body_force",): (pair(0.0), pair(predicted))},
+        )
+        return len(judged(one, witnesses).answers)
+
+    assert answers(9e-6, 9e-6) == 1
+    assert answers(9e-6, 5e-6) == 1
+    # 5 σ of three numbers: a chance of 1.5e-5, less than a thousandth over two pairs
+    assert answers(9e-6, 4e-6) == 0
+    assert answers(0.0, 5e-6) == 0  # nor may it break one that is seen to hold
 
 
 def test_a_hidden_delay_is_named(late: Diagnosis) -> None:
@@ -170,12 +227,11 @@ def test_without_the_true_effect_there_is_no_answer(pulled: Baseline) -> None:
     assert found.best.rejected.startswith("leaves a mismatch")
 
 
-def test_what_is_enough_by_itself_is_not_given_with_more(pulled: Baseline) -> None:
+def test_what_is_enough_by_itself_is_not_given_with_more() -> None:
     one = candidate("body_force", score=30.0, adequate=True)
     more = candidate("body_force", "tip_radius", score=31.5, adequate=True)
     needed = candidate("body_force", "camera_rotation", score=32.5, adequate=True)
-    court = Contest(pulled, [], (), np.zeros((1, 1, 1)), True, lambda *_: None)
-    found = {one.effects: one.rejected for one in court._pruned([needed, more, one])}
+    found = {one.effects: one.rejected for one in pruned([needed, more, one])}
     assert found[more.effects] == "body_force is enough"
     assert found[needed.effects] == ""
     assert found[one.effects] == ""
@@ -186,16 +242,16 @@ def test_an_answer_that_is_beaten_by_what_is_not_enough_is_none() -> None:
     behind = candidate("body_force", score=14.0, adequate=True)
     close = candidate("backlash", score=16.0, adequate=True)
     field = [ahead, behind, close]
-    assert "6 nats likelier" in _supported(behind, field).rejected
-    assert _supported(close, field).rejected == ""
+    assert "6 nats likelier" in supported(behind, field).rejected
+    assert supported(close, field).rejected == ""
 
 
 def test_a_further_effect_must_explain_much() -> None:
     single = candidate("body_force", score=50.0, adequate=False, rejected="leaves a mismatch")
     slight = candidate("body_force", "tip_radius", score=89.0, adequate=True)
     much = candidate("body_force", "backlash", score=91.0, adequate=True)
-    assert "mends 39 nats only" in _supported(slight, [single, slight]).rejected
-    assert _supported(much, [single, much]).rejected == ""
+    assert "mends 39 nats only" in supported(slight, [single, slight]).rejected
+    assert supported(much, [single, much]).rejected == ""
 
 
 def test_of_what_is_not_explained_the_part_is_given_that_carries_over() -> None:

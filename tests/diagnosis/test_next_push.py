@@ -11,9 +11,9 @@ import pytest
 from scipy.optimize import least_squares
 
 from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.candidates import Candidate
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import NextExperiment
-from meso_robust.diagnosis.name import Candidate
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.rival_pushes import Rival, arranged, best_push, rivals
 from meso_robust.diagnosis.trials import Trial, tried

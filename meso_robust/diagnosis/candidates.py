@@ -1,0 +1,179 @@
+"""Sets of effects against each other: what each scores, which are the same, and which may answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meso_robust.diagnosis.refit import Refit
+from meso_robust.simulator.catalogue import CATALOGUE
+
+_PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
+_DOUBT = 0.05  # of the probability may be outside the set that is given
+_TRUST = 0.005  # of what the best set explains: how well scores can be known
+_MORE = 2.0  # nats by which another set must be better to count as such
+_SAME = 4.0  # σ, root of the sum of squares: motions that no recording here tells apart
+_SAME_MOTION = "the same motion as"
+_BEHIND = 5.0  # nats behind a set that is not enough, at which an adequate one is so by chance
+_SLIGHT = 40.0  # nats, as of 9 σ, that every effect of a set must explain
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidate:
+    """A set of effects in the competition.
+
+    Attributes
+    ----------
+    refit
+        The fit.
+    choices
+        Logarithm of the number of forms that the effects were tried in: the best of many is better
+        by chance.
+    probability
+        Among the sets that were refitted, the plain model among them.
+    adequate
+        Whether nothing is left that the detector sees; None if not asked.
+    p_value
+        Of the largest local test of what is left; NaN if not asked.
+    rejected
+        Why it is no answer; empty if it may be.
+    """
+
+    refit: Refit
+    choices: float = 0.0
+    probability: float = 0.0
+    adequate: bool | None = None
+    p_value: float = np.nan
+    rejected: str = ""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names."""
+        return self.refit.effects
+
+    @property
+    def score(self) -> float:
+        """Log evidence with the prior of a set of this size."""
+        return self.refit.gain - _PRIOR * len(self.refit.trials) - self.choices
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Naming:
+    """Outcome of the competition.
+
+    Attributes
+    ----------
+    answers
+        Sets that explain the recordings, the most probable first; several if they cannot be told
+        apart, none if nothing is adequate.
+    best
+        The best set, adequate or not; None if no effect helps.
+    candidates
+        All, the best first.
+    """
+
+    answers: tuple[Candidate, ...]
+    best: Candidate | None
+    candidates: tuple[Candidate, ...]
+
+
+def supported(one: Candidate, field: list[Candidate]) -> Candidate:
+    """An adequate set, unless another law would do as well.
+
+    A set that is beaten by one that is not enough is adequate by chance. And a further effect that
+    mends little is what any law could mend: among so many pairs some always does.
+    """
+    if not one.adequate or one.rejected:
+        return one
+    top = max((o for o in field if not o.rejected.startswith(_SAME_MOTION)), key=lambda o: o.score)
+    if one.score < top.score - _BEHIND * max(1.0, _TRUST * top.score):
+        ahead = top.score - one.score
+        names = " + ".join(top.effects)
+        return replace(one, rejected=f"{names} is {ahead:.0f} nats likelier, and not enough")
+    parts = [o.score for o in field if set(o.effects) < set(one.effects)]
+    mended = one.score - max(parts, default=0.0)
+    if len(one.effects) > 1 and mended < _SLIGHT:
+        return replace(
+            one, rejected=f"one of them mends {mended:.0f} nats only, as another law might"
+        )
+    return one
+
+
+def best_of_each(fits: list[Refit]) -> list[Refit]:
+    """The best form of every set."""
+    best: dict[tuple[str, ...], Refit] = {}
+    for one in fits:
+        if one.effects not in best or one.gain > best[one.effects].gain:
+            best[one.effects] = one
+    return list(best.values())
+
+
+def ranked(field: list[Candidate]) -> list[Candidate]:
+    """By score, the best first."""
+    return sorted(field, key=lambda one: -one.score)
+
+
+def with_probabilities(field: list[Candidate]) -> list[Candidate]:
+    """Bayes' rule among the sets and the plain model, whose score is 0.
+
+    Differences that are small against what is explained may be the simulator's and count less.
+    """
+    scores = np.array([one.score for one in field])
+    top = max(0.0, float(scores.max(initial=0.0)))
+    doubt = max(1.0, _TRUST * top)
+    weights = np.exp((scores - top) / doubt)
+    total = float(weights.sum() + np.exp(-top / doubt))
+    return ranked(
+        [
+            replace(one, probability=float(weight / total))
+            for one, weight in zip(field, weights, strict=True)
+        ]
+    )
+
+
+def without_duplicates(field: list[Candidate]) -> list[Candidate]:
+    """Mark sets that make the motion of a simpler one with more numbers."""
+    kept: list[Candidate] = []
+    for one in sorted(field, key=lambda one: (one.refit.numbers, -one.score)):
+        same = [
+            other
+            for other in kept
+            if not other.rejected
+            and other.refit.numbers < one.refit.numbers
+            and one.score < other.score
+            and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME
+        ]
+        if same and not one.rejected:
+            one = replace(one, rejected=f"{_SAME_MOTION} {' + '.join(same[0].effects)}")
+        kept.append(one)
+    return ranked(kept)
+
+
+def answers_of(field: list[Candidate]) -> tuple[Candidate, ...]:
+    """The adequate sets that hold all but a little of the probability."""
+    able = [one for one in field if one.adequate and not one.rejected]
+    total = sum(one.probability for one in able)
+    given, sum_of = [], 0.0
+    for one in ranked(able):
+        given.append(one)
+        sum_of += one.probability
+        if sum_of >= (1.0 - _DOUBT) * total:
+            break
+    return tuple(given)
+
+
+def pruned(field: list[Candidate]) -> list[Candidate]:
+    """Reject answers that contain a smaller adequate set of about the same evidence."""
+    answers = [one for one in field if one.adequate and not one.rejected]
+    kept = []
+    for one in field:
+        smaller = [
+            other
+            for other in answers
+            if set(other.effects) < set(one.effects) and other.score > one.score - _MORE
+        ]
+        if smaller and not one.rejected:
+            one = replace(one, rejected=f"{' + '.join(smaller[0].effects)} is enough")
+        kept.append(one)
+    return kept
