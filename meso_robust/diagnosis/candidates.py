@@ -93,7 +93,7 @@ def supported(one: Candidate, field: list[Candidate]) -> Candidate:
         return replace(one, rejected=f"{names} is {ahead:.0f} nats likelier, and not enough")
     parts = [o.score for o in field if set(o.effects) < set(one.effects)]
     mended = one.score - max(parts, default=0.0)
-    if len(one.effects) > 1 and mended < _SLIGHT:
+    if len(one.effects) > 1 and mended < max(_SLIGHT, _TRUST * one.score):
         return replace(
             one, rejected=f"one of them mends {mended:.0f} nats only, as another law might"
         )
@@ -148,6 +148,12 @@ def without_duplicates(field: list[Candidate]) -> list[Candidate]:
             one = replace(one, rejected=f"{_SAME_MOTION} {' + '.join(same[0].effects)}")
         kept.append(one)
     return ranked(kept)
+
+
+def freed(field: list[Candidate]) -> list[Candidate]:
+    """Duplicates of a set that turned out not to be enough may yet answer."""
+    short = {f"{_SAME_MOTION} {' + '.join(one.effects)}" for one in field if one.adequate is False}
+    return [replace(one, rejected="") if one.rejected in short else one for one in field]
 
 
 def answers_of(field: list[Candidate]) -> tuple[Candidate, ...]:

@@ -19,6 +19,7 @@ from meso_robust.diagnosis.candidates import (
     Naming,
     answers_of,
     best_of_each,
+    freed,
     pruned,
     ranked,
     supported,
@@ -42,7 +43,29 @@ _CLOSE = {
     True: 0.2,
     False: 0.5,
 }  # of the gain of the best, behind it, up to which a search is taken to its end
+_BEYOND = 10.0  # times the sizes that a signature was made with, where nothing is linear any more
 _HOPELESS = 0.5  # of the best gain so far, that a linear estimate must reach in a quick search
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Form:
+    """A form of an effect, and what a linear estimate promises of it.
+
+    Attributes
+    ----------
+    gain
+        In nats.
+    signature
+        Of the form.
+    linear
+        Whether the estimate can be relied on. It cannot where the form has no sizes and is only where
+        a search begins, and not where it asks for far more than the signature was made with: friction
+        that no tip feels until it slips shows in its signature not at all.
+    """
+
+    gain: float
+    signature: Signature
+    linear: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,15 +97,14 @@ class Contest:
 
     def _singles(self) -> list[Candidate]:
         """Every effect by itself."""
-        chosen = sorted(self._forms(None, ()), key=lambda pair: -pair[0])
+        chosen = sorted(self._forms(None, ()), key=lambda form: -form.gain)
         fits: list[Refit] = []
-        for done, (promise, one) in enumerate(chosen):
+        for done, form in enumerate(chosen):
             self.told("naming", done, len(chosen))
             best = max((fit.gain for fit in fits), default=0.0)
-            # a form without sizes is only where a search begins: it promises little
-            if self.quick and one.trial.sizes and promise <= _HOPELESS * best - _FAR:
+            if self.quick and form.linear and form.gain <= _HOPELESS * best - _FAR:
                 continue
-            fits += self._tried((one,), None)
+            fits += self._tried((form.signature,), None)
         return self._refined(best_of_each(fits))
 
     def _choices(self, effect: str) -> float:
@@ -117,28 +139,28 @@ class Contest:
             ]
         )
 
-    def _forms(
-        self, start: Refit | None, without: tuple[str, ...]
-    ) -> list[tuple[float, Signature]]:
-        """The most promising forms of every effect, with what a linear estimate promises."""
+    def _forms(self, start: Refit | None, without: tuple[str, ...]) -> list[Form]:
+        """The most promising forms of every effect."""
         at = start.tangent if start else self.baseline.tangent
         rows = start.rows if start else self.baseline.rows
         evidence = at.evidence(rows)
-        promised: dict[str, list[tuple[float, Signature]]] = {}
+        promised: dict[str, list[Form]] = {}
         for one in self.signatures:
             if one.trial.effect in without:
                 continue
             left = one.left(at)
             if not np.any(left):
                 continue
-            gain = 0.5 * estimate(evidence, left, one.one_sided)[1]
-            promised.setdefault(one.trial.effect, []).append((gain, one))
-        return [pair for own in promised.values() for pair in self._first(own)]
+            sizes, fall = estimate(evidence, left, one.one_sided)
+            linear = bool(one.trial.sizes) and float(np.abs(sizes).max(initial=0.0)) < _BEYOND
+            form = Form(gain=0.5 * fall, signature=one, linear=linear)
+            promised.setdefault(one.trial.effect, []).append(form)
+        return [form for own in promised.values() for form in self._first(own)]
 
-    def _first(self, own: list[tuple[float, Signature]]) -> list[tuple[float, Signature]]:
+    def _first(self, own: list[Form]) -> list[Form]:
         """Of the forms of an effect, those that are refitted."""
-        most = 1 if self.quick and own[0][1].trial.sizes else _FORMS
-        return sorted(own, key=lambda pair: -pair[0])[:most]
+        most = 1 if self.quick and own[0].signature.trial.sizes else _FORMS
+        return sorted(own, key=lambda form: -form.gain)[:most]
 
     def _extended(self, field: list[Candidate]) -> list[Candidate]:
         """Sets with one effect more, built on the best of the largest ones."""
@@ -148,10 +170,11 @@ class Contest:
         fits: list[Refit] = []
         for base in bases:
             forms = self._forms(base.refit, base.effects)
-            best: dict[str, tuple[float, Signature]] = {}
-            for gain, one in sorted(forms, key=lambda pair: pair[0]):
-                best[one.trial.effect] = (gain, one)
-            for _, one in sorted(best.values(), key=lambda pair: -pair[0])[: _ADDED[self.quick]]:
+            best: dict[str, Form] = {}
+            for form in sorted(forms, key=lambda form: form.gain):
+                best[form.signature.trial.effect] = form
+            for form in sorted(best.values(), key=lambda form: -form.gain)[: _ADDED[self.quick]]:
+                one = form.signature
                 names = tuple(sorted((*base.effects, one.trial.effect)))
                 if names in known:
                     continue
@@ -168,13 +191,17 @@ class Contest:
 
     def _judged(self, field: list[Candidate]) -> list[Candidate]:
         """Probabilities, duplicates, and whether the likely sets are adequate."""
-        field = without_duplicates(with_probabilities(field))
+        field = self._all_asked(without_duplicates(with_probabilities(field)))
+        asked = self._all_asked(freed(field))
+        return [supported(one, asked) for one in asked]
+
+    def _all_asked(self, field: list[Candidate]) -> list[Candidate]:
+        """The sets, the likely ones with what the detector says of them."""
         best = max((one.score for one in field if not one.rejected), default=0.0)
-        asked = [
+        return [
             self._asked(one) if not one.rejected and one.score > best - _FAR else one
             for one in field
         ]
-        return [supported(one, asked) for one in asked]
 
     def _asked(self, one: Candidate) -> Candidate:
         """The set with what the detector says of it."""

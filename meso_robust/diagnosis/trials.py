@@ -23,8 +23,8 @@ Floats = npt.NDArray[np.float64]
 
 REFERENCE_LENGTH = 910e-6
 """Characteristic length in m of the part that the numbers are for."""
-_POST = 50.0  # µm, radius of a post; its far side is never touched
-_CLOSE = 6.0  # µm within which a post may stand of what was seen of the part
+_POST = 50.0  # µm, radius of a post that a search begins with
+_CLOSE = 10.0  # µm within which a post may stand of what was seen of the part
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +125,7 @@ def _posts(effect: str, prepared: Prepared) -> Iterable[Trial]:
             effect=effect,
             sizes={},
             shape={"radius_um": _POST, "x_um": float(centre[0]), "y_um": float(centre[1])},
-            free={"x_um": 5.0, "y_um": 5.0},
+            free={"x_um": 5.0, "y_um": 5.0, "radius_um": 10.0},
         )
 
 
@@ -244,7 +244,8 @@ TRIALS: Mapping[str, Try] = {
     ),
     "camera_drift": Try("ten seconds of camera without any motion", sized(x_um_s=0.3, y_um_s=0.3)),
     "lens_distortion": Try(
-        "pushes in the corners of the image; a calibration grid", sized(k1_per_mm2=0.003)
+        "pushes in the corners of the image; a calibration grid",
+        shaped({"k1_per_mm2": 0.003}, {"turned": 0.5}, turned=(0.5,)),
     ),
 }
 """What to try of each effect, and the push that would show it; without a line, see `tried`."""

@@ -3,10 +3,11 @@
 A pose x, θ of the part at time t is seen as
 
     y(t) = (1 + s) D(R(φ) x(t - τ)) + d t,    D(r) = r (1 + k1 |r|²),
-    θ_seen(t) = θ(t - τ) + φ,
+    θ_seen(t) = θ(t - τ) + φ + q ψ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
 
 world frame, all about the world origin: delay τ, rotation φ of the image against the stage, lens D,
-error s of the scale and drift d. Then `sense` samples at the frames of the camera, adds noise and
+error s of the scale and drift d. The lens shears what is off its axis; ψ is the angle by which the
+x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. Then `sense` samples at the frames of the camera, adds noise and
 loses frames. NumPy only; the kernels do not come here.
 """
 
@@ -98,7 +99,8 @@ OBSERVATION = Stage(
         ),
         Effect(
             name="lens_distortion",
-            equation="y = x (1 + k1 |x|²) about the world origin",
+            equation="y = x (1 + k1 |x|²) about the world origin, θ_seen = θ + q ψ, ψ the angle by "
+            "which its shear turns the part's x axis",
             source="first radial term of Weng, Cohen and Herniou 1992, doi:10.1109/34.159901",
             parameters=(
                 Parameter(
@@ -108,6 +110,16 @@ OBSERVATION = Stage(
                     meaning="radial distortion, positive: pincushion, negative: barrel",
                     low=-0.1,
                     high=0.1,
+                ),
+                Parameter(
+                    key="turned",
+                    unit="",
+                    to_si=1.0,
+                    meaning="share of the shear that the tracker takes for a turn: 1 if it follows "
+                    "the part's x axis, less if it fits the whole outline, 0 if that is round",
+                    low=-1.0,
+                    high=1.5,
+                    size=False,
                 ),
             ),
         ),
@@ -121,6 +133,7 @@ CAMERA_ROTATION_ANGLE = OBSERVATION.slot("camera_rotation", "angle_deg")
 CAMERA_DRIFT_X = OBSERVATION.slot("camera_drift", "x_um_s")
 CAMERA_DRIFT_Y = OBSERVATION.slot("camera_drift", "y_um_s")
 LENS_DISTORTION_K1 = OBSERVATION.slot("lens_distortion", "k1_per_mm2")
+LENS_DISTORTION_TURNED = OBSERVATION.slot("lens_distortion", "turned")
 
 _WHOLE_FRAME = 1e-9  # of a frame, so that 1 s at 30 Hz has the frame at its end
 
@@ -200,7 +213,8 @@ def observe(
     the part and the tips are at rest. An effect that is off leaves every bit as it is.
 
     The Jacobian of the lens, (1 + k1 r²) I + 2 k1 r rᵀ, is symmetric: its rotation part (that of
-    the polar decomposition) is the identity, so the lens moves a part but does not turn it.
+    the polar decomposition) is the identity, so the lens does not turn a round part. One that is
+    longer than wide has an axis, and a tracker that follows it takes shear for a turn.
 
     Parameters
     ----------
@@ -235,6 +249,7 @@ def observe(
     table = np.broadcast_to(effects_table, (runs, SLOTS))
     _delay(times, poses, table[:, CAMERA_LATENCY_TIME])
     _turn(poses[..., 2], table[:, CAMERA_ROTATION_ANGLE])
+    _shear(poses, table)
     _show(times, poses[:, :, None, :2], table)
     if probes_seen_by_camera:
         _delay(times, probes, table[:, CAMERA_LATENCY_TIME])
@@ -319,6 +334,19 @@ def _delay(times: Floats, values: Floats, delay: Floats) -> None:
 def _turn(angles: Floats, turn: Floats) -> None:
     on = turn != 0.0
     angles[on] += turn[on, None]
+
+
+def _shear(poses: Floats, table: Floats) -> None:
+    """Turn poses, already turned with the image, by what the tracker takes of the lens's shear."""
+    k1, share = table[:, LENS_DISTORTION_K1], table[:, LENS_DISTORTION_TURNED]
+    on = (k1 != 0.0) & (share != 0.0)
+    points = poses[on, :, None, :2].copy()
+    _rotate(points, table[on, CAMERA_ROTATION_ANGLE])
+    x, y, angle = points[..., 0, 0], points[..., 0, 1], poses[on, :, 2]
+    along, across = x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
+    k = k1[on, None]
+    stretch = 1.0 + k * (x**2 + y**2) + 2.0 * k * along**2
+    poses[on, :, 2] += share[on, None] * np.arctan2(2.0 * k * along * across, stretch)
 
 
 def _rotate(points: Floats, angle: Floats) -> None:

@@ -18,6 +18,7 @@ from meso_robust.simulator.observation import (
     CAMERA_ROTATION_ANGLE,
     CAMERA_SCALE_PERCENT,
     LENS_DISTORTION_K1,
+    LENS_DISTORTION_TURNED,
     OBSERVATION,
     Frames,
     Sensor,
@@ -33,7 +34,7 @@ SLOT_OF = {
     "camera_scale": (CAMERA_SCALE_PERCENT,),
     "camera_rotation": (CAMERA_ROTATION_ANGLE,),
     "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y),
-    "lens_distortion": (LENS_DISTORTION_K1,),
+    "lens_distortion": (LENS_DISTORTION_K1, LENS_DISTORTION_TURNED),
 }
 ON: dict[str, dict[str, float | Floats]] = {
     "camera_latency": {"time_ms": 60.0},
@@ -67,9 +68,9 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_the_five_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == [80, 81, 82, 83, 84, 85]
+    assert slots == [80, 81, 82, 83, 84, 85, 86]
     table = Effects(ON).table[0]
-    expected = [0.06, 0.007, math.radians(1.3), 0.4e-6, -0.2e-6, 1e4]
+    expected = [0.06, 0.007, math.radians(1.3), 0.4e-6, -0.2e-6, 1e4, 0.0]
     columns = [slot for group in SLOT_OF.values() for slot in group]
     assert table[columns] == pytest.approx(expected, rel=1e-15)
 
@@ -136,6 +137,24 @@ def test_the_best_rotation_of_a_small_disc_seen_through_the_lens_is_none() -> No
     turn = np.angle(np.sum(np.conj(ring) * (image[1:] - np.mean(image[1:]))))
     shear = np.angle((image[1] - image[0]) / ring[0])
     assert abs(turn) < 1e-9 < 1e-3 < abs(shear)
+
+
+def test_a_tracked_axis_is_turned_as_the_image_of_two_points_of_it() -> None:
+    r, k1, heading = 0.9e-3 - 0.4e-3j, -0.06, 0.7
+    turn = np.deg2rad(2.0)
+    ends = r + 1e-8 * np.exp(1j * heading) * np.array([1.0, -1.0])
+    image = np.exp(1j * turn) * ends * (1.0 + 1e6 * k1 * abs(ends) ** 2)
+    expected = np.angle((image[0] - image[1]) * np.exp(-1j * heading)) + heading
+    pose = np.array([[[r.real, r.imag, heading]]])
+    for share in (0.0, 0.4, 1.0):
+        lens = {"k1_per_mm2": k1, "turned": share}
+        table = Effects({"lens_distortion": lens, "camera_rotation": {"angle_deg": 2.0}}).table
+        seen, _ = observe(
+            np.zeros(1), pose, np.zeros((1, 1, 0, 2)), table, probes_seen_by_camera=False
+        )
+        shear = expected - heading - turn
+        assert abs(shear) > 0.02
+        assert seen[0, 0, 2] == pytest.approx(heading + turn + share * shear, abs=1e-9)
 
 
 def test_latency_on_a_linear_path_is_a_shift_by_speed_times_delay() -> None:
