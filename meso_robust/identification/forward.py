@@ -17,10 +17,16 @@ from meso_robust.identification.touching import freed
 from meso_robust.simulator import Outcome, Push, simulate
 from meso_robust.simulator.effects import SLOTS
 from meso_robust.simulator.geometry import outlines, radii, reference_of_tracked
-from meso_robust.simulator.observation import OBSERVATION, observe
+from meso_robust.simulator.observation import (
+    CAMERA_LATENCY_TIME,
+    OBSERVATION,
+    observe,
+    unseen,
+)
 
 _AT_ONCE = 400_000  # instants recorded in one call of the simulator: about 50 MB
 _CAUGHT = 0.04  # steps of overlap that count as touching; the simulator refuses 0.05
+_OBSERVED = slice(OBSERVATION.base, OBSERVATION.base + OBSERVATION.slots)
 _AWAY = 1.0  # m: where a part that is caught between tips is put so that nothing meets it
 
 
@@ -168,7 +174,7 @@ def _predicted(
 ) -> Prediction:
     count, recordings = starts.shape[:2]
     physics = model.physics(np.repeat(values, recordings, axis=0))
-    ways = np.tile(prepared.waypoints, (count, 1, 1, 1))
+    ways = _true_tips(prepared, physics.effects.table, count)
     ways += _drifting(prepared, offsets)[:, :, None]
     poses = starts.reshape(-1, 3).copy()
     shifts, caught = _freed(prepared, physics, poses, ways[:, 0])
@@ -198,6 +204,27 @@ def _predicted(
     )
 
 
+def _camera(prepared: Prepared, table: Floats) -> Floats:
+    """The table, (1|K R, SLOTS), with what of the camera can show.
+
+    Where the tips are seen by the same camera, all that is seen is late together.
+    """
+    if prepared.tips_seen and np.any(table[:, CAMERA_LATENCY_TIME]):
+        table = table.copy()
+        table[:, CAMERA_LATENCY_TIME] = 0.0
+    return table
+
+
+def _true_tips(prepared: Prepared, table: Floats, count: int) -> Floats:
+    """(K R, W, P, 2) where the tips were, of which the recordings tell what the camera showed."""
+    ways = np.tile(prepared.waypoints, (count, 1, 1, 1))
+    table = _camera(prepared, table)
+    if not (prepared.tips_seen and np.any(table[:, _OBSERVED])):
+        return ways
+    there = np.any(ways != -prepared.parked, axis=-1, keepdims=True)
+    return np.where(there, unseen(np.tile(prepared.times, (count, 1)), ways, table), ways)
+
+
 def _drifting(prepared: Prepared, offsets: Floats) -> Floats:
     """(K R, W, 2) offsets of the tips at the waypoints, even in time between the two ends."""
     first, last = prepared.times[:, :1], prepared.instants[:, -1:]
@@ -222,8 +249,8 @@ def _freed(
 
 def _observed(prepared: Prepared, path: Floats, table: Floats) -> Floats:
     """Poses (K, R, T, 3) as the camera shows them."""
-    own = slice(OBSERVATION.base, OBSERVATION.base + OBSERVATION.slots)
-    if not np.any(table[:, own]):
+    table = _camera(prepared, table)
+    if not np.any(table[:, _OBSERVED]):
         return path
     count, recordings = path.shape[:2]
     rows = np.broadcast_to(table, (count * recordings, SLOTS)).reshape(count, recordings, SLOTS)

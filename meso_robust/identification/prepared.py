@@ -65,6 +65,8 @@ class Prepared:
         Characteristic length of the part, m.
     sigmas
         What is known of the noise.
+    tips_seen
+        Whether the waypoints are what the camera showed, not what was commanded.
     tip_offset
         σ in m by which the first and the last position of a seen tip may be off; zero if commanded.
     parked
@@ -86,6 +88,7 @@ class Prepared:
     time_step: float
     length: float
     sigmas: Sigmas
+    tips_seen: bool
     tip_offset: float
     parked: Floats
     notes: tuple[Note, ...]
@@ -164,6 +167,7 @@ def prepare(
         time_step=max(0.02, 1.0 / recordings.sensor.frame_rate),
         length=length,
         sigmas=sigmas,
+        tips_seen=recordings.position_source == "camera",
         tip_offset=_tip_offset(recordings, sigmas),
         parked=parked,
         notes=tuple(notes),

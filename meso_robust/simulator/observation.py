@@ -135,6 +135,8 @@ CAMERA_DRIFT_Y = OBSERVATION.slot("camera_drift", "y_um_s")
 LENS_DISTORTION_K1 = OBSERVATION.slot("lens_distortion", "k1_per_mm2")
 LENS_DISTORTION_TURNED = OBSERVATION.slot("lens_distortion", "turned")
 
+_ROUNDS = 50  # of Newton's rule, which converges quadratically but where the lens folds the image
+_LEAST = 1e-6  # slope of the lens, below which its inverse is not to be had
 _WHOLE_FRAME = 1e-9  # of a frame, so that 1 s at 30 Hz has the frame at its end
 
 
@@ -257,6 +259,31 @@ def observe(
     return poses, probes
 
 
+def unseen(times: Floats, points: Floats, effects_table: Floats) -> Floats:
+    """Where points are that the camera shows: the inverse of `observe`, but for the delay.
+
+    Parameters
+    ----------
+    times
+        (N, T) instants at which the points are shown, s.
+    points
+        (N, T, Q, 2) as shown, m, world frame.
+    effects_table
+        (1, SLOTS) or (N, SLOTS), see `Effects.table`.
+
+    Returns
+    -------
+    (N, T, Q, 2)
+        A new array; a point that the lens shows nowhere is put where its image turns back.
+    """
+    table = np.broadcast_to(effects_table, (len(points), SLOTS))
+    shown = points - times[..., None, None] * table[:, None, None, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]]
+    shown /= 1.0 + table[:, None, None, None, CAMERA_SCALE_PERCENT]
+    _straighten(shown, table[:, LENS_DISTORTION_K1])
+    _rotate(shown, -table[:, CAMERA_ROTATION_ANGLE])
+    return np.asarray(shown)
+
+
 def sense(
     sensor: Sensor,
     times: Floats,
@@ -364,6 +391,19 @@ def _distort(points: Floats, k1: Floats) -> None:
         rule = "must be above -1/3, where the lens folds the image over"
         _refuse("lens_distortion", value, rule, "lower |k1_per_mm2| or move the world origin")
     points[on] *= 1.0 + bulge[..., None]
+
+
+def _straighten(points: Floats, k1: Floats) -> None:
+    """Solve r (1 + k1 r²) = R for the distance r from the axis, by Newton's rule."""
+    on = k1 != 0.0
+    far = np.hypot(points[on, ..., 0], points[on, ..., 1])
+    k = np.broadcast_to(k1[on, None, None], far.shape)
+    most = np.where(k < 0.0, 1.0 / np.sqrt(np.maximum(-3.0 * k, 1e-300)), np.inf)
+    r = np.minimum(far, most)
+    for _ in range(_ROUNDS):
+        slope = np.maximum(1.0 + 3.0 * k * r**2, _LEAST)
+        r = np.clip(r - (r * (1.0 + k * r**2) - far) / slope, 0.0, most)
+    points[on] *= np.where(far > 0.0, r / np.maximum(far, 1e-300), 1.0)[..., None]
 
 
 def _scale(points: Floats, error: Floats) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from meso_robust.errors import InputError
 from meso_robust.identification.forward import corrected, predicted
-from meso_robust.identification.models import viscous
+from meso_robust.identification.models import viscous, with_effects
 from meso_robust.identification.prepared import prepare
 from meso_robust.recordings import Recording, RecordingSet, SensorInfo
 from meso_robust.simulator import Film, Outcome
@@ -145,3 +145,39 @@ def test_a_start_caught_between_tips_is_an_outcome(film_set: RecordingSet) -> No
     prepared = prepare(replace(film_set, recordings=(held,)), step=MODEL.step)
     caught = predicted(prepared, MODEL, TRUTH, starts=pose[None] + [0.0, 0.0, 0.3])
     assert caught.outcomes[0, 0] == Outcome.OUT_OF_RANGE
+
+
+SHOWN = {
+    "camera_scale": {"percent": 0.7},
+    "camera_rotation": {"angle_deg": 1.3},
+    "camera_drift": {"x_um_s": 0.4, "y_um_s": 0.2},
+    "lens_distortion": {"k1_per_mm2": 0.01},
+    "camera_latency": {"time_ms": 60.0},
+}
+
+
+def shown(z: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The same camera but for its delay, in the complex plane, m."""
+    z = z * np.exp(1j * np.deg2rad(1.3))
+    return z * (1.0 + 0.01e6 * abs(z) ** 2) * 1.007 + complex(0.4e-6, 0.2e-6) * times
+
+
+def test_tips_that_the_camera_shows_are_shown_as_the_part_is(quiet: RecordingSet) -> None:
+    """Camera errors act on part and tips alike: the same motion, seen through the same camera."""
+    prepared = prepare(quiet, step=MODEL.step)
+    there = ~np.all(prepared.waypoints == -prepared.parked, axis=-1)
+    z = shown(prepared.waypoints @ [1.0, 1j], prepared.times[..., None])
+    ways = np.where(there[..., None], np.stack([z.real, z.imag], axis=-1), prepared.waypoints)
+    seen = replace(prepared, tips_seen=True, waypoints=ways)
+    model = with_effects(MODEL, SHOWN)
+    sizes = [value for of in SHOWN.values() for value in of.values()]
+    added = model.parameters[TRUTH.shape[1] :]
+    si = [size * one.to_si for size, one in zip(sizes, added, strict=True)]
+    values = np.append(TRUTH, si)[None]
+
+    true = predicted(prepared, MODEL, TRUTH).poses[0]
+    found = predicted(seen, model, values, starts=prepared.starts).poses[0]
+    z = shown(true[..., :2] @ [1.0, 1j], prepared.instants)
+    expected = np.stack([z.real, z.imag, true[..., 2] + np.deg2rad(1.3)], axis=-1)
+    assert np.nanmax(np.abs(expected - true)) > 1e-5
+    np.testing.assert_allclose(found, expected, atol=2e-9)

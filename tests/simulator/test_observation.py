@@ -24,6 +24,7 @@ from meso_robust.simulator.observation import (
     Sensor,
     observe,
     sense,
+    unseen,
 )
 
 Floats = npt.NDArray[np.float64]
@@ -155,6 +156,17 @@ def test_a_tracked_axis_is_turned_as_the_image_of_two_points_of_it() -> None:
         shear = expected - heading - turn
         assert abs(shear) > 0.02
         assert seen[0, 0, 2] == pytest.approx(heading + turn + share * shear, abs=1e-9)
+
+
+def test_what_is_shown_tells_where_it_is() -> None:
+    effects = {name: of for name, of in ON.items() if name != "camera_latency"}
+    for sign in (1.0, -1.0):  # pincushion and barrel
+        effects["lens_distortion"] = {"k1_per_mm2": 0.02 * sign}
+        table = Effects(effects).table
+        poses, probes = motion()
+        _, tips = observe(TIMES, poses, probes, table, probes_seen_by_camera=True)
+        times = np.broadcast_to(TIMES, (len(probes), len(TIMES)))
+        np.testing.assert_allclose(unseen(times, tips, table), probes, atol=1e-15)
 
 
 def test_latency_on_a_linear_path_is_a_shift_by_speed_times_delay() -> None:
