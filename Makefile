@@ -9,7 +9,7 @@ demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q -n auto --dist loadfile
 
 check: $(INSTALLED)
 	$(BIN)/ruff format --check .
@@ -52,7 +52,7 @@ campaign: $(INSTALLED)
 	$(BIN)/python -m tests.tracking.accuracy --frames 10000 --seed 2 --out reports/tracking/accuracy.md
 	$(BIN)/python -m tests.identification.recovery
 	$(BIN)/python -m tests.identification.design_report --sets 80 --out reports/identification
-	$(BIN)/python -m tests.blind.campaign --workers 2 --quick-diagnosis
+	$(BIN)/python -m tests.blind.campaign --workers 2 --quick-diagnosis --out reports/blind/next_trial
 	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
 
 lock:

@@ -19,6 +19,7 @@ from meso_robust.cli.drive import drive
 from meso_robust.cli.identify import identify
 from meso_robust.cli.plan import plan
 from meso_robust.cli.recordings import recordings
+from meso_robust.cli.reproduce import reproduce
 from meso_robust.cli.schema import schema
 from meso_robust.cli.simulate import simulate
 from meso_robust.cli.track import track
@@ -41,6 +42,7 @@ _VERBS = (
     recordings,
     identify,
     diagnose,
+    reproduce,
     schema,
 )
 for verb in _VERBS:

@@ -13,6 +13,9 @@ import numpy.typing as npt
 from meso_robust.diagnosis.document import Channel
 from meso_robust.identification.models.extended import with_effects
 from meso_robust.identification.models.model import Model, Parameter
+from meso_robust.simulator import Effects
+from meso_robust.simulator.environment import FLOW_SLOTS
+from meso_robust.simulator.support import FILM_SLOTS, THINNING
 
 Floats = npt.NDArray[np.float64]
 
@@ -94,8 +97,9 @@ def with_inputs(model: Model) -> Inputs:
     """Add the hidden inputs of every channel to a model.
 
     Friction at the tips is the model's input to the contact, its other parameters to the support.
+    What changes the drag of a film is left out of a model without one.
     """
-    extended = with_effects(model, _SCALES)
+    extended = with_effects(model, _applicable(model))
     base, parameters = len(model.parameters), extended.parameters
     kinds = [_kind(parameter, k < base) for k, parameter in enumerate(parameters)]
     tips = ["offset", "offset", "drift", "drift"]
@@ -110,6 +114,15 @@ def with_inputs(model: Model) -> Inputs:
         shared=_columns([*kinds, *tips], _SHARED),
         spans=np.array([_span(kind, k < base) for k, kind in enumerate(kinds)])[None],
     )
+
+
+def _applicable(model: Model) -> dict[str, dict[str, float]]:
+    """The effects that have a meaning for the support of a model."""
+    sample = model.physics(model.draw(np.random.default_rng(0), 1))
+    if np.all(sample.support.tables().film[:, 0] > 0.0):
+        return _SCALES
+    drag = (*FILM_SLOTS, *FLOW_SLOTS, THINNING)
+    return {name: of for name, of in _SCALES.items() if not Effects({name: of}).is_on(*drag)}
 
 
 def _span(kind: str, plain: bool) -> float:

@@ -1,0 +1,62 @@
+"""``reproduction.json``: every item with its rows, for other programs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+from meso_robust import __version__
+from meso_robust.reproduction.item import Found, Item, Row, Setting
+
+SCHEMA = "meso-robust/reproduction/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Made:
+    """An item that was made again.
+
+    Attributes
+    ----------
+    name, item, found
+        What was asked for, and what came of it.
+    seconds
+        That it took.
+    """
+
+    name: str
+    item: Item
+    found: Found
+    seconds: float
+
+
+def document(made: Mapping[str, Made], setting: Setting) -> dict[str, object]:
+    """The document of some items, plain values only."""
+    return {
+        "schema": SCHEMA,
+        "meso_robust": __version__,
+        "seed": setting.seed,
+        "quick": setting.quick,
+        "items": {name: _item(one) for name, one in made.items()},
+    }
+
+
+def text(values: Mapping[str, object]) -> str:
+    """The document as it is written; a number that is not finite is refused by `json`."""
+    return json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _item(made: Made) -> dict[str, object]:
+    return {
+        "title": made.item.title,
+        "where": made.item.where,
+        "answer": made.found.answer,
+        "missing": list(made.found.missing),
+        "rows": [_row(row) for row in made.found.rows],
+        "data": dict(made.found.data),
+        "seconds": round(made.seconds, 2),
+    }
+
+
+def _row(row: Row) -> dict[str, object]:
+    return asdict(row) | {"difference": row.difference}

@@ -1,0 +1,124 @@
+"""An item of the reproduction, and what came of it: rows with printed value and ours, and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from markupsafe import Markup
+
+Value: TypeAlias = float | tuple[float, float] | str | None
+"""A number, a range from and to, words, or None where there is nothing to compare with."""
+
+Told = Callable[[str, int, int], None]
+"""Called with what is being done, how much of it is done, and of how much."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One quantity, as printed and as found.
+
+    Attributes
+    ----------
+    quantity, unit
+        In words, and its unit (um, deg, s, %); empty for a plain number.
+    printed
+        By the paper; None where it prints none.
+    ours
+        Found here.
+    why
+        Where they differ or nothing is printed: the reason, and the input that the paper leaves out.
+    """
+
+    quantity: str
+    unit: str = ""
+    printed: Value = None
+    ours: Value
+    why: str = ""
+
+    @property
+    def difference(self) -> float | None:
+        """Ours less the printed number, or how far from the printed range; None if not comparable."""
+        if isinstance(self.printed, str | None) or isinstance(self.ours, str | None):
+            return None
+        low, high = _ends(self.printed)
+        own_low, own_high = _ends(self.ours)
+        if own_low > high:
+            return own_low - high
+        if own_high < low:
+            return own_high - low
+        return 0.0
+
+
+def _ends(value: float | tuple[float, float]) -> tuple[float, float]:
+    return value if isinstance(value, tuple) else (value, value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """A picture: an SVG element (`reporting.svg.to_svg`) and what it shows."""
+
+    svg: Markup
+    caption: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """What came of an item.
+
+    Attributes
+    ----------
+    answer
+        One or two sentences: whether the paper's result stands, and with what.
+    rows
+        Quantities side by side.
+    missing
+        Inputs that the paper does not print, and what was taken instead.
+    figures
+        Pictures.
+    data
+        What the figures and rows are made of, for other programs: numbers, strings, lists, mappings.
+    """
+
+    answer: str
+    rows: tuple[Row, ...]
+    missing: tuple[str, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    data: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """How much is to be done.
+
+    Attributes
+    ----------
+    quick
+        Fewer runs: for a first look and for tests.
+    seed
+        The same seed gives the same result.
+    told
+        Told of progress.
+    """
+
+    quick: bool = False
+    seed: int = 0
+    told: Told = lambda *_: None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Item:
+    """Something that the paper reports.
+
+    Attributes
+    ----------
+    title, where
+        In words, and the place in the paper.
+    run
+        Makes it again.
+    """
+
+    title: str
+    where: str
+    run: Callable[[Setting], Found]

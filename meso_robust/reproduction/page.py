@@ -1,0 +1,76 @@
+"""The paper's tables and figures made again, as one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from meso_robust import __version__
+from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.words import MINUS
+from meso_robust.reproduction.document import Made
+from meso_robust.reproduction.item import Row, Setting, Value
+
+_NONE = "–"  # where the paper prints nothing
+
+
+def reproduction_report(made: Mapping[str, Made], setting: Setting) -> str:
+    """One self-contained HTML page on some items: the answers first, then item by item."""
+    rows = [row for one in made.values() for row in one.found.rows]
+    compared = [row for row in rows if row.difference is not None]
+    return (
+        environment()
+        .get_template("reproduction.html.j2")
+        .render(
+            colour="NEUTRAL",
+            headline=_headline(made),
+            figures=[
+                ("numbers beside printed ones", len(compared)),
+                ("within what is printed", sum(row.difference == 0.0 for row in compared)),
+                (
+                    "inputs the paper leaves out",
+                    sum(len(one.found.missing) for one in made.values()),
+                ),
+                ("seconds", f"{sum(one.seconds for one in made.values()):.0f}"),
+            ],
+            made=tuple(made.values()),
+            shown=shown,
+            apart=apart,
+            version=__version__,
+            seed=setting.seed,
+            quick=setting.quick,
+        )
+    )
+
+
+def shown(value: Value) -> str:
+    """A value as it stands in a table."""
+    if value is None:
+        return _NONE
+    if isinstance(value, str):
+        return value
+    if isinstance(value, tuple):
+        return f"{_number(value[0])} … {_number(value[1])}"
+    return _number(value)
+
+
+def apart(row: Row) -> str:
+    """The difference as it stands in a table; nothing where there is none to tell."""
+    if row.difference is None:
+        return ""
+    if row.difference == 0.0:
+        return "0" if not isinstance(row.printed, tuple) else "within"
+    return ("+" if row.difference > 0.0 else "") + _number(row.difference)
+
+
+def _number(value: float) -> str:
+    if value == 0.0:
+        return "0"
+    digits = max(0, 3 - len(str(int(abs(value)))))
+    text = f"{value:.{digits}f}" if abs(value) >= 1e-2 else f"{value:.2g}"
+    return text.replace("-", MINUS)
+
+
+def _headline(made: Mapping[str, Made]) -> str:
+    if len(made) == 1:
+        return next(iter(made.values())).item.title
+    return f"{len(made)} items of the paper, made again"

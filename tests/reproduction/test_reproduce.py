@@ -1,0 +1,123 @@
+"""Rows, the document, the page and the verb, on items of their own and on the smallest of the real."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from markupsafe import Markup
+from typer.testing import CliRunner
+
+from meso_robust.cli import app
+from meso_robust.errors import InputError
+from meso_robust.reproduction.page import apart, reproduction_report, shown
+from meso_robust.reproduction.document import Made, document, text
+from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
+from meso_robust.reproduction.items import ITEMS, asked, item
+
+RUNNER = CliRunner()
+
+
+@pytest.mark.parametrize(
+    ("printed", "ours", "difference", "said"),
+    [
+        (11.0, 13.5, 2.5, "+2.50"),
+        (11.0, 11.0, 0.0, "0"),
+        ((30.0, 40.0), 35.0, 0.0, "within"),
+        ((30.0, 40.0), (10.0, 22.0), -8.0, "−8.00"),
+        ((30.0, 40.0), (38.0, 90.0), 0.0, "within"),
+        (20.0, (12.0, 30.0), 0.0, "0"),
+        (None, 3.0, None, ""),
+        ("similar", 3.0, None, ""),
+    ],
+)
+def test_differences_are_those_of_numbers_and_ranges(
+    printed: object, ours: object, difference: float | None, said: str
+) -> None:
+    row = Row(quantity="q", printed=printed, ours=ours)  # type: ignore[arg-type]
+    assert row.difference == difference
+    assert apart(row) == said
+
+
+def test_values_are_shown_with_three_digits_and_a_real_minus() -> None:
+    assert shown(-1234.5) == "−1234"
+    assert shown((0.05, 12.345)) == "0.05 … 12.3"
+    assert shown(0.0001234) == "0.00012"
+    assert shown(None) == "–"
+    assert shown("jams") == "jams"
+
+
+def made() -> dict[str, Made]:
+    found = Found(
+        answer="It <b>stands</b>.",
+        rows=(Row(quantity="net y", unit="um", printed=(18.0, 20.0), ours=11.0, why="a & b"),),
+        missing=("the tip spacing",),
+        figures=(Figure(svg=Markup("<svg><title>f</title></svg>"), caption="a picture"),),
+        data={"y_um": [1.0, 2.0]},
+    )
+    one = Item(title="Table III", where="Section X-C", run=lambda _: found)
+    return {"one": Made(name="one", item=one, found=found, seconds=1.25)}
+
+
+def test_the_document_holds_every_row_with_its_difference() -> None:
+    found = json.loads(text(document(made(), Setting(seed=3, quick=True))))
+    assert found["schema"] == "meso-robust/reproduction/1"
+    assert (found["seed"], found["quick"]) == (3, True)
+    row = found["items"]["one"]["rows"][0]
+    assert (row["printed"], row["ours"], row["difference"]) == ([18.0, 20.0], 11.0, -7.0)
+    assert found["items"]["one"]["data"] == {"y_um": [1.0, 2.0]}
+
+
+def test_a_number_that_is_none_is_not_written() -> None:
+    with pytest.raises(ValueError, match="JSON compliant"):
+        text({"x": float("nan")})
+
+
+def test_the_page_leads_with_the_answers_and_escapes_words() -> None:
+    page = reproduction_report(made(), Setting())
+    assert "It &lt;b&gt;stands&lt;/b&gt;." in page
+    assert "a &amp; b" in page
+    assert "<svg><title>f</title></svg>" in page
+    assert page.index('id="answers"') < page.index('id="one"')
+    assert "the tip spacing" in page
+    assert "<script" not in page
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
+@pytest.mark.parametrize("name", ITEMS)
+def test_every_item_has_a_file_with_a_title_and_a_place(name: str) -> None:
+    one = item(name)
+    assert one.title
+    assert one.where
+
+
+def test_an_item_that_is_none_is_refused_with_a_list() -> None:
+    with pytest.raises(InputError, match=r"ITEM: 'table-9'; must be one of tests, sensitivity"):
+        asked("table-9")
+    answer = RUNNER.invoke(app, ["reproduce", "table-9"])
+    assert answer.exit_code == 2
+
+
+def test_one_item_is_written_beside_its_data(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    answer = RUNNER.invoke(app, ["reproduce", "table-1", "--quick", "--out", str(out), "--quiet"])
+    assert answer.exit_code == 0, answer.output
+    found = json.loads((out / "reproduction.json").read_text(encoding="utf-8"))
+    assert list(found["items"]) == ["table-1"]
+    assert found["items"]["table-1"]["rows"]
+    page = (out / "index.html").read_text(encoding="utf-8")
+    assert found["items"]["table-1"]["answer"].split(".")[0][:40] in page
+    assert sorted(path.name for path in out.iterdir()) == ["index.html", "reproduction.json"]
+
+
+def test_the_same_seed_gives_the_same_rows(tmp_path: Path) -> None:
+    def rows(seed: str) -> object:
+        answer = RUNNER.invoke(
+            app,
+            [*"reproduce sensitivity --quick --json --seed".split(), seed, "--out", str(tmp_path)],
+        )
+        return json.loads(answer.stdout)["items"]["sensitivity"]["rows"]
+
+    assert rows("1") == rows("1")
+    assert rows("1") != rows("2")
