@@ -209,7 +209,7 @@ def _figures(plan: Plan, single: Mapping[str, Followed], place: Place) -> tuple[
         ),
         Figure(
             svg=snapshots(strokes, pieces, place, "scripted"),
-            caption="The seven moves on p1*: before (grey), on the way, after (dark).",
+            caption="The seven moves on p1* without errors: before (grey), on the way, after (dark).",
         ),
     )
 

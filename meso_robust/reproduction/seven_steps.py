@@ -24,7 +24,7 @@ STEP = 3e-6
 """m a step during the optimisation."""
 JAMMED = 0.2e-3
 """m added to the distance from the goal of a run that is not completed."""
-POPULATION, GENERATIONS, RESTARTS = 10, 40, 2
+POPULATION, GENERATIONS, RESTARTS = 10, 25, 2
 QUICK_GENERATIONS = 1
 TRIALS, QUICK_TRIALS = 40, 5
 """Runs by which the plans found are told apart."""
