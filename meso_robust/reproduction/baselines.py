@@ -125,24 +125,6 @@ def successes(
     return succeeded(follow(plan, drawn(errors, runs, rng, at), at, step=step), at)
 
 
-def exact_interval(successes: int, runs: int, confidence: float = 0.95) -> Range:
-    """Clopper and Pearson's interval of the probability of success.
-
-    Parameters
-    ----------
-    successes, runs
-        How often of how many.
-    confidence
-        At least with this probability the interval holds the true one.
-    """
-    from scipy.stats import beta
-
-    tail, failures = 0.5 * (1.0 - confidence), runs - successes
-    low = beta.ppf(tail, successes, failures + 1) if successes else 0.0
-    high = beta.ppf(1.0 - tail, successes + 1, failures) if failures else 1.0
-    return float(low), float(high)
-
-
 def plans(setting: Setting) -> Mapping[str, Plan]:
     """The plans of Section VII as strokes of the tip, for the default place of the slot.
 

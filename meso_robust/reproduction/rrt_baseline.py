@@ -15,11 +15,11 @@ from meso_robust.reproduction.baselines import (
     PROBE,
     SUPPORT,
     Errors,
-    exact_interval,
     successes,
 )
 from meso_robust.reproduction.bench import Flags, Place, follow, nominal
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
+from meso_robust.reproduction.success_share import share_interval
 
 KINDS: Mapping[str, Errors] = {
     "nothing uncertain": Errors(),
@@ -152,7 +152,7 @@ def _rows_of_trials(won: Mapping[str, Flags]) -> tuple[Row, ...]:
 
 
 def _row_of_trials(kind: str, flags: Flags, printed: tuple[float, float] | None) -> Row:
-    low, high = exact_interval(int(flags.sum()), flags.size)
+    low, high = share_interval(int(flags.sum()), flags.size)
     each = 100.0 * flags.mean(axis=1)
     why = (
         f"{int(flags.sum())} of {flags.size} runs; exact 95 % interval "

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from meso_robust.reproduction import given
-from meso_robust.reproduction.baselines import REPORTED, exact_interval, successes
+from meso_robust.reproduction.baselines import REPORTED, successes
 from meso_robust.reproduction.bench import (
     START,
     Flags,
@@ -24,6 +24,7 @@ from meso_robust.reproduction.bench import (
 )
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting, Value
 from meso_robust.reproduction.seven_steps import PRINTED, lengths_of, tuned
+from meso_robust.reproduction.success_share import share_interval
 from meso_robust.units import DEG, UM
 
 SUPPORTS = ("p1*", "p2*", "film")
@@ -172,7 +173,7 @@ def _trial_rows(trials: Mapping[str, Flags]) -> tuple[Row, ...]:
 
 
 def _interval(flags: Flags) -> str:
-    low, high = exact_interval(int(flags.sum()), len(flags))
+    low, high = share_interval(int(flags.sum()), len(flags))
     return (
         f"{int(flags.sum())} of {len(flags)} runs; exact 95 % interval "
         f"{100.0 * low:.1f}–{100.0 * high:.1f} %"

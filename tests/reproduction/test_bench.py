@@ -9,7 +9,6 @@ from meso_robust.reproduction.baselines import (
     REPORTED,
     Errors,
     drawn,
-    exact_interval,
     successes,
 )
 from meso_robust.reproduction.bench import (
@@ -107,11 +106,6 @@ def test_draws_stay_in_their_ranges_and_starts_out_of_the_walls() -> None:
     assert set(drawn(Errors(), 3, np.random.default_rng(0), PLACE).share) == {0.0}
     share = drawn(ALL, 200, np.random.default_rng(0), PLACE).share
     assert 0.0 < share.min() < 0.1 < 0.9 < share.max() < 1.0
-
-
-def test_the_exact_interval_of_none_and_of_all_is_closed_form() -> None:
-    assert exact_interval(0, 10) == pytest.approx([0.0, 1.0 - 0.025**0.1])
-    assert exact_interval(10, 10) == pytest.approx([0.025**0.1, 1.0])
 
 
 def test_no_plan_at_all_never_succeeds() -> None:

@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.errors import InputError
-from meso_robust.reproduction.page import apart, reproduction_report, shown
 from meso_robust.reproduction.document import Made, document, text
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
 from meso_robust.reproduction.items import ITEMS, asked, item
+from meso_robust.reproduction.page import apart, reproduction_report, shown
 
 RUNNER = CliRunner()
 
@@ -115,7 +115,12 @@ def test_the_same_seed_gives_the_same_rows(tmp_path: Path) -> None:
     def rows(seed: str) -> object:
         answer = RUNNER.invoke(
             app,
-            [*"reproduce sensitivity --quick --json --seed".split(), seed, "--out", str(tmp_path)],
+            [
+                *["reproduce", "sensitivity", "--quick", "--json", "--seed"],
+                seed,
+                "--out",
+                str(tmp_path),
+            ],
         )
         return json.loads(answer.stdout)["items"]["sensitivity"]["rows"]
 
