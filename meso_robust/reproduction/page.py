@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from meso_robust import __version__
@@ -10,6 +11,7 @@ from meso_robust.reporting.words import MINUS
 from meso_robust.reproduction.document import Made
 from meso_robust.reproduction.item import Row, Setting, Value
 
+_MICRO = re.compile(r"\bum\b")
 _NONE = "–"  # where the paper prints nothing
 
 
@@ -35,11 +37,17 @@ def reproduction_report(made: Mapping[str, Made], setting: Setting) -> str:
             made=tuple(made.values()),
             shown=shown,
             apart=apart,
+            worded=worded,
             version=__version__,
             seed=setting.seed,
             quick=setting.quick,
         )
     )
+
+
+def worded(text: str) -> str:
+    """Words with the sign of the unit, as a page can show it."""
+    return _MICRO.sub("µm", text)
 
 
 def shown(value: Value) -> str:

@@ -14,7 +14,7 @@ from meso_robust.errors import InputError
 from meso_robust.reproduction.document import Made, document, text
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
 from meso_robust.reproduction.items import ITEMS, asked, item
-from meso_robust.reproduction.page import apart, reproduction_report, shown
+from meso_robust.reproduction.page import apart, reproduction_report, shown, worded
 
 RUNNER = CliRunner()
 
@@ -69,6 +69,10 @@ def test_the_document_holds_every_row_with_its_difference() -> None:
     assert found["items"]["one"]["data"] == {"y_um": [1.0, 2.0]}
 
 
+def test_only_the_unit_is_reworded() -> None:
+    assert worded("5 um, sum of 3 um/s") == "5 µm, sum of 3 µm/s"
+
+
 def test_a_number_that_is_none_is_not_written() -> None:
     with pytest.raises(ValueError, match="JSON compliant"):
         text({"x": float("nan")})
@@ -79,7 +83,11 @@ def test_the_page_leads_with_the_answers_and_escapes_words() -> None:
     assert "It &lt;b&gt;stands&lt;/b&gt;." in page
     assert "a &amp; b" in page
     assert "<svg><title>f</title></svg>" in page
-    assert page.index('id="answers"') < page.index('id="one"')
+    assert "µm" in page  # the unit of the row, stated as um
+    assert 'id="answers"' not in page  # of one item only
+    two = made() | {"two": made()["one"]}
+    both = reproduction_report(two, Setting())
+    assert both.index('id="answers"') < both.index('id="one"')
     assert "the tip spacing" in page
     assert "<script" not in page
     assert "http" not in page.replace("http://www.w3.org", "")
@@ -111,18 +119,9 @@ def test_one_item_is_written_beside_its_data(tmp_path: Path) -> None:
     assert sorted(path.name for path in out.iterdir()) == ["index.html", "reproduction.json"]
 
 
-def test_the_same_seed_gives_the_same_rows(tmp_path: Path) -> None:
-    def rows(seed: str) -> object:
-        answer = RUNNER.invoke(
-            app,
-            [
-                *["reproduce", "sensitivity", "--quick", "--json", "--seed"],
-                seed,
-                "--out",
-                str(tmp_path),
-            ],
-        )
-        return json.loads(answer.stdout)["items"]["sensitivity"]["rows"]
+def test_the_same_seed_gives_the_same_rows() -> None:
+    def rows(seed: int) -> tuple[Row, ...]:
+        return item("tables-3-5").run(Setting(quick=True, seed=seed)).rows
 
-    assert rows("1") == rows("1")
-    assert rows("1") != rows("2")
+    assert rows(1) == rows(1)
+    assert rows(1) != rows(2)
