@@ -43,6 +43,7 @@ reports: $(INSTALLED)
 	$(BIN)/python -m tests.simulator.effects_report --out reports/simulator/effects.md
 	$(BIN)/python -m tests.basis.report --out reports/basis
 	$(BIN)/python -m tests.identification.sensitivity_report --out reports/identification
+	$(BIN)/meso-robust reproduce --out reports/reproduction
 
 # The full forms of the campaigns: hours on two cores. The totals of `falsify` go on where they stand.
 campaign: $(INSTALLED)

@@ -1,0 +1,76 @@
+"""Plans side by side: equal errors, exact intervals, and what a single uncertainty is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meso_robust.reproduction import comparison, uncertainties
+from meso_robust.reproduction.baselines import ON_FILM, Errors
+from meso_robust.reproduction.given import FILM_RATIO, FRICTION
+from meso_robust.reproduction.item import Setting
+from meso_robust.reproduction.uncertainties import ONES, scaled
+
+
+def test_a_scale_widens_every_range_about_its_middle() -> None:
+    wide = scaled(ON_FILM, 2.0)
+    assert wide.position == pytest.approx((10e-6, 10e-6))
+    assert wide.tip == pytest.approx((10e-6, 10e-6))
+    assert wide.orientation == pytest.approx(np.radians(0.6))
+    assert wide.friction == pytest.approx((0.27, 0.39))
+    assert wide.film_ratio == pytest.approx((0.9 * FILM_RATIO, 1.1 * FILM_RATIO))
+    assert scaled(ON_FILM, 1.0).friction == pytest.approx(FRICTION)
+
+
+def test_one_at_a_time_the_others_are_at_their_middle() -> None:
+    changed = {
+        "sensed position": {"position"},
+        "sensed orientation": {"orientation"},
+        "probe position": {"tip"},
+        "friction": {"friction"},
+        "film ratio": {"film_ratio"},
+    }
+    none = Errors(friction=(0.33, 0.33), film_ratio=(FILM_RATIO, FILM_RATIO))
+    assert set(ONES) == set(changed)
+    for name, one in ONES.items():
+        differing = {
+            key
+            for key in ("position", "orientation", "tip", "friction", "film_ratio", "share")
+            if getattr(one.errors, key) != pytest.approx(getattr(none, key))
+        }
+        assert differing == changed[name]
+
+
+def test_shares_are_those_of_the_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With plans that succeed in the first of every four runs, and a certified one that always does."""
+
+    def quarter(plan: object, runs: int, errors: Errors, rng: object, step: float) -> np.ndarray:
+        return np.arange(runs) % 4 == 0
+
+    monkeypatch.setattr(comparison, "_plans", lambda _: {"RRT": ((), ()), "scripted": ((),)})
+    monkeypatch.setattr(comparison, "successes", quarter)
+    monkeypatch.setattr(
+        comparison, "certified_successes", lambda runs, seed: np.ones(runs, dtype=bool)
+    )
+    found = comparison.run(Setting(quick=True))
+    data = found.data["hits_of_runs"]
+    assert isinstance(data, dict)
+    assert data[f"RRT: {comparison.STATED}"] == [50, 200]
+    assert data[f"certified: {comparison.STATED}"] == [200, 200]
+    row = next(row for row in found.rows if row.quantity.startswith("certified"))
+    # of 200 successes in 200 the exact lower end is 0.025 to the power 1/200
+    assert row.ours == pytest.approx((100.0 * 0.025 ** (1 / 200), 100.0))
+    assert "100.00 % of the runs" in found.answer
+    assert "25.0 %" in found.answer
+
+
+def test_the_answer_names_what_each_plan_suffers_from() -> None:
+    shares = {
+        "friction": {"RRT": [90.0, 10.0], "certified": [100.0, 100.0]},
+        "film ratio": {"RRT": [90.0, 40.0], "certified": [100.0, 100.0]},
+    }
+    said = uncertainties._answer(shares, (1.0, 4.0))
+    assert said == (
+        "At 4 times its stated size, the RRT plan suffers most from the friction (10 % succeed); "
+        "none makes a run of the certified plan fail."
+    )
