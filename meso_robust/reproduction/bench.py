@@ -36,6 +36,7 @@ WALL_FRICTION = 0.3
 """Between part and fixture; not printed."""
 DEPTH = 4e-3
 """m; so deep that no run reaches the bottom of the slot, whose place is not printed."""
+_TRIFLES = (20e-9, 100e-9, 500e-9)  # m; nothing else here is known so well
 STARTS_INSIDE = -1
 """Outcome of a run whose tip would come down on the part."""
 
@@ -81,6 +82,12 @@ class Place:
         half = 0.5 * CHANNEL_WIDTH
         inside = (points[..., 0] > self.mouth) & (np.abs(points[..., 1] - self.axis) < half)
         return np.asarray(inside.all(axis=1))
+
+    def away_from_mouth(self, poses: Floats) -> Floats:
+        """(N, 2) unit vectors to the pegs of (N, 3) poses from the nearer corner of the mouth."""
+        side = np.where(poses[:, 1] < self.axis, -0.5, 0.5) * given.SLOT_WIDTH
+        apart = poses[:, :2] - np.stack([np.full(len(poses), self.mouth), self.axis + side], axis=1)
+        return np.asarray(apart / np.hypot(*apart.T)[:, None])
 
     def clear(self, tips: Floats) -> Flags:
         """(...,) whether a tip of (..., 2) centres touches no wall."""
@@ -227,7 +234,8 @@ def follow(
         alive = outcomes == Outcome.COMPLETED
         path = np.repeat(poses[:, None], record * (way.shape[1] - 1) + 1, axis=1)
         if alive.any():
-            push = _stroke(way[alive], replace(runs.where(alive), poses=poses[alive]), place, step)
+            left = replace(runs.where(alive), poses=poses[alive])
+            push = _apart(way[alive], left, place, step)
             result = simulate(push, instants=_instants(push.times, record) if record else None)
             poses[alive], outcomes[alive] = result.poses, result.outcomes
             if record:
@@ -253,6 +261,33 @@ def _instants(times: Floats, record: int) -> Floats:
     share = np.arange(record) / record
     inner = times[:, :-1, None] + share * np.diff(times, axis=1)[..., None]
     return np.concatenate([inner.reshape(len(times), -1), times[:, -1:]], axis=1)
+
+
+def _apart(way: Floats, runs: Runs, place: Place, step: float) -> Push:
+    """The stroke, with pegs that lean on a corner of the slot's mouth moved off it by a trifle.
+
+    Of a peg whose corner and the mouth's have passed each other by a nanometre, in the error of the
+    steps, the simulator says that it starts inside the wall.
+    """
+    for way_off in _TRIFLES:
+        try:
+            return _stroke(way, runs, place, step)
+        except ValueError:
+            stuck = [k for k in range(len(runs)) if not _starts(way, runs, k, place, step)]
+            poses = runs.poses.copy()
+            poses[stuck, :2] += way_off * place.away_from_mouth(poses[stuck])
+            runs = replace(runs, poses=poses)
+    return _stroke(way, runs, place, step)
+
+
+def _starts(way: Floats, runs: Runs, k: int, place: Place, step: float) -> bool:
+    """Whether the simulator takes a run."""
+    one = np.arange(len(runs)) == k
+    try:
+        _stroke(way[one], runs.where(one), place, step)
+    except ValueError:
+        return False
+    return True
 
 
 def _stroke(way: Floats, runs: Runs, place: Place, step: float) -> Push:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
@@ -53,9 +54,20 @@ def _item(made: Made) -> dict[str, object]:
         "answer": made.found.answer,
         "missing": list(made.found.missing),
         "rows": [_row(row) for row in made.found.rows],
-        "data": dict(made.found.data),
+        "data": _plain(made.found.data),
         "seconds": round(made.seconds, 2),
     }
+
+
+def _plain(value: object) -> object:
+    """Data as JSON can hold it; a number that does not exist, such as of a run that jams, is null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
 
 
 def _row(row: Row) -> dict[str, object]:

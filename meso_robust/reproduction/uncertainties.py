@@ -13,10 +13,10 @@ from meso_robust.reproduction.certified import certified_successes
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
 from meso_robust.reproduction.success_share import share_interval
 
-RUNS = {True: 60, False: 1000}
+RUNS = {True: 40, False: 500}
 SCALES = {True: (1.0, 4.0), False: (1.0, 2.0, 4.0, 8.0)}
 """Multiples of each uncertainty."""
-STEP = 10e-6  # m; the film alone does not need shorter ones, see the item comparison
+STEP = 2e-6  # m
 _MU = float(np.mean(given.FRICTION))
 _SURE = Errors(friction=(_MU, _MU), film_ratio=(given.FILM_RATIO, given.FILM_RATIO))
 

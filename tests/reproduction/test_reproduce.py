@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -54,7 +55,7 @@ def made() -> dict[str, Made]:
         rows=(Row(quantity="net y", unit="um", printed=(18.0, 20.0), ours=11.0, why="a & b"),),
         missing=("the tip spacing",),
         figures=(Figure(svg=Markup("<svg><title>f</title></svg>"), caption="a picture"),),
-        data={"y_um": [1.0, 2.0]},
+        data={"y_um": [1.0, 2.0], "after_a_jam": ({"x_um": math.nan},)},
     )
     one = Item(title="Table III", where="Section X-C", run=lambda _: found)
     return {"one": Made(name="one", item=one, found=found, seconds=1.25)}
@@ -66,7 +67,8 @@ def test_the_document_holds_every_row_with_its_difference() -> None:
     assert (found["seed"], found["quick"]) == (3, True)
     row = found["items"]["one"]["rows"][0]
     assert (row["printed"], row["ours"], row["difference"]) == ([18.0, 20.0], 11.0, -7.0)
-    assert found["items"]["one"]["data"] == {"y_um": [1.0, 2.0]}
+    data = found["items"]["one"]["data"]
+    assert data == {"y_um": [1.0, 2.0], "after_a_jam": [{"x_um": None}]}
 
 
 def test_only_the_unit_is_reworded() -> None:
