@@ -23,8 +23,9 @@ SIMULATED = (295.0, 0.05, 90.0)
 
 
 def span(numbers: Floats) -> tuple[float, float]:
-    """Smallest and largest."""
-    return float(numbers.min()), float(numbers.max())
+    """Smallest and largest of those that are known."""
+    known = numbers[np.isfinite(numbers)]
+    return float(known.min()), float(known.max())
 
 
 def table_4(found: Rotations) -> tuple[Row, ...]:
@@ -51,7 +52,9 @@ def table_4(found: Rotations) -> tuple[Row, ...]:
             unit="deg",
             printed=SIMULATED[2],
             ours=span(stuck.true[:, 2]),
-            why="The tips close on the part; no contact mode has a solution.",
+            why="The tips close on the part; no contact mode has a solution. "
+            f"{int(np.sum(~np.isfinite(stuck.true[:, 2])))} of {len(stuck.true)} runs leave the "
+            "simulator's range there, with no last pose.",
         ),
         Row(
             quantity="Table IV: friction below which 857 um does not jam",
