@@ -47,18 +47,18 @@ def run(setting: Setting) -> Found:
     """Run all plans under all errors."""
     runs, few, told = RUNS[setting.quick], FEW[setting.quick], setting.told
     told("planning", 0, 1)
-    made = _plans(setting)
+    made = several(setting)
     jobs = [(name, what, runs if what == STATED else few) for what in CASES for name in made]
     rows: list[Row] = []
     data: dict[str, list[int]] = {}
     for done, (name, what, count) in enumerate(jobs):
         told("running the plans", done, len(jobs))
-        hits = _hits(made[name], what, count, setting.seed)
-        rows.append(_row(name, what, hits, count))
-        data[f"{name}: {what}"] = [hits, count]
-    hits = int(np.sum(certified_successes(runs, setting.seed)))
-    rows.insert(len(made), _row("certified", STATED, hits, runs))
-    data[f"certified: {STATED}"] = [hits, runs]
+        good = hits(made[name], CASES[what], count, setting.seed)
+        rows.append(_row(name, what, good, count))
+        data[f"{name}: {what}"] = [good, count]
+    good = int(np.sum(certified_successes(runs, setting.seed)))
+    rows.insert(len(made), _row("certified", STATED, good, runs))
+    data[f"certified: {STATED}"] = [good, runs]
     return Found(
         answer=_answer(data),
         rows=tuple(rows),
@@ -71,7 +71,7 @@ def run(setting: Setting) -> Found:
     )
 
 
-def _plans(setting: Setting) -> dict[str, tuple[Plan, ...]]:
+def several(setting: Setting) -> dict[str, tuple[Plan, ...]]:
     """The scripted plan, and plans of the random search from several seeds."""
     made = plans(setting)
     more = range(1, SEEDS[setting.quick])
@@ -79,14 +79,13 @@ def _plans(setting: Setting) -> dict[str, tuple[Plan, ...]]:
     return {"RRT": (made["RRT"], *searched), "scripted": (made["scripted"],)}
 
 
-def _hits(made: Sequence[Plan], what: str, runs: int, seed: int) -> int:
+def hits(some: Sequence[Plan], errors: Errors, runs: int, seed: int) -> int:
     """Successes of runs that plans share evenly."""
-    case, each = list(CASES).index(what), runs // len(made)
-    hits = 0
-    for k, plan in enumerate(made):
-        rng = np.random.default_rng([seed, case, k])
-        hits += int(np.sum(successes(plan, each, CASES[what], rng, step=STEP)))
-    return hits
+    each, good = runs // len(some), 0
+    for k, plan in enumerate(some):
+        rng = np.random.default_rng([seed, k])
+        good += int(np.sum(successes(plan, each, errors, rng, step=STEP)))
+    return good
 
 
 def _row(name: str, what: str, hits: int, runs: int) -> Row:

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from meso_robust.reproduction import given
-from meso_robust.reproduction.baselines import POSE, PROBE, Errors, plans, successes
+from meso_robust.reproduction.baselines import POSE, PROBE, Errors
+from meso_robust.reproduction.bench import Plan
 from meso_robust.reproduction.certified import certified_successes
+from meso_robust.reproduction.comparison import hits, several
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
 from meso_robust.reproduction.success_share import share_interval
 
 RUNS = {True: 40, False: 500}
 SCALES = {True: (1.0, 4.0), False: (1.0, 2.0, 4.0, 8.0)}
 """Multiples of each uncertainty."""
-STEP = 2e-6  # m
 _MU = float(np.mean(given.FRICTION))
 _SURE = Errors(friction=(_MU, _MU), film_ratio=(given.FILM_RATIO, given.FILM_RATIO))
 
@@ -68,27 +69,13 @@ def run(setting: Setting) -> Found:
     """Success of each plan under each uncertainty alone."""
     runs, scales = RUNS[setting.quick], SCALES[setting.quick]
     setting.told("planning", 0, 1)
-    made = plans(setting)
+    made = several(setting)
     shares: dict[str, dict[str, list[float]]] = {}
     for done, (what, one) in enumerate(ONES.items()):
         setting.told("one uncertainty at a time", done, len(ONES))
         shares[what] = {
-            name: [
-                100.0
-                * float(
-                    np.mean(
-                        successes(
-                            plan,
-                            runs,
-                            scaled(one.errors, factor),
-                            np.random.default_rng([setting.seed, done]),
-                            step=STEP,
-                        )
-                    )
-                )
-                for factor in scales
-            ]
-            for name, plan in made.items()
+            name: [_share(some, scaled(one.errors, k), runs, setting.seed) for k in scales]
+            for name, some in made.items()
         }
         shares[what]["certified"] = [
             100.0 * float(np.mean(_certified(one, factor, runs, setting.seed))) for factor in scales
@@ -115,6 +102,11 @@ def run(setting: Setting) -> Found:
         ),
         data={"success_percent": shares, "scales": list(scales), "runs": runs},
     )
+
+
+def _share(some: Sequence[Plan], errors: Errors, runs: int, seed: int) -> float:
+    """Success in % of runs that plans share evenly."""
+    return 100.0 * hits(some, errors, runs, seed) / runs
 
 
 def _certified(one: One, factor: float, runs: int, seed: int) -> np.ndarray:

@@ -47,7 +47,7 @@ def test_shares_are_those_of_the_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     def quarter(plan: object, runs: int, errors: Errors, rng: object, step: float) -> np.ndarray:
         return np.arange(runs) % 4 == 0
 
-    monkeypatch.setattr(comparison, "_plans", lambda _: {"RRT": ((), ()), "scripted": ((),)})
+    monkeypatch.setattr(comparison, "several", lambda _: {"RRT": ((), ()), "scripted": ((),)})
     monkeypatch.setattr(comparison, "successes", quarter)
     monkeypatch.setattr(
         comparison, "certified_successes", lambda runs, seed: np.ones(runs, dtype=bool)
