@@ -131,8 +131,8 @@ class Runs:
         """Number of runs."""
         return len(self.poses)
 
-    def where(self, which: Flags) -> Runs:
-        """Runs of the (N,) flags."""
+    def where(self, which: Flags | npt.NDArray[np.int64]) -> Runs:
+        """Runs of the (N,) flags, or of the indices."""
         film = self.film_ratio
         return Runs(
             poses=self.poses[which],

@@ -1,5 +1,7 @@
 """The seven-step plan: the printed numbers by hand, and the shape of plans with other lengths."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -45,3 +47,22 @@ def test_the_cost_is_the_distance_of_a_peg_that_is_not_touched() -> None:
     y, turn = START[1] - place.axis, 525.3e-6 * np.deg2rad(89.0)  # the other end ahead
     expected = np.sqrt(x**2 + y**2 + turn**2)
     assert seven_steps.cost(lengths, "film", place) == pytest.approx([expected], rel=1e-3)
+
+
+def test_the_mean_cost_is_that_of_the_runs_and_a_miss_counts_for_no_more() -> None:
+    place, runs = Place(), nominal("film", 3)
+    lengths = np.array([[600e-6, 600e-6, 50e-6, 775e-6], [200e-6, 100e-6, 0.0, 1500e-6]])
+    away = np.array([[0.0, 0.0, 0.0], [5e-5, 0.0, 0.0], [0.0, 5e-5, 0.0]])
+    shifted = replace(runs, poses=runs.poses + away)
+    whole = seven_steps.mean_cost(lengths, shifted, place)
+    for k, own in enumerate(lengths):
+        each = [
+            seven_steps.mean_cost(own[None], shifted.where(np.array([j])), place)[0]
+            for j in range(3)
+        ]
+        assert whole[k] == pytest.approx(np.mean(each))
+    # the second touches nothing: by hand 2.62 mm off, of which 0.3 mm count for half a miss
+    alone = seven_steps.mean_cost(lengths[1:], nominal("film"), place)
+    left = seven_steps.cost(lengths[1:], "film", place)
+    assert alone == pytest.approx(left / (left + 0.3e-3))
+    assert alone > 0.85
