@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.campaigns.monte_carlo import PlanRun, rectangle
 from meso_robust.primitives.move import MoveRule
 from meso_robust.reproduction.certified import CertifiedPlan
+from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.item import Figure
 from meso_robust.units import UM
 
@@ -27,32 +26,20 @@ def figures(plan: CertifiedPlan, nominal: PlanRun, sampled: PlanRun) -> tuple[Fi
     """Both figures; the runs must hold paths."""
     count = len(sampled.outcomes)
     return (
-        _drawn(
+        drawn(
             lambda: _over_time(plan, nominal, sampled),
             "planned-task-time",
             "The part's pose over the moves, as in Fig. 15: nominal run (line), from smallest to "
             f"largest of {count} runs over all stated uncertainties (band), the goal (green). The "
             "pauses between moves are left out.",
         ),
-        _drawn(
+        drawn(
             lambda: _snapshots(plan, nominal),
             "planned-task-snapshots",
             "Snapshots as in Fig. 16: the part before (grey) and after (black) each move, the tips "
             "where the move ends, and how they got there; the goal dashed.",
         ),
     )
-
-
-def _drawn(draw: Callable[[], object], name: str, caption: str) -> Figure:
-    from matplotlib.figure import Figure as Canvas
-
-    from meso_robust.reporting.svg import style, to_svg
-
-    with style():
-        canvas = draw()
-        if not isinstance(canvas, Canvas):
-            raise TypeError(f"{name}: must be drawn on a matplotlib figure")
-        return Figure(svg=to_svg(canvas, name, caption), caption=caption)
 
 
 def _name(rule: MoveRule) -> str:

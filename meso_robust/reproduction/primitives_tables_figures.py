@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.admissibility import values
 from meso_robust.bounds import HALF_PI
+from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.item import Figure
 from meso_robust.reproduction.primitive_runs import YTranslations, turned_deg
 
@@ -24,14 +25,14 @@ def figures(
 ) -> tuple[Figure, ...]:
     """Both figures; `paths` and `righted_deg` as in `Rotations`."""
     return (
-        _drawn(
+        drawn(
             lambda: _gain(free),
             "tables-gain",
             "Table III: tilt and arm of the Y-translation. Lines: equal net rise by "
             "l_AB (1 - cos phi), the printed 11 um bold. Dots: simulated Y-translations of which "
             "every contact sticks, over the inputs that the paper does not print.",
         ),
-        _drawn(
+        drawn(
             lambda: _turn(paths, righted_deg),
             "tables-turn",
             "Table IV: turn of the part over the push, by separation of the tips. Dashed: the closed "
@@ -40,18 +41,6 @@ def figures(
             "Above the green line a t² push rights what is left.",
         ),
     )
-
-
-def _drawn(draw: Callable[[], object], name: str, caption: str) -> Figure:
-    from matplotlib.figure import Figure as Canvas
-
-    from meso_robust.reporting.svg import style, to_svg
-
-    with style():
-        canvas = draw()
-        if not isinstance(canvas, Canvas):
-            raise TypeError(f"{name}: must be drawn on a matplotlib figure")
-        return Figure(svg=to_svg(canvas, name, caption), caption=caption)
 
 
 def arm_um(tilt_deg: Floats, gain_um: float) -> Floats:
