@@ -62,6 +62,9 @@ def test_shares_are_those_of_the_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert row.ours == pytest.approx((100.0 * 0.025 ** (1 / 200), 100.0))
     assert "100.00 % of the runs" in found.answer
     assert "25.0 %" in found.answer
+    (picture,) = found.figures
+    assert picture.svg.count("the same on dry points") == 2  # RRT and scripted; none is certified
+    assert picture.svg.count("certified; stated") == 1
 
 
 def test_the_answer_names_what_each_plan_suffers_from() -> None:
