@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from meso_robust.cli.console import Reporter, refuse
+from meso_robust.cli.console import INTERRUPTED, Reporter, refuse
 
 
-def reproduce(  # every option of the verb is an argument
+def reproduce(
     item: Annotated[
         str | None, typer.Argument(help="One of them, such as table-1 or rrt; all by default.")
     ] = None,
@@ -29,6 +30,9 @@ def reproduce(  # every option of the verb is an argument
         _reproduce(item, out, (quick, seed), as_json=as_json, quiet=quiet)
     except InputError as error:
         refuse(error)
+    except KeyboardInterrupt:
+        print("meso-robust: interrupted; nothing was written", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 def _reproduce(
