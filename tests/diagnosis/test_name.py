@@ -14,6 +14,7 @@ from meso_robust.diagnosis.candidates import (
     Candidate,
     Naming,
     answers_of,
+    freed,
     pruned,
     supported,
     with_probabilities,
@@ -103,6 +104,20 @@ def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
     found = {one.effects[0]: one for one in without_duplicates([simple, same, other, better])}
     assert found["stribeck_friction"].rejected == "the same motion as dry_friction"
     assert [name for name, one in found.items() if one.rejected] == ["stribeck_friction"]
+
+
+def test_a_duplicate_of_what_is_not_enough_may_yet_answer() -> None:
+    short = candidate("dry_friction", adequate=False, rejected="leaves a mismatch")
+    same = candidate("stribeck_friction", rejected="the same motion as dry_friction")
+    enough = candidate("body_force", adequate=True)
+    other = candidate("backlash", rejected="the same motion as body_force")
+    found = {one.effects[0]: one.rejected for one in freed([short, same, enough, other])}
+    assert found == {
+        "dry_friction": "leaves a mismatch",
+        "stribeck_friction": "",
+        "body_force": "",
+        "backlash": "the same motion as body_force",
+    }
 
 
 def errors(misfit: float, *sigma: float) -> Errors:
