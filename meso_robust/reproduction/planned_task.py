@@ -232,8 +232,9 @@ def _data(plan: CertifiedPlan, runs: _Runs) -> dict[str, object]:
 def _answer(plan: CertifiedPlan, runs: _Runs) -> str:
     hits, count = int(in_goal(runs.sampled, plan.setup).sum()), len(runs.sampled.outcomes)
     held = int(in_goal(runs.printed, plan.setup).sum())
+    solved = "solved as the paper says" if hits == count else "not always solved"
     return (
-        f"The task is solved as the paper says, but with a wider separation of the tips: the plan is "
+        f"With a wider separation of the tips than the paper's the task is {solved}: the plan is "
         f"{plan.chain.verdict.word} and {hits} of {count} simulated runs end in the goal. With the "
         f"printed separation (eq. 10) {held} of {count} do."
     )

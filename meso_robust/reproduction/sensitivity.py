@@ -31,7 +31,7 @@ BOXES: Mapping[str, tuple[float, float, float, float, float]] = {
     "5 um and 0.005 rad": (POSITION, POSITION, RADIANS, POSITION, POSITION),
 }
 """Largest errors at the start of part (x, y, θ) and tip (x, y), m and rad."""
-WHOLE = "part and probe"
+WHOLE, ACROSS, ANGLE_ALONE = "part and probe", "5 um across the push alone", "0.005 deg alone"
 SENSITIVE, OTHER = "C", "B"
 _SHOWN = np.array([units.UM, units.UM, units.DEG])
 
@@ -105,11 +105,15 @@ def _answer(spreads: Mapping[str, Mapping[str, Floats]], compared: Mapping[str, 
     most = [name for name in SUPPORTS if np.argmax(compared[name][:, 2]) == TESTS.index(SENSITIVE)]
     said = ", ".join(f"±{turn[name]:.1f}° on {name}" for name in SUPPORTS)
     times = ", ".join(f"{more[name]:.1f} on {name}" for name in SUPPORTS)
+    across = [spreads[name][ACROSS][2] / spreads[name][WHOLE][2] for name in SUPPORTS]
+    angle = max(0.5 * spreads[name][ANGLE_ALONE][2] / units.DEG for name in SUPPORTS)
+    stands = "stands" if len(most) == len(SUPPORTS) else "stands in part" if most else "falls"
     return (
-        f"The sensitivity stands: within the printed errors the push that should only translate turns "
-        f"the part by {said}, either way; the spread of θ is the largest of the eight tests on "
-        f"{', '.join(most) or 'no support'} ({times} times that of B). It is carried by the 5 um across "
-        "the push alone; 0.005° is passed on as it is. How wide the paper's curves are is not printed."
+        f"The sensitivity {stands}: within the printed errors the push that should only translate "
+        f"turns the part by {said}; the spread of θ is the largest of the eight tests on "
+        f"{', '.join(most) or 'no support'} ({times} times that of B). The 5 um across the push alone "
+        f"make {100.0 * min(across):.0f} to {100.0 * max(across):.0f} % of it, 0.005° alone at most "
+        f"±{angle:.2g}°. How wide the paper's curves are is not printed."
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from meso_robust.reproduction import given
 from meso_robust.reproduction.baselines import ALL, ON_FILM, REPORTED, Errors, drawn, successes
-from meso_robust.reproduction.bench import TIP_START, Floats, Place, Plan, Runs, follow, nominal
+from meso_robust.reproduction.bench import TIP_START, Floats, Place, Plan, Runs, follow
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.rrt import distance
 from meso_robust.simulator import Outcome
@@ -60,11 +60,6 @@ def with_lengths(lengths: Floats) -> Floats:
     return np.stack([np.stack(xs, axis=1), np.stack(ys, axis=1)], axis=2)
 
 
-def cost(lengths: Floats, support: str, place: Place) -> Floats:
-    """(N,) how far from the goal (N, 4) lengths leave the peg, m, without errors."""
-    return _left(with_lengths(lengths), nominal(support, len(lengths)), place)
-
-
 def mean_cost(lengths: Floats, among: Runs, place: Place) -> Floats:
     """(N,) from 0 to 1: how far (N, 4) lengths leave the peg on average over some runs with errors.
 
@@ -72,16 +67,12 @@ def mean_cost(lengths: Floats, among: Runs, place: Place) -> Floats:
     """
     count, each = len(lengths), len(among)
     runs = among.where(np.tile(np.arange(each), count))
-    left = _left(with_lengths(np.repeat(lengths, each, axis=0)), runs, place)
-    return np.asarray((left / (left + NEAR)).reshape(count, each).mean(axis=1))
-
-
-def _left(ways: Floats, runs: Runs, place: Place) -> Floats:
     goal = np.array(
         [PRINTED[0][7, 0] - given.TIP_RADIUS - 0.5 * given.PART.length, place.axis, np.pi]
     )
-    done = follow((ways,), runs, place, step=STEP)
-    return distance(done.poses, goal) + JAMMED * (done.outcomes != Outcome.COMPLETED)
+    done = follow((with_lengths(np.repeat(lengths, each, axis=0)),), runs, place, step=STEP)
+    left = distance(done.poses, goal) + JAMMED * (done.outcomes != Outcome.COMPLETED)
+    return np.asarray((left / (left + NEAR)).reshape(count, each).mean(axis=1))
 
 
 def tuned(place: Place, setting: Setting) -> tuple[Plan, str]:

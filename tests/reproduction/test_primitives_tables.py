@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -17,6 +20,7 @@ from meso_robust.reproduction.primitive_runs import (
     x_translation,
     y_translations,
 )
+from meso_robust.reproduction.primitives_tables import standing
 from meso_robust.reproduction.primitives_tables_figures import arm_um, stops_at
 from meso_robust.simulator import Outcome
 
@@ -105,3 +109,21 @@ def test_a_path_stops_where_it_no_longer_turns() -> None:
     path: Floats = np.column_stack([np.arange(6.0), [0.0, 1.0, 2.0, 3.0, 3.0, 3.0]])
     assert stops_at(path) == 3
     assert stops_at(path[:1]) == 0
+
+
+def test_a_table_stands_only_if_its_numbers_do() -> None:
+    def trials(x: float, completed: bool) -> Any:
+        return SimpleNamespace(seen=np.full((2, 3), x), completed=np.array([True, completed]))
+
+    def free(error: float) -> Any:
+        return SimpleNamespace(theory_um=np.array([11.0 + error]), net=np.array([[0.0, 11.0, 0.0]]))
+
+    def turns(ends: bool, turn: float) -> Any:
+        return SimpleNamespace(printed=trials(0.0, ends), nominal=np.array([[0.0, 0.0, turn]]))
+
+    good = standing(free(0.0), turns(True, 80.0), {"long": trials(950.0, True)})
+    assert good == {"III": True, "IV": True, "V": True}
+    bad = standing(free(0.1), turns(False, 80.0), {"long": trials(900.0, True)})
+    assert bad == {"III": False, "IV": False, "V": False}
+    jammed = standing(free(0.0), turns(False, 90.0), {"long": trials(950.0, False)})
+    assert jammed == {"III": True, "IV": True, "V": False}

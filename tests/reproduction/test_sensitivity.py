@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from meso_robust.reproduction import sensitivity
 from meso_robust.reproduction.eight_tests import TESTS, planned
 from meso_robust.reproduction.given import FILM_RATIO, PART
 from meso_robust.reproduction.item import Setting
@@ -74,3 +75,18 @@ def test_c_is_the_most_sensitive_test() -> None:
     }
     assert len(found.figures) == 2
     json.dumps(found.data)
+
+
+def test_the_answer_says_only_what_the_numbers_do() -> None:
+    def said(most: float, across: float) -> str:
+        turns = {box: np.array([0.0, 0.0, np.deg2rad(2.0)]) for box in sensitivity.BOXES}
+        turns[sensitivity.ACROSS] = np.array([0.0, 0.0, np.deg2rad(across)])
+        tests = np.full((8, 3), 1.0)
+        tests[TESTS.index("C"), 2] = most
+        names = SUPPORTS
+        return sensitivity._answer(dict.fromkeys(names, turns), dict.fromkeys(names, tests))
+
+    assert "The sensitivity stands:" in said(2.0, 1.9)
+    assert "95 to 95 %" in said(2.0, 1.9)
+    assert "The sensitivity falls:" in said(0.5, 0.2)
+    assert "10 to 10 %" in said(0.5, 0.2)
