@@ -47,9 +47,9 @@ reports: $(INSTALLED)
 
 # The full forms of the campaigns: hours on two cores. The totals of `falsify` go on where they stand.
 campaign: $(INSTALLED)
-	$(BIN)/python -m tests.campaigns.refuted
+	$(BIN)/python -m tests.execution.refuted
 	$(BIN)/python -m tests.checker.mutations --count 3000
-	$(BIN)/python -m tests.campaigns.falsify --workers 2 --stepper-attack
+	$(BIN)/python -m tests.execution.falsify --workers 2 --stepper-attack
 	$(BIN)/python -m tests.tracking.accuracy --frames 10000 --seed 2 --out reports/tracking/accuracy.md
 	$(BIN)/python -m tests.identification.recovery
 	$(BIN)/python -m tests.identification.design_report --sets 80 --out reports/identification

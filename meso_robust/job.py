@@ -12,8 +12,8 @@ from pathlib import Path
 
 from meso_robust import units
 from meso_robust.bounds import Verdict
-from meso_robust.campaigns.crosscheck import CrossCheck, confirmed, crosscheck
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, STEP
+from meso_robust.execution.crosscheck import CrossCheck, confirmed, crosscheck
+from meso_robust.execution.running import STARTS_INSIDE, STEP
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.design import design
 from meso_robust.certificates.document import (

@@ -30,7 +30,7 @@ MAY_IMPORT = {
     "planning": BELOW_PLANNING,
     "admissible": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
-    "policy": {*BELOW_PLANNING, "planning", "certificates", "campaigns", "simulator"},
+    "policy": {*BELOW_PLANNING, "planning", "certificates", "execution", "simulator"},
     "checker": {"errors", "task"},
     "simulator": {"errors", "kernels"},
     "recordings": {"errors", "toml_files", "files"},

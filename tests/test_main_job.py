@@ -80,7 +80,7 @@ def test_wide_friction_is_not_proved(wide_friction_plan: Planned) -> None:
 
 
 def test_a_refuted_plan_carries_a_witness_that_fails_again(wide_friction_plan: Planned) -> None:
-    from meso_robust.campaigns.crosscheck import confirmed
+    from meso_robust.execution.crosscheck import confirmed
 
     certificate = wide_friction_plan.certificate
     assert certificate.verdict == "REFUTED"

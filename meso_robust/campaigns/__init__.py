@@ -1,1 +1,1 @@
-"""Campaigns: many runs of a plan in the simulator."""
+"""Campaigns: much work in small seeded chunks, kept in a store, from one core to a cluster."""

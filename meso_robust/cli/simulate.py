@@ -11,8 +11,8 @@ import typer
 from meso_robust.cli.console import NEGATIVE, Reporter, refuse
 
 if TYPE_CHECKING:
-    from meso_robust.campaigns.filming import Camera
-    from meso_robust.campaigns.simulation import Simulated
+    from meso_robust.execution.filming import Camera
+    from meso_robust.execution.simulation import Simulated
 
 FRAME_RATE_HZ = 30.0  # of the paper's camera, Section IV
 
@@ -97,10 +97,10 @@ def _simulate(asked: _Asked, say: Reporter) -> None:
     plan = read_plan(asked.plan, task)
     check_folder(asked.out)
 
-    from meso_robust.campaigns.simulation import player_of, simulated
-    from meso_robust.campaigns.simulation_answer import document, summary
-    from meso_robust.campaigns.trajectories import trajectories
-    from meso_robust.campaigns.witness import read_witness
+    from meso_robust.execution.simulation import player_of, simulated
+    from meso_robust.execution.simulation_answer import document, summary
+    from meso_robust.execution.trajectories import trajectories
+    from meso_robust.execution.witness import read_witness
     from meso_robust.reporting.animation import animation
 
     camera = _camera(asked)
@@ -142,7 +142,7 @@ def _camera(asked: _Asked) -> Camera:
     """The camera that was asked for."""
     import numpy as np
 
-    from meso_robust.campaigns.filming import Camera
+    from meso_robust.execution.filming import Camera
     from meso_robust.errors import InputError
     from meso_robust.simulator import Effects
     from meso_robust.simulator.observation import Sensor
@@ -165,7 +165,7 @@ def _record(asked: _Asked, found: Simulated, camera: Camera) -> None:
     """Write some of the runs as a camera would record them."""
     import numpy as np
 
-    from meso_robust.campaigns.filming import film_plan
+    from meso_robust.execution.filming import film_plan
     from meso_robust.recordings import write_set
 
     rng = np.random.default_rng(asked.seed)

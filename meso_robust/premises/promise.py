@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from meso_robust.bounds import Verdict
-from meso_robust.campaigns.crosscheck import CLEAR, ROUNDING
+from meso_robust.execution.crosscheck import CLEAR, ROUNDING
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import (
     CertificateDocument,

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.campaigns.draws import Draws, draw
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, STEP, excess, rectangle, walls
+from meso_robust.execution.draws import Draws, draw
+from meso_robust.execution.running import STARTS_INSIDE, STEP, excess, rectangle, walls
 from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.models import Physics
 from meso_robust.primitives.move import MoveRule

@@ -13,12 +13,12 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from meso_robust import units
-from meso_robust.campaigns.endings import Ending, ending, words
-from meso_robust.campaigns.monte_carlo import MoveRun, PlanRun, rectangle
-from meso_robust.campaigns.replay import miss
-from meso_robust.campaigns.simulation import Simulated, in_goal, order
-from meso_robust.campaigns.simulation_document import SimulationDocument
-from meso_robust.campaigns.trajectories import probe_names
+from meso_robust.execution.endings import Ending, ending, words
+from meso_robust.execution.running import MoveRun, PlanRun, rectangle
+from meso_robust.execution.replay import miss
+from meso_robust.execution.simulation import Simulated, in_goal, order
+from meso_robust.execution.simulation_document import SimulationDocument
+from meso_robust.execution.trajectories import probe_names
 
 Floats = npt.NDArray[np.float64]
 Json = dict[str, Any]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from meso_robust.bounds import Verdict
-from meso_robust.campaigns.monte_carlo import excess
+from meso_robust.execution.running import excess
 from meso_robust.job import Planned
 from meso_robust.premises.answer import document
 from meso_robust.premises.promise import Promise

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from meso_robust import units
-from meso_robust.campaigns.monte_carlo import MoveRun, rectangle
+from meso_robust.execution.running import MoveRun, rectangle
 from meso_robust.job import Planned
 from meso_robust.planning.document import NAMES
 from meso_robust.reporting.canvas import (

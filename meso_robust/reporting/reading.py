@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.bounds import Verdict
-from meso_robust.campaigns.crosscheck import CrossCheck
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE
+from meso_robust.execution.crosscheck import CrossCheck
+from meso_robust.execution.running import STARTS_INSIDE
 from meso_robust.certificates.chain import Chain
 from meso_robust.simulator import Outcome
 

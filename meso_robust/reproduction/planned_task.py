@@ -9,9 +9,9 @@ from itertools import groupby
 import numpy as np
 
 from meso_robust import units
-from meso_robust.campaigns.draws import nominal
-from meso_robust.campaigns.monte_carlo import PlanRun, run
-from meso_robust.campaigns.simulation import in_goal
+from meso_robust.execution.draws import nominal
+from meso_robust.execution.running import PlanRun, run
+from meso_robust.execution.simulation import in_goal
 from meso_robust.certificates.margin import Margin, margin
 from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.reproduction.certified import (

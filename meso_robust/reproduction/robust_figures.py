@@ -9,7 +9,7 @@ from matplotlib import figure as mpl
 from matplotlib.axes import Axes
 
 from meso_robust import units
-from meso_robust.campaigns.monte_carlo import MoveRun
+from meso_robust.execution.running import MoveRun
 from meso_robust.reporting.canvas import (
     AFTER,
     CERTIFIED,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from meso_robust.campaigns.simulation import in_goal
+from meso_robust.execution.simulation import in_goal
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reproduction.certified import CertifiedPlan, certified_plan, trials

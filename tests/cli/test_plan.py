@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from meso_robust.campaigns.monte_carlo import rectangle as original
+from meso_robust.execution.running import rectangle as original
 from meso_robust.cli import app
 from meso_robust.job import SimulatorContradictsProofError
 from meso_robust.tasks import PAPER
@@ -182,7 +182,7 @@ def test_goal_that_is_too_tight_is_not_proved(tmp_path: Path) -> None:
 def test_simulator_that_contradicts_a_proof_is_never_reported_as_proved(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from meso_robust.campaigns import monte_carlo
+    from meso_robust.execution import monte_carlo
 
     monkeypatch.setattr(
         monte_carlo, "rectangle", lambda setup: 0.9 * original(setup)

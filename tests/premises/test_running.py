@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from meso_robust.campaigns.draws import draw
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, run
+from meso_robust.execution.draws import draw
+from meso_robust.execution.running import STARTS_INSIDE, run
 from meso_robust.premises import running
 from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.keeping import enough, needed, roomier

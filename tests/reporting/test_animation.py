@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meso_robust.campaigns.monte_carlo import PlanRun
-from meso_robust.campaigns.simulation import Case, Simulated, player_of, simulated
-from meso_robust.campaigns.simulation_answer import document
+from meso_robust.execution.running import PlanRun
+from meso_robust.execution.simulation import Case, Simulated, player_of, simulated
+from meso_robust.execution.simulation_answer import document
 from meso_robust.planning.document import PlanDocument
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.animation import animation, data, embedded

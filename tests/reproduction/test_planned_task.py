@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from meso_robust.bounds import Verdict
-from meso_robust.campaigns.draws import nominal
-from meso_robust.campaigns.monte_carlo import run
+from meso_robust.execution.draws import nominal
+from meso_robust.execution.running import run
 from meso_robust.reproduction.certified import (
     UNCERTAINTIES,
     certified_plan,

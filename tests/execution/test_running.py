@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from meso_robust.campaigns.draws import Draws, draw, nominal
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, excess, run
+from meso_robust.execution.draws import Draws, draw, nominal
+from meso_robust.execution.running import STARTS_INSIDE, excess, run
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Outcome

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.monte_carlo import MoveRun, PlanRun
-from meso_robust.campaigns.simulation import Simulated
+from meso_robust.execution.running import MoveRun, PlanRun
+from meso_robust.execution.simulation import Simulated
 from meso_robust.recordings import (
     Polygon,
     PositionSource,

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meso_robust.campaigns.draws import draw
-from meso_robust.campaigns.monte_carlo import run
-from meso_robust.campaigns.witness import read_witness
+from meso_robust.execution.draws import draw
+from meso_robust.execution.running import run
+from meso_robust.execution.witness import read_witness
 from meso_robust.errors import InputError
-from tests.campaigns.test_replay import REPORT, paper_plan_document, paper_player
+from tests.execution.test_replay import REPORT, paper_plan_document, paper_player
 from tests.conftest import paper_task
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.ascent import Effort, Summit, climb, corners, shaken
-from meso_robust.campaigns.claims import Claims, only_motions
-from meso_robust.campaigns.judging import judge
-from meso_robust.campaigns.replay import Feedback, limits
-from meso_robust.campaigns.targets import Target, box_targets, failing, motion_targets
+from meso_robust.execution.ascent import Effort, Summit, climb, corners, shaken
+from meso_robust.execution.claims import Claims, only_motions
+from meso_robust.execution.judging import judge
+from meso_robust.execution.replay import Feedback, limits
+from meso_robust.execution.targets import Target, box_targets, failing, motion_targets
 from meso_robust.primitives.setup import Setup
 
 Floats = npt.NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Witnesses of REFUTED certificates, replayed: ``python -m tests.campaigns.refuted``."""
+"""Witnesses of REFUTED certificates, replayed: ``python -m tests.execution.refuted``."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from typer.testing import CliRunner
 
-from meso_robust.campaigns.replay import Feedback
-from meso_robust.campaigns.simulation import in_goal, player_of
-from meso_robust.campaigns.witness import read_witness
+from meso_robust.execution.replay import Feedback
+from meso_robust.execution.simulation import in_goal, player_of
+from meso_robust.execution.witness import read_witness
 from meso_robust.cli import app
 from meso_robust.files import write_all
 from meso_robust.job import Planned, make
@@ -133,7 +133,7 @@ def table(found: Iterable[Replayed]) -> str:
         "",
         "Each task is the paper's with one change. `simulate --witness` replays the run that the "
         "certificate tells (LCP stepper), and the event-driven engine makes the same run again. "
-        "Made by `python -m tests.campaigns.refuted`.",
+        "Made by `python -m tests.execution.refuted`.",
         "",
         "| Change | Verdict | Witness | Exit status | LCP stepper | Event-driven | Fails again |",
         "| --- | --- | --- | --- | --- | --- | --- |",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.endings import in_part
+from meso_robust.execution.endings import in_part
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

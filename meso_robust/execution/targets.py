@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
-from meso_robust.campaigns.crosscheck import REFUTING
-from meso_robust.campaigns.endings import gaps_to
-from meso_robust.campaigns.meetings import meets, stick_ratio
-from meso_robust.campaigns.monte_carlo import MoveRun, PlanRun
+from meso_robust.execution.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
+from meso_robust.execution.crosscheck import REFUTING
+from meso_robust.execution.endings import gaps_to
+from meso_robust.execution.meetings import meets, stick_ratio
+from meso_robust.execution.running import MoveRun, PlanRun
 
 Floats = npt.NDArray[np.float64]
 Measure = Callable[[PlanRun, Floats], Floats]

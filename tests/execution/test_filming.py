@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meso_robust.campaigns.filming import Camera, film, film_plan
-from meso_robust.campaigns.simulation import player_of, simulated
+from meso_robust.execution.filming import Camera, film, film_plan
+from meso_robust.execution.simulation import player_of, simulated
 from meso_robust.planning.reading import read_plan
 from meso_robust.primitives.setup import setup_of
 from meso_robust.recordings import read_set, write_set

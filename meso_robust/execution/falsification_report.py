@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.campaigns.claims import Claims
-from meso_robust.campaigns.falsification import (
+from meso_robust.execution.claims import Claims
+from meso_robust.execution.falsification import (
     KINDS,
     Chunk,
     Extremes,
@@ -19,8 +19,8 @@ from meso_robust.campaigns.falsification import (
     Totals,
     boxes_digest,
 )
-from meso_robust.campaigns.judging import EXACT_SLIP, HALVINGS, INSTANTS, ROUNDING, STEPPED_SLIP
-from meso_robust.campaigns.monte_carlo import STEP
+from meso_robust.execution.judging import EXACT_SLIP, HALVINGS, INSTANTS, ROUNDING, STEPPED_SLIP
+from meso_robust.execution.running import STEP
 
 Floats = npt.NDArray[np.float64]
 Parts = Sequence[tuple[Chunk, Totals, str]]

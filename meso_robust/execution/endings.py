@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, STEP, PlanRun, rectangle
-from meso_robust.campaigns.replay import Player
+from meso_robust.execution.running import STARTS_INSIDE, STEP, PlanRun, rectangle
+from meso_robust.execution.replay import Player
 from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.adversary import search
-from meso_robust.campaigns.monte_carlo import PlanRun, excess
-from meso_robust.campaigns.open_loop import OpenLoop
-from meso_robust.campaigns.replay import Feedback, Player, miss, nominal_row
+from meso_robust.execution.adversary import search
+from meso_robust.execution.running import PlanRun, excess
+from meso_robust.execution.open_loop import OpenLoop
+from meso_robust.execution.replay import Feedback, Player, miss, nominal_row
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import rules_of
 from meso_robust.primitives.setup import Setup

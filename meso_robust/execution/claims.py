@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.bounds import Verdict
-from meso_robust.campaigns.endings import gaps_to, in_part
-from meso_robust.campaigns.meetings import crosses, meets
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, MoveRun, PlanRun, rectangle
+from meso_robust.execution.endings import gaps_to, in_part
+from meso_robust.execution.meetings import crosses, meets
+from meso_robust.execution.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
 from meso_robust.certificates.chain import Chain
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup

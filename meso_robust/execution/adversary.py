@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.ascent import corners, stepped
-from meso_robust.campaigns.crosscheck import REFUTING
-from meso_robust.campaigns.replay import Player, joined, limits, miss
+from meso_robust.execution.ascent import corners, stepped
+from meso_robust.execution.crosscheck import REFUTING
+from meso_robust.execution.replay import Player, joined, limits, miss
 from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]

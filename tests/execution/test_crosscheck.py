@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from meso_robust.campaigns.crosscheck import confirmed
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE
+from meso_robust.execution.crosscheck import confirmed
+from meso_robust.execution.running import STARTS_INSIDE
 from meso_robust.job import Planned, make
 from meso_robust.simulator import Outcome
 from tests.conftest import paper_task

@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.draws import Draws, draw, nominal
-from meso_robust.campaigns.monte_carlo import STARTS_INSIDE, STEP, PlanRun, excess, run
+from meso_robust.execution.draws import Draws, draw, nominal
+from meso_robust.execution.running import STARTS_INSIDE, STEP, PlanRun, excess, run
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Outcome

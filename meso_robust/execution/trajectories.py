@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.campaigns.endings import ending
-from meso_robust.campaigns.monte_carlo import PlanRun
-from meso_robust.campaigns.replay import Player
-from meso_robust.campaigns.simulation import RECORD, Simulated
+from meso_robust.execution.endings import ending
+from meso_robust.execution.running import PlanRun
+from meso_robust.execution.replay import Player
+from meso_robust.execution.simulation import RECORD, Simulated
 
 Floats = npt.NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""The full falsification campaign: ``python -m tests.campaigns.falsify --help``.
+"""The full falsification campaign: ``python -m tests.execution.falsify --help``.
 
 Its totals are kept after every chunk, so that it can be ended at any time and called again.
 """
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from meso_robust.campaigns.attack import (
+from meso_robust.execution.attack import (
     Failure,
     Threshold,
     all_targets,
@@ -24,11 +24,11 @@ from meso_robust.campaigns.attack import (
     misses,
     threshold,
 )
-from meso_robust.campaigns.claims import Claims, claims_of, first_tip, slips
-from meso_robust.campaigns.falsification import KINDS, Chunk, Ledger, identity, run_chunks
-from meso_robust.campaigns.falsification_report import report
-from meso_robust.campaigns.judging import judge
-from meso_robust.campaigns.replay import Feedback
+from meso_robust.execution.claims import Claims, claims_of, first_tip, slips
+from meso_robust.execution.falsification import KINDS, Chunk, Ledger, identity, run_chunks
+from meso_robust.execution.falsification_report import report
+from meso_robust.execution.judging import judge
+from meso_robust.execution.replay import Feedback
 from meso_robust.certificates.chain import certify
 from meso_robust.certificates.margin import margin
 from meso_robust.files import write_all
@@ -41,7 +41,7 @@ from meso_robust.tasks import PAPER
 EVENTS_CHUNK, STEPPER_CHUNK = 50_000, 5_000
 WANTED = {"any claim about the motion": any_motion, "carried out and in the goal": misses}
 REPORT_EVERY = 60.0  # s
-MODULE = "python -m tests.campaigns.falsify"
+MODULE = "python -m tests.execution.falsify"
 
 
 def main() -> None:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.claims import Accuracy, Claims, broken
-from meso_robust.campaigns.monte_carlo import STEP, MoveRun, PlanRun
-from meso_robust.campaigns.replay import Feedback
+from meso_robust.execution.claims import Accuracy, Claims, broken
+from meso_robust.execution.running import STEP, MoveRun, PlanRun
+from meso_robust.execution.replay import Feedback
 from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]

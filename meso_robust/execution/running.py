@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.draws import Draws
-from meso_robust.campaigns.engines import Engine, push_all
+from meso_robust.execution.draws import Draws
+from meso_robust.execution.engines import Engine, push_all
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Fixture, Outcome, Push

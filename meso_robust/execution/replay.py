@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.bounds import Interval
-from meso_robust.campaigns.draws import Draws, draw
-from meso_robust.campaigns.engines import Engine
-from meso_robust.campaigns.monte_carlo import STEP, PlanRun, run
+from meso_robust.execution.draws import Draws, draw
+from meso_robust.execution.engines import Engine
+from meso_robust.execution.running import STEP, PlanRun, run
 from meso_robust.planning.document import NAMES
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup
@@ -63,7 +63,7 @@ class Player(Protocol):
         """(N, D) random rows: the first half uniform over the box, the second half at corners."""
 
     def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
-        """Run the plan once for every row; see ``campaigns.monte_carlo.run``."""
+        """Run the plan once for every row; see ``execution.running.run``."""
 
 
 def nominal_row(player: Player) -> Floats:
@@ -138,7 +138,7 @@ class Feedback:
         return tuple(found)
 
     def draw(self, runs: int, rng: np.random.Generator) -> Floats:
-        """(N, D) the rows of ``campaigns.draws.draw``, so that a seed means the same everywhere."""
+        """(N, D) the rows of ``execution.draws.draw``, so that a seed means the same everywhere."""
         return self.rows_of(draw(self.setup, len(self.rules), runs, rng))
 
     def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import ValidationError
 
-from meso_robust.campaigns.draws import Draws
-from meso_robust.campaigns.replay import Feedback, Player, limits
+from meso_robust.execution.draws import Draws
+from meso_robust.execution.replay import Feedback, Player, limits
 from meso_robust.certificates.document import CertificateDocument, WitnessDocument
 from meso_robust.errors import InputError
 from meso_robust.planning.document import PlanDocument

@@ -1,4 +1,4 @@
-"""Trying to break the paper's certificate, in short; the full form is ``tests.campaigns.falsify``."""
+"""Trying to break the paper's certificate, in short; the full form is ``tests.execution.falsify``."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from meso_robust.campaigns.ascent import Effort, climb, corners, shaken
-from meso_robust.campaigns.attack import (
+from meso_robust.execution.ascent import Effort, climb, corners, shaken
+from meso_robust.execution.attack import (
     Reach,
     all_targets,
     any_motion,
@@ -22,7 +22,7 @@ from meso_robust.campaigns.attack import (
     misses,
     threshold,
 )
-from meso_robust.campaigns.claims import (
+from meso_robust.execution.claims import (
     CONTACT,
     Accuracy,
     Claims,
@@ -32,9 +32,9 @@ from meso_robust.campaigns.claims import (
     outside,
     slips,
 )
-from meso_robust.campaigns.endings import gaps_to
-from meso_robust.campaigns.engines import Engine, push_all
-from meso_robust.campaigns.falsification import (
+from meso_robust.execution.endings import gaps_to
+from meso_robust.execution.engines import Engine, push_all
+from meso_robust.execution.falsification import (
     KINDS,
     Chunk,
     Kind,
@@ -46,18 +46,18 @@ from meso_robust.campaigns.falsification import (
     missing,
     run_chunks,
 )
-from meso_robust.campaigns.falsification_report import report
-from meso_robust.campaigns.judging import judge
-from meso_robust.campaigns.meetings import crosses, meets, stick_ratio
-from meso_robust.campaigns.monte_carlo import MoveRun, PlanRun, rectangle
-from meso_robust.campaigns.replay import Feedback, limits, nominal_row
-from meso_robust.campaigns.targets import needed_friction
+from meso_robust.execution.falsification_report import report
+from meso_robust.execution.judging import judge
+from meso_robust.execution.meetings import crosses, meets, stick_ratio
+from meso_robust.execution.running import MoveRun, PlanRun, rectangle
+from meso_robust.execution.replay import Feedback, limits, nominal_row
+from meso_robust.execution.targets import needed_friction
 from meso_robust.certificates.chain import certify
 from meso_robust.job import Planned
 from meso_robust.primitives.setup import setup_of
 from meso_robust.simulator import Push
-from tests.campaigns.refuted import replayed
-from tests.campaigns.test_replay import paper_plan_document, paper_player
+from tests.execution.refuted import replayed
+from tests.execution.test_replay import paper_plan_document, paper_player
 from tests.conftest import paper_task
 
 Floats = npt.NDArray[np.float64]
@@ -445,7 +445,7 @@ def test_what_fails_first_beyond_the_certified_margin() -> None:
 
 def test_threshold_is_bracketed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bisection against a failure that is known: everything fails from 1.37 on."""
-    from meso_robust.campaigns import attack as module
+    from meso_robust.execution import attack as module
 
     def fails(player: Feedback, factor: float, *_: object) -> object:
         width = player.setup.uncertainty.friction.width

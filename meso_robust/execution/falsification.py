@@ -19,11 +19,11 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.ascent import shaken
-from meso_robust.campaigns.claims import Claims, slips
-from meso_robust.campaigns.engines import Engine
-from meso_robust.campaigns.judging import Judged, judge
-from meso_robust.campaigns.replay import Feedback, limits
+from meso_robust.execution.ascent import shaken
+from meso_robust.execution.claims import Claims, slips
+from meso_robust.execution.engines import Engine
+from meso_robust.execution.judging import Judged, judge
+from meso_robust.execution.replay import Feedback, limits
 from meso_robust.planning.document import PlanDocument
 
 Floats = npt.NDArray[np.float64]

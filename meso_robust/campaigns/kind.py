@@ -1,0 +1,171 @@
+"""What a kind of campaign is: how its work is cut into chunks, done, added up and told.
+
+To add a kind, write a file (or a folder) that makes a :class:`Kind`, and add its line to ``kinds.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, ConfigDict, Field
+
+Values = Mapping[str, Any]
+"""Anything that JSON can hold; numbers finite."""
+Floats = npt.NDArray[np.float64]
+
+MOST_FAILURES = 3
+"""Failures of a chunk that are kept; all are counted."""
+
+
+class Section(BaseModel):
+    """The keys of a ``[[part]]`` that all kinds have; a kind adds its own.
+
+    A kind's section has a ``kind: Literal["its-name"]`` of its own.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    name: Annotated[str, Field(min_length=1, max_length=80)]
+    """What the part is called in the report; each name once."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """One part of a campaign with everything that its chunks need: no file is read after this."""
+
+    name: str
+    kind: str
+    seed: int
+    """Of the part; differs from that of all other parts of the campaign."""
+    confidence: float
+    """Of the intervals that are told, 0 to 1."""
+    asked: Values
+    """The section as stated, defaults filled in."""
+    given: Values
+    """What was read from the files that the section names."""
+
+    def rng(self, chunk: int) -> np.random.Generator:
+        """Source of the random numbers of a chunk; the same for the same chunk, wherever it runs."""
+        return np.random.default_rng([self.seed, chunk])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Failure:
+    """Something that a campaign was looking for: a run, an example, a certificate that breaks a rule."""
+
+    what: str
+    """Name of what is broken, the same for all failures of this sort."""
+    detail: str
+    """This one in words: a line or a short paragraph, plain text."""
+    files: Mapping[str, str]
+    """Contents of files, by name, that let anybody see it again; may be empty."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """What came of a chunk; the same chunk always gives the same result, to the last bit."""
+
+    runs: int
+    """Executions, examples, certificates, cases: what the rate is counted in."""
+    failed: int
+    """Of these, how many broke something."""
+    failures: tuple[Failure, ...]
+    """The first ``MOST_FAILURES`` of them, minimised if the kind does that within a chunk."""
+    values: Values
+    """What else the kind adds up."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """Rows of text for the report."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bars:
+    """Horizontal bars for the report, largest first or in their own order."""
+
+    title: str
+    unit: str
+    labels: tuple[str, ...]
+    values: tuple[float, ...]
+    limit: float | None = None
+    """A line that no bar should pass."""
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coverage:
+    """How evenly everything uncertain was covered: a strip of shades for each."""
+
+    title: str
+    labels: tuple[str, ...]
+    counts: tuple[tuple[int, ...], ...]
+    """For each label the runs in each of the equal bins of its range."""
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Paths:
+    """The hardest runs, drawn: outlines of the part along its way, tips, and the goal."""
+
+    title: str
+    part_um: tuple[tuple[float, float], ...]
+    """Corners of the part, its own axes."""
+    goal: tuple[float, float, float]
+    """Middle of the goal: um, um, deg."""
+    tolerance: tuple[float, float]
+    """Of the goal: um, deg."""
+    runs: tuple[tuple[str, tuple[tuple[float, float, float], ...]], ...]
+    """Label of each run, and poses along it: um, um, deg."""
+    note: str = ""
+
+
+View = Table | Bars | Coverage | Paths
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """A part's totals as they are told."""
+
+    verdict: Literal["held", "broken", "measured"]
+    """``held``: looked for a failure and found none; ``broken``: found one; ``measured``: a rate, no
+    claim was at stake."""
+    answer: str
+    """A sentence or two."""
+    figures: tuple[tuple[str, str], ...]
+    """A few numbers to lead with, each with what it is: ``("broken claims", "0 of 1,000,000")``."""
+    views: tuple[View, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """A kind of campaign, as a set of pure functions."""
+
+    name: str
+    """As in ``kind = "..."``."""
+    unit: str
+    """What its runs are: ``executions``, ``examples``, ``certificates`` ..."""
+    section: type[Section]
+    """Its keys of a campaign file."""
+    given: Callable[[Any, Path], Values]
+    """Reads what a section names, relative to the campaign's folder. Raises InputError."""
+    count: Callable[[Part], int]
+    """Number of chunks."""
+    prepare: Callable[[Part], Any]
+    """What all chunks share; once in every process."""
+    execute: Callable[[Any, Part, int], Result]
+    """Does a chunk: what was prepared, the part, the chunk's index."""
+    total: Callable[[Part, Iterable[Result]], Values]
+    """Adds up results, which come in the order of their chunks; some may be missing."""
+    tell: Callable[[Part, Values], Told]
+    """The totals in words, tables and pictures."""
