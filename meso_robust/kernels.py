@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
 
@@ -54,3 +56,21 @@ def fingerprint(*packages: str) -> int:
         for source in sorted((Path(__file__).parent / package).glob("*.py")):
             digest.update(source.read_bytes())
     return int.from_bytes(digest.digest()[:7], "big")
+
+
+_threads: list[int] = []
+
+
+def threads() -> int:
+    """How many threads a batch of runs may take: all cores, unless :func:`one_thread` is in force."""
+    return _threads[-1] if _threads else os.cpu_count() or 1
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Within the block batches take one thread: where each core has a process of its own."""
+    _threads.append(1)
+    try:
+        yield
+    finally:
+        _threads.pop()

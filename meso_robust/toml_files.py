@@ -84,3 +84,26 @@ def _path(keys: Sequence[str | int]) -> str:
     """Key as in ``recording[0].file``."""
     text = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
     return text.removeprefix(".")
+
+
+def toml_text(values: Mapping[str, Any]) -> str:
+    """Plain values and sections of them as TOML.
+
+    Raises
+    ------
+    TypeError
+        A section holds a section: no file of ours does.
+    """
+    plain = {key: value for key, value in values.items() if not isinstance(value, Mapping)}
+    lines = [_line(key, value) for key, value in plain.items()]
+    for name, section in values.items():
+        if isinstance(section, Mapping):
+            lines += ["", f"[{name}]", *(_line(key, value) for key, value in section.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _line(key: str, value: object) -> str:
+    if isinstance(value, Mapping):
+        raise TypeError(f"{key}: a section within a section")
+    # a JSON string, number, flag or list of these is the same in TOML
+    return f"{key} = {json.dumps(value, ensure_ascii=False, allow_nan=False)}"

@@ -81,6 +81,18 @@ class Result:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Done:
+    """A chunk that has been done."""
+
+    text: str
+    """Its result, canonical."""
+    seconds: float
+    worker: str
+    code: str
+    """Of the package that did it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
     """Rows of text for the report."""
 

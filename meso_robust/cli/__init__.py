@@ -11,6 +11,7 @@ import traceback
 
 import typer
 
+from meso_robust.cli.campaign import campaign
 from meso_robust.cli.certify import certify
 from meso_robust.cli.check import check
 from meso_robust.cli.derive import derive
@@ -37,6 +38,7 @@ _VERBS = (
     check,
     simulate,
     drive,
+    campaign,
     derive,
     track,
     recordings,

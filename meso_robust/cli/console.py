@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NoReturn, TypeAlias
@@ -13,6 +14,9 @@ POSITIVE, NEGATIVE, BAD_INPUT = 0, 1, 2
 INTERRUPTED = 130
 """What shells give for a run that was ended by Ctrl-C."""
 
+LINE_EVERY = 10.0  # s
+Rated: TypeAlias = Callable[[str, tuple[int, int], tuple[int, int, str]], None]
+"""Called with a part, its chunks done and planned, and the runs, failures and unit of a step."""
 Told: TypeAlias = Callable[[str, int, int], None]
 """Called with a stage of the work, how much of it is done, and how much there is."""
 
@@ -80,6 +84,75 @@ class Reporter:
                 progress.update(bars[stage], completed=done, total=known)
 
             yield bar
+
+    @contextmanager
+    def rating(self) -> Iterator[Rated]:
+        """Show how much of a part is done, at what rate, how long it will take, and what broke.
+
+        On a terminal as a bar, elsewhere as a line every ten seconds.
+        """
+        paces: dict[str, Pace] = {}
+        if not self._console.is_terminal:
+            last = [time.monotonic()]
+
+            def line(part: str, chunks: tuple[int, int], step: tuple[int, int, str]) -> None:
+                text = paces.setdefault(part, Pace()).told(chunks, step)
+                if chunks[0] == chunks[1] or time.monotonic() - last[0] > LINE_EVERY:
+                    last[0] = time.monotonic()
+                    self._console.print(f"{part}: {text}", markup=False, highlight=False)
+
+            yield line
+            return
+        from rich.markup import escape
+        from rich.progress import Progress, TaskID
+
+        with Progress(console=self._console, transient=True) as progress:
+            bars: dict[str, TaskID] = {}
+
+            def bar(part: str, chunks: tuple[int, int], step: tuple[int, int, str]) -> None:
+                text = paces.setdefault(part, Pace()).told(chunks, step)
+                if part not in bars:
+                    bars[part] = progress.add_task(part, total=chunks[1])
+                shown = escape(f"{part}: {text}")
+                progress.update(bars[part], completed=chunks[0], description=shown)
+
+            yield bar
+
+
+class Pace:
+    """How fast a part of a campaign goes, from its first step on."""
+
+    def __init__(self) -> None:
+        self._begun = time.monotonic()
+        self._steps = self._runs = self._failed = 0
+
+    def told(self, chunks: tuple[int, int], step: tuple[int, int, str]) -> str:
+        """The state in a line after a further step.
+
+        Parameters
+        ----------
+        chunks
+            Done and planned, of the part.
+        step
+            Runs of the step, how many of them failed, and what a run is called.
+        """
+        self._steps += 1
+        self._runs += step[0]
+        self._failed += step[1]
+        text = f"{chunks[0]:,} of {chunks[1]:,} chunks"
+        seconds = time.monotonic() - self._begun
+        if self._steps > 1 and seconds > 0.0:
+            # the first step was begun before this was made: neither it nor its runs are counted
+            each = seconds / (self._steps - 1)
+            rate = self._runs * (self._steps - 1) / self._steps / seconds
+            text += f", {rate:,.0f} {step[2]}/s, {_duration(each * (chunks[1] - chunks[0]))} left"
+        return f"{text}, {self._failed:,} failed"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
 
 
 def refuse(message: object) -> NoReturn:

@@ -14,15 +14,20 @@ def schema(
     name: Annotated[
         str,
         typer.Argument(
-            help="task, plan, policy, certificate, recordings, model, diagnosis or premises"
+            help=(
+                "task, plan, policy, certificate, campaign, witness, recordings, model, diagnosis "
+                "or premises"
+            )
         ),
     ],
 ) -> None:
     """Print the JSON Schema of a document."""
     from pydantic import BaseModel
 
+    from meso_robust.campaigns.document import CampaignDocument
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.diagnosis.document import DiagnosisDocument
+    from meso_robust.execution.witness_file import WitnessFile
     from meso_robust.identification.document import ModelDocument
     from meso_robust.planning.document import PlanDocument
     from meso_robust.policy.document import PolicyDocument
@@ -35,6 +40,8 @@ def schema(
         "plan": PlanDocument,
         "policy": PolicyDocument,
         "certificate": CertificateDocument,
+        "campaign": CampaignDocument,
+        "witness": WitnessFile,
         "recordings": SetDocument,
         "model": ModelDocument,
         "diagnosis": DiagnosisDocument,

@@ -48,7 +48,8 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
         bool, typer.Option("--adversarial", help="Search the uncertainties for the worst run.")
     ] = False,
     witness: Annotated[
-        Path | None, typer.Option(help="Replay the witness of this REFUTED certificate.")
+        Path | None,
+        typer.Option(help="Replay this witness.json, or the one of a REFUTED certificate."),
     ] = None,
     recordings: Annotated[
         int,
@@ -142,8 +143,8 @@ def _camera(asked: _Asked) -> Camera:
     """The camera that was asked for."""
     import numpy as np
 
-    from meso_robust.execution.filming import Camera
     from meso_robust.errors import InputError
+    from meso_robust.execution.filming import Camera
     from meso_robust.simulator import Effects
     from meso_robust.simulator.observation import Sensor
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.execution.adversary import search
-from meso_robust.execution.running import PlanRun, excess
 from meso_robust.execution.open_loop import OpenLoop
 from meso_robust.execution.replay import Feedback, Player, miss, nominal_row
+from meso_robust.execution.running import PlanRun, excess
+from meso_robust.execution.witness import Witness
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import rules_of
 from meso_robust.primitives.setup import Setup
@@ -77,7 +78,7 @@ def simulated(
     samples: int,
     seed: int,
     adversarial: bool = False,
-    witness: Floats | None = None,
+    witness: Witness | None = None,
     doing: Doing = _quietly,
 ) -> Simulated:
     """Run a plan.
@@ -91,7 +92,7 @@ def simulated(
     adversarial
         Whether to search for the worst run.
     witness
-        (1, D) a run to be replayed.
+        A run to be replayed, by the engine that made it.
     doing
         Shows what is being done while a stage runs.
     """
@@ -114,8 +115,12 @@ def simulated(
         nominal=nominal,
         worst=None if worst is None else _case(player, worst.row[None]),
         evaluations=0 if worst is None else worst.evaluations,
-        witness=None if witness is None else _case(player, witness),
+        witness=None if witness is None else _case(_by(player, witness), witness.row),
     )
+
+
+def _by(player: Player, witness: Witness) -> Player:
+    return replace(player, engine=witness.engine) if isinstance(player, Feedback) else player
 
 
 def _case(player: Player, row: Floats) -> Case:

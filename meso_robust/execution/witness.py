@@ -1,21 +1,26 @@
-"""The witness of a REFUTED certificate, read back number for number."""
+"""A witness read back number for number: of a REFUTED certificate, or a file of its own."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import ValidationError
 
-from meso_robust.execution.draws import Draws
-from meso_robust.execution.replay import Feedback, Player, limits
 from meso_robust.certificates.document import CertificateDocument, WitnessDocument
 from meso_robust.errors import InputError
+from meso_robust.execution.draws import Draws
+from meso_robust.execution.engines import Engine
+from meso_robust.execution.replay import Feedback, Player, limits
+from meso_robust.execution.witness_file import SCHEMA, WitnessFile, plan_hash, row_of
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import first_of, read_text
+from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
 
 Floats = npt.NDArray[np.float64]
@@ -23,36 +28,72 @@ Floats = npt.NDArray[np.float64]
 ROUNDING = 1e-15  # m and rad; of the first sensing error, which follows from the start
 
 
-def read_witness(path: Path, task: Task, plan: PlanDocument, player: Player) -> Floats:
-    """Read the witness of a certificate for this task and plan.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Witness:
+    """A run to be replayed."""
+
+    row: Floats
+    """(1, D) in the order of the player's columns."""
+    engine: Engine = "stepper"
+    """That made it."""
+    breaks: tuple[str, ...] = ()
+    """What it is said to break."""
+
+
+def read_witness(path: Path, task: Task, plan: PlanDocument, player: Player) -> Witness:
+    """Read a witness for this task and plan: ``witness.json``, or a certificate that has one.
 
     Parameters
     ----------
     path
-        The certificate.
+        The file.
     task, plan, player
         What it must be about.
-
-    Returns
-    -------
-    ndarray
-        (1, D) the run of the witness.
 
     Raises
     ------
     InputError
-        The file cannot be read, breaks a rule, is about another task or plan, is not REFUTED, or
-        its witness lies outside the bounds of the task.
+        The file cannot be read, breaks a rule, is about another task or plan, is a certificate that
+        is not REFUTED, or its run lies outside the bounds it must keep.
     """
+    text = read_text(path)
+    values = json.loads(text)
+    if isinstance(values, dict) and values.get("schema") == SCHEMA:
+        return _of_a_file(text, str(path), task, plan, player)
+    return _of_a_certificate(text, str(path), task, plan, player)
+
+
+def _of_a_file(text: str, path: str, task: Task, plan: PlanDocument, player: Player) -> Witness:
     try:
-        found = CertificateDocument.model_validate_json(read_text(path), strict=True)
+        found = WitnessFile.model_validate_json(text, strict=True)
+    except ValidationError as error:
+        raise InputError(f"{path}: {first_of(error, 'witness')}") from error
+    _check_task(found.task_hash, path, task, "witness")
+    if found.plan_hash != plan_hash(plan):
+        raise InputError(
+            f"{path}: key plan_hash = {found.plan_hash!r}: must be that of the plan's policy; give "
+            "the plan that lies beside the witness"
+        )
+    scaled = replace(player, setup=setup_of(task, found.factor))  # type: ignore[type-var]
+    return Witness(row=row_of(found, scaled, path), engine=found.engine, breaks=found.breaks)
+
+
+def _check_task(found: str, path: str, task: Task, what: str) -> None:
+    if found != task.hash:
+        raise InputError(
+            f"{path}: key task_hash = {found!r}: must be the hash {task.hash!r} of the task; give "
+            f"the {what} of this task"
+        )
+
+
+def _of_a_certificate(
+    text: str, path: str, task: Task, plan: PlanDocument, player: Player
+) -> Witness:
+    try:
+        found = CertificateDocument.model_validate_json(text, strict=True)
     except ValidationError as error:
         raise InputError(f"{path}: {first_of(error, 'certificate')}") from error
-    if found.task_hash != task.hash:
-        raise InputError(
-            f"{path}: key task_hash = {found.task_hash!r}: must be the hash {task.hash!r} of the "
-            "task; give the certificate of this task"
-        )
+    _check_task(found.task_hash, path, task, "certificate")
     if found.policy != plan.policy or not isinstance(player, Feedback):
         raise InputError(
             f"{path}: key policy: must be the policy of the plan; give the certificate of this plan"
@@ -62,7 +103,7 @@ def read_witness(path: Path, task: Task, plan: PlanDocument, player: Player) -> 
             f"{path}: key verdict = {found.verdict!r}: must be 'REFUTED' with a witness; only such "
             "a certificate holds a run to replay"
         )
-    return witness_row(found.witness, player, str(path))
+    return Witness(row=witness_row(found.witness, player, path), breaks=(found.witness.outcome,))
 
 
 def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floats:

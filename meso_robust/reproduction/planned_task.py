@@ -26,7 +26,7 @@ from meso_robust.reproduction.certified import (
     trials,
 )
 from meso_robust.reproduction.item import Found, Item, Row, Setting
-from meso_robust.reproduction.success_share import share_interval
+from meso_robust.campaigns.intervals import share_interval
 
 PRINTED_SEPARATION_UM = 857.0
 """Eq. (10): 837 um and twice the errors of sensing and control."""

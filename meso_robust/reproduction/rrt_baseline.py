@@ -19,7 +19,7 @@ from meso_robust.reproduction.baselines import (
 )
 from meso_robust.reproduction.bench import Flags, Place, follow, nominal
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
-from meso_robust.reproduction.success_share import share_interval
+from meso_robust.campaigns.intervals import share_interval
 
 KINDS: Mapping[str, Errors] = {
     "nothing uncertain": Errors(),

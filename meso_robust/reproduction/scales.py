@@ -21,7 +21,7 @@ from meso_robust.reproduction.shrunk import (
     shrunk,
     shrunk_rules,
 )
-from meso_robust.reproduction.success_share import share_interval
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.units import UM
 
 FULL_UM = 1616.0

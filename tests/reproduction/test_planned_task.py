@@ -21,7 +21,7 @@ from meso_robust.reproduction.certified import (
 )
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.planned_task import ITEM, sequence, with_separation
-from meso_robust.reproduction.success_share import share_interval
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.simulator import Outcome
 
 

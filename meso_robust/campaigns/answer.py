@@ -1,0 +1,216 @@
+"""What a campaign found out: totals, verdicts, failures, and the document that tells them."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from meso_robust.campaigns.document import Campaign
+from meso_robust.campaigns.encoding import canonical, digest
+from meso_robust.campaigns.kind import Failure, Part, Result, Told, Values
+from meso_robust.campaigns.kinds import KINDS
+from meso_robust.campaigns.provenance import code, versions
+from meso_robust.campaigns.store import Session, Store, Trouble
+
+OF_A_SORT = 3  # failures of the same sort that are written out, of each part
+WRITTEN = 20  # failures that are written out, of each part
+
+Verdict = Literal["held", "broken", "measured", "incomplete"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shown:
+    """A failure that is written out."""
+
+    chunk: int
+    failure: Failure
+    folder: str
+    """Where its files are, relative to the report; empty if it has none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PartAnswer:
+    """What came of a part."""
+
+    part: Part
+    unit: str
+    planned: int
+    """Chunks."""
+    done: int
+    runs: int
+    failed: int
+    seconds: float
+    """Of work, added up over the workers."""
+    totals: Values
+    told: Told
+    shown: tuple[Shown, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What came of a campaign."""
+
+    campaign: Campaign
+    parts: tuple[PartAnswer, ...]
+    troubles: tuple[Trouble, ...]
+    sessions: tuple[Session, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """``broken`` if a failure was found, ``incomplete`` if chunks are missing, else held or measured."""
+        verdicts = {one.told.verdict for one in self.parts}
+        if "broken" in verdicts:
+            return "broken"
+        if any(one.done < one.planned for one in self.parts):
+            return "incomplete"
+        return "held" if "held" in verdicts else "measured"
+
+    @property
+    def totals_digest(self) -> str:
+        """SHA-256 of all totals: the same for the same campaign, whoever did it and how often it ended."""
+        return digest(canonical({one.part.name: one.totals for one in self.parts}))
+
+
+def answered(campaign: Campaign, store: Store) -> Answer:
+    """Add up what a store holds.
+
+    Raises
+    ------
+    InputError
+        The store is damaged.
+    """
+    return Answer(
+        campaign=campaign,
+        parts=tuple(_part(part, store) for part in campaign.parts),
+        troubles=store.troubles(),
+        sessions=store.sessions(),
+    )
+
+
+def _part(part: Part, store: Store) -> PartAnswer:
+    kind = KINDS[part.kind]
+    tally = _Tally(part.name)
+    totals = kind.total(part, tally.of(store))
+    return PartAnswer(
+        part=part,
+        unit=kind.unit,
+        planned=kind.count(part),
+        done=tally.done,
+        runs=tally.runs,
+        failed=tally.failed,
+        seconds=store.seconds(part.name),
+        totals=totals,
+        told=kind.tell(part, totals),
+        shown=tuple(tally.shown),
+    )
+
+
+class _Tally:
+    """Counts what every kind has while its results pass by, in the order of their chunks."""
+
+    def __init__(self, part: str) -> None:
+        self.part = part
+        self.done = self.runs = self.failed = 0
+        self.shown: list[Shown] = []
+        self._sorts: Counter[str] = Counter()
+
+    def of(self, store: Store) -> Iterator[Result]:
+        """All results of the part, counted on the way."""
+        for chunk, result in store.results(self.part):
+            self.done, self.runs = self.done + 1, self.runs + result.runs
+            self.failed += result.failed
+            for failure in result.failures:
+                self._keep(chunk, failure)
+            yield result
+
+    def _keep(self, chunk: int, failure: Failure) -> None:
+        self._sorts[failure.what] += 1
+        if self._sorts[failure.what] <= OF_A_SORT and len(self.shown) < WRITTEN:
+            folder = f"failures/{slug(self.part)}-{chunk}-{len(self.shown) + 1}"
+            self.shown.append(
+                Shown(chunk=chunk, failure=failure, folder=folder if failure.files else "")
+            )
+
+
+def slug(name: str) -> str:
+    """A name as part of a file's path: letters, digits and dashes."""
+    return re.sub(r"[^0-9A-Za-z]+", "-", name).strip("-").lower() or "part"
+
+
+def document(answer: Answer) -> dict[str, Any]:
+    """What is written to ``campaign.json``."""
+    campaign = answer.campaign
+    return {
+        "schema": "meso-robust/campaign-result/1",
+        "name": campaign.name,
+        "verdict": answer.verdict,
+        "hash": campaign.hash,
+        "seed": campaign.seed,
+        "confidence": campaign.confidence,
+        "totals_digest": answer.totals_digest,
+        "parts": [_part_document(one) for one in answer.parts],
+        "troubles": [
+            {
+                "at": one.at,
+                "part": one.part,
+                "chunk": one.chunk,
+                "attempt": one.attempt,
+                "what": one.what,
+                "given_up": one.given_up,
+            }
+            for one in answer.troubles
+        ],
+        "sessions": [
+            {
+                "began": one.began,
+                "ended": one.ended,
+                "crew": one.crew,
+                "machine": one.machine,
+                "runs": one.runs,
+                "seconds": one.seconds,
+            }
+            for one in answer.sessions
+        ],
+        "made_with": {"code": code(), **versions()},
+    }
+
+
+def _part_document(one: PartAnswer) -> dict[str, Any]:
+    return {
+        "name": one.part.name,
+        "kind": one.part.kind,
+        "asked": dict(one.part.asked),
+        "verdict": one.told.verdict,
+        "answer": one.told.answer,
+        "unit": one.unit,
+        "runs": one.runs,
+        "failed": one.failed,
+        "chunks": {"planned": one.planned, "done": one.done},
+        "work_s": one.seconds,
+        "figures": dict(one.told.figures),
+        "totals": one.totals,
+        "failures": [
+            {
+                "chunk": shown.chunk,
+                "what": shown.failure.what,
+                "detail": shown.failure.detail,
+                "folder": shown.folder,
+                "files": sorted(shown.failure.files),
+            }
+            for shown in one.shown
+        ],
+    }
+
+
+def summary(answer: Answer) -> str:
+    """The answer in a few lines."""
+    lines = [f"{answer.verdict.upper()}: {answer.campaign.name}"]
+    for one in answer.parts:
+        lines.append(f"{one.part.name} ({one.part.kind}): {one.told.answer}")
+        if one.done < one.planned:
+            lines.append(f"  {one.planned - one.done} of {one.planned} chunks could not be done")
+        lines += [f"  {one_.failure.what}: {one_.folder}" for one_ in one.shown if one_.folder]
+    return "\n".join(lines)

@@ -1,0 +1,93 @@
+"""A Dask cluster as the crew of a campaign (extra ``cluster``)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future
+from typing import Any
+
+from meso_robust.campaigns.crew import CrewLostError, Found
+from meso_robust.errors import InputError
+
+CONNECT = 10.0  # s for one attempt to reach the scheduler
+PATIENCE = 60.0  # s for which a lost scheduler is looked for
+
+
+class Cluster:
+    """The workers of a Dask scheduler; each should have one thread."""
+
+    def __init__(self, address: str) -> None:
+        """Reach a scheduler.
+
+        Parameters
+        ----------
+        address
+            Such as ``tcp://192.168.0.5:8786``.
+
+        Raises
+        ------
+        InputError
+            Dask is not installed, or nobody answers at the address.
+        """
+        try:
+            import distributed
+        except ImportError as error:
+            raise InputError(
+                "--scheduler: needs Dask; install it: pip install 'meso-robust[cluster]'"
+            ) from error
+        self._dask = distributed
+        self._address = address
+        self._client: Any = None
+        self._connect(CONNECT)
+
+    def _connect(self, patience: float) -> None:
+        until = time.monotonic() + patience
+        while True:
+            try:
+                self._client = self._dask.Client(
+                    self._address, timeout=CONNECT, set_as_default=False, name="meso-robust"
+                )
+                self._pool = self._client.get_executor(pure=False, retries=0)
+            except (OSError, ValueError, ImportError) as error:
+                if time.monotonic() > until or not isinstance(error, OSError):
+                    raise InputError(
+                        f"--scheduler {self._address}: cannot be reached ({error}); give the address "
+                        "that `dask scheduler` prints; what is done is kept, go on with --resume"
+                    ) from error
+                time.sleep(1.0)
+            else:
+                return
+
+    @property
+    def name(self) -> str:
+        """As the report tells of it."""
+        return f"Dask at {self._address}"
+
+    @property
+    def size(self) -> int:
+        """One chunk for every worker that is there now, at least one: workers may yet come."""
+        return max(1, len(self._client.scheduler_info()["workers"]))
+
+    def submit(self, do: Callable[[str, int], Found], part: str, chunk: int) -> Future[Found]:
+        """Have a chunk done."""
+        try:
+            return self._pool.submit(do, part, chunk)
+        except (OSError, RuntimeError) as error:
+            raise CrewLostError(str(error)) from error
+
+    def lost(self, error: BaseException) -> bool:
+        """Whether the connection was lost. Workers that die are Dask's own business."""
+        return isinstance(error, CancelledError) or self._client.status != "running"
+
+    def renew(self) -> None:
+        """Connect anew; what was under way is forgotten by the scheduler."""
+        self.close()
+        self._connect(PATIENCE)
+
+    def close(self) -> None:
+        """Forget what is under way and let go of the scheduler."""
+        client, self._client = self._client, None
+        if client is not None:
+            self._pool.shutdown(wait=False)
+            client.close(timeout=CONNECT)

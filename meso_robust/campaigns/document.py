@@ -1,0 +1,125 @@
+"""A campaign as a user states it, checked, with everything that its files hold."""
+
+from __future__ import annotations
+
+import functools
+import operator
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+
+from meso_robust.campaigns.encoding import canonical, digest
+from meso_robust.campaigns.kind import Part, Section, Values
+from meso_robust.campaigns.kinds import KINDS
+from meso_robust.toml_files import checked, read_toml
+
+_ADVICE = "give a campaign file"
+_KEYS = "`meso-robust schema campaign`"
+
+
+class Stated(BaseModel):
+    """A campaign as its file states it; the parts are those of ``CampaignDocument``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    schema_: Annotated[Literal["meso-robust/campaign/1"], Field(alias="schema")]
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    """Everything random follows from it."""
+    confidence: Annotated[float, Field(gt=0.5, lt=1)] = 0.95
+    """Of all intervals."""
+    chunk_limit_s: Annotated[float, Field(gt=0, le=1e6)] = 3600.0
+    """A chunk that takes longer is ended, tried again, and then reported."""
+    part: tuple[Section, ...]
+    """What is done, one after the other."""
+
+    @model_validator(mode="after")
+    def _each_name_once(self) -> Self:
+        names = [part.name for part in self.part]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"part name {twice[0]!r} is given twice; give each part its own name")
+        return self
+
+
+def _sections() -> Any:
+    """The type of ``part``: one section or more, of the kinds that there are."""
+    each: Any = functools.reduce(operator.or_, (kind.section for kind in KINDS.values()))
+    each = Annotated[each, Field(discriminator="kind")]
+    return Annotated[tuple.__class_getitem__((each, ...)), Field(min_length=1)]
+
+
+CampaignDocument: type[Stated] = create_model(
+    "CampaignDocument", __base__=Stated, __doc__="``CAMPAIGN.toml``.", part=(_sections(), ...)
+)
+"""``CAMPAIGN.toml`` with the sections of all kinds."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Campaign:
+    """A campaign with everything that its chunks need."""
+
+    name: str
+    seed: int
+    confidence: float
+    chunk_limit_s: float
+    parts: tuple[Part, ...]
+    text: str
+    """The file as its author wrote it."""
+
+    @property
+    def values(self) -> Values:
+        """What the results depend on, as JSON values."""
+        return {"parts": [asdict(part) for part in self.parts]}
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of ``values``."""
+        return digest(canonical(self.values))
+
+
+def read_campaign(path: Path, seed: int | None = None) -> Campaign:
+    """Read a campaign and all files that it names.
+
+    Parameters
+    ----------
+    path
+        The campaign file; files it names are relative to its folder.
+    seed
+        Instead of the one in the file.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read or a value breaks a rule.
+    """
+    values = read_toml(path, _ADVICE)
+    stated = checked(CampaignDocument, values, str(path), whole="campaign", keys=_KEYS)
+    chosen = stated.seed if seed is None else seed
+    return Campaign(
+        name=stated.name,
+        seed=chosen,
+        confidence=stated.confidence,
+        chunk_limit_s=stated.chunk_limit_s,
+        parts=tuple(
+            _part(section, chosen, stated.confidence, path.parent) for section in stated.part
+        ),
+        text=path.read_text(encoding="utf-8"),
+    )
+
+
+def _part(section: Section, seed: int, confidence: float, folder: Path) -> Part:
+    asked: Mapping[str, Any] = section.model_dump(mode="json")
+    kind = KINDS[asked["kind"]]
+    return Part(
+        name=section.name,
+        kind=kind.name,
+        # by name, so that parts may be moved, added and left out
+        seed=int(digest(f"{seed}\0{section.name}")[:15], 16),
+        confidence=confidence,
+        asked=asked,
+        given=kind.given(section, folder),
+    )

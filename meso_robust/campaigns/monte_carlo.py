@@ -1,0 +1,280 @@
+"""The kind *monte-carlo*: how often a plan ends in its goal, with an exact interval."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, FiniteFloat
+
+from meso_robust.campaigns.coverage import BINS, coverage, histogram
+from meso_robust.campaigns.hardest import paths
+from meso_robust.campaigns.intervals import share_interval
+from meso_robust.campaigns.kind import (
+    MOST_FAILURES,
+    Bars,
+    Failure,
+    Floats,
+    Kind,
+    Part,
+    Paths,
+    Result,
+    Table,
+    Told,
+    Values,
+)
+from meso_robust.campaigns.planned import GivenPlan, PlanSection, given_plan, plan_of
+from meso_robust.execution.endings import ending, words
+from meso_robust.execution.engines import Engine
+from meso_robust.execution.judging import UNFINISHED
+from meso_robust.execution.replay import Player, limits, miss
+from meso_robust.execution.running import PlanRun
+from meso_robust.execution.simulation import in_goal
+from meso_robust.execution.witness_file import replay_files
+from meso_robust.simulator import Outcome
+
+HARDEST = 3  # runs that are kept of a chunk, and drawn of a part
+MISSES = 40  # bins of the miss, from 0 to FAR
+FAR = 2.0  # tolerances
+DRAWN = 24  # intervals of each move of a run that is drawn
+CHUNK = {"events": 20_000, "stepper": 1_000}
+"""Executions of a chunk, some seconds of work."""
+
+
+class MonteCarloSection(PlanSection):
+    """The keys of a part of this kind."""
+
+    kind: Literal["monte-carlo"]
+    executions: Annotated[int, Field(ge=1, le=10**12)]
+    engine: Literal["events", "stepper"] = "events"
+    """Event-driven, or LCP stepper; bare moves are run by the stepper."""
+    draws: Literal["uniform", "corners"] = "uniform"
+    """Of everything uncertain: within its range, or at its ends."""
+    chunk: Annotated[int, Field(ge=1, le=10**7)] | None = None
+    """Executions of a chunk."""
+    at_least: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
+    """Success that is demanded: ``held`` if the lower end of the interval reaches it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Ready:
+    given: GivenPlan
+    player: Player
+    size: int
+
+
+def _count(part: Part) -> int:
+    return -(-int(part.asked["executions"]) // _size(part))
+
+
+def _size(part: Part) -> int:
+    return int(part.asked["chunk"] or CHUNK[part.asked["engine"]])
+
+
+def _prepare(part: Part) -> _Ready:
+    given = plan_of(part)
+    engine: Engine = part.asked["engine"]
+    return _Ready(given=given, player=given.player(engine), size=_size(part))
+
+
+def drawn(part: Part, player: Player, chunk: int, size: int) -> Floats:
+    """(N, D) rows of a chunk; the last chunk may have fewer than ``size``."""
+    rows = min(size, int(part.asked["executions"]) - chunk * size)
+    low, high = limits(player)
+    share = part.rng(chunk).random((rows, len(low)))
+    if part.asked["draws"] == "corners":
+        share = np.rint(share)
+    return np.clip(low + share * (high - low), low, high)
+
+
+def _execute(ready: _Ready, part: Part, chunk: int) -> Result:
+    player = ready.player
+    rows = drawn(part, player, chunk, ready.size)
+    runs = player.run(rows)
+    good, away = in_goal(runs, player.setup), miss(runs, player.setup)
+    hard = _hardest(away)
+    bad = np.flatnonzero(~good & ~np.isin(runs.outcomes, UNFINISHED))
+    return Result(
+        runs=len(rows),
+        failed=int(bad.size),
+        failures=tuple(_failure(ready, part, rows, runs, int(row)) for row in bad[:MOST_FAILURES]),
+        values={
+            "in_goal": int(good.sum()),
+            "unfinished": int(np.isin(runs.outcomes, UNFINISHED).sum()),
+            "outcomes": _outcomes(runs, good),
+            "misses": _misses(away),
+            "covered": histogram(rows, *limits(player)),
+            "hardest": [[away[row].item().hex(), _hexadecimal(rows[row])] for row in hard],
+        },
+    )
+
+
+def _hardest(away: Floats) -> npt.NDArray[np.int64]:
+    """Completed runs that end farthest from the middle of the goal."""
+    known = np.flatnonzero(~np.isnan(away))
+    return known[np.argsort(-away[known], kind="stable")][:HARDEST]
+
+
+def _hexadecimal(row: Floats) -> list[str]:
+    return [float(value).hex() for value in row]
+
+
+def _outcomes(runs: PlanRun, good: npt.NDArray[np.bool_]) -> dict[str, int]:
+    """Runs by how they ended; a code of the simulator by its number, named when told."""
+    codes, counts = np.unique(runs.outcomes[~good], return_counts=True)
+    return {str(code): int(n) for code, n in zip(codes, counts, strict=True)}
+
+
+def _misses(away: Floats) -> list[int]:
+    """(MISSES + 1,) runs by their miss; the last bin has all that are farther."""
+    known = np.minimum(away[~np.isnan(away)] * (MISSES / FAR), MISSES).astype(int)
+    return [int(n) for n in np.bincount(known, minlength=MISSES + 1)]
+
+
+def _failure(ready: _Ready, part: Part, rows: Floats, runs: PlanRun, row: int) -> Failure:
+    how = _how(ready.player, runs, row)
+    return Failure(
+        what=how,
+        detail=f"{how}; replay it with the files beside the report",
+        files=replay_files(
+            ready.given.task,
+            ready.given.plan,
+            ready.player,
+            rows[row],
+            factor=ready.given.factor,
+            engine=part.asked["engine"],
+            breaks=(how,),
+        ),
+    )
+
+
+def _how(player: Player, runs: PlanRun, row: int) -> str:
+    end = ending(player, runs, row)
+    if end.move is None:
+        return "the last pose misses the goal"
+    return f"move {end.move + 1}: {words(end.outcome, end.touching)}"
+
+
+def _total(part: Part, results: Iterable[Result]) -> Values:
+    """Sums of counts; the hardest runs of all, the first of equals."""
+    runs, good, unfinished = 0, 0, 0
+    outcomes: dict[str, int] = {}
+    misses = np.zeros(MISSES + 1, dtype=np.int64)
+    covered = np.zeros((0, BINS), dtype=np.int64)
+    hardest: list[Any] = []
+    for one in results:
+        values = one.values
+        runs, good = runs + one.runs, good + values["in_goal"]
+        unfinished += values["unfinished"]
+        for code, count in values["outcomes"].items():
+            outcomes[code] = outcomes.get(code, 0) + count
+        misses += np.array(values["misses"])
+        found = np.array(values["covered"])
+        covered = covered + found if len(covered) else found
+        hardest = sorted([*hardest, *values["hardest"]], key=lambda h: -float.fromhex(h[0]))
+        hardest = hardest[:HARDEST]
+    return {
+        "executions": runs,
+        "in_goal": good,
+        "unfinished": unfinished,
+        "outcomes": dict(sorted(outcomes.items())),
+        "misses": misses.tolist(),
+        "covered": covered.tolist(),
+        "hardest": hardest,
+    }
+
+
+def _tell(part: Part, totals: Values) -> Told:
+    runs, good = int(totals["executions"]), int(totals["in_goal"])
+    if runs == 0:
+        return Told(verdict="measured", answer="No chunk was done.", figures=(), views=())
+    low, high = share_interval(good, runs, part.confidence)
+    wanted = part.asked["at_least"]
+    sure = f"{100 * part.confidence:g} % interval {_percent(low)} to {_percent(high)}"
+    answer = f"{good:,} of {runs:,} executions end in the goal: {_percent(good / runs)} ({sure})."
+    verdict = "measured" if wanted is None else "held" if low >= wanted else "broken"
+    if wanted is not None:
+        word = "is shown" if verdict == "held" else "is not shown"
+        answer += f" Success of at least {_percent(wanted)} {word}."
+    ready = _prepare(part)
+    names = tuple(column.name for column in ready.player.columns)
+    return Told(
+        verdict=verdict,  # type: ignore[arg-type]
+        answer=answer,
+        figures=(
+            ("success", _percent(good / runs)),
+            ("exact interval", f"{_percent(low)} … {_percent(high)}"),
+        ),
+        views=(
+            _endings(totals, runs, part.confidence),
+            *_pictures(ready, totals),
+            coverage(names, totals["covered"]),
+        ),
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.6g} %"
+
+
+def _endings(totals: Values, runs: int, confidence: float) -> Table:
+    """How executions ended, each with its exact interval."""
+    missed = {
+        "0": "completed, the last pose misses the goal",
+        "-1": "a probe would start inside the part",
+    }
+    counts = [("in the goal", int(totals["in_goal"]))]
+    for code, count in totals["outcomes"].items():
+        counts.append((missed.get(code) or Outcome(int(code)).message, int(count)))
+    rows = []
+    for name, count in counts:
+        low, high = share_interval(count, runs, confidence)
+        rows.append((name, f"{count:,}", _percent(low), _percent(high)))
+    return Table(
+        title="How executions ended",
+        head=("ending", "executions", "at least", "at most"),
+        rows=tuple(rows),
+        note=f"Exact (Clopper–Pearson) {100 * confidence:g} % intervals of the share.",
+    )
+
+
+def _pictures(ready: _Ready, totals: Values) -> tuple[Bars | Paths, ...]:
+    """How far the runs ended from the middle of the goal, and the hardest of them drawn."""
+    per = MISSES // 10
+    counts = np.array(totals["misses"])
+    tenths = [int(n) for n in np.add.reduceat(counts, range(0, MISSES + 1, per))]
+    width = FAR / (len(tenths) - 1)
+    labels = [f"{k * width:.1f} … {(k + 1) * width:.1f}" for k in range(len(tenths) - 1)]
+    spread = Bars(
+        title="Distance of the last pose from the middle of the goal, in tolerances",
+        unit="executions",
+        labels=(*labels, f"farther than {FAR:g}"),
+        values=tuple(float(n) for n in tenths),
+        note="Up to 1 is in the goal; the largest of the three coordinates counts.",
+    )
+    return (spread, *_hardest_drawn(ready, totals))
+
+
+def _hardest_drawn(ready: _Ready, totals: Values) -> tuple[Paths, ...]:
+    if not totals["hardest"]:
+        return ()
+    rows = np.array([[float.fromhex(v) for v in row] for _, row in totals["hardest"]])
+    runs = ready.player.run(rows, record=DRAWN)
+    labels = [f"{float.fromhex(away):.3f} tolerances" for away, _ in totals["hardest"]]
+    return (paths("Hardest executions", ready.player, runs, labels),)
+
+
+MONTE_CARLO = Kind(
+    name="monte-carlo",
+    unit="executions",
+    section=MonteCarloSection,
+    given=given_plan,
+    count=_count,
+    prepare=_prepare,
+    execute=_execute,
+    total=_total,
+    tell=_tell,
+)

@@ -1,0 +1,176 @@
+"""``meso-robust campaign``: properties, Monte Carlo and falsification, from one core to a cluster."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from meso_robust.cli.console import INTERRUPTED, NEGATIVE, Reporter, refuse
+
+if TYPE_CHECKING:
+    from meso_robust.campaigns.answer import Answer
+    from meso_robust.campaigns.crew import Crew
+    from meso_robust.campaigns.document import Campaign
+    from meso_robust.campaigns.store import Store
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Asked:
+    """What the user asked for."""
+
+    campaign: Path
+    out: Path
+    workers: int
+    scheduler: str | None
+    resume: bool
+    seed: int | None
+    as_json: bool
+    quiet: bool
+
+
+def campaign(  # every option of the verb is an argument
+    campaign: Annotated[Path, typer.Argument(help="Campaign file (TOML).")],
+    out: Annotated[Path, typer.Option(help="Folder for the store and the report.")] = Path(
+        "meso-robust-campaign"
+    ),
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes; one for each core by default.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Dask scheduler to use instead, such as tcp://host:8786.")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with what the folder's store holds.")
+    ] = False,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Instead of the seed in the file.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print campaign.json only.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+) -> None:
+    """Run a campaign in small seeded chunks; write its store, campaign.json and report.html."""
+    from meso_robust.errors import InputError
+
+    asked = _Asked(
+        campaign=campaign,
+        out=out,
+        workers=workers or os.cpu_count() or 1,
+        scheduler=scheduler,
+        resume=resume,
+        seed=seed,
+        as_json=as_json,
+        quiet=quiet,
+    )
+    try:
+        _campaign(asked, Reporter(quiet or as_json))
+    except InputError as error:
+        refuse(error)
+    except KeyboardInterrupt:
+        print(
+            "meso-robust: interrupted; what is done is kept, --resume goes on with it",
+            file=sys.stderr,
+        )
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _campaign(asked: _Asked, say: Reporter) -> None:
+    from meso_robust.campaigns.answer import answered, document, summary
+    from meso_robust.campaigns.document import read_campaign
+
+    with say.doing("reading the campaign and what it names"):
+        stated = read_campaign(asked.campaign, asked.seed)
+    store = _store(asked, stated)
+    try:
+        _work(asked, stated, store, say)
+        with say.doing("adding up"):
+            answer = answered(stated, store)
+    finally:
+        store.close()
+    text = _write(asked, answer, document(answer))
+    if asked.as_json:
+        print(text, end="")
+    elif not asked.quiet:
+        print(summary(answer))
+        print(f"report: {asked.out / 'report.html'}")
+    if answer.verdict in ("broken", "incomplete"):
+        raise typer.Exit(NEGATIVE)
+
+
+def _store(asked: _Asked, stated: Campaign) -> Store:
+    from meso_robust.campaigns.provenance import code
+    from meso_robust.campaigns.store import NAME, Store
+    from meso_robust.errors import InputError
+    from meso_robust.files import check_folder
+
+    check_folder(asked.out)
+    path = asked.out / NAME
+    if path.exists() and not asked.resume:
+        raise InputError(
+            f"--out {asked.out}: holds a campaign already; go on with it by --resume, or give "
+            "another folder"
+        )
+    try:
+        asked.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"--out {asked.out}: cannot be made ({error.strerror}); give a folder that can"
+        ) from error
+    return Store(path, stated.values, code())
+
+
+def _work(asked: _Asked, stated: Campaign, store: Store, say: Reporter) -> None:
+    """Do what is missing, and show how it goes."""
+    from meso_robust.campaigns.kinds import KINDS
+    from meso_robust.campaigns.work import carry_out, missing
+
+    left = sum(1 for _ in missing(stated, store))
+    if left == 0:
+        return
+    planned = {part.name: KINDS[part.kind].count(part) for part in stated.parts}
+    units = {part.name: KINDS[part.kind].unit for part in stated.parts}
+    done = {name: len(store.done(name)) for name in planned}
+    with say.rating() as rated:
+        for step in carry_out(stated, store, _crew(asked)):
+            done[step.part] += 1
+            rated(
+                step.part,
+                (done[step.part], planned[step.part]),
+                (step.runs, step.failed, units[step.part]),
+            )
+
+
+def _crew(asked: _Asked) -> Crew:
+    if asked.scheduler is not None:
+        from meso_robust.campaigns.cluster import Cluster
+
+        return Cluster(asked.scheduler)
+    from meso_robust.campaigns.crew import Processes
+
+    return Processes(asked.workers)
+
+
+def _write(asked: _Asked, answer: Answer, found: dict[str, object]) -> str:
+    """Write failures, ``campaign.json`` and ``report.html``; the text of the document."""
+    import json
+
+    from meso_robust.files import write_all
+    from meso_robust.reporting.campaign import campaign_report
+
+    for folder, files in _failures(answer):
+        write_all(asked.out / folder, files)
+    text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    write_all(asked.out, {"campaign.json": text, "report.html": campaign_report(answer)})
+    return text
+
+
+def _failures(answer: Answer) -> Iterator[tuple[str, dict[str, str]]]:
+    for one in answer.parts:
+        for shown in one.shown:
+            if shown.folder:
+                yield shown.folder, dict(shown.failure.files)
