@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
+from contextlib import suppress
 from typing import Any
 
 from meso_robust.campaigns.crew import CrewLostError, Found
 from meso_robust.errors import InputError
 
-CONNECT = 10.0  # s for one attempt to reach the scheduler
+CONNECT = 20.0  # s for one attempt to reach the scheduler
 PATIENCE = 60.0  # s for which a lost scheduler is looked for
 
 
@@ -89,5 +90,7 @@ class Cluster:
         """Forget what is under way and let go of the scheduler."""
         client, self._client = self._client, None
         if client is not None:
-            self._pool.shutdown(wait=False)
-            client.close(timeout=CONNECT)
+            # of a scheduler that is gone already
+            with suppress(self._dask.client.ClosedClientError, OSError):
+                self._pool.shutdown(wait=False)
+                client.close(timeout=CONNECT)

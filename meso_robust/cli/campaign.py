@@ -90,9 +90,10 @@ def _campaign(asked: _Asked, say: Reporter) -> None:
         _work(asked, stated, store, say)
         with say.doing("adding up"):
             answer = answered(stated, store)
+            left = _left(stated, store)
     finally:
         store.close()
-    text = _write(asked, answer, document(answer))
+    text = _write(asked, answer, document(answer), left)
     if asked.as_json:
         print(text, end="")
     elif not asked.quiet:
@@ -155,7 +156,19 @@ def _crew(asked: _Asked) -> Crew:
     return Processes(asked.workers)
 
 
-def _write(asked: _Asked, answer: Answer, found: dict[str, object]) -> str:
+def _left(stated: Campaign, store: Store) -> dict[str, list[int]]:
+    """Chunks that were not done, by the name of their part."""
+    from meso_robust.campaigns.work import missing
+
+    found: dict[str, list[int]] = {}
+    for ticket in missing(stated, store):
+        found.setdefault(ticket.part, []).append(ticket.chunk)
+    return found
+
+
+def _write(
+    asked: _Asked, answer: Answer, found: dict[str, object], left: dict[str, list[int]]
+) -> str:
     """Write failures, ``campaign.json`` and ``report.html``; the text of the document."""
     import json
 
@@ -165,7 +178,7 @@ def _write(asked: _Asked, answer: Answer, found: dict[str, object]) -> str:
     for folder, files in _failures(answer):
         write_all(asked.out / folder, files)
     text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    write_all(asked.out, {"campaign.json": text, "report.html": campaign_report(answer)})
+    write_all(asked.out, {"campaign.json": text, "report.html": campaign_report(answer, left)})
     return text
 
 

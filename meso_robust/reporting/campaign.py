@@ -1,0 +1,125 @@
+"""The report on a campaign as one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from markupsafe import Markup
+
+from meso_robust import __version__
+from meso_robust.campaigns.answer import Answer
+from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table
+from meso_robust.campaigns.provenance import code, versions
+from meso_robust.campaigns.store import Session
+from meso_robust.reporting import campaign_figures as figures, campaign_words as words
+from meso_robust.reporting.skeleton import environment
+
+MOST_RUNS = 6
+"""Runs of one view that are drawn."""
+MOST_TROUBLES = 100
+"""Rows of the table of troubles, the last ones."""
+
+_COLOURS = {
+    "held": "PROVED",
+    "broken": "REFUTED",
+    "measured": "NEUTRAL",
+    "incomplete": "UNKNOWN",
+}
+_MACROS: Mapping[type, str] = {Table: "table", Bars: "bars", Coverage: "coverage", Paths: "paths"}
+
+
+def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None = None) -> str:
+    """One self-contained HTML page: the verdict first, then part by part, then how it was done.
+
+    Parameters
+    ----------
+    answer
+        What came of the campaign.
+    missing
+        Indices of the chunks that were not done, rising, by the name of their part; without it the
+        page says only how many they are.
+    """
+    sessions = answer.sessions
+    return (
+        environment()
+        .get_template("campaign.html.j2")
+        .render(
+            answer=answer,
+            missing=missing or {},
+            colour=_COLOURS[answer.verdict],
+            meaning=_meaning(answer),
+            figures=_figures(answer),
+            speeds=_speeds(sessions),
+            worked=sum(one.seconds for one in sessions),
+            did=sum(one.runs for one in sessions),
+            given_up=sum(one.given_up for one in answer.troubles),
+            most_troubles=MOST_TROUBLES,
+            macro=lambda view: _MACROS[type(view)],
+            tools=_TOOLS,
+            words=words,
+            version=__version__,
+            code=code(),
+            versions=versions(),
+        )
+    )
+
+
+def _meaning(answer: Answer) -> str:
+    """The verdict over all in a sentence or two."""
+    parts = answer.parts
+    held = [one for one in parts if one.told.verdict == "held"]
+    broken = [f"“{one.part.name}”" for one in parts if one.told.verdict == "broken"]
+    runs = sum(one.runs for one in held)
+    planned, done = sum(one.planned for one in parts), sum(one.done for one in parts)
+    return {
+        "held": f"{len(held)} of {words.parts(len(parts))} made a claim and looked for what breaks "
+        f"it in {runs:,} runs; nothing did. That is evidence, not a proof.",
+        "broken": f"{len(broken)} of {words.parts(len(parts))} found that something does not hold: "
+        f"{', '.join(broken)}. What was found stands there, with what is needed to see it again.",
+        "measured": "Rates were measured; no claim was at stake.",
+        "incomplete": f"{planned - done:,} of {planned:,} chunks were not done. What is told below "
+        "rests on the others.",
+    }[answer.verdict]
+
+
+def _figures(answer: Answer) -> tuple[tuple[str, str], ...]:
+    """Name and value of what stands under the headline."""
+    parts, sessions = answer.parts, answer.sessions
+    done, planned = sum(one.done for one in parts), sum(one.planned for one in parts)
+    took = sum(one.seconds for one in sessions)
+    broken = sum(one.told.verdict == "broken" for one in parts)
+    return (
+        ("runs", f"{sum(one.runs for one in parts):,}"),
+        ("parts that are broken", f"{broken} of {len(parts)}"),
+        ("chunks done", f"{done:,} of {planned:,}"),
+        ("runs/s, over all sessions", words.rate(sum(one.runs for one in sessions), took)),
+        ("of work, added up over the workers", words.duration(sum(one.seconds for one in parts))),
+    )
+
+
+def _speeds(sessions: tuple[Session, ...]) -> Bars | None:
+    """Runs a second of each session, if there is something to compare."""
+    timed = [(number, one) for number, one in enumerate(sessions, start=1) if one.seconds > 0.0]
+    if len(timed) < 2:
+        return None
+    return Bars(
+        title="Runs a second, by session",
+        unit="runs/s",
+        labels=tuple(f"session {number}" for number, _ in timed),
+        values=tuple(one.runs / one.seconds for _, one in timed),
+    )
+
+
+def _drawings(view: Paths, name: str) -> list[tuple[str, Markup]]:
+    return figures.drawings(view, MOST_RUNS, name)
+
+
+_TOOLS = {
+    "words": words,
+    "scale": figures.scale,
+    "strips": figures.strips,
+    "shades": figures.SHADES,
+    "drawings": _drawings,
+    "most_runs": MOST_RUNS,
+}
+"""What the macros of the views use."""
