@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 from meso_robust.checker.document import RuleDocument
 from meso_robust.checker.given import Given, PoseBox
-from meso_robust.checker.moves import verify_move as verify_move
 from meso_robust.checker.passage import Passage
+from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
 
@@ -28,6 +28,7 @@ def passages(
     given: Given,
     start: PoseBox,
     widened: Callable[[int, PoseBox], PoseBox] = lambda _, post: post,
+    prover: Prover = PLAIN,
 ) -> Iterator[tuple[Passage, PoseBox]]:
     """Verify move after move.
 
@@ -37,6 +38,8 @@ def passages(
         The moves, the task, all poses before the first move (world axes).
     widened
         From which box to go on after a move, given its number from 0 and what the checker found.
+    prover
+        Proves the moves.
 
     Yields
     ------
@@ -50,13 +53,13 @@ def passages(
     """
     pre, memory = start, None
     for number, rule in enumerate(policy):
-        scene, passage = verify_move(rule, pre, given, memory)
+        scene, passage = prover.move(rule, pre, given, memory)
         post = scene.frame.world(passage.post)
         yield passage, post
         pre, memory = widened(number, post), passage.memory
 
 
-def verify_alone(policy: Sequence[RuleDocument], given: Given) -> None:
+def verify_alone(policy: Sequence[RuleDocument], given: Given, prover: Prover = PLAIN) -> None:
     """Prove that the policy reaches the goal, without any help.
 
     Raises
@@ -64,6 +67,7 @@ def verify_alone(policy: Sequence[RuleDocument], given: Given) -> None:
     Refused
         It does not follow.
     """
-    ends = [given.start, *(post for _, post in passages(policy, given, given.start))]
+    moves = passages(policy, given, given.start, prover=prover)
+    ends = [given.start, *(post for _, post in moves)]
     if not within(ends[-1], given.goal):
         raise Refused("every final pose lies in the goal", "inside", "not shown")

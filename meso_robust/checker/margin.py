@@ -7,6 +7,7 @@ from fractions import Fraction
 from meso_robust.checker.chain import verify_alone
 from meso_robust.checker.document import Certificate, MarginDocument
 from meso_robust.checker.given import SCALED, given
+from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.refusal import Refused
 from meso_robust.task import Task
 
@@ -33,7 +34,9 @@ def check_words(margin: MarginDocument) -> None:
         raise Refused("margin.refused_at: above factor", margin.refused_at, margin.factor)
 
 
-def check_factor(certificate: Certificate, task: Task, *, alone: bool) -> None:
+def check_factor(
+    certificate: Certificate, task: Task, *, alone: bool, prover: Prover = PLAIN
+) -> None:
     """Verify the whole chain anew with scaled uncertainties.
 
     Parameters
@@ -42,6 +45,8 @@ def check_factor(certificate: Certificate, task: Task, *, alone: bool) -> None:
         What is checked.
     alone
         Whether the factors of single uncertainties are verified as well.
+    prover
+        Proves the moves.
 
     Raises
     ------
@@ -54,6 +59,6 @@ def check_factor(certificate: Certificate, task: Task, *, alone: bool) -> None:
         wanted += [(f"each_alone.{name}", f, name) for name, f in margin.each_alone.items()]
     for name, factor, only in wanted:
         try:
-            verify_alone(certificate.policy, given(task, Fraction(factor), only))
+            verify_alone(certificate.policy, given(task, Fraction(factor), only), prover)
         except Refused as refused:
             raise Refused(f"margin.{name}", factor, f"not shown: {refused.claim}") from refused

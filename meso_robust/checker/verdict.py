@@ -12,7 +12,7 @@ from meso_robust.checker.chain import holds_side, passages, within
 from meso_robust.checker.document import Certificate, StepDocument
 from meso_robust.checker.given import Given, PoseBox, given
 from meso_robust.checker.numbers import box, check_reading
-from meso_robust.checker.obligations import compare as compare
+from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.witness import check_witness
 from meso_robust.task import Task
@@ -50,7 +50,14 @@ class Answer:
         return self.verdict == "VERIFIED"
 
 
-def check(certificate: Certificate, digest: str, task: Task, *, thorough: bool = False) -> Answer:
+def check(
+    certificate: Certificate,
+    digest: str,
+    task: Task,
+    *,
+    thorough: bool = False,
+    prover: Prover = PLAIN,
+) -> Answer:
     """Verify everything that a certificate claims.
 
     Parameters
@@ -59,11 +66,13 @@ def check(certificate: Certificate, digest: str, task: Task, *, thorough: bool =
         As read (``reading.py``).
     thorough
         Whether the factor of each uncertainty alone is verified as well.
+    prover
+        Proves the moves.
     """
     not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
     with ctx.workprec(BITS):
         try:
-            says = _check(certificate, digest, task, thorough)
+            says = _check(certificate, digest, task, thorough, prover)
         except Refused as refused:
             return Answer(verdict="REJECTED", claims=certificate.verdict, refused=refused)
     if certificate.verdict == "UNKNOWN":
@@ -71,7 +80,9 @@ def check(certificate: Certificate, digest: str, task: Task, *, thorough: bool =
     return Answer(verdict="VERIFIED", claims=says, not_checked=not_checked)
 
 
-def _check(certificate: Certificate, digest: str, task: Task, thorough: bool) -> str:
+def _check(
+    certificate: Certificate, digest: str, task: Task, thorough: bool, prover: Prover
+) -> str:
     if certificate.digest != digest:
         raise Refused("digest: the SHA-256 of all other values", certificate.digest, digest)
     known = given(task)
@@ -90,8 +101,8 @@ def _check(certificate: Certificate, digest: str, task: Task, thorough: bool) ->
     _check_shape(certificate)
     margins.check_words(certificate.margin)
     boxes = _boxes(certificate, known)
-    _check_steps(certificate, known, boxes)
-    margins.check_factor(certificate, task, alone=thorough)
+    _check_steps(certificate, known, boxes, prover)
+    margins.check_factor(certificate, task, alone=thorough, prover=prover)
     return certificate.claim.words
 
 
@@ -171,9 +182,13 @@ def _told(step: StepDocument, number: int, which: str) -> PoseBox:
     return found
 
 
-def _check_steps(certificate: Certificate, known: Given, boxes: list[PoseBox]) -> None:
+def _check_steps(
+    certificate: Certificate, known: Given, boxes: list[PoseBox], prover: Prover
+) -> None:
     """Verify every move from the stated box before it, and compare all that is stated of it."""
-    moves = passages(certificate.policy, known, boxes[0], lambda number, _: boxes[number + 1])
+    moves = passages(
+        certificate.policy, known, boxes[0], lambda number, _: boxes[number + 1], prover
+    )
     for number, (passage, post) in enumerate(moves):
         step, what = certificate.steps[number], f"move {number + 1}"
         _same(f"{what}: property", step.property, passage.says)
@@ -181,4 +196,4 @@ def _check_steps(certificate: Certificate, known: Given, boxes: list[PoseBox]) -
             stated, own = getattr(boxes[number + 1], name), getattr(post, name)
             ends = [[float(end) for end in side] for side in (stated, own)]
             _expect(f"{what}: every pose after it lies in post_exact.{name}", holds_side(stated, own), *ends)  # fmt: skip
-        compare(step.obligations, passage.requirements)
+        prover.compare(step.obligations, passage.requirements)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from tests.blind.corpus import EFFECTS, SILENT
-from tests.blind.judging import canonical
+from meso_robust.campaigns.blind.judging import canonical
+from meso_robust.campaigns.blind.labels import SILENT
+from tests.blind.corpus import EFFECTS
 
 Values = Mapping[str, Any]
 

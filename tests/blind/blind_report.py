@@ -9,22 +9,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from meso_robust.campaigns.blind.judging import EQUIVALENT, Judged, judged
+from meso_robust.campaigns.blind.labels import KINDS, PLAIN, TITLES
+from meso_robust.campaigns.blind.scoring import NEAR_FLOOR, scores
+from meso_robust.campaigns.blind.sealing import Commitment, SealError, opened, read_results
 from tests.blind.blind_figures import confusion_figure, power_figure, reliability_figure
 from tests.blind.committing import benchmark
-from tests.blind.corpus import EFFECTS, KINDS, PLAIN
-from tests.blind.judging import EQUIVALENT, Judged, judged
-from tests.blind.scoring import NEAR_FLOOR, scores
-from tests.blind.sealing import Commitment, SealError, opened, read_results
+from tests.blind.corpus import EFFECTS
 
 Values = Mapping[str, Any]
-
-TITLES = {
-    "null": "nothing concealed",
-    "effect": "one effect of the catalogue",
-    "pair": "two effects of the catalogue",
-    "outside": "an effect that the catalogue does not have",
-    "unidentifiable": "recordings that cannot show what is concealed",
-}
 
 
 def write_report(folder: Path) -> None:

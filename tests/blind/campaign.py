@@ -19,12 +19,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from tests.blind.blind_report import write_report
-from tests.blind.committing import Setting, commit, set_folder, sources
-from tests.blind.corpus import QUICK, Corpus, entries
-from tests.blind.generator import UNIDENTIFIABLE
-from tests.blind.outside import OUTSIDE
-from tests.blind.sealing import (
+from meso_robust.campaigns.blind.sealing import (
     RESULTS,
     Commitment,
     SealError,
@@ -33,6 +28,11 @@ from tests.blind.sealing import (
     read_commitment,
     read_results,
 )
+from tests.blind.blind_report import write_report
+from tests.blind.committing import Setting, commit, set_folder, sources
+from tests.blind.corpus import QUICK, Corpus, entries
+from tests.blind.generator import UNIDENTIFIABLE
+from tests.blind.outside import OUTSIDE
 from tests.blind.serve import Command, Diagnoser, Document, NoAnswerError, Service
 
 ESSENTIAL = (

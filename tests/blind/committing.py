@@ -12,11 +12,11 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from tests.blind.corpus import Corpus, Entry
-from tests.blind.generator import Case, make, write
-from tests.blind.sealing import (
+from meso_robust.campaigns.blind import judging
+from meso_robust.campaigns.blind.sealing import (
     COMMITMENT,
     SEALED,
+    SETS,
     SOURCES,
     Commitment,
     Sealed,
@@ -31,9 +31,9 @@ from tests.blind.sealing import (
     sha256,
     whole_lines,
 )
+from tests.blind.corpus import Corpus, Entry
+from tests.blind.generator import Case, make, write
 from tests.blind.serve import ROOT
-
-SETS = ".sets"
 
 Values = Mapping[str, Any]
 Conceal = Callable[[Entry, int, Path], Values]
@@ -61,7 +61,8 @@ def benchmark() -> str:
     """Hash of the generator, the scoring and the rest of the benchmark, but for its tests."""
     folder = Path(__file__).parent
     modules = (path.name for path in folder.glob("*.py") if not path.stem.startswith("test_"))
-    return digest(folder, tuple(modules))
+    rules = digest(Path(judging.__file__).parent, SOURCES)
+    return sha256(canonical([digest(folder, tuple(modules)), rules]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

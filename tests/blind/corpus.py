@@ -13,11 +13,10 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-Kind = Literal["null", "effect", "pair", "outside", "unidentifiable"]
+from meso_robust.campaigns.blind.labels import KINDS, SILENT, SIZES, Kind
+
 Design = Literal["diagnostic", "lazy"]
 Choice = TypeVar("Choice")
-
-KINDS: tuple[Kind, ...] = ("null", "effect", "pair", "outside", "unidentifiable")
 
 STAGES: dict[str, tuple[str, ...]] = {
     "support": (
@@ -49,9 +48,6 @@ STAGES: dict[str, tuple[str, ...]] = {
 EFFECTS = tuple(itertools.chain.from_iterable(STAGES.values()))
 STAGE = {name: stage for stage, names in STAGES.items() for name in names}
 
-SILENT = frozenset({"drag_drift"})
-"""Effects that no motion shows alone: the path does not depend on how large the drag is."""
-
 ENTANGLED = (
     ("backlash", "camera_latency"),
     ("drag_drift", "body_force"),
@@ -64,8 +60,6 @@ ENTANGLED = (
 )
 """Pairs that hide each other, or of which one shows only through the other."""
 
-PLAIN = 4.0
-"""Multiple of the just-detectable size from which an effect is plain to see."""
 PLAIN_SIZES = (4.0, 8.0, 16.0)
 
 
@@ -87,7 +81,7 @@ class Corpus:
     master_seed: int = 7
     nulls: int = 100
     effects: tuple[str, ...] = EFFECTS
-    multiples: tuple[float, ...] = (1.0, 2.0, 4.0, 8.0, 16.0)
+    multiples: tuple[float, ...] = SIZES
     repeats: int = 1
     """Cases of every effect at every multiple."""
     pairs: int = 60

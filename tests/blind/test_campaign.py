@@ -13,11 +13,19 @@ from typing import Any
 
 import pytest
 
+from meso_robust.campaigns.blind.labels import KINDS
+from meso_robust.campaigns.blind.sealing import (
+    RESULTS,
+    SETS,
+    SealError,
+    opened,
+    read_results,
+    whole_lines,
+)
 from tests.blind.blind_report import write_report
 from tests.blind.campaign import run
-from tests.blind.committing import SETS, Setting, commit, sources
-from tests.blind.corpus import EFFECTS, KINDS, QUICK, Corpus, Entry, entries
-from tests.blind.sealing import RESULTS, SealError, opened, read_results, whole_lines
+from tests.blind.committing import Setting, commit, sources
+from tests.blind.corpus import EFFECTS, QUICK, Corpus, Entry, entries
 from tests.blind.serve import ROOT, Command, NoAnswerError, Service
 
 OUTSIDE = tuple(f"kind_{k}" for k in range(9))

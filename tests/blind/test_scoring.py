@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.blind.judging import Judged, judged
-from tests.blind.scoring import Share, calibration, scores
+from meso_robust.campaigns.blind.judging import Judged, judged
+from meso_robust.campaigns.blind.scoring import Share, calibration, scores
 
 Values = Mapping[str, Any]
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.blind.sealing import (
+from meso_robust.campaigns.blind.sealing import (
     COMMITMENT,
     RESULTS,
     SEALED,

@@ -39,7 +39,6 @@ from meso_robust.planning.document import goal_document, plan_document
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Slot, Task, parse_task
 from meso_robust.tasks import PAPER
-from tests.checker.memo import remembered
 from tests.checker.test_check import checked, relisted
 
 Document = dict[str, Any]
@@ -47,7 +46,7 @@ Document = dict[str, Any]
 
 @pytest.fixture(scope="module", autouse=True)
 def _as_the_checker_computes() -> Iterator[None]:
-    with remembered(), ctx.workprec(BITS):
+    with ctx.workprec(BITS):
         yield
 
 

@@ -19,6 +19,8 @@ from typing import Any
 
 SCHEMA = "meso-robust/blind-commitment/1"
 COMMITMENT, SEALED, RESULTS = "commitment.json", "sealed.jsonl", "results.jsonl"
+SETS = "sets"
+"""Folder of the recording sets, each a folder; their order is that of the cases."""
 SOURCES = ("*.py", "*.json", "*.toml")
 """What the diagnoser's behaviour may depend on, below its folder."""
 
@@ -143,7 +145,7 @@ def opened(folder: Path) -> tuple[Commitment, list[Sealed]]:
 def _check(case: Sealed, expected: str, seed: int) -> None:
     if case.hash != expected:
         raise SealError(f"case {case.index}: the label opened is not the label committed to")
-    if case.label["seed"] != seed:
+    if case.label.get("seed", seed) != seed:
         raise SealError(f"case {case.index}: its seed does not follow from the commitment")
 
 

@@ -1,4 +1,4 @@
-"""One case of the blind benchmark: what was concealed against what was answered."""
+"""One case of a blind benchmark: what was concealed against what was answered."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tests.blind.corpus import SILENT, STAGE, Corpus
+from meso_robust.campaigns.blind.labels import SILENT, SIZES, STAGE
 
 Values = Mapping[str, Any]
 Names = frozenset[str]
@@ -25,7 +25,6 @@ SPANS: Mapping[tuple[str, str], float] = {
 }
 """Parameters that are angles: values this far apart are the same."""
 
-SIZES = Corpus().multiples
 ROUNDED = 1.0 + 1e-6
 
 TURNED = frozenset({"anisotropic_drag", "part_anisotropic_drag"})
@@ -63,7 +62,8 @@ class Judged:
     """Held-out error over the noise floor; None unless named."""
     removed: float | None
     """Share of the held-out error above the noise floor that the named effects removed."""
-    seconds: float
+    seconds: float | None
+    """How long the answer took, if that was measured."""
 
     @property
     def silent(self) -> bool:
@@ -133,7 +133,8 @@ def judged(index: int, label: Values, result: Values) -> Judged:
     label
         As sealed: kind, names, and in ``truth`` what the generator tells.
     result
-        A line of the results.
+        ``document``: the diagnosis, or at least what is judged of it; none if there is no answer.
+        ``seconds``: how long it took, if known.
     """
     document = result.get("document", {})
     verdict = document.get("verdict", "none")
@@ -161,7 +162,7 @@ def judged(index: int, label: Values, result: Values) -> Judged:
         ),
         covered=tuple(coverage(label, effects)) if named and best == truth else (),
         **_held_out(document if named else {}),
-        seconds=result["seconds"],
+        seconds=result.get("seconds"),
     )
 
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
 
-from tests.blind.corpus import KINDS, PLAIN
-from tests.blind.judging import Judged
+from meso_robust.campaigns.blind.judging import Judged
+from meso_robust.campaigns.blind.labels import KINDS, PLAIN
+from meso_robust.campaigns.intervals import share_interval
 
 CONFIDENCE = 0.95
 BINS = 10
@@ -38,14 +38,12 @@ class Share:
     @property
     def low(self) -> float:
         """Lower end."""
-        tail = (1 - CONFIDENCE) / 2
-        return float(beta.ppf(tail, self.hits, self.count - self.hits + 1)) if self.hits else 0.0
+        return share_interval(self.hits, self.count, CONFIDENCE)[0] if self.count else 0.0
 
     @property
     def high(self) -> float:
         """Upper end."""
-        tail, missed = (1 - CONFIDENCE) / 2, self.count - self.hits
-        return float(beta.ppf(1 - tail, self.hits + 1, missed)) if missed else 1.0
+        return share_interval(self.hits, self.count, CONFIDENCE)[1] if self.count else 1.0
 
     def told(self) -> Scores:
         """As it stands in ``results.json``."""
@@ -98,7 +96,7 @@ def scores(cases: Sequence[Judged], planned: Mapping[str, int]) -> Scores:
         "held_out": held_out(cases),
         "calibration": calibration([claim for case in cases for claim in case.claims]),
         "power": power(effects),
-        "seconds": quantiles([case.seconds for case in cases]),
+        "seconds": quantiles([c.seconds for c in cases if c.seconds is not None]),
     }
 
 
@@ -183,7 +181,7 @@ def outside(cases: Sequence[Judged]) -> Scores:
 
 
 def unidentifiable(cases: Sequence[Judged]) -> Scores:
-    """Recordings that cannot show what is concealed: is that admitted?"""
+    """Recordings that cannot show what is concealed, and whether that is admitted."""
     return {
         "says_so": share(cases, lambda c: c.says_so).told(),
         "wrong": share(cases, _wrong).told(),

@@ -1,0 +1,80 @@
+"""The certificate that is tampered with, and its task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from meso_robust.campaigns.mutation.places import Document
+from meso_robust.certificates.chain import Chain, certify
+from meso_robust.certificates.document import CertificateDocument
+from meso_robust.execution.draws import Draws, draw
+from meso_robust.execution.running import PlanRun, run
+from meso_robust.planning.document import PlanDocument
+from meso_robust.planning.reading import rules_of
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.setup import Setup, setup_of
+from meso_robust.task import Task
+
+RUNS, RECORD = 500, 200
+"""Simulated runs of a policy, half of them at corners of the uncertainties; intervals of their paths."""
+
+
+@dataclass(frozen=True, eq=False)
+class Original:
+    """A true certificate."""
+
+    task: Task
+    document: Document
+
+    @cached_property
+    def setup(self) -> Setup:
+        """The task in SI intervals."""
+        return setup_of(self.task)
+
+    def rules(self, policy: Any) -> tuple[MoveRule, ...]:
+        """The moves of a certificate's ``policy``."""
+        certificate = CertificateDocument.model_validate({**self.document, "policy": policy})
+        return rules_of(
+            PlanDocument(
+                task=self.task.name,
+                task_hash=self.task.hash,
+                policy=certificate.policy,
+                moves=(),
+            )
+        )
+
+    def certified(self, policy: Any, setup: Setup | None = None) -> Chain:
+        """What the planner proves of a policy."""
+        return certify(self.rules(policy), self.setup if setup is None else setup)
+
+    def paths(self, policy: Any) -> tuple[PlanRun, Draws]:
+        """Simulated runs of a policy with their paths, always the same ones."""
+        return self._own_paths if policy == self.document["policy"] else self._paths(policy)
+
+    def ends(self, policy: Any) -> PlanRun:
+        """The same by the event-driven engine: where moves end, to the rounding of doubles."""
+        return self._own_ends if policy == self.document["policy"] else self._ends(policy)
+
+    @cached_property
+    def _own_paths(self) -> tuple[PlanRun, Draws]:
+        return self._paths(self.document["policy"])
+
+    @cached_property
+    def _own_ends(self) -> PlanRun:
+        return self._ends(self.document["policy"])
+
+    def _paths(self, policy: Any) -> tuple[PlanRun, Draws]:
+        rules = self.rules(policy)
+        draws = self._draws(len(rules))
+        return run(rules, self.setup, draws, record=RECORD), draws
+
+    def _ends(self, policy: Any) -> PlanRun:
+        rules = self.rules(policy)
+        return run(rules, self.setup, self._draws(len(rules)), engine="events")
+
+    def _draws(self, moves: int) -> Draws:
+        return draw(self.setup, moves, RUNS, np.random.default_rng(0))

@@ -1,0 +1,112 @@
+"""Each forgery is consistent where a reader compares, and is not believed."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import random
+from typing import Any
+
+import pytest
+
+from meso_robust.campaigns.mutation.answer import answered
+from meso_robust.campaigns.mutation.excuses import excuse
+from meso_robust.campaigns.mutation.forgeries import FORGERIES, forge
+from meso_robust.campaigns.mutation.forging import reworded
+from meso_robust.campaigns.mutation.kind import Prepared
+from meso_robust.campaigns.mutation.original import Original
+from meso_robust.campaigns.mutation.places import Document, sealed
+from meso_robust.checker.prover import Prover
+
+OBJECTIONS = {
+    "a move left out": "",
+    "two moves swapped": "",
+    "the box of another move": "",
+    "all boxes shrunk": "every pose after it lies in post_exact",
+    "an inequality left out": "the list of obligations",
+    "an inequality about less": ":",
+    "all bounds raised": "lower bound",
+    "proofs of an easier task": "",
+    "an unproved policy called PROVED": "",
+}
+"""What the checker's objection must be about, if it is always the same, of those that are never true."""
+TRUE_AT_TIMES = {
+    "a box narrowed": "holds 500 runs",
+    "the margin raised": "a factor",
+    "a move called by another name": "name",
+    "an invented witness": "REFUTED",
+    "an inequality of another move": "true at 20000 points",
+}
+"""And of the others: why one that is accepted is true."""
+
+
+@pytest.fixture(scope="module")
+def prover(prepared: Prepared) -> Prover:
+    return prepared.known.copy().prover
+
+
+def forgery(name: str, original: Original, seed: int) -> Document | None:
+    """A forged certificate, whole."""
+    rng = random.Random(f"{name}:{seed}")
+    found = FORGERIES[name](copy.deepcopy(original.document), original, rng)
+    if found is None:
+        return None
+    reworded(found, original.task)
+    return sealed(found)
+
+
+def test_there_is_an_expectation_of_each() -> None:
+    assert OBJECTIONS.keys() | TRUE_AT_TIMES.keys() | {"about another task"} == FORGERIES.keys()
+
+
+@pytest.mark.parametrize("name", OBJECTIONS)
+def test_what_is_never_true_is_rejected(name: str, original: Original, prover: Prover) -> None:
+    made = forgery(name, original, 1)
+    assert made is not None
+    reply = answered(made, original.task, prover)
+    assert reply.word == "REJECTED"
+    assert OBJECTIONS[name] in reply.why
+
+
+@pytest.mark.parametrize("name", TRUE_AT_TIMES)
+def test_what_is_true_at_times_is_rejected_or_excused(
+    name: str, original: Original, prover: Prover
+) -> None:
+    for seed in range(2):
+        one = forgery(name, original, seed)
+        if one is None:
+            continue
+        reply = answered(one, original.task, prover)
+        assert reply.word in {"REJECTED", "VERIFIED"}
+        if reply.word == "VERIFIED":
+            assert TRUE_AT_TIMES[name] in str(excuse(original, one))
+
+
+def test_a_certificate_of_another_task_is_not_read(original: Original) -> None:
+    made = forgery("about another task", original, 0)
+    assert made is not None
+    reply = answered(made, original.task)
+    assert reply.word == "malformed"
+    assert "task_hash" in reply.why
+
+
+def test_the_moves_fit_together_in_a_forged_chain(original: Original) -> None:
+    """The checker must object to the physics, not to a box that was told twice differently."""
+    for name in (
+        "a move left out",
+        "two moves swapped",
+        "all boxes shrunk",
+        "proofs of an easier task",
+    ):
+        made = forgery(name, original, 1)
+        assert made is not None
+        steps: list[Any] = made["steps"]
+        assert len(steps) == len(made["policy"])
+        assert f"policy of {len(steps)} moves" in made["claim"]["words"]
+        for before, step in itertools.pairwise(steps):
+            assert (step["pre"], step["pre_exact"]) == (before["post"], before["post_exact"])
+
+
+def test_a_draw_names_its_forgery(original: Original) -> None:
+    names = {forge(original, random.Random(seed))[0] for seed in range(60)}
+    assert len(names) > 10
