@@ -11,7 +11,7 @@ from typing import Any, Literal
 from meso_robust.campaigns.document import Campaign
 from meso_robust.campaigns.encoding import canonical, digest
 from meso_robust.campaigns.kind import Failure, Part, Result, Told, Values
-from meso_robust.campaigns.kinds import KINDS
+from meso_robust.campaigns.kinds import kind_of
 from meso_robust.campaigns.provenance import code, versions
 from meso_robust.campaigns.store import Session, Store, Trouble
 
@@ -91,7 +91,7 @@ def answered(campaign: Campaign, store: Store) -> Answer:
 
 
 def _part(part: Part, store: Store) -> PartAnswer:
-    kind = KINDS[part.kind]
+    kind = kind_of(part.kind)
     tally = _Tally(part.name)
     totals = kind.total(part, tally.of(store))
     return PartAnswer(

@@ -11,7 +11,7 @@ from typing import Any
 
 from meso_robust.campaigns.encoding import part_of, result_text
 from meso_robust.campaigns.kind import Done, Kind, Part
-from meso_robust.campaigns.kinds import KINDS
+from meso_robust.campaigns.kinds import kind_of
 from meso_robust.campaigns.provenance import code
 from meso_robust.kernels import one_thread
 
@@ -21,7 +21,7 @@ _ONE_AT_A_TIME = threading.Lock()  # a worker of a cluster may have several thre
 @lru_cache(maxsize=2)
 def _ready(text: str) -> tuple[Kind, Part, Any]:
     part = part_of(text)
-    kind = KINDS[part.kind]
+    kind = kind_of(part.kind)
     return kind, part, kind.prepare(part)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from meso_robust.campaigns.encoding import canonical, digest
 from meso_robust.campaigns.kind import Part, Section, Values
-from meso_robust.campaigns.kinds import KINDS
+from meso_robust.campaigns.kinds import KINDS, kind_of
 from meso_robust.toml_files import checked, read_toml
 
 _ADVICE = "give a campaign file"
@@ -21,7 +21,7 @@ _KEYS = "`meso-robust schema campaign`"
 
 
 class Stated(BaseModel):
-    """A campaign as its file states it; the parts are those of ``CampaignDocument``."""
+    """A campaign as its file states it, whatever the keys of its parts."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
@@ -45,17 +45,21 @@ class Stated(BaseModel):
         return self
 
 
-def _sections() -> Any:
-    """The type of ``part``: one section or more, of the kinds that there are."""
-    each: Any = functools.reduce(operator.or_, (kind.section for kind in KINDS.values()))
-    each = Annotated[each, Field(discriminator="kind")]
-    return Annotated[tuple.__class_getitem__((each, ...)), Field(min_length=1)]
-
-
-CampaignDocument: type[Stated] = create_model(
-    "CampaignDocument", __base__=Stated, __doc__="``CAMPAIGN.toml``.", part=(_sections(), ...)
-)
-"""``CAMPAIGN.toml`` with the sections of all kinds."""
+def campaign_document(kinds: Iterable[str] = KINDS) -> type[Stated]:
+    """The model of a campaign file whose parts are of some kinds."""
+    # annotations made at run time, which no type checker can follow
+    annotated: Any = Annotated
+    series: Any = tuple
+    each = functools.reduce(operator.or_, (kind_of(name).section for name in sorted(kinds)))
+    parts = series[annotated[each, Field(discriminator="kind")], ...]
+    one_or_more = Field(min_length=1)
+    found: type[Stated] = create_model(
+        "CampaignDocument",
+        __base__=Stated,
+        __doc__="``CAMPAIGN.toml``.",
+        part=(parts, one_or_more),
+    )
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +101,8 @@ def read_campaign(path: Path, seed: int | None = None) -> Campaign:
         A file cannot be read or a value breaks a rule.
     """
     values = read_toml(path, _ADVICE)
-    stated = checked(CampaignDocument, values, str(path), whole="campaign", keys=_KEYS)
+    model = campaign_document(_kinds_in(values) or KINDS)
+    stated = checked(model, values, str(path), whole="campaign", keys=_KEYS)
     chosen = stated.seed if seed is None else seed
     return Campaign(
         name=stated.name,
@@ -111,9 +116,18 @@ def read_campaign(path: Path, seed: int | None = None) -> Campaign:
     )
 
 
+def _kinds_in(values: Values) -> set[str]:
+    """The kinds that a campaign file names, all of them if it names an unknown one."""
+    parts = values.get("part")
+    if not isinstance(parts, list):
+        return set()
+    named = {str(part.get("kind")) for part in parts if isinstance(part, dict)}
+    return named if named <= set(KINDS) else set()
+
+
 def _part(section: Section, seed: int, confidence: float, folder: Path) -> Part:
     asked: Mapping[str, Any] = section.model_dump(mode="json")
-    kind = KINDS[asked["kind"]]
+    kind = kind_of(asked["kind"])
     return Part(
         name=section.name,
         kind=kind.name,

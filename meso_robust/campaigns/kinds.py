@@ -3,10 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
 
-from meso_robust.campaigns.blind.kind import BLIND
 from meso_robust.campaigns.kind import Kind
-from meso_robust.campaigns.monte_carlo import MONTE_CARLO
-from meso_robust.campaigns.mutation.kind import MUTATION
 
-KINDS: Mapping[str, Kind] = {kind.name: kind for kind in (MONTE_CARLO, MUTATION, BLIND)}
+KINDS: Mapping[str, str] = {
+    "monte-carlo": "monte_carlo.MONTE_CARLO",
+    "mutation": "mutation.kind.MUTATION",
+    "blind": "blind.kind.BLIND",
+}
+"""Where each is, below this package. Imported when asked for: a worker needs but one of them."""
+
+
+@cache
+def kind_of(name: str) -> Kind:
+    """The kind of a name of ``KINDS``."""
+    module, value = KINDS[name].rsplit(".", 1)
+    found: Kind = getattr(import_module(f"{__package__}.{module}"), value)
+    return found

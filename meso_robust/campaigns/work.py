@@ -18,7 +18,7 @@ from meso_robust.campaigns.crew import Crew, CrewLostError
 from meso_robust.campaigns.document import Campaign
 from meso_robust.campaigns.encoding import part_text, result_of
 from meso_robust.campaigns.kind import Done
-from meso_robust.campaigns.kinds import KINDS
+from meso_robust.campaigns.kinds import kind_of
 from meso_robust.campaigns.provenance import code, machine
 from meso_robust.campaigns.store import Session, Store, Trouble
 from meso_robust.errors import InputError
@@ -75,7 +75,7 @@ def missing(campaign: Campaign, store: Store) -> Iterator[Ticket]:
     """Chunks that the store does not have, part by part."""
     for part in campaign.parts:
         done = store.done(part.name)
-        for chunk in range(KINDS[part.kind].count(part)):
+        for chunk in range(kind_of(part.kind).count(part)):
             if chunk not in done:
                 yield Ticket(part.name, chunk)
 

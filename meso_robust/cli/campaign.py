@@ -127,14 +127,14 @@ def _store(asked: _Asked, stated: Campaign) -> Store:
 
 def _work(asked: _Asked, stated: Campaign, store: Store, say: Reporter) -> None:
     """Do what is missing, and show how it goes."""
-    from meso_robust.campaigns.kinds import KINDS
+    from meso_robust.campaigns.kinds import kind_of
     from meso_robust.campaigns.work import carry_out, missing
 
     left = sum(1 for _ in missing(stated, store))
     if left == 0:
         return
-    planned = {part.name: KINDS[part.kind].count(part) for part in stated.parts}
-    units = {part.name: KINDS[part.kind].unit for part in stated.parts}
+    planned = {part.name: kind_of(part.kind).count(part) for part in stated.parts}
+    units = {part.name: kind_of(part.kind).unit for part in stated.parts}
     done = {name: len(store.done(name)) for name in planned}
     with say.rating() as rated:
         for step in carry_out(stated, store, _crew(asked)):

@@ -24,7 +24,7 @@ def schema(
     """Print the JSON Schema of a document."""
     from pydantic import BaseModel
 
-    from meso_robust.campaigns.document import CampaignDocument
+    from meso_robust.campaigns.document import campaign_document
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.diagnosis.document import DiagnosisDocument
     from meso_robust.execution.witness_file import WitnessFile
@@ -40,7 +40,7 @@ def schema(
         "plan": PlanDocument,
         "policy": PolicyDocument,
         "certificate": CertificateDocument,
-        "campaign": CampaignDocument,
+        "campaign": campaign_document(),
         "witness": WitnessFile,
         "recordings": SetDocument,
         "model": ModelDocument,
