@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from meso_robust.campaigns.document import Campaign
@@ -18,6 +18,8 @@ from meso_robust.campaigns.store import Session, Store, Trouble
 OF_A_SORT = 3  # failures of the same sort that are written out, of each part
 WRITTEN = 20  # failures that are written out, of each part
 
+REPLAYED = -1  # instead of a chunk's index
+
 Verdict = Literal["held", "broken", "measured", "incomplete"]
 
 
@@ -26,6 +28,7 @@ class Shown:
     """A failure that is written out."""
 
     chunk: int
+    """``REPLAYED`` if it was kept from an earlier campaign."""
     failure: Failure
     folder: str
     """Where its files are, relative to the report; empty if it has none."""
@@ -74,8 +77,17 @@ class Answer:
         return digest(canonical({one.part.name: one.totals for one in self.parts}))
 
 
-def answered(campaign: Campaign, store: Store) -> Answer:
+def answered(
+    campaign: Campaign, store: Store, replayed: Mapping[str, Result] | None = None
+) -> Answer:
     """Add up what a store holds.
+
+    Parameters
+    ----------
+    campaign, store
+        What was asked, and what was done.
+    replayed
+        By the name of a part, what came of trying again what earlier campaigns had kept.
 
     Raises
     ------
@@ -84,16 +96,20 @@ def answered(campaign: Campaign, store: Store) -> Answer:
     """
     return Answer(
         campaign=campaign,
-        parts=tuple(_part(part, store) for part in campaign.parts),
+        parts=tuple(_part(part, store, (replayed or {}).get(part.name)) for part in campaign.parts),
         troubles=store.troubles(),
         sessions=store.sessions(),
     )
 
 
-def _part(part: Part, store: Store) -> PartAnswer:
+def _part(part: Part, store: Store, replayed: Result | None) -> PartAnswer:
     kind = kind_of(part.kind)
     tally = _Tally(part.name)
     totals = kind.total(part, tally.of(store))
+    told = kind.tell(part, totals)
+    if replayed is not None and replayed.runs:
+        told = _with_replayed(told, replayed)
+        tally.keep_all(REPLAYED, replayed)
     return PartAnswer(
         part=part,
         unit=kind.unit,
@@ -103,8 +119,18 @@ def _part(part: Part, store: Store) -> PartAnswer:
         failed=tally.failed,
         seconds=store.seconds(part.name),
         totals=totals,
-        told=kind.tell(part, totals),
+        told=told,
         shown=tuple(tally.shown),
+    )
+
+
+def _with_replayed(told: Told, replayed: Result) -> Told:
+    """What is told of a part, and of the examples that were kept from earlier campaigns."""
+    again = f"Of {replayed.runs:,} examples kept from earlier campaigns {replayed.failed:,} fail."
+    return replace(
+        told,
+        verdict="broken" if replayed.failed else told.verdict,
+        answer=f"{told.answer} {again}",
     )
 
 
@@ -122,14 +148,19 @@ class _Tally:
         for chunk, result in store.results(self.part):
             self.done, self.runs = self.done + 1, self.runs + result.runs
             self.failed += result.failed
-            for failure in result.failures:
-                self._keep(chunk, failure)
+            self.keep_all(chunk, result)
             yield result
+
+    def keep_all(self, chunk: int, result: Result) -> None:
+        """Keep the failures of a result that are to be written out."""
+        for failure in result.failures:
+            self._keep(chunk, failure)
 
     def _keep(self, chunk: int, failure: Failure) -> None:
         self._sorts[failure.what] += 1
         if self._sorts[failure.what] <= OF_A_SORT and len(self.shown) < WRITTEN:
-            folder = f"failures/{slug(self.part)}-{chunk}-{len(self.shown) + 1}"
+            where = "kept" if chunk == REPLAYED else f"{chunk}"
+            folder = f"failures/{slug(self.part)}-{where}-{len(self.shown) + 1}"
             self.shown.append(
                 Shown(chunk=chunk, failure=failure, folder=folder if failure.files else "")
             )

@@ -181,3 +181,7 @@ class Kind:
     """Adds up results, which come in the order of their chunks; some may be missing."""
     tell: Callable[[Part, Values], Told]
     """The totals in words, tables and pictures."""
+    keep: Callable[[Path, Values], None] | None = None
+    """Saves in a folder what of the totals is worth trying again in later campaigns."""
+    replay: Callable[[Part, Path], Result] | None = None
+    """Tries again what was saved there. It depends on the folder, so it is told beside the totals."""

@@ -17,7 +17,11 @@ if TYPE_CHECKING:
     from meso_robust.campaigns.answer import Answer
     from meso_robust.campaigns.crew import Crew
     from meso_robust.campaigns.document import Campaign
+    from meso_robust.campaigns.kind import Result
     from meso_robust.campaigns.store import Store
+
+EXAMPLES = "examples"
+"""Folder of failing examples below that of the results, unless another one is given."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,6 +30,7 @@ class _Asked:
 
     campaign: Path
     out: Path
+    examples: Path
     workers: int
     scheduler: str | None
     resume: bool
@@ -39,6 +44,13 @@ def campaign(  # every option of the verb is an argument
     out: Annotated[Path, typer.Option(help="Folder for the store and the report.")] = Path(
         "meso-robust-campaign"
     ),
+    examples: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder where failing examples are kept, and tried again by every campaign that is "
+            "given it; the results' own by default."
+        ),
+    ] = None,
     workers: Annotated[
         int | None, typer.Option(min=1, max=1024, help="Processes; one for each core by default.")
     ] = None,
@@ -60,6 +72,7 @@ def campaign(  # every option of the verb is an argument
     asked = _Asked(
         campaign=campaign,
         out=out,
+        examples=examples or out / EXAMPLES,
         workers=workers or os.cpu_count() or 1,
         scheduler=scheduler,
         resume=resume,
@@ -87,9 +100,11 @@ def _campaign(asked: _Asked, say: Reporter) -> None:
         stated = read_campaign(asked.campaign, asked.seed)
     store = _store(asked, stated)
     try:
+        with say.doing("trying kept examples again"):
+            replayed = _replayed(asked, stated)
         _work(asked, stated, store, say)
         with say.doing("adding up"):
-            answer = answered(stated, store)
+            answer = answered(stated, store, replayed)
             left = _left(stated, store)
     finally:
         store.close()
@@ -123,6 +138,35 @@ def _store(asked: _Asked, stated: Campaign) -> Store:
             f"--out {asked.out}: cannot be made ({error.strerror}); give a folder that can"
         ) from error
     return Store(path, stated.values, code())
+
+
+def _replayed(asked: _Asked, stated: Campaign) -> dict[str, Result]:
+    """What comes of trying again what earlier campaigns kept in the folder."""
+    from meso_robust.campaigns.kinds import kind_of
+
+    found = {}
+    for part in stated.parts:
+        replay = kind_of(part.kind).replay
+        if replay is not None and asked.examples.exists():
+            found[part.name] = replay(part, asked.examples)
+    return found
+
+
+def _keep(asked: _Asked, answer: Answer) -> None:
+    """Save what later campaigns in this folder should try again."""
+    from meso_robust.campaigns.kinds import kind_of
+    from meso_robust.errors import InputError
+
+    for one in answer.parts:
+        keep = kind_of(one.part.kind).keep
+        try:
+            if keep is not None and one.failed:
+                keep(asked.examples, one.totals)
+        except OSError as error:
+            raise InputError(
+                f"--examples {asked.examples}: cannot be written ({error}); free some space, and "
+                "give the same command with --resume"
+            ) from error
 
 
 def _work(asked: _Asked, stated: Campaign, store: Store, say: Reporter) -> None:
@@ -175,6 +219,7 @@ def _write(
     from meso_robust.files import write_all
     from meso_robust.reporting.campaign import campaign_report
 
+    _keep(asked, answer)
     for folder, files in _failures(answer):
         write_all(asked.out / folder, files)
     text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
