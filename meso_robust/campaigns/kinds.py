@@ -10,6 +10,8 @@ from meso_robust.campaigns.kind import Kind
 
 KINDS: Mapping[str, str] = {
     "monte-carlo": "monte_carlo.MONTE_CARLO",
+    "falsify": "falsify.kind.FALSIFY",
+    "property": "property.kind.PROPERTY",
     "mutation": "mutation.kind.MUTATION",
     "blind": "blind.kind.BLIND",
 }

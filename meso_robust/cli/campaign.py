@@ -39,7 +39,7 @@ class _Asked:
     quiet: bool
 
 
-def campaign(  # every option of the verb is an argument
+def campaign(  # noqa: PLR0913  # every option of the verb is an argument
     campaign: Annotated[Path, typer.Argument(help="Campaign file (TOML).")],
     out: Annotated[Path, typer.Option(help="Folder for the store and the report.")] = Path(
         "meso-robust-campaign"

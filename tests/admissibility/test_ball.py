@@ -16,7 +16,8 @@ from hypothesis import given, strategies as st
 from meso_robust.admissibility import balls
 from meso_robust.admissibility.ball import _off_zero
 from meso_robust.admissibility.formula import formula, inputs
-from tests.admissibility.functions import NAMES, source_of
+from meso_robust.campaigns.property.laws.routes import NAMES
+from tests.admissibility.functions import source_of
 from tests.strategies import REPEATABLE
 
 RATIONAL = [

@@ -1,0 +1,113 @@
+"""A certificate in other units of length is the same certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from hypothesis import strategies as st
+
+from meso_robust.bounds import Interval
+from meso_robust.campaigns.property.law import Breach, Cost, Property, Verdict
+from meso_robust.campaigns.property.laws.variants import Variant, paper_rules, variants
+from meso_robust.primitives.certify import Before, certify_move
+from meso_robust.primitives.move import Aim, MoveRule, Point
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InUnits:
+    """A variant, and the unit of length as a power of two."""
+
+    variant: Variant
+    power: int
+
+
+def scaled(range_: Interval, factor: float) -> Interval:
+    """Times a power of two: exact."""
+    return Interval(range_.lo * factor, range_.hi * factor)
+
+
+def _box(box: PoseBox, factor: float) -> PoseBox:
+    return replace(box, x=scaled(box.x, factor), y=scaled(box.y, factor))
+
+
+def _setup(setup: Setup, factor: float) -> Setup:
+    u = setup.uncertainty
+    return replace(
+        setup,
+        half_length=scaled(setup.half_length, factor),
+        half_width=scaled(setup.half_width, factor),
+        spacing=scaled(setup.spacing, factor),
+        uncertainty=replace(
+            u,
+            sensed_position=scaled(u.sensed_position, factor),
+            probe_position=scaled(u.probe_position, factor),
+            film_ratio=scaled(u.film_ratio, factor**2),
+        ),
+        start=_box(setup.start, factor),
+        goal=_box(setup.goal, factor),
+    )
+
+
+def _rule(rule: MoveRule, factor: float) -> MoveRule:
+    def aim(one: Aim) -> Aim:
+        return replace(one, offset_um=one.offset_um * factor)
+
+    def point(one: Point) -> Point:
+        return Point(x=aim(one.x), y=aim(one.y))
+
+    single = None if rule.single is None else point(rule.single)
+    return replace(rule, dual=point(rule.dual), dual_end=aim(rule.dual_end), single=single)
+
+
+def _steps(rules: Sequence[MoveRule], setup: Setup) -> list[Step]:
+    """The steps as they are certified, without the grid of decimals on which boxes are told."""
+    state: PoseBox | None = setup.start
+    before: Before | None = None
+    found: list[Step] = []
+    for rule in rules:
+        if state is None:
+            break
+        step, before = certify_move(rule, state, setup, before)
+        found.append(step)
+        state = step.post
+    return found
+
+
+def check(example: InUnits) -> Verdict:
+    """Certify twice, and compare to the last bit."""
+    factor = 2.0**example.power
+    rules, setup = paper_rules(), setup_of(example.variant.task())
+    one = _steps(rules, setup)
+    other = _steps([_rule(rule, factor) for rule in rules], _setup(setup, factor))
+    if len(one) != len(other):
+        return _breach("verdict", f"{len(one)} and {len(other)} steps have a box")
+    for k, (step, seen) in enumerate(zip(one, other, strict=True)):
+        if step.verdict != seen.verdict:
+            return _breach("verdict", f"step {k + 1}: {step.verdict.name}, {seen.verdict.name}")
+        wanted = None if step.post is None else _box(step.post, factor)
+        if wanted != seen.post:
+            return _breach("boxes", f"step {k + 1} ends in {wanted}, and {seen.post}")
+        tubes = zip(step.tube, seen.tube, strict=False)
+        if any(_box(a.box, factor) != b.box for a, b in tubes) or len(step.tube) != len(seen.tube):
+            return _breach("tubes", f"step {k + 1} goes through other boxes")
+    return None
+
+
+def _breach(what: str, detail: str) -> Breach:
+    return Breach(what=f"certificate in other units: {what}", detail=detail)
+
+
+UNITS = Property(
+    name="other-units-certificate",
+    statement=(
+        "The paper's plan and variants of its task with all lengths times a power of two, rho times its "
+        "square: the certificate has the same verdicts, and boxes and tubes times the power."
+    ),
+    agreement="exact: a power of two changes no rounding (before boxes are widened to decimals)",
+    examples=st.builds(InUnits, variant=variants(1.5), power=st.integers(-8, 8)),
+    check=check,
+    cost=Cost.MODERATE,
+)
