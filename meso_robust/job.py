@@ -12,8 +12,6 @@ from pathlib import Path
 
 from meso_robust import units
 from meso_robust.bounds import Verdict
-from meso_robust.execution.crosscheck import CrossCheck, confirmed, crosscheck
-from meso_robust.execution.running import STARTS_INSIDE, STEP
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.design import design
 from meso_robust.certificates.document import (
@@ -29,6 +27,8 @@ from meso_robust.certificates.document import (
     undecided_document,
 )
 from meso_robust.certificates.margin import Margin, margin
+from meso_robust.execution.crosscheck import CrossCheck, confirmed, crosscheck
+from meso_robust.execution.running import STARTS_INSIDE, STEP
 from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.document import PlanDocument, goal_document, plan_document
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of

@@ -35,6 +35,23 @@ def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
     return cast("Callable[_P, _R]", compile_(function))
 
 
+def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Compile as `sealed` does, and always into the functions that call it.
+
+    For small functions that take or return several numbers: a call hands those on by memory.
+    """
+    from numba import njit
+
+    compile_ = njit(
+        error_model="numpy",
+        forceinline=True,
+        _nrt=False,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+    )
+    return cast("Callable[_P, _R]", compile_(function))
+
+
 def maker(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile a function that only kernels call and that makes arrays."""
     from numba import njit

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from meso_robust.bounds import Verdict
-from meso_robust.execution.endings import gaps_to, in_part
-from meso_robust.execution.meetings import crosses, meets
-from meso_robust.execution.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
 from meso_robust.certificates.chain import Chain
+from meso_robust.execution.endings import gaps_to, in_part
+from meso_robust.execution.meetings import arrives, at_share, crosses
+from meso_robust.execution.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Outcome
@@ -114,15 +115,31 @@ def broken(runs: PlanRun, claims: Claims, accuracy: Accuracy) -> dict[str, Flags
 
 
 def outside(poses: Floats, boxes: Floats, slack: Floats) -> Flags:
-    """(...) whether poses (..., 3) lie in none of the boxes (K, 2, 3) widened by slack (..., 3)."""
-    inside = np.zeros(poses.shape[:-1], dtype=bool)
-    for low, high in boxes:
-        one = np.ones(poses.shape[:-1], dtype=bool)
-        for axis in range(3):
-            one &= poses[..., axis] >= low[axis] - slack[..., axis]
-            one &= poses[..., axis] <= high[axis] + slack[..., axis]
-        inside |= one
-    return ~inside
+    """(N,) whether a run's pose (N, 3), or any of several (N, J, 3), lies in none of the boxes.
+
+    The boxes (K, 2, 3) are widened by the slack (N or 1, 3) of the run.
+    """
+    found = np.zeros(len(poses), dtype=np.bool_)
+    _find_outside(poses.reshape(len(poses), -1, 3), boxes, slack, found)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _find_outside(poses: Floats, boxes: Floats, slack: Floats, found: Flags) -> None:
+    """Write what `outside` finds: compiled, as most poses lie in one of the first boxes tried."""
+    for i in range(poses.shape[0]):
+        wide = i if slack.shape[0] > 1 else 0
+        for j in range(poses.shape[1]):
+            missed = 0
+            for k in range(boxes.shape[0]):
+                inside = True
+                for axis in range(3):
+                    inside &= poses[i, j, axis] >= boxes[k, 0, axis] - slack[wide, axis]
+                    inside &= poses[i, j, axis] <= boxes[k, 1, axis] + slack[wide, axis]
+                if inside:
+                    break
+                missed += 1
+            found[i] |= missed == boxes.shape[0]
 
 
 def _of_a_move(
@@ -131,16 +148,16 @@ def _of_a_move(
     """Claims of one move, each with whether it is judged of moves begun or of moves done."""
     half, post, tube = claims.half, claims.posts[k], claims.tubes[k]
     slack = accuracy.pose[k]
-    at_start = gaps_to(move.tips, move.before[:, None], half).min(axis=1)
+    at_start = gaps_to(move.tips, move.before[:, None], half)
     found = {
-        "starts free of contact": ("begun", at_start <= 0.0),
+        "starts free of contact": ("begun", np.asarray((at_start <= 0.0).any(axis=1))),
         "contacts are as claimed": ("done", ~_contacts(rule, move, claims, accuracy.slip)),
         "probes withdraw clear of the part": ("done", _hits_on_withdrawal(move, half)),
     }
     if post is not None:
         found["ends in its box"] = ("done", outside(move.after, post[None], slack))
     if tube is not None and move.path.shape[1] > 1:
-        found["stays in its tube"] = ("done", outside(move.path, tube, slack[:, None]).any(axis=1))
+        found["stays in its tube"] = ("done", outside(move.path, tube, slack))
     return found
 
 
@@ -167,8 +184,14 @@ def _contacts(rule: MoveRule, move: MoveRun, claims: Claims, slip: float) -> Fla
 
 def first_tip(move: MoveRun, half: Floats) -> npt.NDArray[np.int64]:
     """(N,) which tip of the active probe meets the part first."""
-    shares = [meets(move.tips[:, p], move.travel[:, p], move.before, half)[0] for p in (0, 1)]
-    return np.asarray(np.argmin(shares, axis=0))
+    return _first(move, half)[0]
+
+
+def _first(move: MoveRun, half: Floats) -> tuple[npt.NDArray[np.int64], Floats]:
+    """(N,) which tip of the active probe meets the part first, and after which share of its way."""
+    shares = arrives(move.tips[:, :2], move.travel[:, :2], move.before[:, None], half)
+    upper, lower = shares[:, UPPER], shares[:, LOWER]
+    return np.where(lower < upper, LOWER, UPPER), np.minimum(upper, lower)
 
 
 def slips(move: MoveRun, half: Floats) -> Floats:
@@ -177,11 +200,10 @@ def slips(move: MoveRun, half: Floats) -> Floats:
     With no more phases than claimed every contact keeps one mode in a phase; the first contact has
     slipped in a phase then exactly if this is not zero.
     """
-    first = first_tip(move, half)
+    first, share = _first(move, half)
     rows = np.arange(len(first))
     tip, way = move.tips[rows, first], move.travel[rows, first]
-    point = meets(tip, way, move.before, half)[1]
-    drift = in_part(tip + way, move.after) - point
+    drift = in_part(tip + way, move.after) - at_share(share, tip, way, move.before)
     return np.asarray(np.hypot(drift[:, 0], drift[:, 1]))
 
 
@@ -190,10 +212,8 @@ def _hits_on_withdrawal(move: MoveRun, half: Floats) -> Flags:
 
     The active probe goes back to its start, the passive one as far along the direction of the push.
     """
-    push = move.travel[:, LOWER]
-    found = np.zeros(len(push), dtype=bool)
-    for p in range(move.tips.shape[1]):
-        end = move.tips[:, p] + move.travel[:, p]
-        way = push if p == PASSIVE else -push
-        found |= crosses(end, way, move.after, half, CONTACT)
-    return found
+    back = np.ones((move.tips.shape[1], 1))
+    back[:PASSIVE] = -1.0
+    way = back * move.travel[:, LOWER, None]
+    found = crosses(move.tips + move.travel, way, move.after[:, None], half, CONTACT)
+    return np.asarray(found.any(axis=1))

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.execution.running import STARTS_INSIDE, STEP, PlanRun, rectangle
 from meso_robust.execution.replay import Player
+from meso_robust.execution.running import STARTS_INSIDE, STEP, PlanRun, rectangle
 from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]
@@ -94,13 +94,16 @@ def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
     own = in_part(tips, pose)
     beyond = np.abs(own) - half
     outside = np.hypot(np.maximum(beyond[..., 0], 0.0), np.maximum(beyond[..., 1], 0.0))
-    return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))
+    return np.asarray(outside + np.minimum(np.maximum(beyond[..., 0], beyond[..., 1]), 0.0))
 
 
 def in_part(points: Floats, pose: Floats) -> Floats:
     """(..., 2) points of the world (m) in the axes of a part at ``pose`` (..., 3)."""
-    offset = points - pose[..., :2]
+    return turned(points - pose[..., :2], pose)
+
+
+def turned(vectors: Floats, pose: Floats) -> Floats:
+    """(..., 2) vectors of the world in the axes of a part at ``pose`` (..., 3)."""
     c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    return np.stack(
-        [c * offset[..., 0] + s * offset[..., 1], c * offset[..., 1] - s * offset[..., 0]], axis=-1
-    )
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x + s * y, c * y - s * x], axis=-1)

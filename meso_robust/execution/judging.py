@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.execution.claims import Accuracy, Claims, broken
-from meso_robust.execution.running import STEP, MoveRun, PlanRun
 from meso_robust.execution.replay import Feedback
+from meso_robust.execution.running import STEP, MoveRun, PlanRun
 from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.execution.running import STARTS_INSIDE, STEP, MoveRun, PlanRun, rectangle
 from meso_robust.execution.replay import Column, of_a_point, of_a_run
+from meso_robust.execution.running import STARTS_INSIDE, STEP, MoveRun, PlanRun, rectangle
 from meso_robust.planning.document import MoveDocument
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome, Push, PushResult, simulate

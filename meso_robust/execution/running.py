@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +21,7 @@ from meso_robust.simulator import Fixture, Outcome, Push
 from meso_robust.units import UM
 
 Floats = npt.NDArray[np.float64]
+_Numbers = TypeVar("_Numbers", Floats, npt.NDArray[np.int8])
 
 STEP = 2e-6  # m, of the probes; its error is measured by a second run at half of it
 STARTS_INSIDE = -1  # a run whose probe would start inside the part is not simulated further
@@ -105,28 +107,29 @@ def run(
         inside = alive & _starts_inside(tips, poses, setup)
         outcomes[inside], failed_in[inside] = STARTS_INSIDE, k
         alive &= ~inside
-        after, path = poses.copy(), np.repeat(poses[:, None], record + 1, axis=1)
+        after, path = poses, np.broadcast_to(poses[:, None], (len(poses), record + 1, 3))
         modes = np.zeros((len(poses), record + 1, tips.shape[1]), dtype=np.int8)
         phases = np.zeros(len(poses), dtype=np.int64)
         if alive.any():
+            which = slice(None) if alive.all() else alive  # a slice copies nothing
             result = push_all(
                 Push.straight(
                     vertices=rectangle(setup),
-                    poses=poses[alive],
-                    tips=tips[alive],
-                    travel=travel[alive],
-                    friction=draws.friction[alive],
-                    film_ratio=draws.film_ratio[alive],
+                    poses=poses[which],
+                    tips=tips[which],
+                    travel=travel[which],
+                    friction=draws.friction[which],
+                    film_ratio=draws.film_ratio[which],
                     step=step,
                     fixture=walls(setup),
                 ),
                 engine,
                 record,
             )
-            after[alive], outcomes[alive] = result.poses, result.outcomes
+            after, outcomes[which] = _over(alive, result.poses, poses), result.outcomes
             if record:
-                path[alive], modes[alive] = result.path, result.modes
-            phases[alive] = result.phases
+                path, modes = _over(alive, result.path, path), _over(alive, result.modes, modes)
+            phases[which] = result.phases
             failed_in[alive & (outcomes != Outcome.COMPLETED)] = k
         moves.append(
             MoveRun(
@@ -142,6 +145,15 @@ def run(
         )
         poses = after
     return PlanRun(moves=tuple(moves), outcomes=outcomes, failed_in=failed_in)
+
+
+def _over(alive: npt.NDArray[np.bool_], made: _Numbers, before: _Numbers) -> _Numbers:
+    """What was made of the runs that are alive, and what there was before of the others."""
+    if alive.all():
+        return made
+    whole = before.copy()
+    whole[alive] = made
+    return whole
 
 
 def walls(setup: Setup) -> Fixture:

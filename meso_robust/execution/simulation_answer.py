@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.execution.endings import ending, words
-from meso_robust.execution.running import STEP, PlanRun
 from meso_robust.execution.replay import Player, miss
+from meso_robust.execution.running import STEP, PlanRun
 from meso_robust.execution.simulation import Case, Simulated, in_goal
 from meso_robust.execution.simulation_document import (
     AdversaryDocument,

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.execution.endings import ending
-from meso_robust.execution.running import PlanRun
 from meso_robust.execution.replay import Player
+from meso_robust.execution.running import PlanRun
 from meso_robust.execution.simulation import RECORD, Simulated
 
 Floats = npt.NDArray[np.float64]

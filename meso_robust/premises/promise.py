@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from meso_robust.bounds import Verdict
-from meso_robust.execution.crosscheck import CLEAR, ROUNDING
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import (
     CertificateDocument,
@@ -29,6 +28,7 @@ from meso_robust.certificates.document import (
     undecided_document,
 )
 from meso_robust.errors import InputError, NotApplicableError
+from meso_robust.execution.crosscheck import CLEAR, ROUNDING
 from meso_robust.identification.document import ModelDocument, read_model
 from meso_robust.identification.models import MODELS
 from meso_robust.job import Planned, SimulatorContradictsProofError, judge

@@ -14,8 +14,8 @@ from markupsafe import Markup
 
 from meso_robust import units
 from meso_robust.execution.endings import Ending, ending, words
-from meso_robust.execution.running import MoveRun, PlanRun, rectangle
 from meso_robust.execution.replay import miss
+from meso_robust.execution.running import MoveRun, PlanRun, rectangle
 from meso_robust.execution.simulation import Simulated, in_goal, order
 from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.execution.trajectories import probe_names

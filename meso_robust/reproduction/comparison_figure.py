@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure as Canvas
 
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reporting.canvas import CERTIFIED, MUTED, OPEN
 from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.item import Figure
-from meso_robust.campaigns.intervals import share_interval
 
 LOOKS = {"RRT": (OPEN, "s"), "scripted": (MUTED, "^"), "certified": (CERTIFIED, "o")}
 _CAPTION = (

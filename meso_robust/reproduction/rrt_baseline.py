@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reproduction import rrt
 from meso_robust.reproduction.baselines import (
     ALL,
@@ -19,7 +20,6 @@ from meso_robust.reproduction.baselines import (
 )
 from meso_robust.reproduction.bench import Flags, Place, follow, nominal
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
-from meso_robust.campaigns.intervals import share_interval
 
 KINDS: Mapping[str, Errors] = {
     "nothing uncertain": Errors(),

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.execution.simulation import in_goal
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
@@ -21,7 +22,6 @@ from meso_robust.reproduction.shrunk import (
     shrunk,
     shrunk_rules,
 )
-from meso_robust.campaigns.intervals import share_interval
 from meso_robust.units import UM
 
 FULL_UM = 1616.0

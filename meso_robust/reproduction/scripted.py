@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reproduction import given
 from meso_robust.reproduction.baselines import REPORTED, successes
 from meso_robust.reproduction.bench import (
@@ -24,7 +25,6 @@ from meso_robust.reproduction.bench import (
 )
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting, Value
 from meso_robust.reproduction.seven_steps import PRINTED, lengths_of, tuned
-from meso_robust.campaigns.intervals import share_interval
 from meso_robust.units import DEG, UM
 
 SUPPORTS = ("p1*", "p2*", "film")

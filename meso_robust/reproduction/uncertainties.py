@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reproduction import given
 from meso_robust.reproduction.baselines import POSE, PROBE, Errors
 from meso_robust.reproduction.bench import Plan
 from meso_robust.reproduction.certified import certified_successes
 from meso_robust.reproduction.comparison import hits, several
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
-from meso_robust.campaigns.intervals import share_interval
 
 RUNS = {True: 40, False: 500}
 SCALES = {True: (1.0, 4.0), False: (1.0, 2.0, 4.0, 8.0)}

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from meso_robust.execution.running import rectangle as original
 from meso_robust.cli import app
+from meso_robust.execution.running import rectangle as original
 from meso_robust.job import SimulatorContradictsProofError
 from meso_robust.tasks import PAPER
 

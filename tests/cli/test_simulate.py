@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from meso_robust.cli import app
 from meso_robust.execution.draws import draw
 from meso_robust.execution.running import run
 from meso_robust.execution.simulation_document import SimulationDocument
-from meso_robust.cli import app
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import rules_of
 from meso_robust.primitives.setup import setup_of

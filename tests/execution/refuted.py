@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from typer.testing import CliRunner
 
+from meso_robust.cli import app
 from meso_robust.execution.replay import Feedback
 from meso_robust.execution.simulation import in_goal, player_of
 from meso_robust.execution.witness import read_witness
-from meso_robust.cli import app
 from meso_robust.files import write_all
 from meso_robust.job import Planned, make
 from meso_robust.planning.reading import read_plan
@@ -107,7 +107,7 @@ def _by_events(planned: Planned, paths: dict[str, Path]) -> tuple[bool, str]:
     player = player_of(plan, setup)
     if not isinstance(player, Feedback):
         raise TypeError("a certificate is about a policy")
-    row = read_witness(paths["certificate.json"], task, plan, player)
+    row = read_witness(paths["certificate.json"], task, plan, player).row
     runs = replace(player, engine="events").run(row)
     code = int(runs.outcomes[0])
     name = "starts inside" if code < 0 else Outcome(code).name.lower()

@@ -12,9 +12,9 @@ import pytest
 from meso_robust.execution.adversary import badness, search
 from meso_robust.execution.draws import draw, nominal
 from meso_robust.execution.endings import ending, gaps_to
-from meso_robust.execution.running import STARTS_INSIDE, MoveRun, PlanRun, excess, run
 from meso_robust.execution.open_loop import OpenLoop
 from meso_robust.execution.replay import Feedback, limits, miss, nominal_row
+from meso_robust.execution.running import STARTS_INSIDE, MoveRun, PlanRun, excess, run
 from meso_robust.execution.simulation import player_of, simulated
 from meso_robust.execution.trajectories import trajectories
 from meso_robust.planning.document import MoveDocument, PlanDocument, ProbeDocument, plan_document

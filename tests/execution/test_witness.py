@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from meso_robust.errors import InputError
 from meso_robust.execution.draws import draw
 from meso_robust.execution.running import run
 from meso_robust.execution.witness import read_witness
-from meso_robust.errors import InputError
-from tests.execution.test_replay import REPORT, paper_plan_document, paper_player
 from tests.conftest import paper_task
+from tests.execution.test_replay import REPORT, paper_plan_document, paper_player
 
 
 def certificate(folder: Path, **changes: Any) -> Path:
@@ -46,7 +46,7 @@ def certificate(folder: Path, **changes: Any) -> Path:
 def test_witness_is_replayed_number_for_number(tmp_path: Path) -> None:
     player = paper_player()
 
-    row = read_witness(certificate(tmp_path), paper_task(), paper_plan_document(), player)
+    row = read_witness(certificate(tmp_path), paper_task(), paper_plan_document(), player).row
     expected = draw(player.setup, 4, 3, np.random.default_rng(9))
     direct = run(player.rules, player.setup, expected)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from meso_robust.bounds import Verdict
+from meso_robust.campaigns.intervals import share_interval
 from meso_robust.execution.draws import nominal
 from meso_robust.execution.running import run
 from meso_robust.reproduction.certified import (
@@ -21,7 +22,6 @@ from meso_robust.reproduction.certified import (
 )
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.planned_task import ITEM, sequence, with_separation
-from meso_robust.campaigns.intervals import share_interval
 from meso_robust.simulator import Outcome
 
 

@@ -1,4 +1,4 @@
-"""An adversary that tries to leave what is claimed, and the factor at which it first succeeds."""
+"""The factor of all uncertainties at which an adversary first breaks a claim."""
 
 from __future__ import annotations
 
@@ -8,40 +8,35 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.campaigns.falsify.targets import Target, all_targets, failing
 from meso_robust.execution.ascent import Effort, Summit, climb, corners, shaken
-from meso_robust.execution.claims import Claims, only_motions
+from meso_robust.execution.claims import only_motions
 from meso_robust.execution.judging import judge
 from meso_robust.execution.replay import Feedback, limits
-from meso_robust.execution.targets import Target, box_targets, failing, motion_targets
 from meso_robust.primitives.setup import Setup
 
 Floats = npt.NDArray[np.float64]
 Wanted = Callable[[str], bool]
 
-THOROUGH = Effort()
-STEPS = Effort(generations=0)  # for thresholds: what fails first fails at corners
+# what fails first fails at corners
+STEPS = Effort(corners=1500, reaches=(1.0, 1.0, 0.3), elite=3, generations=0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Reach:
-    """How far the adversary got towards one target."""
+    """How far an attack got towards one target."""
 
     target: Target
     summit: Summit
 
-    @property
-    def breaks(self) -> bool:
-        """Whether the claim behind the target is broken."""
-        return self.summit.value > self.target.limit
-
 
 def attack(
-    player: Feedback,
-    targets: Sequence[Target],
-    rng: np.random.Generator,
-    effort: Effort = THOROUGH,
+    player: Feedback, targets: Sequence[Target], rng: np.random.Generator, effort: Effort
 ) -> tuple[Reach, ...]:
-    """Raise every target by itself, from random corners and from what other targets found."""
+    """Raise every target by itself, from random corners and from what other targets found.
+
+    The targets are those that look at no path.
+    """
     box = limits(player)
     pool = corners(*box, effort.corners, rng)
     runs = player.run(pool)
@@ -62,21 +57,14 @@ def attack(
     return tuple(found)
 
 
-def all_targets(claims: Claims) -> tuple[Target, ...]:
-    """Boxes, goal and motions."""
-    return (*motion_targets(claims), *box_targets(claims))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Failure:
+class Breaking:
     """A run that breaks a claim at some factor."""
 
     factor: float
     claims: tuple[str, ...]
     row: Floats
     """(D,)"""
-    runs: int
-    """Runs that broke a wanted claim, of all that were made around the worst rows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -85,8 +73,9 @@ class Threshold:
 
     holds: float
     """Largest factor tried at which it found nothing."""
-    failure: Failure | None
+    breaking: Breaking | None
     """What it found at the smallest factor at which it found something; None if at none."""
+    executions: int
 
 
 def any_motion(_: str) -> bool:
@@ -99,29 +88,31 @@ def misses(name: str) -> bool:
     return name in ("every move can be carried out", "the last pose lies in the goal")
 
 
-def failure_at(
+def breaking_at(
     player: Feedback, factor: float, wanted: Wanted, rng: np.random.Generator, effort: Effort
-) -> Failure | None:
-    """Attack the plan with ``player``'s uncertainties; the first row that breaks a wanted claim."""
+) -> tuple[Breaking | None, int]:
+    """Attack the plan with ``player``'s uncertainties.
+
+    Returns
+    -------
+    tuple
+        The first row that breaks a wanted claim, and the number of executions.
+    """
     claims = only_motions(player.rules, player.setup)
-    targets = all_targets(claims)
-    reached = attack(player, targets, rng, effort)
+    reached = attack(player, all_targets(claims), rng, effort)
     worst = np.array([reach.summit.row for reach in reached])
     low, high = limits(player)
     around = shaken(worst, low, high, effort.corners, rng)
     rows = np.concatenate([worst, around, corners(low, high, effort.corners, rng)])
+    count = effort.corners + sum(reach.summit.evaluations for reach in reached) + len(rows)
     judged = judge(player, claims, rows)
     flags = {name: f for name, f in judged.broken.items() if wanted(name)}
     hit = np.flatnonzero(np.logical_or.reduce(list(flags.values())))
     if not hit.size:
-        return None
+        return None, count
     row = int(hit[0])
-    return Failure(
-        factor=factor,
-        claims=tuple(name for name, f in flags.items() if f[row]),
-        row=rows[row],
-        runs=int(hit.size),
-    )
+    names = tuple(name for name, f in flags.items() if f[row])
+    return Breaking(factor=factor, claims=names, row=rows[row]), count
 
 
 def threshold(
@@ -150,19 +141,20 @@ def threshold(
         Where the search begins and where it ends.
     """
 
-    def at(factor: float) -> Failure | None:
+    def at(factor: float) -> tuple[Breaking | None, int]:
         stressed = replace(player, setup=scaled(factor))
-        return failure_at(stressed, factor, wanted, np.random.default_rng(seed), effort)
+        return breaking_at(stressed, factor, wanted, np.random.default_rng(seed), effort)
 
     good, bad = 0.0, largest
-    failure = at(largest)
-    if failure is None:
-        return Threshold(holds=largest, failure=None)
+    breaking, executions = at(largest)
+    if breaking is None:
+        return Threshold(holds=largest, breaking=None, executions=executions)
     while bad - good > resolution * bad:
         trial = 0.5 * (good + bad)
-        found = at(trial)
+        found, count = at(trial)
+        executions += count
         if found is None:
             good = trial
         else:
-            bad, failure = trial, found
-    return Threshold(holds=good, failure=failure)
+            bad, breaking = trial, found
+    return Threshold(holds=good, breaking=breaking, executions=executions)

@@ -8,10 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.execution.ascent import Score
 from meso_robust.execution.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
 from meso_robust.execution.crosscheck import REFUTING
 from meso_robust.execution.endings import gaps_to
+from meso_robust.execution.judging import INSTANTS
 from meso_robust.execution.meetings import meets, stick_ratio
+from meso_robust.execution.replay import Feedback
 from meso_robust.execution.running import MoveRun, PlanRun
 
 Floats = npt.NDArray[np.float64]
@@ -20,6 +23,8 @@ Measure = Callable[[PlanRun, Floats], Floats]
 FRICTION, FILM = 3, 4  # columns of a row
 ANGLES = 5  # orientations between the first and the last of a move at which sticking is asked
 COORDINATES = ("x", "y", "theta")
+TIGHTEST = 1e-9  # m and rad: a box that is tighter is measured as if it were this wide
+HALF_WIDTHS = "half widths"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,10 +37,12 @@ class Target:
     """Value that breaks the claim."""
     measure: Measure
     """Runs and their rows to (N,) values; minus infinity for a run that ended before."""
+    record: int = 0
+    """Intervals of the path of each move that the measure looks at."""
 
 
 def box_targets(claims: Claims) -> tuple[Target, ...]:
-    """The six directions of every box, in half widths from its middle."""
+    """The six directions of every certified box and of the goal, in half widths from its middle."""
     found = []
     for k, post in enumerate(claims.posts):
         if post is not None:
@@ -48,7 +55,8 @@ _SIDES = tuple((axis, way) for axis in range(3) for way in (-1, 1))
 
 
 def _side(name: str, k: int, box: Floats, axis: int, way: int) -> Target:
-    middle, half = 0.5 * (box[0, axis] + box[1, axis]), 0.5 * (box[1, axis] - box[0, axis])
+    middle = 0.5 * (box[0, axis] + box[1, axis])
+    half = max(0.5 * (box[1, axis] - box[0, axis]), TIGHTEST)
 
     def measure(runs: PlanRun, _: Floats) -> Floats:
         reached = way * (runs.moves[k].after[:, axis] - middle) / half
@@ -56,8 +64,38 @@ def _side(name: str, k: int, box: Floats, axis: int, way: int) -> Target:
 
     side = "low" if way < 0 else "high"
     return Target(
-        name=f"{name}, {COORDINATES[axis]} {side}", unit="half widths", limit=1.0, measure=measure
+        name=f"{name}, {COORDINATES[axis]} {side}", unit=HALF_WIDTHS, limit=1.0, measure=measure
     )
+
+
+def tube_targets(claims: Claims) -> tuple[Target, ...]:
+    """How near the poses of a move come to the surface of its tube."""
+    return tuple(
+        Target(
+            name=f"move {k + 1}: tube",
+            unit=HALF_WIDTHS,
+            limit=1.0,
+            measure=_in_tube(k, tube),
+            record=INSTANTS,
+        )
+        for k, tube in enumerate(claims.tubes)
+        if tube is not None
+    )
+
+
+def _in_tube(k: int, tube: Floats) -> Measure:
+    """For every instant the slice that holds the pose best; of these the worst instant."""
+    middles = 0.5 * (tube[:, 0] + tube[:, 1])
+    halves = np.maximum(0.5 * (tube[:, 1] - tube[:, 0]), TIGHTEST)
+
+    def measure(runs: PlanRun, _: Floats) -> Floats:
+        path = runs.moves[k].path
+        nearest = np.full(path.shape[:2], np.inf)
+        for middle, half in zip(middles, halves, strict=True):
+            nearest = np.minimum(nearest, (np.abs(path - middle) / half).max(axis=2))
+        return np.where(runs.failed_in > k, nearest.max(axis=1), -np.inf)
+
+    return measure
 
 
 def motion_targets(claims: Claims) -> tuple[Target, ...]:
@@ -126,6 +164,21 @@ def _grasp(claims: Claims, k: int, active: int) -> Measure:
     return measure
 
 
+def all_targets(claims: Claims) -> tuple[Target, ...]:
+    """Motions, boxes, goal and tubes."""
+    return (*motion_targets(claims), *box_targets(claims), *tube_targets(claims))
+
+
 def failing(runs: PlanRun, measured: Floats) -> Floats:
     """(N,) values with infinity for runs that could not be carried out: nothing is worse."""
     return np.where(np.isin(runs.outcomes, REFUTING), np.inf, measured)
+
+
+def scorer(player: Feedback, target: Target) -> Score:
+    """What rows score as runs of a plan: the target's measure, infinite for runs that fail."""
+
+    def score(rows: Floats) -> Floats:
+        runs = player.run(rows, record=target.record)
+        return failing(runs, target.measure(runs, rows))
+
+    return score

@@ -1,0 +1,38 @@
+"""Random rows, executed in bulk."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.execution.ascent import shaken
+
+Floats = npt.NDArray[np.float64]
+Spread = Literal["uniform", "corners", "mixed"]
+Draw = Literal["uniform", "corners", "mixed", "adversarial"]
+
+
+def shares_of(how: Spread, shape: tuple[int, int], rng: np.random.Generator) -> Floats:
+    """(N, D) points of the unit cube.
+
+    ``mixed`` puts each coordinate at an end or within its range, with equal chances.
+    """
+    share = rng.random(shape)
+    if how == "uniform":
+        return share
+    at_end = how == "corners" or rng.random(shape) < 0.5
+    return np.where(at_end, np.rint(share), share)
+
+
+def drawn(
+    how: Draw, runs: int, box: tuple[Floats, Floats], seeds: Floats, rng: np.random.Generator
+) -> Floats:
+    """(N, D) rows; ``adversarial`` starts from ``seeds`` (S, D) and draws some coordinates anew."""
+    low, high = box
+    if how == "adversarial":
+        return shaken(np.clip(seeds, low, high), low, high, runs, rng)
+    share = shares_of(how, (runs, len(low)), rng)
+    inside = np.clip(low + share * (high - low), low, high)
+    return np.where(share == 1.0, high, inside)

@@ -1,0 +1,169 @@
+"""Doing a chunk: draws in bulk, a search, or a threshold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.campaigns.coverage import histogram
+from meso_robust.campaigns.falsify.draws import drawn
+from meso_robust.campaigns.falsify.failures import failures
+from meso_robust.campaigns.falsify.methods import SEARCHES
+from meso_robust.campaigns.falsify.ready import Ready
+from meso_robust.campaigns.falsify.section import Bisection, Bulk, Search, work_of
+from meso_robust.campaigns.falsify.targets import failing, scorer
+from meso_robust.campaigns.falsify.threshold import Wanted, any_motion, misses, threshold
+from meso_robust.campaigns.falsify.totals import totals
+from meso_robust.campaigns.falsify.trail import Problem, Rare, search
+from meso_robust.campaigns.kind import Part, Result, Values
+from meso_robust.certificates.margin import margin
+from meso_robust.execution.judging import judge
+from meso_robust.execution.replay import limits, miss
+from meso_robust.execution.running import PlanRun
+from meso_robust.primitives.setup import setup_of
+
+Floats = npt.NDArray[np.float64]
+
+HARDEST = 3  # runs kept of a chunk of draws
+WANTED_CLAIMS: Mapping[str, Wanted] = {
+    "any claim about the motion": any_motion,
+    "carried out and in the goal": misses,
+}
+
+
+def execute(ready: Ready, part: Part, chunk: int) -> Result:
+    """Do a chunk; see ``Kind.execute``."""
+    work, rng = work_of(part, chunk), part.rng(chunk)
+    if isinstance(work, Bulk):
+        return _bulk(ready, work, rng)
+    if isinstance(work, Search):
+        return _search(ready, work, rng, int(part.asked["evaluations"]))
+    return _threshold(ready, work, part.seed)
+
+
+def _bulk(ready: Ready, work: Bulk, rng: np.random.Generator) -> Result:
+    """Draws, each run held against every claim."""
+    low, high = limits(ready.player)
+    rows = drawn(work.method, work.runs, (low, high), ready.seeds, rng)
+    judged = judge(ready.player, ready.claims, rows)
+    shares = _problem(ready, ready.targets[0].name).shares(rows)
+    found = totals(judged, ready.claims, histogram(rows, low, high), shares)
+    return Result(
+        runs=found.runs,
+        failed=found.failed,
+        failures=failures(ready, judged, rows, f"{work.method} draws"),
+        values={
+            "does": "draws",
+            "method": work.method,
+            "totals": asdict(found),
+            "reached": _reached(ready, judged.runs, rows),
+            "hardest": _hardest(ready, judged.runs, rows),
+        },
+    )
+
+
+def _reached(ready: Ready, runs: PlanRun, rows: Floats) -> dict[str, float | str | None]:
+    """Highest value of every target that looks at no path."""
+    return {
+        target.name: finite(float(failing(runs, target.measure(runs, rows)).max()))
+        for target in ready.targets
+        if not target.record
+    }
+
+
+def _hardest(ready: Ready, runs: PlanRun, rows: Floats) -> list[list[Any]]:
+    """Completed runs that end farthest from the middle of the goal: tolerances, and the row."""
+    away = miss(runs, ready.player.setup)
+    known = np.flatnonzero(~np.isnan(away))
+    hard = known[np.argsort(-away[known], kind="stable")][:HARDEST]
+    return [[float(away[k]), hexadecimal(rows[k])] for k in hard]
+
+
+def _problem(ready: Ready, name: str) -> Problem:
+    target, (low, high) = ready.target(name), limits(ready.player)
+    score = scorer(ready.player, target)
+    return Problem(score=score, low=low, high=high, limit=target.limit)
+
+
+def _search(ready: Ready, work: Search, rng: np.random.Generator, budget: int) -> Result:
+    """One search; where it ends is run by itself and held against every claim."""
+    problem = _problem(ready, work.target)
+    summit, rare = search(SEARCHES[work.method], problem, rng, budget)
+    rows = summit.row[None]
+    judged = judge(ready.player, ready.claims, rows)
+    how = f"{work.method} towards {work.target!r}"
+    return Result(
+        runs=summit.evaluations + 1,
+        failed=int(judged.any_broken.sum()),
+        failures=failures(ready, judged, rows, how),
+        values={
+            "does": "search",
+            "method": work.method,
+            "target": work.target,
+            "highest": finite(summit.value),
+            "row": hexadecimal(summit.row),
+            "evaluations": summit.evaluations,
+            "broken": {name: int(flags.sum()) for name, flags in judged.broken.items()},
+            "rare": None if rare is None else _rare(rare),
+            "hardest": _hardest(ready, judged.runs, rows),
+        },
+    )
+
+
+def _rare(rare: Rare) -> Values:
+    return {name: finite(value) for name, value in asdict(rare).items()}
+
+
+def _threshold(ready: Ready, work: Bisection, seed: int) -> Result:
+    """One threshold; the event-driven engine, whatever the part's, and at factors of its own.
+
+    What is broken at a larger factor than the part's breaks nothing that is claimed.
+    """
+    player, task = ready.plan.feedback, ready.plan.task
+    found = threshold(
+        replace(player, engine="events"),
+        lambda factor: setup_of(task, factor),
+        WANTED_CLAIMS[work.wanted],
+        seed=seed,
+    )
+    at = found.breaking
+    return Result(
+        runs=found.executions,
+        failed=0,
+        failures=(),
+        values={
+            "does": "threshold",
+            "wanted": work.wanted,
+            "certified": margin(player.rules, task).factor,
+            "holds": found.holds,
+            "breaks": None if at is None else at.factor,
+            "claims": [] if at is None else list(at.claims),
+            "row": [] if at is None else hexadecimal(at.row),
+        },
+    )
+
+
+def finite(value: float) -> float | str | None:
+    """A value for JSON: minus infinity says nothing, plus infinity is a word."""
+    if value == np.inf:
+        return "inf"
+    return None if value == -np.inf else value
+
+
+def value_of(told: float | str | None) -> float:
+    """The inverse of :func:`finite`."""
+    return -np.inf if told is None else float(told)
+
+
+def hexadecimal(row: Floats) -> list[str]:
+    """Doubles to their last bit."""
+    return [float(value).hex() for value in row]
+
+
+def row_of(text: list[str]) -> Floats:
+    """The inverse of :func:`hexadecimal`."""
+    return np.array([float.fromhex(value) for value in text])
