@@ -45,11 +45,12 @@ reports: $(INSTALLED)
 	$(BIN)/python -m tests.identification.sensitivity_report --out reports/identification
 	$(BIN)/meso-robust reproduce --out reports/reproduction
 
-# The full forms of the campaigns: hours on two cores. The totals of `falsify` go on where they stand.
+# The full forms of the campaigns: hours on two cores. Those of the verb go on where they stand.
 campaign: $(INSTALLED)
 	$(BIN)/python -m tests.execution.refuted
-	$(BIN)/python -m tests.checker.mutations --count 3000
-	$(BIN)/python -m tests.execution.falsify --workers 2 --stepper-attack
+	for name in falsify mutation properties; do \
+	  $(BIN)/meso-robust campaign reports/campaigns/$$name.toml --out reports/campaigns/$$name --resume || exit 1; \
+	done
 	$(BIN)/python -m tests.tracking.accuracy --frames 10000 --seed 2 --out reports/tracking/accuracy.md
 	$(BIN)/python -m tests.identification.recovery
 	$(BIN)/python -m tests.identification.design_report --sets 80 --out reports/identification

@@ -151,7 +151,7 @@ def table(found: Iterable[Replayed]) -> str:
 def main() -> None:
     """Make all tasks and write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--report", type=Path, default=Path("reports/falsification/refuted.md"))
+    parser.add_argument("--report", type=Path, default=Path("reports/campaigns/refuted.md"))
     report = parser.parse_args().report
     found = []
     for changes in TASKS:

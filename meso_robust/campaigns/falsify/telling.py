@@ -44,9 +44,9 @@ def tell(part: Part, totals: Values) -> Told:
 def _verdict(
     ready: Ready, drawn: Totals, searches: Counts
 ) -> Literal["held", "broken", "measured"]:
-    """``held`` only of what a certificate claims, and if something was executed."""
+    """``held`` only of what a certificate claims, ``broken`` only within the task's uncertainty."""
     if drawn.failed or searches.get("failed", 0):
-        return "broken"
+        return "broken" if ready.plan.factor <= 1.0 else "measured"
     return "held" if ready.certified and (drawn.runs or searches) else "measured"
 
 
@@ -54,14 +54,14 @@ def _answer(ready: Ready, totals: Values, drawn: Totals, searches: Counts) -> st
     count = searches.get("searches", 0)
     if not drawn.runs and not count:
         return "Nothing was executed to break a claim."
+    of_what = "" if ready.certified else NOT_CERTIFIED.format(ready.plan.factor)
     if drawn.failed or searches.get("failed", 0):
         names = [name for name, n in added(drawn.broken, totals["broken"]).items() if n]
         counts = [(drawn.failed, drawn.runs, "executions")] if drawn.runs else []
         counts += [(searches["failed"], count, "searches")] if count else []
         told = " and ".join(f"{failed:,} of {tried:,} {of}" for failed, tried, of in counts)
-        return f"{told} break a claim: {', '.join(names)}."
+        return f"{told} break a claim: {', '.join(names)}.{of_what}"
     tried = f"{drawn.runs:,} executions and {count:,} searches"
-    of_what = "" if ready.certified else NOT_CERTIFIED.format(ready.plan.factor)
     near = highest(ready, totals)
     if not near:
         return f"No counterexample in {tried}.{of_what}"

@@ -159,6 +159,21 @@ def test_beyond_the_certified_uncertainty_nothing_is_held() -> None:
     assert "Nothing is certified at 1.1 times the uncertainty" in of.answer
 
 
+def test_failures_beyond_the_certified_uncertainty_are_measured_and_within_it_break() -> None:
+    for factor, verdict in ((1.5, "measured"), (0.9, "broken")):
+        part = part_of(factor=factor, methods=("uniform",), executions=50)
+        result = execute(paper_ready(factor), part, 0)
+        totals = result.values["totals"]
+        name = "the last pose lies in the goal"
+        broken = {**totals["broken"], name: totals["broken"][name] + 1}
+        wrong = {**totals, "failed": totals["failed"] + 1, "broken": broken}
+        failing = replace(result, values={**result.values, "totals": wrong})
+        of = tell(part, total(part, [failing]))
+        assert of.verdict == verdict
+        assert "of 50 executions break a claim: " in of.answer
+        assert name in of.answer
+
+
 def test_thresholds_and_rare_failures_have_their_tables() -> None:
     part, results = found()
     threshold = Result(
