@@ -145,7 +145,8 @@ class Pace:
             # the first step was begun before this was made: neither it nor its runs are counted
             each = seconds / (self._steps - 1)
             rate = self._runs * (self._steps - 1) / self._steps / seconds
-            text += f", {rate:,.0f} {step[2]}/s, {_duration(each * (chunks[1] - chunks[0]))} left"
+            shown = f"{rate:,.0f}" if rate >= 10.0 else f"{rate:.2g}"
+            text += f", {shown} {step[2]}/s, {_duration(each * (chunks[1] - chunks[0]))} left"
         return f"{text}, {self._failed:,} failed"
 
 

@@ -88,8 +88,9 @@ def test_another_campaign_in_the_folder_is_refused(tmp_path: Path) -> None:
     path, out = written(tmp_path, SMALL | {"executions": 150}), tmp_path / "out"
     assert ran(path, "--out", out, "--workers", 1)[0] == 0
     before = (out / "campaign.json").read_bytes()
+    (tmp_path / "other").mkdir()
     for words, wanted in (
-        ((written(tmp_path, SMALL), "--resume"), "executions"),
+        ((written(tmp_path / "other", SMALL), "--resume"), "executions"),
         ((path, "--resume", "--seed", 5), "seed"),
     ):
         status, _, error = ran(*words, "--out", out)
