@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
@@ -13,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.kernels import fingerprint, inner
+from meso_robust.kernels import fingerprint, inner, threads
 from meso_robust.simulator.arrange import Inputs, Outputs, case_of, inputs_of, outputs_of
 from meso_robust.simulator.case import new_state
 from meso_robust.simulator.geometry import tracked_of_reference
@@ -116,7 +115,7 @@ def simulate(
     outputs = outputs_of(push, chosen)
     if len(push.poses):
         inputs = inputs_of(push, unique)
-        _in_pieces(inputs, outputs, len(push.poses), workers or os.cpu_count() or 1)
+        _in_pieces(inputs, outputs, len(push.poses), workers or threads())
     return _result(push, outputs)
 
 

@@ -294,13 +294,12 @@ def depth_inside(vertices: _F, points: _F) -> _F:
     nearest = np.full(len(points), np.inf)
     winding = np.zeros(len(points))
     for row in edge_table(vertices):  # edge by edge, to keep the memory at a few numbers a point
-        offset = points - row[:2]
-        along = np.clip(row[2] * offset[:, 1] - row[3] * offset[:, 0], 0.0, row[5])
-        foot = np.outer(along, [-row[3], row[2]])
-        nearest = np.minimum(nearest, np.hypot(*(offset - foot).T))
-        end = offset - row[5] * np.array([-row[3], row[2]])
-        cross = offset[:, 0] * end[:, 1] - offset[:, 1] * end[:, 0]
-        winding += np.arctan2(cross, np.sum(offset * end, axis=1))
+        tx, ty, length = -row[3], row[2], row[5]
+        x, y = points[:, 0] - row[0], points[:, 1] - row[1]
+        along = np.clip(ty * y + tx * x, 0.0, length)
+        nearest = np.minimum(nearest, np.hypot(x - along * tx, y - along * ty))
+        end_x, end_y = x - length * tx, y - length * ty
+        winding += np.arctan2(x * end_y - y * end_x, x * end_x + y * end_y)
     free = np.sum(np.cross(*_two(vertices))) < 0.0  # clockwise: the solid is outside
     inside = (winding > np.pi) if not free else (winding > -np.pi)
     return np.asarray(np.where(inside, nearest, -nearest))

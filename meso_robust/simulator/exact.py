@@ -15,8 +15,9 @@ from meso_robust.simulator.tips import Flat
 def exact(push: Push, *, samples: int = 0) -> EventResult:
     """Push the part of every run through the move without steps: from one event to the next.
 
-    Sticking and translation are in closed form, sliding is integrated to about 1e-12 of the travel,
-    and the instants at which a contact mode changes are roots.
+    Translation, one sticking contact, and a sticking with a sliding one are in closed form. Other
+    sliding is integrated to about 1e-12 of the travel. The instants at which a contact mode changes
+    are roots.
 
     Parameters
     ----------

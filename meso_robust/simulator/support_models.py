@@ -64,7 +64,11 @@ def _positive_definite(name: str, matrix: _F) -> _F:
         refuse(name, "not symmetric", "must equal its transpose", "give (E + Eᵀ) / 2")
     scale = np.sqrt(np.abs(array[:, [0, 1, 2], [0, 1, 2]]))
     scaled = array / np.maximum(scale[:, :, None] * scale[:, None, :], 1e-300)
-    least = np.linalg.eigvalsh(scaled).min(axis=1)
+    least = np.ones(len(array))
+    mixed = (packed(array)[:, [1, 2, 4]] != 0.0).any(
+        axis=1
+    )  # the eigenvalues of the others are one
+    least[mixed] = np.linalg.eigvalsh(scaled[mixed]).min(axis=1)
     diagonal = array[:, [0, 1, 2], [0, 1, 2]].min(axis=1)
     for run in np.flatnonzero(~((least > 1e-12) & (diagonal > 0.0))):
         value = f"run {run} has a least eigenvalue that is not positive"

@@ -19,7 +19,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.contact import Place, frame, friction
 from meso_robust.simulator.events.outline import BEFORE, NX, NY
 from meso_robust.simulator.events.scene import (
@@ -45,19 +45,19 @@ LARGEST = 1e9
 """Forces beyond this are those of a jam."""
 
 
-@inner
+@inlined
 def cross(a: Triple, b: Triple) -> Triple:
     """Cross product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@inner
+@inlined
 def dot(a: Triple, b: Triple) -> float:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@inner
+@inlined
 def times(matrix: _F, a: Triple) -> Triple:
     """Product of a 3x3 matrix and a vector."""
     return (
@@ -67,13 +67,13 @@ def times(matrix: _F, a: Triple) -> Triple:
     )
 
 
-@inner
+@inlined
 def pick(rows: _F, i: int) -> Triple:
     """Row i as a tuple."""
     return rows[i, 0], rows[i, 1], rows[i, 2]
 
 
-@inner
+@inlined
 def solve_three(a: Triple, b: Triple, c: Triple, right: Triple) -> Triple:
     """Vector with the scalar products `right` with three vectors."""
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
@@ -86,6 +86,15 @@ def solve_three(a: Triple, b: Triple, c: Triple, right: Triple) -> Triple:
 
 
 @inner
+def invert(matrix: _F, inverse: _F) -> None:
+    """Write the inverse of a symmetric 3x3 matrix."""
+    a, b, c = pick(matrix, 0), pick(matrix, 1), pick(matrix, 2)
+    det = dot(a, cross(b, c))
+    for k, row in enumerate((cross(b, c), cross(c, a), cross(a, b))):
+        inverse[k, 0], inverse[k, 1], inverse[k, 2] = row[0] / det, row[1] / det, row[2] / det
+
+
+@inlined
 def fill(scene: Scene, work: Work, c: int, place: Place, clock: float) -> None:
     """Write the constraints and wrenches of a contact."""
     kind, i, j = work.contact[c, KIND], work.contact[c, FIRST], work.contact[c, SECOND]
@@ -105,7 +114,7 @@ def fill(scene: Scene, work: Work, c: int, place: Place, clock: float) -> None:
         push[t, k] = row[n, k] - mu * row[t, k]
 
 
-@inner
+@inlined
 def fill_all(scene: Scene, work: Work, place: Place, clock: float, closed_only: bool) -> None:
     """Write the constraints and wrenches of the contacts."""
     for c in range(work.count[TOUCHING]):
@@ -113,58 +122,86 @@ def fill_all(scene: Scene, work: Work, place: Place, clock: float, closed_only: 
             fill(scene, work, c, place, clock)
 
 
-@inner
-def solve_basis(scene: Scene, work: Work) -> None:
-    """Find twist and forces from the basis and the rows as they were written last."""
-    held, basis, row = work.count[HELD], work.basis, work.row
+@inlined
+def solve_twist(work: Work) -> None:
+    """Find the twist from the basis and the rows as they were written last, and a single force."""
+    held, b, row = work.count[HELD], work.basis, work.row
     v: Triple = (0.0, 0.0, 0.0)
     if held == 1:
-        w, g = pick(row, basis[0]), pick(work.push, basis[3])
-        v = times(work.film, g)
-        share = row[basis[0], 3] / dot(w, v)
+        v = times(work.film, pick(work.push, b[3]))
+        share = row[b[0], 3] / dot(pick(row, b[0]), v)
         work.force[0] = share
         v = (share * v[0], share * v[1], share * v[2])
-    elif held == 2:
-        v = _solve_two(scene, work)
-    elif held == 3:
-        v = _solve_all(scene, work)
-    work.twist[0], work.twist[1], work.twist[2] = v[0], v[1], v[2]
+    elif held >= 2:
+        last, speed = pick(row, b[2]), row[b[2], 3]
+        if held == 2:
+            # the wrench of the film has no part across the two wrenches
+            g, h = pick(work.push, b[3]), pick(work.push, b[4])
+            last, speed = times(work.drag, cross(g, _apart(g, h)[0])), 0.0
+        v = solve_three(pick(row, b[0]), pick(row, b[1]), last, (row[b[0], 3], row[b[1], 3], speed))
+    work.twist[0], work.twist[1], work.twist[2] = v
 
 
-@inner
-def _solve_two(scene: Scene, work: Work) -> Triple:
-    """Two constraints; the wrench of the film has no part across the two wrenches."""
-    b, row = work.basis, work.row
-    g, h = pick(work.push, b[3]), pick(work.push, b[4])
-    across = cross(g, h)
-    size = np.sqrt(dot(across, across))
-    across = (across[0] / size, across[1] / size, across[2] / size)
-    right = (row[b[0], 3], row[b[1], 3], 0.0)
-    v = solve_three(pick(row, b[0]), pick(row, b[1]), times(work.drag, across), right)
-    wrench = times(work.drag, v)
-    work.force[0] = dot(cross(wrench, h), across) / size
-    work.force[1] = dot(cross(g, wrench), across) / size
-    return v
+@inlined
+def _apart(g: Triple, h: Triple) -> tuple[Triple, float, float]:
+    """Write a wrench h as ``size · unit − share · g``, the unit vector without rounding errors.
+
+    Where two forces come to oppose each other on one line the size falls to zero, and the cross
+    product of the two would be left with nothing but rounding errors.
+    """
+    share = -(g[0] * h[0] + g[1] * h[1]) / (g[0] * g[0] + g[1] * g[1])
+    rest = (h[0] + share * g[0], h[1] + share * g[1], h[2] + share * g[2])
+    size = np.sqrt(dot(rest, rest))
+    if size == 0.0:
+        return (0.0, 0.0, 1.0), 0.0, share
+    return (rest[0] / size, rest[1] / size, rest[2] / size), size, share
 
 
-@inner
-def _solve_all(scene: Scene, work: Work) -> Triple:
-    """Three constraints determine the motion."""
-    b, row = work.basis, work.row
-    right = (row[b[0], 3], row[b[1], 3], row[b[2], 3])
-    v = solve_three(pick(row, b[0]), pick(row, b[1]), pick(row, b[2]), right)
-    wrench = times(work.drag, v)
-    e, g, h = pick(work.push, b[3]), pick(work.push, b[4]), pick(work.push, b[5])
-    det = dot(e, cross(g, h))
-    work.force[0] = dot(wrench, cross(g, h)) / det
-    work.force[1] = dot(wrench, cross(h, e)) / det
-    work.force[2] = dot(wrench, cross(e, g)) / det
-    return v
+@inlined
+def solve_forces(work: Work) -> None:
+    """Find the forces of a basis of two or three from the twist; `solve_twist` finds a single one."""
+    held, force = work.count[HELD], work.force
+    if held < 2:
+        return
+    v: Triple = (work.twist[0], work.twist[1], work.twist[2])
+    wrench, g = times(work.drag, v), pick(work.push, work.basis[3])
+    h = pick(work.push, work.basis[4])
+    if held == 2:
+        unit, size, share = _apart(g, h)
+        across = cross(g, unit)
+        square = dot(across, across)
+        force[1] = dot(cross(g, wrench), across) / (square * size)
+        force[0] = dot(cross(wrench, unit), across) / square + share * force[1]
+    elif work.basis[3] // 2 == work.basis[4] // 2:
+        force[2], force[0], force[1] = _shares(wrench, pick(work.push, work.basis[5]), (g, h))
+    elif work.basis[4] // 2 == work.basis[5] // 2:
+        force[0], force[1], force[2] = _shares(wrench, g, (h, pick(work.push, work.basis[5])))
+    else:
+        e, gh = pick(work.push, work.basis[5]), cross(g, h)
+        det = dot(e, gh)
+        force[0] = dot(wrench, cross(h, e)) / det
+        force[1] = dot(wrench, cross(e, g)) / det
+        force[2] = dot(wrench, gh) / det
 
 
-@inner
+@inlined
+def _shares(wrench: Triple, e: Triple, pair: tuple[Triple, Triple]) -> Triple:
+    """Shares of three wrenches in one: of e, and of the two edges of the cone of another contact.
+
+    The share of e grows without bound where its line goes through that contact. If it is parallel
+    to an edge of the cone, the share of the other edge does not: then e does not enter it.
+    """
+    g, h = pair
+    about = cross(g, h)
+    share = dot(wrench, about) / dot(e, about)
+    of_g = wrench[0] * h[1] - wrench[1] * h[0] - share * (e[0] * h[1] - e[1] * h[0])
+    of_h = g[0] * wrench[1] - g[1] * wrench[0] - share * (g[0] * e[1] - g[1] * e[0])
+    return share, of_g / about[2], of_h / about[2]
+
+
+@inlined
 def _slide(scene: Scene, work: Work, place: Place, clock: float) -> None:
-    """Velocity with one contact that slips; the same as `solve_basis`, without the tables."""
+    """Velocity with one contact that slips; the same as `solve_twist`, without the tables."""
     c = work.basis[0] // 2
     kind, i = work.contact[c, KIND], work.contact[c, FIRST]
     nx, ny, px, py, ux, uy, _, _ = frame(scene, kind, i, work.contact[c, SECOND], place, clock)
@@ -183,12 +220,12 @@ def velocity(scene: Scene, work: Work, place: Place, clock: float) -> Triple:
         _slide(scene, work, place, clock)
     else:
         fill_all(scene, work, place, clock, True)
-        solve_basis(scene, work)
+        solve_twist(work)
     vx, vy = work.twist[0], work.twist[1]
     return place[2] * vx - place[3] * vy, place[3] * vx + place[2] * vy, work.twist[2]
 
 
-@inner
+@inlined
 def _rolls(scene: Scene, kind: int, i: int) -> bool:
     """Whether a contact that sticks can move on the part: only that of a disc."""
     return bool(kind != WALL and scene.tips[i, 4] > 0.0)
@@ -198,18 +235,19 @@ def _rolls(scene: Scene, kind: int, i: int) -> bool:
 def monitor(scene: Scene, work: Work, place: Place, clock: float) -> int:
     """Write what must not become negative in the present mode; `velocity` was called here before.
 
-    First the forces of the basis, as ``a/(1 + a²)``: that is zero both where a force ends and
-    where it grows without bound and returns with the other sign. Then, for each closed contact,
-    the slip in its direction and the two lengths of `frame`, if they can change.
+    First the forces of the basis, which are found here, as ``1/(a + 1/a)``: that is zero both where
+    a force ends and where it grows without bound and returns with the other sign. Then, for each
+    closed contact, the slip in its direction and the two lengths of `frame`, if they can change.
 
     Returns
     -------
     int
         How many there are.
     """
+    solve_forces(work)
     count = int(work.count[HELD])
     for k in range(count):
-        work.slack[k] = work.force[k] / (1.0 + work.force[k] * work.force[k])
+        work.slack[k] = 1.0 / (work.force[k] + 1.0 / work.force[k])
     vx, vy, omega = work.twist[0], work.twist[1], work.twist[2]
     for c in range(work.count[TOUCHING]):
         mode = work.mode[c]

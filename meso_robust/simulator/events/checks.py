@@ -39,11 +39,19 @@ def check_move(move: Mapping[str, _F], fixture: Sequence[_F], samples: int) -> N
             _refuse(name, move[name].min(), "must not be negative", "give zero for none")
     drag = move["drag"]
     skew = np.abs(drag - np.swapaxes(drag, -1, -2)).max()
-    if skew > _CLOSE * np.abs(drag).max() or not (np.linalg.eigvalsh(drag) > 0).all():
+    if skew > _CLOSE * np.abs(drag).max() or not _is_positive(drag.reshape(-1, 3, 3)):
         rule = "must be symmetric and positive definite"
         _refuse("drag", drag.tolist(), rule, "for a plain film give diag(1, 1, ρ)")
     if samples < 0:
         _refuse("samples", samples, "must not be negative", "give 0 for no path")
+
+
+def _is_positive(matrices: _F) -> bool:
+    """Whether symmetric matrices (N, 3, 3) are positive definite: their leading minors are positive."""
+    first, second, third = matrices[:, 0].T, matrices[:, 1].T, matrices[:, 2].T
+    minor = first[0] * second[1] - first[1] * second[0]
+    whole = np.sum(third * np.cross(first, second, axis=0), axis=0)
+    return bool(((first[0] > 0.0) & (minor > 0.0) & (whole > 0.0)).all())
 
 
 def _check_shapes(move: Mapping[str, _F]) -> None:

@@ -9,12 +9,15 @@ velocities make the motion not unique; none at all is a jam.
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.balance import (
     LARGEST,
+    dot,
     fill_all,
     monitor,
-    solve_basis,
+    pick,
+    solve_forces,
+    solve_twist,
 )
 from meso_robust.simulator.events.contact import Place, friction
 from meso_robust.simulator.events.scene import (
@@ -84,7 +87,7 @@ def _all_modes(scene: Scene, work: Work, clock: float, attempt: int) -> int:
     return count
 
 
-@inner
+@inlined
 def _is_banned(work: Work, code: int) -> bool:
     """Whether the mode was tried here already and ended at once."""
     banned = False
@@ -93,7 +96,7 @@ def _is_banned(work: Work, code: int) -> bool:
     return bool(banned)
 
 
-@inner
+@inlined
 def code_of(work: Work) -> int:
     """Number of the present combination of modes."""
     code = 0
@@ -102,7 +105,7 @@ def code_of(work: Work) -> int:
     return code
 
 
-@inner
+@inlined
 def _decode(scene: Scene, work: Work, code: int) -> bool:
     """Write the modes of a combination; tell whether it can be one."""
     work.count[CLOSED] = 0
@@ -128,7 +131,7 @@ def _decode(scene: Scene, work: Work, code: int) -> bool:
     return True
 
 
-@inner
+@inlined
 def _try_bases(scene: Scene, work: Work, clock: float, tally: tuple[int, int]) -> int:
     """Try all bases of the present combination; `tally` is the attempt and how many hold."""
     attempt, count = tally
@@ -149,7 +152,7 @@ def _try_bases(scene: Scene, work: Work, clock: float, tally: tuple[int, int]) -
     return count
 
 
-@inner
+@inlined
 def _next_subset(picked: _I, rank: int, total: int) -> bool:
     """Step to the next choice of `rank` out of `total` numbers in rising order."""
     k = rank - 1
@@ -163,7 +166,7 @@ def _next_subset(picked: _I, rank: int, total: int) -> bool:
     return True
 
 
-@inner
+@inlined
 def _collect(work: Work, pushes: _I) -> int:
     """List the wrenches of the combination and write its independent constraints."""
     wrenches = 0
@@ -187,39 +190,33 @@ def _collect(work: Work, pushes: _I) -> int:
     return wrenches
 
 
-@inner
+@inlined
 def add_row(work: Work, row: int) -> None:
     """Add a constraint to the basis unless it depends on those there or there are three."""
     held = work.count[HELD]
     if held >= 3:
         return
-    units = work.units
-    size = _normalize(work, row, units[held], 0)
-    for k in range(held):
-        _normalize(work, work.basis[k], units[k], k)
-    if _normalize(work, row, units[held], held) < _INDEPENDENT * size:
+    size = np.sqrt(dot(pick(work.row, row), pick(work.row, row)))
+    if _orthonormalize(work, row, held) < _INDEPENDENT * size:
         return
     work.basis[held] = row
     work.count[HELD] = held + 1
 
 
-@inner
-def _normalize(work: Work, row: int, unit: _F, others: int) -> float:
-    """Write the unit vector along what a constraint adds to others; return the length of that."""
-    for m in range(3):
-        unit[m] = work.row[row, m]
-    for sweep in range(2 * others):
-        other = work.units[sweep % others]
-        shared = unit[0] * other[0] + unit[1] * other[1] + unit[2] * other[2]
-        for m in range(3):
-            unit[m] -= shared * other[m]
-    length = np.sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2])
-    for m in range(3):
-        unit[m] /= length
+@inlined
+def _orthonormalize(work: Work, row: int, held: int) -> float:
+    """Write the unit vector along what a constraint adds to those held; return the length of that."""
+    units, x = work.units, pick(work.row, row)
+    for sweep in range(2 * held):
+        other = pick(units, sweep if sweep < held else sweep - held)
+        shared = dot(x, other)
+        x = (x[0] - shared * other[0], x[1] - shared * other[1], x[2] - shared * other[2])
+    length = np.sqrt(dot(x, x))
+    units[held, 0], units[held, 1], units[held, 2] = x[0] / length, x[1] / length, x[2] / length
     return float(length)
 
 
-@inner
+@inlined
 def _merit(scene: Scene, work: Work, clock: float, trial: tuple[int, bool]) -> float:
     """Least of what must not be negative, a short way ahead if it is zero here; -1 if it fails.
 
@@ -247,32 +244,35 @@ def _merit(scene: Scene, work: Work, clock: float, trial: tuple[int, bool]) -> f
     return ahead + limit if ahead >= -limit else -1.0
 
 
-@inner
+@inlined
 def _least(scene: Scene, work: Work, place: Place, clock: float) -> float:
-    """Least of what must not be negative, for rows as they were written last."""
-    solve_basis(scene, work)
+    """Least of what must not be negative, for rows as they were written last; -1 if one clearly is."""
+    solve_twist(work)
     least = np.inf
-    for k in range(work.count[HELD]):
-        if not abs(work.force[k]) < LARGEST:
-            return -1.0
-    for k in range(monitor(scene, work, place, clock)):
-        least = min(least, work.slack[k])
     for c in range(work.count[TOUCHING]):
         if work.mode[c] == SEPARATE:
             least = min(least, _opening(work, c))
         elif not _residual(work, c) <= _ZERO:
             return -1.0
+    if least < -_ZERO:
+        return -1.0
+    solve_forces(work)
+    for k in range(work.count[HELD]):
+        if not -_ZERO <= work.force[k] < LARGEST:
+            return -1.0
+    for k in range(monitor(scene, work, place, clock)):
+        least = min(least, work.slack[k])
     return least
 
 
-@inner
+@inlined
 def _speed(work: Work, row: int) -> float:
     """Speed of the part against a constraint."""
     r, v = work.row, work.twist
     return float(r[row, 0] * v[0] + r[row, 1] * v[1] + r[row, 2] * v[2] - r[row, 3])
 
 
-@inner
+@inlined
 def _residual(work: Work, c: int) -> float:
     """How much the motion violates the constraints of a closed contact (not in the basis)."""
     rest = abs(_speed(work, 2 * c))
@@ -281,7 +281,7 @@ def _residual(work: Work, c: int) -> float:
     return rest
 
 
-@inner
+@inlined
 def _opening(work: Work, c: int) -> float:
     """Opening speed at a separate contact; at a corner any of its edges may open."""
     group = work.contact[c, GROUP]
@@ -296,7 +296,7 @@ def _opening(work: Work, c: int) -> float:
     return best
 
 
-@inner
+@inlined
 def _keep(work: Work, k: int, merit: float) -> None:
     """Note a combination that holds."""
     for c in range(work.count[TOUCHING]):
@@ -309,7 +309,7 @@ def _keep(work: Work, k: int, merit: float) -> None:
     work.merit[k, 3] = merit
 
 
-@inner
+@inlined
 def _take_best(work: Work, count: int) -> int:
     """Write back the best of the combinations that hold, if they move the part alike."""
     best = 0

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.outline import AFTER, BEFORE, CONVEX, LENGTH, NX, NY, TIP, VX, VY
 from meso_robust.simulator.events.scene import (
     CORNER,
@@ -30,13 +30,13 @@ Place: TypeAlias = tuple[float, float, float, float]
 Frame: TypeAlias = tuple[float, float, float, float, float, float, float, float]
 
 
-@inner
+@inlined
 def to_body(x: float, y: float, place: Place) -> tuple[float, float]:
     """Turn a vector from the world into the body frame."""
     return place[2] * x + place[3] * y, place[2] * y - place[3] * x
 
 
-@inner
+@inlined
 def tip_in_body(scene: Scene, i: int, place: Place, clock: float) -> tuple[float, float]:
     """Centre of a tip in the body frame."""
     x = scene.tips[i, 0] + scene.tips[i, 2] * clock - place[0]
@@ -44,7 +44,7 @@ def tip_in_body(scene: Scene, i: int, place: Place, clock: float) -> tuple[float
     return to_body(x, y, place)
 
 
-@inner
+@inlined
 def frame(scene: Scene, kind: int, i: int, j: int, place: Place, clock: float) -> Frame:
     """Geometry of a contact.
 
@@ -81,7 +81,7 @@ def _wall_frame(scene: Scene, i: int, j: int, place: Place) -> Frame:
     return nx, ny, px, py, 0.0, 0.0, along, scene.walls[j, LENGTH] - along
 
 
-@inner
+@inlined
 def friction(scene: Scene, work: Work, kind: int, i: int) -> float:
     """Coefficient of friction of a contact."""
     return float(work.wall_friction if kind == WALL else scene.tips[i, 5])

@@ -1,4 +1,4 @@
-r"""Motions in a form that gives the pose at any instant: straight, sticking, or a Hermite cubic.
+r"""Motions with the pose at any instant: straight, sticking, guided by two tips, or a cubic.
 
 One sticking contact: with ``V`` the velocity of the tip, ``p`` the point of contact in the body
 frame and ``j = (p_y, −p_x, 1)`` the twist of a unit turn about it, the velocity of the part is
@@ -9,16 +9,24 @@ angle from the direction where the turn is fastest, ``dψ/dξ = κ cos ψ``, who
     tan(ψ/2 + π/4) = tan(ψ₀/2 + π/4) exp(κ ξ).
 
 For E = diag(1, 1, ρ) this is ``dθ/dξ = r_y/(ρ + R²)`` of Gauss's law for a pushed rod.
+
+One tip that sticks and one that slips along an edge: the two hold the part fast whatever the film
+does. With ``D`` the way from the first tip to the second and ``d`` the distance of the second from
+the line through the first along the edge, the normal ``m`` of the edge has ``m · D = d``, hence
+
+    |D|² m = d D ± (|D|² − d²)^{1/2} J D,    J a turn by 90°.
 """
 
 import numpy as np
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.contact import Place, tip_in_body
-from meso_robust.simulator.events.scene import FIRST, Scene, Work
+from meso_robust.simulator.events.outline import NX, NY, VX, VY
+from meso_robust.simulator.events.scene import FIRST, SECOND, SLIP_MINUS, Scene, Work
 
-_STRAIGHT, _STICKING, _CUBIC = 0.0, 1.0, 2.0
+_STRAIGHT, _STICKING, _GUIDED, CUBIC = 0.0, 1.0, 2.0, 3.0
 _JUST = 0.999  # a ratio of tangents below one is that of a root just passed, or of none
+_START = 1e-13  # of the clock; what is nearer is the event at which the curve starts
 
 
 @inner
@@ -44,8 +52,8 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
     """
     curve, pose, i = work.curve, work.pose, work.contact[contact, FIRST]
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    px, py = tip_in_body(scene, i, (pose[0], pose[1], cos, sin), clock)
-    drag, vx, vy = work.drag, scene.tips[i, 2], scene.tips[i, 3]
+    _start_pivot(scene, work, i, (pose[0], pose[1], cos, sin), clock)
+    drag, vx, vy, px, py = work.drag, curve[4], curve[5], curve[6], curve[7]
     ex = drag[0, 0] * py - drag[0, 1] * px + drag[0, 2]
     ey = drag[1, 0] * py - drag[1, 1] * px + drag[1, 2]
     ez = drag[2, 0] * py - drag[2, 1] * px + drag[2, 2]
@@ -54,10 +62,7 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
     kappa = np.hypot(hx, hy) * np.hypot(vx, vy)
     psi = pose[2] - np.arctan2(vy, vx) + np.arctan2(hy, hx)
     half = 0.5 * psi + 0.25 * np.pi
-    curve[0], curve[3] = _STICKING, pose[2]
-    curve[1] = scene.tips[i, 0] + vx * clock
-    curve[2] = scene.tips[i, 1] + vy * clock
-    curve[4], curve[5], curve[6], curve[7] = vx, vy, px, py
+    curve[0] = _STICKING
     curve[8], curve[9], curve[10] = kappa, np.sin(half), np.cos(half)
     # Force on the part in the body frame: the square matrix (E + E j hᵀ) times R(−θ) V.
     force = (
@@ -69,6 +74,78 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
     return min(
         _leaves(scene, work, contact, force, 1.0), _leaves(scene, work, contact, force, -1.0)
     )
+
+
+@inner
+def start_guided(scene: Scene, work: Work, guides: tuple[int, int], clock: float) -> None:
+    """Let the part turn about a tip that sticks so that another slips along its edge."""
+    curve, pose = work.curve, work.pose
+    i, k = work.contact[guides[0], FIRST], work.contact[guides[1], FIRST]
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    _start_pivot(scene, work, i, (pose[0], pose[1], cos, sin), clock)
+    edge = scene.edges[work.contact[guides[1], SECOND]]
+    nx, ny = cos * edge[NX] - sin * edge[NY], sin * edge[NX] + cos * edge[NY]
+    ux, uy = scene.tips[k, 2] - curve[4], scene.tips[k, 3] - curve[5]
+    dx = scene.tips[k, 0] + scene.tips[k, 2] * clock - curve[1]
+    dy = scene.tips[k, 1] + scene.tips[k, 3] * clock - curve[2]
+    curve[0], curve[8], curve[9] = _GUIDED, nx, ny
+    curve[10], curve[11], curve[12], curve[13] = dx, dy, ux, uy
+    curve[14] = edge[NX] * (edge[VX] - curve[6]) + edge[NY] * (edge[VY] - curve[7])
+    curve[14] += scene.tips[k, 4]
+    curve[15] = np.copysign(1.0, dx * ny - dy * nx)
+
+
+@inner
+def guided_reach(scene: Scene, work: Work, guides: tuple[int, int]) -> float:
+    """How far the part can go on a curve guided by two tips, which was started before.
+
+    The place ``s`` of the slider along its edge, counted from the foot of the tip that sticks, has
+    ``s² = |D|² − d²``, a quadratic in time. The forces grow without bound where the line of the
+    force at the slider goes through the tip that sticks, which is at a fixed place; the slip
+    reverses where the tips are closest.
+
+    Returns
+    -------
+    float
+        The instant of the first of the two, counted from now, or infinity.
+    """
+    curve, slider = work.curve, guides[1]
+    dx, dy, ux, uy, far = curve[10], curve[11], curve[12], curve[13], curve[14]
+    mu = scene.tips[work.contact[slider, FIRST], 5]
+    square, half = ux * ux + uy * uy, dx * ux + dy * uy
+    closest = -half / square
+    reach = closest if mu > 0.0 and closest > _START else np.inf
+    lever = far - scene.tips[work.contact[slider, FIRST], 4]
+    jam = -mu * lever if work.mode[slider] == SLIP_MINUS else mu * lever
+    if jam * curve[15] >= 0.0:  # the place of the slider has the sign against that of the side
+        return reach
+    root = np.sqrt(half * half - square * (dx * dx + dy * dy - far * far - jam * jam))
+    # both roots of square·t² + 2 half·t + rest, without loss of digits
+    large = -half - np.copysign(root, half)
+    for time in (large / square, (dx * dx + dy * dy - far * far - jam * jam) / large):
+        if _START < time < reach:
+            reach = time
+    return float(reach)
+
+
+@inner
+def _start_pivot(scene: Scene, work: Work, i: int, place: Place, clock: float) -> None:
+    """Write where a tip that sticks is, in the world and in the part, and its velocity."""
+    curve = work.curve
+    curve[3], curve[4], curve[5] = work.pose[2], scene.tips[i, 2], scene.tips[i, 3]
+    curve[1] = scene.tips[i, 0] + curve[4] * clock
+    curve[2] = scene.tips[i, 1] + curve[5] * clock
+    curve[6], curve[7] = tip_in_body(scene, i, place, clock)
+
+
+@inner
+def fastest_turn(work: Work) -> float:
+    """Largest speed of turning on the rest of a straight curve or of one that sticks."""
+    kappa, sin, cos = work.curve[8], work.curve[9], work.curve[10]
+    if work.curve[0] == _STRAIGHT:
+        return 0.0
+    # it grows until the turn is fastest, and falls from there on
+    return float(kappa if abs(sin) < abs(cos) else 2.0 * kappa * abs(sin * cos))
 
 
 @inner
@@ -103,7 +180,7 @@ def _leaves(
 def start_cubic(work: Work, step: float, after: tuple[float, float, float]) -> None:
     """Join the present pose and the trial pose, with their slopes, by a cubic."""
     curve = work.curve
-    curve[0] = _CUBIC
+    curve[0] = CUBIC
     curve[13] = step
     for k in range(3):
         y, d = work.pose[k], work.trial[k] - work.pose[k]
@@ -114,11 +191,11 @@ def start_cubic(work: Work, step: float, after: tuple[float, float, float]) -> N
         curve[10 + k] = f + g - 2.0 * d
 
 
-@inner
+@inlined
 def pose_at(work: Work, time: float) -> tuple[float, float, float]:
     """Pose (x, y, θ) on the curve at an instant counted from its start."""
     curve = work.curve
-    if curve[0] == _CUBIC:
+    if curve[0] == CUBIC:
         u = time / curve[13]
         return (
             curve[1] + u * (curve[4] + u * (curve[7] + u * curve[10])),
@@ -127,10 +204,7 @@ def pose_at(work: Work, time: float) -> tuple[float, float, float]:
         )
     if curve[0] == _STRAIGHT:
         return curve[1] + time * curve[4], curve[2] + time * curve[5], curve[3]
-    growth = np.exp(curve[8] * time)
-    # Difference of two arctangents, without the loss of digits of a small one.
-    sin, cos = curve[9], curve[10]
-    turn = 2.0 * np.arctan2(sin * cos * np.expm1(curve[8] * time), cos * cos + sin * sin * growth)
+    turn = _guided_turn(work, time) if curve[0] == _GUIDED else _sticking_turn(work, time)
     theta = curve[3] + turn
     c, s = np.cos(theta), np.sin(theta)
     x = curve[1] + time * curve[4] - (c * curve[6] - s * curve[7])
@@ -138,7 +212,27 @@ def pose_at(work: Work, time: float) -> tuple[float, float, float]:
     return x, y, theta
 
 
-@inner
+@inlined
+def _sticking_turn(work: Work, time: float) -> float:
+    """Turn about a tip that sticks, from the start of the curve."""
+    kappa, sin, cos = work.curve[8], work.curve[9], work.curve[10]
+    # Difference of two arctangents, without the loss of digits of a small one.
+    up, across = sin * cos * np.expm1(kappa * time), cos * cos + sin * sin * np.exp(kappa * time)
+    return float(2.0 * np.arctan2(up, across))
+
+
+@inlined
+def _guided_turn(work: Work, time: float) -> float:
+    """Turn of a part that two tips hold, from the start of the curve; NaN beyond their reach."""
+    curve, far, side = work.curve, work.curve[14], work.curve[15]
+    nx, ny = curve[8], curve[9]
+    dx, dy = curve[10] + time * curve[12], curve[11] + time * curve[13]
+    rest = side * np.sqrt(dx * dx + dy * dy - far * far)
+    mx, my = far * dx - rest * dy, far * dy + rest * dx
+    return float(np.arctan2(nx * my - ny * mx, nx * mx + ny * my))
+
+
+@inlined
 def place_at(work: Work, time: float) -> Place:
     """Pose on the curve as (x, y, cos θ, sin θ)."""
     x, y, theta = pose_at(work, time)

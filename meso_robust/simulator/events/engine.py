@@ -4,14 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
-from os import cpu_count
 from typing import NamedTuple, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.kernels import fingerprint, sealed as inner
+from meso_robust.kernels import fingerprint, sealed as inner, threads
+from meso_robust.simulator.events.balance import invert
 from meso_robust.simulator.events.checks import check_move
 from meso_robust.simulator.events.journey import Log, run
 from meso_robust.simulator.events.outline import CONVEX, edge_table
@@ -39,7 +39,6 @@ class Inputs(NamedTuple):
     """(Q, 2) convex corners of the fixture."""
     drag: _F
     """(N or 1, 3, 3)."""
-    film: _F
     wall_friction: float
 
 
@@ -138,7 +137,7 @@ def _one(inputs: Inputs, outputs: Outputs, i: int, scene: Scene, work: Work) -> 
         work.pose[k] = inputs.poses[i, k]
         for m in range(3):
             work.drag[k, m] = inputs.drag[which, k, m]
-            work.film[k, m] = inputs.film[which, k, m]
+    invert(work.drag, work.film)
     work.span = span
     work.reach = 1.0
     work.wall_friction = inputs.wall_friction
@@ -226,7 +225,6 @@ def prepare(move: Mapping[str, _F], fixture: Sequence[_F] = ()) -> tuple[Inputs,
         np.ascontiguousarray(move["radii"] / size),
         np.ascontiguousarray(walls[walls[:, CONVEX] > 0, :2]),
         scaled,
-        np.ascontiguousarray(np.linalg.inv(scaled)),
         float(move["fixture_friction"]),
     )
     return inputs, size
@@ -298,11 +296,12 @@ def integrate(
     inputs, size = prepare(move, polygons)
     outputs = _outputs(inputs, samples, 0)
     _take(inputs, outputs)
-    metres = np.array([size, size, 1.0])
+    for poses in (outputs.poses, outputs.path):
+        poses[..., :2] *= size
     return EventResult(
-        poses=outputs.poses * metres,
+        poses=outputs.poses,
         outcomes=outputs.outcomes,
-        path=outputs.path * metres,
+        path=outputs.path,
         ended_at=outputs.ended_at,
         events=outputs.events,
         inputs=inputs,
@@ -313,10 +312,10 @@ def integrate(
 def _take(inputs: Inputs, outputs: Outputs) -> None:
     """Take all runs, on all cores if there are enough; each run is on its own."""
     runs = inputs.poses.shape[0]
-    threads = min(cpu_count() or 1, runs // _CHUNK)
-    if threads <= 1:
+    count = min(threads(), runs // _CHUNK)
+    if count <= 1:
         take(inputs, outputs, 0, runs)
         return
-    cuts = [runs * k // threads for k in range(threads + 1)]
-    with ThreadPoolExecutor(threads) as pool:
+    cuts = [runs * k // count for k in range(count + 1)]
+    with ThreadPoolExecutor(count) as pool:
         list(pool.map(lambda span: take(inputs, outputs, *span), pairwise(cuts)))

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import inlined
 
 _F = npt.NDArray[np.float64]
 _B = npt.NDArray[np.bool_]
@@ -71,7 +71,7 @@ def _edges(corners: _F) -> _F:
     return np.column_stack(columns).astype(np.float64)
 
 
-@inner
+@inlined
 def distance(table: _F, px: float, py: float) -> float:
     """Signed distance of a point from the solid, negative inside.
 
@@ -93,7 +93,7 @@ def distance(table: _F, px: float, py: float) -> float:
     return np.copysign(np.sqrt(best), side)
 
 
-@inner
+@inlined
 def distance_without(table: _F, left_out: _B, px: float, py: float) -> float:
     """Distance of a point from the nearest edge that is not left out, never negative."""
     best = np.inf
@@ -105,7 +105,7 @@ def distance_without(table: _F, left_out: _B, px: float, py: float) -> float:
     return float(np.sqrt(best))
 
 
-@inner
+@inlined
 def _square(along: float, length: float, s: float) -> float:
     """Squared distance from an edge of a point `along` it and `s` beside it."""
     if along < 0.0:
@@ -115,7 +115,7 @@ def _square(along: float, length: float, s: float) -> float:
     return s * s
 
 
-@inner
+@inlined
 def leave_out(table: _F, left_out: _B, edge: int) -> None:
     """Leave out an edge and the neighbours that meet it in a convex corner."""
     left_out[edge] = True

@@ -7,18 +7,22 @@ from meso_robust.kernels import sealed as inner
 from meso_robust.simulator.events.balance import cross, fill, monitor, pick, solve_three, velocity
 from meso_robust.simulator.events.contact import gap
 from meso_robust.simulator.events.curve import (
+    CUBIC,
+    fastest_turn,
+    guided_reach,
     pose_at,
     start_cubic,
+    start_guided,
     start_sticking,
     start_straight,
 )
+from meso_robust.simulator.events.samples import sample_curve, sample_step
 from meso_robust.simulator.events.scene import (
     CLOSED,
     EDGE,
     FIRST,
     HELD,
     KIND,
-    SAMPLE,
     SECOND,
     SEPARATE,
     STICK,
@@ -35,6 +39,8 @@ _STILL = 1e-14  # turn on the whole move below which the part only translates
 _LARGEST_STEP = 0.4
 _SMALLEST_STEP = 1e-12
 _FIRST_STEP = 0.1
+_SWEEPS = 4  # over the quantities, for the first of them that is negative
+_TURN = 0.1  # rad, of an exact step; events are looked for at its middle and its end
 
 
 @inner
@@ -64,25 +70,30 @@ def advance(scene: Scene, work: Work, path: _F, clock: float) -> float:
         start_straight(work)
         return _follow(scene, work, path, clock, rest)
     velocity(scene, work, place, clock)
-    pivot = _lone_pivot(scene, work)
-    if pivot >= 0:
+    pivot, slider = _guides(scene, work)
+    if pivot >= 0 and work.count[CLOSED] == 1:
         rest = min(rest, start_sticking(scene, work, pivot, clock))
         return _follow(scene, work, path, clock, rest)
     if _translates(scene, work, rest):
         start_straight(work)
         return _follow(scene, work, path, clock, rest)
-    return _integrate(scene, work, path, clock)
+    if slider < 0 or work.count[CLOSED] != 2 or work.count[HELD] != 3:
+        pivot = -1
+    return _integrate(scene, work, path, clock, (pivot, slider))
 
 
 @inner
-def _lone_pivot(scene: Scene, work: Work) -> int:
-    """Number of the point tip that sticks on an edge as the only closed contact, or -1."""
-    if work.count[CLOSED] != 1:
-        return -1
+def _guides(scene: Scene, work: Work) -> tuple[int, int]:
+    """Contacts of a point tip that sticks on an edge and of a tip that slips on one, or -1."""
+    pivot, slider = -1, -1
     for c in range(work.count[TOUCHING]):
-        if work.mode[c] == STICK and work.contact[c, KIND] == EDGE:
-            return c if scene.tips[work.contact[c, FIRST], 4] == 0.0 else -1
-    return -1
+        if work.mode[c] == SEPARATE or work.contact[c, KIND] != EDGE:
+            continue
+        if work.mode[c] != STICK:
+            slider = c
+        elif scene.tips[work.contact[c, FIRST], 4] == 0.0:
+            pivot = c
+    return pivot, slider
 
 
 @inner
@@ -99,60 +110,32 @@ def _translates(scene: Scene, work: Work, rest: float) -> bool:
 @inner
 def _follow(scene: Scene, work: Work, path: _F, clock: float, rest: float) -> float:
     """Go along a curve of closed form."""
-    speed = 0.0
-    if work.curve[0] > 0.0:
-        speed = np.hypot(work.curve[4], work.curve[5]) + 2.0 * work.reach * work.curve[8]
-    elif work.count[CLOSED] > 0:
-        speed = np.hypot(work.curve[4], work.curve[5])
-    time, _ = next_contact(scene, work, rest, speed, clock)
-    _sample_curve(scene, work, path, clock, time)
+    curve = work.curve
+    bound = (curve[1], curve[2], curve[4], curve[5], fastest_turn(work), 0.0)
+    time, _ = next_contact(scene, work, rest, bound, clock)
+    sample_curve(work, path, clock, time)
     work.pose[0], work.pose[1], work.pose[2] = pose_at(work, time)
     return clock + time if clock + time < work.span - 1e-15 else work.span
 
 
 @inner
-def _instant(work: Work, path: _F, sample: int) -> float:
-    """The clock at a sample of the path."""
-    return float(work.span * sample / (path.shape[0] - 1))
+def _integrate(scene: Scene, work: Work, path: _F, clock: float, guides: tuple[int, int]) -> float:
+    """Take the motion step by step to the next event or the end of the move.
 
-
-@inner
-def _sample_curve(scene: Scene, work: Work, path: _F, clock: float, length: float) -> None:
-    """Write the samples that fall on a curve of closed form."""
-    while work.count[SAMPLE] < path.shape[0]:
-        sample = work.count[SAMPLE]
-        time = _instant(work, path, sample) - clock
-        if time > length:
-            break
-        path[sample, 0], path[sample, 1], path[sample, 2] = pose_at(work, time)
-        work.count[SAMPLE] = sample + 1
-
-
-@inner
-def _sample_stride(scene: Scene, work: Work, path: _F, clock: float, length: float) -> None:
-    """Write the samples that fall in a Runge-Kutta step, each with a shorter step of its own."""
-    while work.count[SAMPLE] < path.shape[0]:
-        sample = work.count[SAMPLE]
-        time = _instant(work, path, sample) - clock
-        if time > length:
-            break
-        stride(scene, work, clock, time)
-        for m in range(3):
-            path[sample, m] = work.trial[m]
-        work.count[SAMPLE] = sample + 1
-
-
-@inner
-def _integrate(scene: Scene, work: Work, path: _F, clock: float) -> float:
-    """Integrate the motion to the next event or the end of the move."""
+    The steps of a part that two tips guide, the numbers of whose contacts are given, are exact.
+    """
     slope, pose = work.slope, work.pose
     place = (pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2]))
     slope[0, 0], slope[0, 1], slope[0, 2] = velocity(scene, work, place, clock)
     step = _FIRST_STEP
     while clock < work.span:
         step = min(step, _LARGEST_STEP, work.span - clock)
-        stride(scene, work, clock, step)
-        error = error_of(work, step)
+        reach = np.inf
+        if guides[0] >= 0:
+            start_guided(scene, work, guides, clock)
+            reach = guided_reach(scene, work, guides)
+            step = min(step, _TURN / abs(slope[0, 2]), reach)
+        error = _try(scene, work, clock, step, guides[0] >= 0)
         if not error <= 1.0:
             step *= max(0.2, 0.9 * error**-0.125) if error < np.inf else 0.2
             if step < _SMALLEST_STEP:
@@ -161,16 +144,28 @@ def _integrate(scene: Scene, work: Work, path: _F, clock: float) -> float:
         time, event, slopes = _inspect(scene, work, clock, step)
         if time < step:
             return _end_at(scene, work, path, clock, (time, event))
-        new = (work.trial[0], work.trial[1], work.trial[2])
-        _sample_stride(scene, work, path, clock, step)
+        done, new = step, (work.trial[0], work.trial[1], work.trial[2])
+        sample_step(scene, work, path, clock, step)
         pose[0], pose[1], pose[2] = new
         clock = clock + step if step < work.span - clock else work.span
         project(scene, work, clock)
         slope[0, 0], slope[0, 1], slope[0, 2] = slopes
         step *= min(6.0, 0.9 * max(error, 1e-10) ** -0.125)
-        if event != 0:
+        if event != 0 or done >= reach:
             return clock
     return clock
+
+
+@inner
+def _try(scene: Scene, work: Work, clock: float, step: float, guided: bool) -> float:
+    """Write the trial pose of a step; return its error in units of the tolerance."""
+    if not guided:
+        work.curve[0] = CUBIC
+        stride(scene, work, clock, step)
+        return error_of(work, step)
+    x, y, theta = pose_at(work, step)
+    work.trial[0], work.trial[1], work.trial[2] = x, y, theta
+    return 0.0 if abs(theta) < np.inf else np.inf
 
 
 @inner
@@ -186,14 +181,16 @@ def _inspect(
     place = (x, y, np.cos(theta), np.sin(theta))
     slopes = velocity(scene, work, place, clock + step)
     count = monitor(scene, work, place, clock + step)
-    start_cubic(work, step, slopes)
-    first, event = _first_negative(scene, work, count, (0.0, step), clock)
-    if event < 0:
+    if work.curve[0] == CUBIC:
+        start_cubic(work, step, slopes)
+    first, event = _first_negative(scene, work, count, (step, -1), clock)
+    if first > 0.5 * step:
         event_value(scene, work, 0, 0.5 * step, clock)  # for the quantities half-way
-        first, event = _first_negative(scene, work, count, (0.0, 0.5 * step), clock)
-        first = step if event < 0 else first
-    speed = _fastest(scene, work, slopes)
-    first, closing = next_contact(scene, work, first, speed, clock)
+        earlier, other = _first_negative(scene, work, count, (0.5 * step, -1), clock)
+        if other >= 0:
+            first, event = earlier, other
+    bound = (0.0, 0.0, 0.0, 0.0, 0.0, _fastest(scene, work, slopes))
+    first, closing = next_contact(scene, work, first, bound, clock)
     event = closing if closing < 0 else event + 1
     return first, event, slopes
 
@@ -211,17 +208,24 @@ def _fastest(scene: Scene, work: Work, slopes: tuple[float, float, float]) -> fl
 
 @inner
 def _first_negative(
-    scene: Scene, work: Work, count: int, bracket: tuple[float, float], clock: float
+    scene: Scene, work: Work, count: int, found: tuple[float, int], clock: float
 ) -> tuple[float, int]:
-    """First instant in the bracket at which a quantity that is negative at its end became so."""
-    low, high = bracket
-    event = -1
-    for k in range(count):
-        if work.slack[k] < NEGATIVE:
-            high = root(scene, work, k, (low, high), clock)
-            event = k
-            event_value(scene, work, k, high, clock)
-    return high, event
+    """First instant at which a quantity that is negative at the end became so, and its number.
+
+    `found` is the end and −1. A quantity may be negative at the instant of another event although
+    it is not at the end, hence all are looked at again at each earlier instant.
+    """
+    first, event = found
+    for _ in range(_SWEEPS):
+        before = first
+        for k in range(count):
+            if k != event and work.slack[k] < NEGATIVE:
+                first = root(scene, work, k, (0.0, first), clock)
+                event = k
+                event_value(scene, work, k, first, clock)
+        if first == before:
+            break
+    return first, event
 
 
 @inner
@@ -229,14 +233,17 @@ def _end_at(scene: Scene, work: Work, path: _F, clock: float, where: tuple[float
     """Step again up to an event, correct its instant, and move the part there."""
     time, event = where
     quantity = event if event < 0 else event - 1
-    if time > 0.0:
+    if work.curve[0] != CUBIC:
+        sample_curve(work, path, clock, time)
+        work.pose[0], work.pose[1], work.pose[2] = pose_at(work, time)
+    elif time > 0.0:
         stride(scene, work, clock, time)
         place = (work.trial[0], work.trial[1], np.cos(work.trial[2]), np.sin(work.trial[2]))
         slopes = velocity(scene, work, place, clock + time)
         start_cubic(work, time, slopes)
         time = _polish(scene, work, quantity, time, clock)
         ended = pose_at(work, time)
-        _sample_stride(scene, work, path, clock, time)
+        sample_step(scene, work, path, clock, time)
         work.pose[0], work.pose[1], work.pose[2] = ended
     clock = min(clock + time, work.span)
     project(scene, work, clock)

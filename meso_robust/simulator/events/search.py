@@ -5,9 +5,11 @@ distance over that speed cannot pass a contact, however small the corner (sphere
 steps below a small part of the curve are cut off.
 """
 
+from typing import TypeAlias
+
 import numpy as np
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.balance import monitor, velocity
 from meso_robust.simulator.events.contact import Place, tip_in_body
 from meso_robust.simulator.events.curve import place_at
@@ -23,13 +25,18 @@ from meso_robust.simulator.events.scene import BUSY, Scene, Work
 NEGATIVE = -1e-11
 """What is below is an event; lengths and speeds in scaled units."""
 
+Bound: TypeAlias = tuple[float, float, float, float, float, float]
+"""Bound of the motion of the part on a curve: place of a point of it at the start and its constant
+velocity (world frame), how fast the part turns about it at most, and the speed of what else there
+is."""
+
 _FAR = 0.2  # distance from the circle about the part that needs no measure of its own
 _FINEST = 1.0 / 2048  # of the curve
 _ROOT_STEPS = 60
 _EXACT = 1e-15
 
 
-@inner
+@inlined
 def clearance(scene: Scene, work: Work, body: int, place: Place, clock: float) -> float:
     """Distance of a tip from the part, or of a corner of the part from the fixture.
 
@@ -46,7 +53,7 @@ def clearance(scene: Scene, work: Work, body: int, place: Place, clock: float) -
     return circle if circle > _FAR else distance(scene.edges, cx, cy) - r
 
 
-@inner
+@inlined
 def _corner_clearance(scene: Scene, work: Work, body: int, place: Place) -> float:
     """Distance of a corner of the part from the fixture."""
     i = body - scene.tips.shape[0]
@@ -77,9 +84,9 @@ def root(scene: Scene, work: Work, event: int, bracket: tuple[float, float], clo
     low, high = bracket
     f_high = event_value(scene, work, event, high, clock)
     f_low = event_value(scene, work, event, low, clock)
-    if f_low <= 0.0:
+    if f_low <= _EXACT:  # it may grow from zero at the start, which is not where it falls to zero
         low, f_low = _positive(scene, work, event, bracket, clock)
-        if f_low <= 0.0:
+        if f_low <= _EXACT:
             return low
     side = 0
     for _ in range(_ROOT_STEPS):
@@ -112,16 +119,16 @@ def _positive(
     for _ in range(40):
         width *= 0.5
         value = event_value(scene, work, event, low + width, clock)
-        if value > 0.0:
+        if value > _EXACT:
             return low + width, value
     return low, 0.0
 
 
-@inner
+@inlined
 def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], clock: float) -> float:
     """Instant at which a tip or corner closes a contact, or infinity; `limit` is time and speed."""
     end, speed = limit
-    time = 0.0
+    time, apart = 0.0, 0.0
     here = event_value(scene, work, -1 - body, time, clock)
     while time < end:
         if here >= speed * (end - time):
@@ -130,15 +137,33 @@ def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], cloc
         ahead = min(time + max(here / speed, _FINEST * end), end)
         there = event_value(scene, work, -1 - body, ahead, clock)
         if there < NEGATIVE:
-            return root(scene, work, -1 - body, (time, ahead), clock)
+            return root(scene, work, -1 - body, (apart, ahead), clock)
         time, here = ahead, there
+        apart = time if here > 0.0 else apart  # a step may end in the band that is no event yet
     scene.clear[body] = max(here, 0.0)
     return np.inf
 
 
+@inlined
+def _closing(scene: Scene, work: Work, body: int, end: float, bound: Bound, clock: float) -> float:
+    """Bound of the speed at which a body and what it may touch come closer on the curve."""
+    x, y, vx, vy, turn, rest = bound
+    if body >= scene.tips.shape[0]:
+        return float(np.hypot(vx, vy) + 2.0 * work.reach * turn + rest)
+    tx, ty, ux, uy = (
+        scene.tips[body, 0],
+        scene.tips[body, 1],
+        scene.tips[body, 2],
+        scene.tips[body, 3],
+    )
+    own = np.hypot(ux - vx, uy - vy)
+    lever = np.hypot(tx + ux * clock - x, ty + uy * clock - y) + own * end
+    return float(own + turn * lever + rest)
+
+
 @inner
 def next_contact(
-    scene: Scene, work: Work, end: float, speed: float, clock: float
+    scene: Scene, work: Work, end: float, bound: Bound, clock: float
 ) -> tuple[float, int]:
     """First contact that closes on the curve.
 
@@ -148,8 +173,8 @@ def next_contact(
         The run.
     end
         Length of the curve on the clock.
-    speed
-        Bound of the speed of all points of the part.
+    bound
+        Of the motion of the part; see `Bound`.
     clock
         The clock at the start of the curve.
 
@@ -161,14 +186,13 @@ def next_contact(
     """
     found = 0
     first = end
-    tips = scene.tips.shape[0]
     for body in range(scene.clear.shape[0]):
-        own = np.hypot(scene.tips[body, 2], scene.tips[body, 3]) if body < tips else 0.0
-        way = (own + speed) * first
+        speed = _closing(scene, work, body, first, bound, clock)
+        way = speed * first
         if way == 0.0 or (scene.clear[body] > way):
             scene.clear[body] -= way
             continue
-        time = _march(scene, work, body, (first, own + speed), clock)
+        time = _march(scene, work, body, (first, speed), clock)
         if time < first:
             first, found = time, -1 - body
     return first, found

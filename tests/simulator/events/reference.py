@@ -32,7 +32,7 @@ TILTED = np.array([[1.3, 0.2, 0], [0.2, 0.9, 0], [0, 0, RHO]]) + 1e-6 * np.array
 
 
 def push(
-    tips: object, travel: object, pose: object = (0, 0, np.pi / 2), mu: float = MU, **more: Any
+    tips: object, travel: object, pose: object = (0, 0, np.pi / 2), mu: float | F = MU, **more: Any
 ) -> EventResult:
     """Push the plate (if there are no other vertices), once, with tips and travel in um."""
     tips_m = UM * np.array(tips, dtype=np.float64)[None]

@@ -123,6 +123,32 @@ def test_tip_reaches_the_part_and_the_part_the_passive_tip() -> None:
     assert_same(result.poses[0], np.array([-70 * UM, 0, np.pi / 2]), 200 * UM, 1e-11)
 
 
+def test_second_tip_closes_to_rounding_where_a_step_of_the_search_ends_just_behind_the_edge() -> (
+    None
+):
+    """A run of the paper's plan; the step ends in the band that does not count as an overlap yet."""
+    pose = np.array([0.0013958197205965637, 0.00011343446016401739, 2.998432482416373])
+    tips = np.array(
+        [
+            [0.002271285092334567, 0.0002430344601640174],
+            [0.00226875434885856, -0.0003369655398359826],
+        ]
+    )
+    travel = np.tile([-0.0014570197205965637, 0.0], (2, 1))
+    result = integrate(
+        vertices=PLATE,
+        poses=pose[None],
+        tips=tips[None],
+        travel=travel[None],
+        friction=np.full((1, 2), 0.3),
+        drag=np.diag([1.0, 1.0, 3.9574500000000016e-07]),
+    )
+    x, y, angle = result.poses[0]
+    beyond = (tips + travel - [x, y]) @ turn(angle)
+    # the part, turned about by 180 deg, is met at its short edge on the left
+    assert np.abs(beyond[:, 0] + HALF_LONG).max() < 1e-16
+
+
 def test_part_between_two_tips_turns_as_its_width_demands() -> None:
     height = 1000 * UM
     result = push([[418.5, 500], [-418.5, -500]], [[-400, 0], [0, 0]], samples=8)
@@ -130,6 +156,38 @@ def test_part_between_two_tips_turns_as_its_width_demands() -> None:
     angle = np.arctan2(height, base) + np.arcsin(WIDTH / np.hypot(base, height))
     assert result.outcomes[0] == 0
     np.testing.assert_allclose(result.path[0, :, 2], angle, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("drag", [PLAIN, TILTED])
+@pytest.mark.parametrize("radius", [0, 50])
+@pytest.mark.parametrize("sliding", [0, 1])
+def test_sticking_and_sliding_tip_hold_the_part_whatever_the_film(
+    drag: F, radius: float, sliding: int
+) -> None:
+    mu, radii = np.full(2, 4.0), np.zeros(2)
+    mu[sliding], radii[sliding] = 0.0, radius * UM
+    wide = HALF_SHORT / UM + radii / UM
+    tips = np.array([[wide[0], 500], [-wide[1], -500]])
+    travel = np.array([[-400, 0], [0, 0]])
+    result = push(tips, travel, mu=mu, radii=radii, drag=drag, samples=8)
+    share = np.linspace(0, 1, 9)
+    base, height = wide.sum() * UM - share * 400 * UM, 1000 * UM
+    angle = np.arctan2(height, base) + np.arcsin(wide.sum() * UM / np.hypot(base, height))
+    held = tips[1 - sliding] * UM
+    place = [
+        held + part * travel[1 - sliding] * UM - turn(one - np.pi / 2) @ held
+        for part, one in zip(share, angle, strict=True)
+    ]
+    assert result.timeline(0).modes.shape == (1, 2)
+    assert result.timeline(0).modes[0, 1 - sliding] == 1
+    assert_same(result.path[0], np.column_stack([place, angle]), 400 * UM, 1e-13)
+
+
+def test_part_snaps_where_the_tips_that_hold_it_are_as_near_as_it_is_wide() -> None:
+    result = push([[418.5, 200], [-418.5, -200]], [[-300, 0], [0, 0]], mu=np.array([0.0, 9.0]))
+    nearest = np.sqrt(WIDTH**2 - (400 * UM) ** 2)
+    assert result.outcomes[0] == 1
+    assert result.ended_at[0] * 300 * UM == pytest.approx(WIDTH - nearest, abs=1e-13)
 
 
 @pytest.mark.parametrize("height", [400, 700, 880])

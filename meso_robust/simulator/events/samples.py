@@ -1,0 +1,46 @@
+"""Poses at evenly spaced instants of a move, in the motion that is going on."""
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.kernels import sealed as inner
+from meso_robust.simulator.events.curve import CUBIC, pose_at
+from meso_robust.simulator.events.scene import SAMPLE, Scene, Work
+from meso_robust.simulator.events.stride import stride
+
+_F = npt.NDArray[np.float64]
+
+
+@inner
+def _instant(work: Work, path: _F, sample: int) -> float:
+    """The clock at a sample of the path."""
+    return float(work.span * sample / (path.shape[0] - 1))
+
+
+@inner
+def sample_curve(work: Work, path: _F, clock: float, length: float) -> None:
+    """Write the samples that fall on a curve of closed form."""
+    while work.count[SAMPLE] < path.shape[0]:
+        sample = work.count[SAMPLE]
+        time = _instant(work, path, sample) - clock
+        if time > length:
+            break
+        path[sample, 0], path[sample, 1], path[sample, 2] = pose_at(work, time)
+        work.count[SAMPLE] = sample + 1
+
+
+@inner
+def sample_step(scene: Scene, work: Work, path: _F, clock: float, length: float) -> None:
+    """Write the samples that fall in a step; in a Runge-Kutta step each is a shorter one."""
+    if work.curve[0] != CUBIC:
+        sample_curve(work, path, clock, length)
+        return
+    while work.count[SAMPLE] < path.shape[0]:
+        sample = work.count[SAMPLE]
+        time = _instant(work, path, sample) - clock
+        if time > length:
+            break
+        stride(scene, work, clock, time)
+        for m in range(3):
+            path[sample, m] = work.trial[m]
+        work.count[SAMPLE] = sample + 1
