@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import platform
 from collections import Counter
 from importlib.metadata import version
@@ -26,7 +24,7 @@ from meso_robust.execution.simulation_document import (
     SimulationDocument,
     UncertainDocument,
 )
-from meso_robust.planning.document import PlanDocument, goal_document
+from meso_robust.planning.document import goal_document
 
 Floats = npt.NDArray[np.float64]
 
@@ -45,7 +43,7 @@ def document(found: Simulated) -> SimulationDocument:
     return SimulationDocument(
         task=found.task.name,
         task_hash=found.task.hash,
-        plan_hash=plan_hash(found.plan),
+        plan_hash=found.plan.hash,
         kind="feedback" if found.plan.policy else "open_loop",
         moves=player.primitives,
         goal=goal_document(player.setup.goal),
@@ -63,12 +61,6 @@ def document(found: Simulated) -> SimulationDocument:
             "machine": platform.machine(),
         },
     )
-
-
-def plan_hash(plan: PlanDocument) -> str:
-    """SHA-256 of a plan's values, independent of the layout of its file."""
-    text = json.dumps(plan.model_dump(mode="json", by_alias=True), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def summary(answer: SimulationDocument) -> str:

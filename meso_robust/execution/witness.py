@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from meso_robust.errors import InputError
 from meso_robust.execution.draws import Draws
 from meso_robust.execution.engines import Engine
 from meso_robust.execution.replay import Feedback, Player, limits
-from meso_robust.execution.witness_file import SCHEMA, WitnessFile, plan_hash, row_of
+from meso_robust.execution.witness_file import SCHEMA, WitnessFile, hex_double, row_of
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import first_of, read_text
 from meso_robust.primitives.setup import setup_of
@@ -69,9 +68,9 @@ def _of_a_file(text: str, path: str, task: Task, plan: PlanDocument, player: Pla
     except ValidationError as error:
         raise InputError(f"{path}: {first_of(error, 'witness')}") from error
     _check_task(found.task_hash, path, task, "witness")
-    if found.plan_hash != plan_hash(plan):
+    if found.plan_hash != plan.hash:
         raise InputError(
-            f"{path}: key plan_hash = {found.plan_hash!r}: must be that of the plan's policy; give "
+            f"{path}: key plan_hash = {found.plan_hash!r}: must be the hash of the plan; give "
             "the plan that lies beside the witness"
         )
     scaled = replace(player, setup=setup_of(task, found.factor))  # type: ignore[type-var]
@@ -163,14 +162,4 @@ def _per_move(values: Sequence[Sequence[str]], moves: int, key: str) -> Floats:
 
 
 def _numbers(values: Sequence[Sequence[str]], key: str) -> Floats:
-    return np.array([[_number(value, key) for value in row] for row in values])
-
-
-def _number(value: str, key: str) -> float:
-    try:
-        found = float.fromhex(value)
-    except (ValueError, OverflowError):
-        found = math.nan
-    if not math.isfinite(found):
-        raise InputError(f"{key} = {value!r}: must be a finite double in hexadecimal (float.hex)")
-    return found
+    return np.array([[hex_double(value, key) for value in row] for row in values])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from typing import Annotated, Literal
@@ -31,7 +30,7 @@ class WitnessFile(BaseModel):
     schema_: Annotated[Literal["meso-robust/witness/1"], Field(alias="schema")] = SCHEMA
     task_hash: str
     plan_hash: str
-    """SHA-256 of the plan's policy, or of its moves if it has none."""
+    """SHA-256 of the plan's values."""
     factor: Annotated[float, Field(gt=0, le=10)]
     """Of all uncertainties about their middles: the bounds that the run keeps."""
     engine: Literal["events", "stepper"]
@@ -39,15 +38,6 @@ class WitnessFile(BaseModel):
     """What the run breaks, in words."""
     row: dict[str, str]
     """Everything uncertain by its name, hexadecimal doubles in SI units."""
-
-
-def plan_hash(plan: PlanDocument) -> str:
-    """SHA-256 of what a plan does: its policy, or its moves if it has none."""
-    import hashlib
-
-    values = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-    text = json.dumps(values["policy"] or values["moves"], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def witness_file(
@@ -76,7 +66,7 @@ def witness_file(
     values = zip(player.columns, row, strict=True)
     written = WitnessFile(
         task_hash=plan.task_hash,
-        plan_hash=plan_hash(plan),
+        plan_hash=plan.hash,
         factor=factor,
         engine=engine,
         breaks=tuple(breaks),
@@ -124,7 +114,7 @@ def row_of(found: WitnessFile, bounds: Player, source: str) -> Floats:
     for name in sorted({*names} ^ {*found.row}):
         what = "unknown" if name in found.row else "missing"
         raise InputError(f"{source}: key row.{name} is {what}; must be {', '.join(names)}")
-    row = np.array([_number(found.row[name], f"{source}: key row.{name}") for name in names])
+    row = np.array([hex_double(found.row[name], f"{source}: key row.{name}") for name in names])
     low, high = limits(bounds)
     for k in np.flatnonzero(~((low <= row) & (row <= high)))[:1]:
         raise InputError(
@@ -134,7 +124,14 @@ def row_of(found: WitnessFile, bounds: Player, source: str) -> Floats:
     return row[None]
 
 
-def _number(text: str, key: str) -> float:
+def hex_double(text: str, key: str) -> float:
+    """A finite double from its hexadecimal form; ``key`` names it in messages.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
     try:
         found = float.fromhex(text)
     except (ValueError, OverflowError):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Sequence
 from typing import Annotated, Literal
 
@@ -87,6 +89,12 @@ class PlanDocument(_Model):
     """The plan itself: before each move sense the pose, then command the probes as stated."""
     moves: tuple[MoveDocument, ...]
     """The same moves for the nominal run, in which every error is zero."""
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the plan's values, independent of the layout of its file."""
+        text = json.dumps(self.model_dump(mode="json", by_alias=True), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
 
 
 def plan_document(
