@@ -119,10 +119,17 @@ def test_bad_input_is_refused(tmp_path: Path, words: list[str], wanted: str) -> 
     assert "Traceback" not in error
 
 
+# what a shell starts in the background does not hear Ctrl-C, nor does what that starts
+MAIN = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from meso_robust.cli import main; main()"
+)
+
+
 def start(path: Path, out: Path) -> subprocess.Popen[bytes]:
     words = ["campaign", str(path), "--out", str(out), "--resume", "--workers", "2"]
     return subprocess.Popen(
-        [sys.executable, "-c", "from meso_robust.cli import main; main()", *words],
+        [sys.executable, "-c", MAIN, *words],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
