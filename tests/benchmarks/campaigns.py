@@ -23,7 +23,8 @@ from meso_robust.campaigns.answer import answered
 from meso_robust.campaigns.cluster import Cluster
 from meso_robust.campaigns.crew import Crew, Processes
 from meso_robust.campaigns.document import Campaign, read_campaign
-from meso_robust.campaigns.encoding import result_text
+from meso_robust.campaigns.encoding import part_text, result_text
+from meso_robust.campaigns.falsify.section import EVENTS_CHUNK
 from meso_robust.campaigns.provenance import code, machine
 from meso_robust.campaigns.store import NAME, Store
 from meso_robust.campaigns.work import carry_out
@@ -128,9 +129,13 @@ def store_rate(folder: Path, asked: Campaign) -> float:
 
 
 def page(
-    events: tuple[Measured, ...], stepper: tuple[Measured, ...], rows: float, size: int
+    events: tuple[Measured, ...],
+    stepper: tuple[Measured, ...],
+    rows: float,
+    size: int,
+    argument: int,
 ) -> str:
-    """Markdown."""
+    """Markdown; rows/s that the store takes, executions of a chunk, bytes of a chunk's argument."""
     one, two = events[0], events[1]
     per_chunk = one.store / one.chunks
     chunks = GOAL / size
@@ -164,8 +169,8 @@ def page(
         f"a core makes {one.rate / size:.2f} chunks/s: it is busy from about {rows / (one.rate / size):,.0f} "
         "cores on at this chunk size. Dask's own limit, some 1,000 tasks/s, comes at about "
         f"{1000 / (one.rate / size):,.0f}.",
-        "3. **The argument of a chunk**, task and plan with every call (some 10 kB): 10 MB/s at 1,000 "
-        "chunks/s, a hundredth of a usual network.",
+        f"3. **The argument of a chunk**, task and plan with every call, {argument / 1000:.1f} kB: "
+        f"{argument / 1000:.1f} MB/s at 1,000 chunks/s, little for a network.",
         "4. **Doubles.** Counts are exact integers, extremes are not added up: nothing there grows with "
         "the number of executions.",
         "",
@@ -217,7 +222,8 @@ def main() -> None:
             ]
             found.append((*ways, on_a_cluster(asked, folder / "dask")))
         rows = store_rate(Path(name) / "rows", asked)
-    text = page(found[0], found[1], rows, 20_000)
+    argument = len(part_text(asked.parts[0]).encode())
+    text = page(found[0], found[1], rows, EVENTS_CHUNK, argument)
     if given.out is None:
         sys.stdout.write(text)
     else:
