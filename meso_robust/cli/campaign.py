@@ -31,7 +31,7 @@ class _Asked:
     campaign: Path
     out: Path
     examples: Path
-    workers: int
+    workers: int | None
     scheduler: str | None
     resume: bool
     seed: int | None
@@ -73,7 +73,7 @@ def campaign(  # noqa: PLR0913  # every option of the verb is an argument
         campaign=campaign,
         out=out,
         examples=examples or out / EXAMPLES,
-        workers=workers or os.cpu_count() or 1,
+        workers=workers,
         scheduler=scheduler,
         resume=resume,
         seed=seed,
@@ -95,7 +95,10 @@ def campaign(  # noqa: PLR0913  # every option of the verb is an argument
 def _campaign(asked: _Asked, say: Reporter) -> None:
     from meso_robust.campaigns.answer import answered, document, summary
     from meso_robust.campaigns.document import read_campaign
+    from meso_robust.errors import InputError
 
+    if asked.workers is not None and asked.scheduler is not None:
+        raise InputError("--workers, --scheduler: give one of them; a cluster has its own workers")
     with say.doing("reading the campaign and what it names"):
         stated = read_campaign(asked.campaign, asked.seed)
     store = _store(asked, stated)
@@ -197,7 +200,7 @@ def _crew(asked: _Asked) -> Crew:
         return Cluster(asked.scheduler)
     from meso_robust.campaigns.crew import Processes
 
-    return Processes(asked.workers)
+    return Processes(asked.workers or os.cpu_count() or 1)
 
 
 def _left(stated: Campaign, store: Store) -> dict[str, list[int]]:

@@ -107,6 +107,7 @@ def test_another_campaign_in_the_folder_is_refused(tmp_path: Path) -> None:
         (["{campaign}", "--out", "{campaign}"], "is not a writable folder"),
         (["{campaign}", "--workers", "0"], "workers"),
         (["{campaign}", "--scheduler", "nobody"], "--scheduler nobody: cannot be reached"),
+        (["{campaign}", "--scheduler", "tcp://a:1", "--workers", "2"], "give one of them"),
     ],
 )
 def test_bad_input_is_refused(tmp_path: Path, words: list[str], wanted: str) -> None:
