@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from meso_robust.campaigns.document import Campaign
-from meso_robust.campaigns.encoding import canonical, digest
+from meso_robust.campaigns.encoding import canonical, digest, slug
 from meso_robust.campaigns.kind import Failure, Part, Result, Told, Values
 from meso_robust.campaigns.kinds import kind_of
 from meso_robust.campaigns.provenance import code, versions
@@ -20,7 +19,7 @@ WRITTEN = 20  # failures that are written out, of each part
 
 REPLAYED = -1  # instead of a chunk's index
 
-Verdict = Literal["held", "broken", "measured", "incomplete"]
+Verdict = Literal["held", "broken", "open", "measured", "incomplete"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,12 +62,14 @@ class Answer:
 
     @property
     def verdict(self) -> Verdict:
-        """``broken`` if a failure was found, ``incomplete`` if chunks are missing, else held or measured."""
+        """The first that holds of: broken, incomplete (chunks are missing), open, held, measured."""
         verdicts = {one.told.verdict for one in self.parts}
         if "broken" in verdicts:
             return "broken"
         if any(one.done < one.planned for one in self.parts):
             return "incomplete"
+        if "open" in verdicts:
+            return "open"
         return "held" if "held" in verdicts else "measured"
 
     @property
@@ -164,11 +165,6 @@ class _Tally:
             self.shown.append(
                 Shown(chunk=chunk, failure=failure, folder=folder if failure.files else "")
             )
-
-
-def slug(name: str) -> str:
-    """A name as part of a file's path: letters, digits and dashes."""
-    return re.sub(r"[^0-9A-Za-z]+", "-", name).strip("-").lower() or "part"
 
 
 def document(answer: Answer) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
-from meso_robust.campaigns.encoding import canonical, digest
+from meso_robust.campaigns.encoding import canonical, digest, slug
 from meso_robust.campaigns.kind import Part, Section, Values
 from meso_robust.campaigns.kinds import KINDS, kind_of
 from meso_robust.toml_files import checked, read_toml
@@ -38,10 +38,13 @@ class Stated(BaseModel):
 
     @model_validator(mode="after")
     def _each_name_once(self) -> Self:
-        names = [part.name for part in self.part]
-        twice = sorted({name for name in names if names.count(name) > 1})
+        slugs = [slug(part.name) for part in self.part]
+        twice = [part.name for part in self.part if slugs.count(slug(part.name)) > 1]
         if twice:
-            raise ValueError(f"part name {twice[0]!r} is given twice; give each part its own name")
+            raise ValueError(
+                f"part name {twice[0]!r} is given twice, or another one has the same letters and "
+                "digits; give each part its own name"
+            )
         return self
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import asdict
 
@@ -54,6 +55,11 @@ def part_text(part: Part) -> str:
 def part_of(text: str) -> Part:
     """A part from its text."""
     return Part(**json.loads(text))
+
+
+def slug(name: str) -> str:
+    """A name as part of a file's path: letters, digits and dashes."""
+    return re.sub(r"[^0-9A-Za-z]+", "-", name).strip("-").lower() or "part"
 
 
 def first_difference(one: Values, other: Values, where: str = "") -> str:

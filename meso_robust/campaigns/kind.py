@@ -149,9 +149,9 @@ View = Table | Bars | Coverage | Paths
 class Told:
     """A part's totals as they are told."""
 
-    verdict: Literal["held", "broken", "measured"]
-    """``held``: looked for a failure and found none; ``broken``: found one; ``measured``: a rate, no
-    claim was at stake."""
+    verdict: Literal["held", "broken", "open", "measured"]
+    """``held``: looked for a failure and found none; ``broken``: found one; ``open``: what was done
+    does not answer what was asked; ``measured``: a rate, no claim was at stake."""
     answer: str
     """A sentence or two."""
     figures: tuple[tuple[str, str], ...]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -30,12 +31,18 @@ from meso_robust.campaigns.planned import GivenPlan, PlanSection, given_plan, pl
 from meso_robust.execution.endings import ending, words
 from meso_robust.execution.engines import Engine
 from meso_robust.execution.judging import UNFINISHED
-from meso_robust.execution.replay import Player, limits, miss
+from meso_robust.execution.replay import Feedback, Player, limits, miss
 from meso_robust.execution.running import PlanRun
 from meso_robust.execution.simulation import in_goal
 from meso_robust.execution.witness_file import replay_files
 from meso_robust.simulator import Outcome
 
+OF = {
+    "uniform": ", drawn uniformly from the uncertainty box,",
+    "corners": " at corners of the uncertainty box",
+}
+"""What the executions are a sample of."""
+Verdict = Literal["held", "broken", "open", "measured"]
 HARDEST = 3  # runs that are kept of a chunk, and drawn of a part
 MISSES = 40  # bins of the miss, from 0 to FAR
 FAR = 2.0  # tolerances
@@ -87,7 +94,8 @@ def drawn(part: Part, player: Player, chunk: int, size: int) -> Floats:
     share = part.rng(chunk).random((rows, len(low)))
     if part.asked["draws"] == "corners":
         share = np.rint(share)
-    return np.clip(low + share * (high - low), low, high)
+    # at an end exactly, which rounding could miss by a digit
+    return np.where(share == 1.0, high, np.clip(low + share * (high - low), low, high))
 
 
 def _execute(ready: _Ready, part: Part, chunk: int) -> Result:
@@ -135,7 +143,12 @@ def _misses(away: Floats) -> list[int]:
 
 
 def _failure(ready: _Ready, part: Part, rows: Floats, runs: PlanRun, row: int) -> Failure:
-    how = _how(ready.player, runs, row)
+    how, player = _how(ready.player, runs, row), ready.player
+    alone = player.run(rows[row][None])
+    if in_goal(alone, player.setup)[0]:
+        # the stepper's steps depend on the longest travel of a batch
+        detail = f"{how}; run by itself it ends in the goal: too close to call for this engine"
+        return Failure(what=how, detail=detail, files={})
     return Failure(
         what=how,
         detail=f"{how}; replay it with the files beside the report",
@@ -145,7 +158,7 @@ def _failure(ready: _Ready, part: Part, rows: Floats, runs: PlanRun, row: int) -
             ready.player,
             rows[row],
             factor=ready.given.factor,
-            engine=part.asked["engine"],
+            engine=player.engine if isinstance(player, Feedback) else "stepper",
             breaks=(how,),
         ),
     )
@@ -193,20 +206,22 @@ def _tell(part: Part, totals: Values) -> Told:
         return Told(verdict="measured", answer="No chunk was done.", figures=(), views=())
     low, high = share_interval(good, runs, part.confidence)
     wanted = part.asked["at_least"]
-    sure = f"{100 * part.confidence:g} % interval {_percent(low)} to {_percent(high)}"
-    answer = f"{good:,} of {runs:,} executions end in the goal: {_percent(good / runs)} ({sure})."
-    verdict = "measured" if wanted is None else "held" if low >= wanted else "broken"
+    ends = f"{_percent(low, ROUND_FLOOR)} to {_percent(high, ROUND_CEILING)}"
+    answer = (
+        f"{good:,} of {runs:,} executions{OF[part.asked['draws']]} end in the goal: "
+        f"{_percent(good / runs)} ({100 * part.confidence:g} % interval {ends})."
+    )
+    verdict, word = _judged(low, high, wanted)
     if wanted is not None:
-        word = "is shown" if verdict == "held" else "is not shown"
         answer += f" Success of at least {_percent(wanted)} {word}."
     ready = _prepare(part)
     names = tuple(column.name for column in ready.player.columns)
     return Told(
-        verdict=verdict,  # type: ignore[arg-type]
+        verdict=verdict,
         answer=answer,
         figures=(
             ("success", _percent(good / runs)),
-            ("exact interval", f"{_percent(low)} … {_percent(high)}"),
+            ("exact interval", ends.replace(" to ", " … ")),
         ),
         views=(
             _endings(totals, runs, part.confidence),
@@ -216,8 +231,23 @@ def _tell(part: Part, totals: Values) -> Told:
     )
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.6g} %"
+def _judged(low: float, high: float, wanted: float | None) -> tuple[Verdict, str]:
+    """What an interval says of a demanded share, and in words."""
+    if wanted is None:
+        return "measured", ""
+    if low >= wanted:
+        return "held", "is shown"
+    return (
+        ("broken", "is refuted") if high < wanted else ("open", "is not shown: take more of them")
+    )
+
+
+def _percent(share: float, rounding: str = ROUND_HALF_EVEN) -> str:
+    """A share in %, with so many digits that what is less than all, or more than none, shows."""
+    exact = 100 * Decimal(share)
+    near = min(exact, 100 - exact)
+    places = max(4, 1 - near.adjusted()) if near else 4
+    return f"{exact.quantize(Decimal(1).scaleb(-places), rounding).normalize():f} %"
 
 
 def _endings(totals: Values, runs: int, confidence: float) -> Table:
@@ -232,7 +262,8 @@ def _endings(totals: Values, runs: int, confidence: float) -> Table:
     rows = []
     for name, count in counts:
         low, high = share_interval(count, runs, confidence)
-        rows.append((name, f"{count:,}", _percent(low), _percent(high)))
+        ends = (_percent(low, ROUND_FLOOR), _percent(high, ROUND_CEILING))
+        rows.append((name, f"{count:,}", *ends))
     return Table(
         title="How executions ended",
         head=("ending", "executions", "at least", "at most"),

@@ -47,11 +47,25 @@ def given_plan(section: PlanSection, folder: Path) -> Values:
         A file cannot be read or breaks a rule, or no plan can be made for the task.
     """
     task = load_task(PAPER if section.task is None else folder / section.task)
+    if section.factor > largest_factor(task):
+        raise InputError(
+            f"part {section.name!r}: key factor = {section.factor:g}: must not exceed "
+            f"{largest_factor(task):.4g}, beyond which friction or film ratio would not be positive"
+        )
     plan = _planned(task) if section.plan is None else read_plan(folder / section.plan, task)
     return {
         "task": task.model_dump(mode="json", by_alias=True),
         "plan": plan.model_dump(mode="json", by_alias=True),
     }
+
+
+def largest_factor(task: Task) -> float:
+    """By what all uncertainties can be scaled before friction or film ratio reaches zero."""
+    u = setup_of(task).uncertainty
+    halves = ((u.friction.mid, u.friction.hi), (u.film_ratio.mid, u.film_ratio.hi))
+    bears = [middle / (high - middle) for middle, high in halves if high > middle]
+    # a little less, as the ends are rounded outward
+    return 0.999 * min(bears, default=float("inf"))
 
 
 def _planned(task: Task) -> PlanDocument:

@@ -6,6 +6,7 @@ chunk either whole or not at all; the key of a row makes it impossible to count 
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -133,19 +134,21 @@ class Store:
             raise sqlite3.DatabaseError(found)
 
     def _check_about(self, campaign: Values, code: str) -> None:
-        import json
-
         about = dict(self._db.execute("SELECT key, value FROM about"))
+        try:
+            kept = json.loads(about["campaign"])
+        except (KeyError, ValueError) as error:
+            raise sqlite3.DatabaseError("what it is about cannot be read") from error
         if about["campaign"] != canonical(campaign):
-            key = first_difference(json.loads(about["campaign"]), json.loads(canonical(campaign)))
+            key = first_difference(kept, json.loads(canonical(campaign)))
             raise InputError(
                 f"{self.path}: holds another campaign, the first difference is at {key}; results of "
                 "two campaigns are never added: give another folder with --out, or the campaign "
                 "file as it was"
             )
-        if about["code"] != code:
+        if about.get("code", "") != code:
             raise InputError(
-                f"{self.path}: was begun by other code ({about['code'][:12]}, now {code[:12]}: the "
+                f"{self.path}: was begun by other code ({about.get('code', '')[:12]}, now {code[:12]}: the "
                 "package or a package it computes with has changed); results of different code are "
                 "never added: give another folder with --out, or install what it was begun with"
             )

@@ -117,7 +117,7 @@ def _campaign(asked: _Asked, say: Reporter) -> None:
     elif not asked.quiet:
         print(summary(answer))
         print(f"report: {asked.out / 'report.html'}")
-    if answer.verdict in ("broken", "incomplete"):
+    if answer.verdict in ("broken", "incomplete", "open"):
         raise typer.Exit(NEGATIVE)
 
 

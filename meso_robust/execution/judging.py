@@ -32,11 +32,13 @@ class Judged:
     """(N,) by the name of the claim; see ``claims.broken``."""
     repeated: int
     """Runs of the stepper that were repeated at half the step before they were judged."""
+    stuck: Flags
+    """(N,) runs that seemed to break a claim and could not be finished at a finer step."""
 
     @property
     def unfinished(self) -> Flags:
         """(N,) runs that their engine could not finish, which says nothing of the plan."""
-        return np.isin(self.runs.outcomes, UNFINISHED)
+        return np.isin(self.runs.outcomes, UNFINISHED) | self.stuck
 
     @property
     def any_broken(self) -> Flags:
@@ -54,17 +56,18 @@ def judge(player: Feedback, claims: Claims, rows: Floats, step: float = STEP) ->
     them; that error need not shrink with every halving, as it depends on where in its step a contact
     closes.
     """
-    moves = len(player.rules)
+    moves, none = len(player.rules), np.zeros(len(rows), dtype=bool)
     exact = (np.full((1, 3), ROUNDING),) * moves
     if player.engine == "events":
         found = player.run(rows, record=INSTANTS)
         accuracy = Accuracy(slip=EXACT_SLIP, pose=exact)
-        return Judged(runs=found, broken=broken(found, claims, accuracy), repeated=0)
+        return Judged(runs=found, broken=broken(found, claims, accuracy), repeated=0, stuck=none)
     found = player.run(rows, record=INSTANTS, step=step)
     accuracy = Accuracy(slip=STEPPED_SLIP * step, pose=exact)
-    first = Judged(runs=found, broken=broken(found, claims, accuracy), repeated=0)
+    first = Judged(runs=found, broken=broken(found, claims, accuracy), repeated=0, stuck=none)
     suspects = np.flatnonzero(first.any_broken)
     flags, repeated, coarse = first.broken, suspects.size, _of(found, suspects)
+    stuck = none.copy()
     for _ in range(HALVINGS):
         if not suspects.size:
             break
@@ -75,9 +78,10 @@ def judge(player: Feedback, claims: Claims, rows: Floats, step: float = STEP) ->
         flags = {name: np.zeros(len(rows), dtype=bool) for name in again}
         for name, one in again.items():
             flags[name][suspects] = one
+        stuck[suspects] = np.isin(fine.outcomes, UNFINISHED)
         left = np.logical_or.reduce(list(again.values()))
         suspects, coarse = suspects[left], _of(fine, np.flatnonzero(left))
-    return replace(first, broken=flags, repeated=int(repeated))
+    return replace(first, broken=flags, repeated=int(repeated), stuck=stuck)
 
 
 def _changes(coarse: PlanRun, fine: PlanRun) -> tuple[Floats, ...]:

@@ -16,7 +16,7 @@ from meso_robust.execution.running import PlanRun, excess
 from meso_robust.execution.witness import Witness
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import rules_of
-from meso_robust.primitives.setup import Setup
+from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task
 
 Floats = npt.NDArray[np.float64]
@@ -115,12 +115,16 @@ def simulated(
         nominal=nominal,
         worst=None if worst is None else _case(player, worst.row[None]),
         evaluations=0 if worst is None else worst.evaluations,
-        witness=None if witness is None else _case(_by(player, witness), witness.row),
+        witness=None if witness is None else _case(_by(task, player, witness), witness.row),
     )
 
 
-def _by(player: Player, witness: Witness) -> Player:
-    return replace(player, engine=witness.engine) if isinstance(player, Feedback) else player
+def _by(task: Task, player: Player, witness: Witness) -> Player:
+    """The plan as it was run for a witness: by the same engine, the same uncertainties scaled."""
+    setup = player.setup if witness.factor == 1.0 else setup_of(task, witness.factor)
+    if isinstance(player, Feedback):
+        return replace(player, setup=setup, engine=witness.engine)
+    return replace(player, setup=setup)  # type: ignore[type-var]
 
 
 def _case(player: Player, row: Floats) -> Case:

@@ -37,6 +37,8 @@ class Witness:
     """That made it."""
     breaks: tuple[str, ...] = ()
     """What it is said to break."""
+    factor: float = 1.0
+    """Of all uncertainties; scaling may round their middles."""
 
 
 def read_witness(path: Path, task: Task, plan: PlanDocument, player: Player) -> Witness:
@@ -74,7 +76,12 @@ def _of_a_file(text: str, path: str, task: Task, plan: PlanDocument, player: Pla
             "the plan that lies beside the witness"
         )
     scaled = replace(player, setup=setup_of(task, found.factor))  # type: ignore[type-var]
-    return Witness(row=row_of(found, scaled, path), engine=found.engine, breaks=found.breaks)
+    return Witness(
+        row=row_of(found, scaled, path),
+        engine=found.engine,
+        breaks=found.breaks,
+        factor=found.factor,
+    )
 
 
 def _check_task(found: str, path: str, task: Task, what: str) -> None:

@@ -22,6 +22,7 @@ MOST_TROUBLES = 100
 _COLOURS = {
     "held": "PROVED",
     "broken": "REFUTED",
+    "open": "UNKNOWN",
     "measured": "NEUTRAL",
     "incomplete": "UNKNOWN",
 }
@@ -69,6 +70,7 @@ def _meaning(answer: Answer) -> str:
     parts = answer.parts
     held = [one for one in parts if one.told.verdict == "held"]
     broken = [f"“{one.part.name}”" for one in parts if one.told.verdict == "broken"]
+    unanswered = [f"“{one.part.name}”" for one in parts if one.told.verdict == "open"]
     runs = sum(one.runs for one in held)
     planned, done = sum(one.planned for one in parts), sum(one.done for one in parts)
     return {
@@ -76,6 +78,8 @@ def _meaning(answer: Answer) -> str:
         f"it in {runs:,} runs; nothing did. That is evidence, not a proof.",
         "broken": f"{len(broken)} of {words.parts(len(parts))} found that something does not hold: "
         f"{', '.join(broken)}. What was found stands there, with what is needed to see it again.",
+        "open": f"{len(unanswered)} of {words.parts(len(parts))} asked for something that what was "
+        f"done neither shows nor refutes: {', '.join(unanswered)}.",
         "measured": "Rates were measured; no claim was at stake.",
         "incomplete": f"{planned - done:,} of {planned:,} chunks were not done. What is told below "
         "rests on the others.",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -16,14 +17,17 @@ from meso_robust.campaigns.document import Campaign, read_campaign
 from meso_robust.campaigns.encoding import part_of, part_text, result_of, result_text
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.campaigns.kind import Coverage, Paths, Result, Table
-from meso_robust.campaigns.monte_carlo import MONTE_CARLO, drawn
-from meso_robust.campaigns.planned import plan_of
+from meso_robust.campaigns.monte_carlo import MONTE_CARLO, _percent, drawn
+from meso_robust.campaigns.planned import largest_factor, plan_of
 from meso_robust.errors import InputError
 from meso_robust.execution.replay import Feedback, limits
 from meso_robust.execution.simulation import in_goal
 from meso_robust.execution.witness import read_witness
 from meso_robust.planning.reading import read_plan
+from meso_robust.primitives.setup import setup_of
 from meso_robust.task import load_task
+from meso_robust.toml_files import toml_text
+from tests.conftest import paper_task
 
 PLAN = Path(__file__).parents[2] / "reports" / "paper_task" / "plan.json"
 HEAD = 'schema = "meso-robust/campaign/1"\nname = "test"\nseed = 4\n'
@@ -111,20 +115,51 @@ def test_the_answer_has_the_exact_interval() -> None:
     low, high = share_interval(totals["in_goal"], 700)
     assert told.verdict == "measured"
     assert f"{totals['in_goal']} of 700" in told.answer
-    assert f"{100 * low:.6g} %" in told.answer
-    assert f"{100 * high:.6g} %" in told.answer
+    ends = re.search(r"interval ([\d.]+) % to ([\d.]+) %", told.answer)
+    assert ends is not None
+    # told to four decimals, rounded outward
+    assert 0.0 <= 100 * low - float(ends[1]) < 1e-4
+    assert 0.0 <= float(ends[2]) - 100 * high < 1e-4
     assert {type(view) for view in told.views} >= {Table, Coverage, Paths}
     (covered,) = (view for view in told.views if isinstance(view, Coverage))
     assert all(sum(row) == 700 for row in covered.counts)
 
 
-@pytest.mark.parametrize(("wanted", "verdict"), [(0.3, "held"), (0.95, "broken")])
-def test_a_demanded_share_is_held_by_the_lower_end(wanted: float, verdict: str) -> None:
+@pytest.mark.parametrize(("wanted", "verdict"), [(0.3, "held"), (0.7628, "open"), (0.95, "broken")])
+def test_a_demanded_share_is_judged_by_the_interval(wanted: float, verdict: str) -> None:
     asked, results = failing()
     part = asked.parts[0]
     totals = MONTE_CARLO.total(part, results)
     demanding = replace(part, asked={**part.asked, "at_least": wanted})
     assert MONTE_CARLO.tell(demanding, totals).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (1.0, "100 %"),
+        (0.0, "0 %"),
+        (0.5, "50 %"),
+        (1.0 - 1e-7, "99.99999 %"),
+        (1e-9, "0.0000001 %"),
+        (9_999_999_999 / 10_000_000_000, "99.99999999 %"),
+    ],
+)
+def test_less_than_all_is_never_told_as_all(share: float, text: str) -> None:
+    assert _percent(share) == text
+
+
+def test_uncertainties_are_not_scaled_beyond_what_friction_and_film_can_be(tmp_path: Path) -> None:
+    # friction of 0.33 +- 0.03 is zero at 11 times its range, the film ratio +- 5 % at 20 times
+    assert largest_factor(paper_task()) == pytest.approx(11.0, rel=2e-3)
+    wide = paper_task(uncertainty__friction=[0.2, 0.5])
+    assert largest_factor(wide) == pytest.approx(0.35 / 0.15, rel=2e-3)
+    assert setup_of(wide, largest_factor(wide)).uncertainty.friction.lo > 0.0
+    (tmp_path / "wide.toml").write_text(
+        toml_text(wide.model_dump(mode="json", by_alias=True, exclude_none=True)), encoding="utf-8"
+    )
+    with pytest.raises(InputError, match=r"key factor = 3: must not exceed 2\.33"):
+        stated(tmp_path, factor=3.0, task="wide.toml")
 
 
 def test_a_failure_is_replayed_from_its_files(tmp_path: Path) -> None:
@@ -186,6 +221,14 @@ def test_bad_input_is_refused(tmp_path: Path, keys: dict[str, Any], words: str) 
         (
             HEAD + 2 * '[[part]]\nname = "a"\nkind = "monte-carlo"\nexecutions = 5\n',
             "given twice",
+        ),
+        (
+            HEAD
+            + "".join(
+                f'[[part]]\nname = "{n}"\nkind = "monte-carlo"\nexecutions = 5\n'
+                for n in ("a b", "a-b")
+            ),
+            "same letters",
         ),
         ("schema = 1", "schema"),
         ("[", "is not a TOML file"),

@@ -46,7 +46,12 @@ class _Sum:
     def _add_search(self, values: Values, failed: int) -> None:
         method, target = values["method"], values["target"]
         so_far = self.searches.get(method, {})
-        found = {"searches": 1, "evaluations": values["evaluations"], "failed": failed}
+        found = {
+            "searches": 1,
+            "evaluations": values["evaluations"],
+            "failed": failed,
+            "unfinished": values["unfinished"],
+        }
         self.searches[method] = added(so_far, found)
         self.broken = added(self.broken, values["broken"])
         higher = value_of(values["highest"]) > value_of(self.best.get(target, [None])[0])

@@ -16,10 +16,11 @@ from meso_robust.campaigns.falsify.methods import SEARCHES
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import Bisection, Bulk, Search, work_of
 from meso_robust.campaigns.falsify.targets import failing, scorer
-from meso_robust.campaigns.falsify.threshold import Wanted, any_motion, misses, threshold
+from meso_robust.campaigns.falsify.threshold import LARGEST, Wanted, any_motion, misses, threshold
 from meso_robust.campaigns.falsify.totals import totals
 from meso_robust.campaigns.falsify.trail import Problem, Rare, search
 from meso_robust.campaigns.kind import Part, Result, Values
+from meso_robust.campaigns.planned import largest_factor
 from meso_robust.certificates.margin import margin
 from meso_robust.execution.judging import judge
 from meso_robust.execution.replay import limits, miss
@@ -108,6 +109,7 @@ def _search(ready: Ready, work: Search, rng: np.random.Generator, budget: int) -
             "row": hexadecimal(summit.row),
             "evaluations": summit.evaluations,
             "broken": {name: int(flags.sum()) for name, flags in judged.broken.items()},
+            "unfinished": int(judged.unfinished.sum()),
             "rare": None if rare is None else _rare(rare),
             "hardest": _hardest(ready, judged.runs, rows),
         },
@@ -129,6 +131,7 @@ def _threshold(ready: Ready, work: Bisection, seed: int) -> Result:
         lambda factor: setup_of(task, factor),
         WANTED_CLAIMS[work.wanted],
         seed=seed,
+        largest=min(LARGEST, largest_factor(task)),
     )
     at = found.breaking
     return Result(

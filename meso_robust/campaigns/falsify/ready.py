@@ -38,8 +38,8 @@ class Ready:
 
     @property
     def certified(self) -> bool:
-        """Whether a certificate stands behind the claims."""
-        return any(box is not None for box in self.claims.posts)
+        """Whether a certificate stands behind all of the claims, to the last move."""
+        return all(box is not None for box in self.claims.posts)
 
     def target(self, name: str) -> Target:
         """The target of a name."""

@@ -103,7 +103,9 @@ def work_of(part: Part, chunk: int) -> Work:
 
 
 def _size(asked: FalsifySection) -> int:
-    return asked.chunk or (EVENTS_CHUNK if asked.engine == "events" else STEPPER_CHUNK)
+    """Draws of a chunk; few enough that every method has its turn."""
+    size = asked.chunk or (EVENTS_CHUNK if asked.engine == "events" else STEPPER_CHUNK)
+    return min(size, -(-asked.executions // max(len(_draws(asked)), 1)))
 
 
 def _draws(asked: FalsifySection) -> list[Draw]:

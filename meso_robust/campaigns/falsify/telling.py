@@ -43,11 +43,15 @@ def tell(part: Part, totals: Values) -> Told:
 
 def _verdict(
     ready: Ready, drawn: Totals, searches: Counts
-) -> Literal["held", "broken", "measured"]:
+) -> Literal["held", "broken", "open", "measured"]:
     """``held`` only of what a certificate claims, ``broken`` only within the task's uncertainty."""
     if drawn.failed or searches.get("failed", 0):
         return "broken" if ready.plan.factor <= 1.0 else "measured"
-    return "held" if ready.certified and (drawn.runs or searches) else "measured"
+    if not ready.certified or not (drawn.runs or searches):
+        return "measured"
+    finished = drawn.runs - drawn.unfinished
+    ended = searches.get("searches", 0) - searches.get("unfinished", 0)
+    return "held" if finished + ended > 0 else "open"
 
 
 def _answer(ready: Ready, totals: Values, drawn: Totals, searches: Counts) -> str:
@@ -62,6 +66,9 @@ def _answer(ready: Ready, totals: Values, drawn: Totals, searches: Counts) -> st
         told = " and ".join(f"{failed:,} of {tried:,} {of}" for failed, tried, of in counts)
         return f"{told} break a claim: {', '.join(names)}.{of_what}"
     tried = f"{drawn.runs:,} executions and {count:,} searches"
+    unfinished = drawn.unfinished + searches.get("unfinished", 0)
+    if unfinished:
+        tried += f", {unfinished:,} of which the engine could not finish"
     near = highest(ready, totals)
     if not near:
         return f"No counterexample in {tried}.{of_what}"
@@ -112,7 +119,9 @@ def _likely(part: Part, totals: Values) -> Figures:
     uniform = Totals(**totals["draws"].get("uniform", {}))
     if uniform.runs:
         # the upper end of the two-sided interval of this confidence is the one-sided bound
-        bound = share_interval(uniform.failed, uniform.runs, 2.0 * part.confidence - 1.0)[1]
+        bound = share_interval(
+            uniform.failed + uniform.unfinished, uniform.runs, 2.0 * part.confidence - 1.0
+        )[1]
         found.append(
             (
                 f"share of uniform draws that break a claim, {100 * part.confidence:g} % bound",

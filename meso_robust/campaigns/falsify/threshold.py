@@ -21,6 +21,8 @@ Wanted = Callable[[str], bool]
 # what fails first fails at corners
 STEPS = Effort(corners=1500, reaches=(1.0, 1.0, 0.3), elite=3, generations=0)
 
+LARGEST = 3.0  # factor at which a bisection begins
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Reach:
@@ -121,7 +123,7 @@ def threshold(
     wanted: Wanted,
     *,
     seed: int = 0,
-    largest: float = 3.0,
+    largest: float = LARGEST,
     resolution: float = 0.002,
     effort: Effort = STEPS,
 ) -> Threshold:

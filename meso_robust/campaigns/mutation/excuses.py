@@ -146,10 +146,9 @@ def _name(accepted: Accepted, one: Difference) -> str | None:
 
 
 def _margin(accepted: Accepted, one: Difference) -> str | None:
-    """Up to where the search of the original's margin gave up, or beyond if the planner proves it."""
-    refused = accepted.original.document["margin"]["refused_at"]
-    if refused is not None and 1.0 <= one.new <= refused:
-        return "a factor below the refused one"
+    """A smaller margin says less; a larger one must be proved by the planner."""
+    if 1.0 <= one.new <= accepted.original.document["margin"]["factor"]:
+        return "a smaller margin"
     wider = setup_of(accepted.original.task, one.new)
     chain = accepted.original.certified(accepted.document["policy"], wider)
     return "a factor that the planner proves too" if chain.verdict is Verdict.PROVED else None

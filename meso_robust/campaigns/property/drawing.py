@@ -9,13 +9,14 @@ drawn afresh from one distribution; only the first one of a search, the simplest
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from random import Random
 from typing import Any
 from unittest import mock
 
-from hypothesis.internal.conjecture import providers
+from hypothesis.internal.conjecture import engine, providers
 from hypothesis.internal.constants_ast import Constants
 
 AT_AN_END = 0.1
@@ -92,6 +93,10 @@ def alone() -> Iterator[None]:
     """
     nothing = Constants()
     providers.CONSTANTS_CACHE.cache.clear()
-    with mock.patch.object(providers, "_get_local_constants", return_value=nothing):
+    with (
+        mock.patch.object(providers, "_get_local_constants", return_value=nothing),
+        # shrinking is limited by its count: a clock would let the machine's load decide
+        mock.patch.object(engine, "MAX_SHRINKING_SECONDS", math.inf),
+    ):
         yield
     providers.CONSTANTS_CACHE.cache.clear()

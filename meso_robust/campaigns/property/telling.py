@@ -43,7 +43,7 @@ def tell(part: Part, totals: Values) -> Told:
         return Told(verdict="measured", answer="No chunk was done.", figures=(), views=())
     broken = [name for name, count in counts.items() if count["failed"]]
     mute = [name for name, count in counts.items() if not spoken(count)]
-    held = len(counts) - len(broken)
+    held = len(counts) - len({*broken, *mute})
     answer = f"{held} of {len(counts)} properties held in {examples:,} examples."
     if broken:
         answer = f"Broken: {', '.join(broken)}; {answer}"
@@ -53,7 +53,7 @@ def tell(part: Part, totals: Values) -> Told:
         missing = [name for name in totals["properties"] if name not in counts]
         answer += f" No chunk was done of {', '.join(missing)}."
     return Told(
-        verdict="broken" if broken else "held",
+        verdict="broken" if broken else "open" if mute else "held",
         answer=answer,
         figures=(
             ("properties that held", f"{held} of {len(counts)}"),

@@ -190,3 +190,14 @@ def test_all_methods_have_a_name_and_a_place() -> None:
     names = {getattr(one, "method", "threshold") for one in done}
 
     assert names == set(METHODS) == {*DRAWS, *SEARCHES, "threshold"}
+
+
+def test_every_method_of_drawing_has_its_turn_however_few_the_executions() -> None:
+    part = part_of(methods=("uniform", "corners", "mixed"), executions=50, chunk=1000)
+    works = [work_of(part, k) for k in range(FALSIFY.count(part))]
+    assert {work.method for work in works if isinstance(work, Bulk)} == {
+        "uniform",
+        "corners",
+        "mixed",
+    }
+    assert sum(work.runs for work in works if isinstance(work, Bulk)) == 50

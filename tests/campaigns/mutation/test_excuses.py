@@ -91,7 +91,7 @@ TUBE = "half - |T/2 -+ sigma|"
         (shifted(FRICTION, "mu", 0.1), "the same inequality over a narrower box"),
         (shifted(FRICTION, "mu", 0.1, end=1), "true at 20000 points"),
         (shifted(TUBE, "lower_bound", 0.1), "true along 500 runs"),
-        (put("margin", "factor", value=1.0), "a factor below the refused one"),
+        (put("margin", "factor", value=1.0), "a smaller margin"),
         (aimed(0.01), "another policy, which the planner certifies too"),
         (box(3, 0, 0, -1e-6), "a box as its exact ends read; a box that holds 500 runs"),
         (box(1, 2, 1, 1e-15), "the same to 14 digits"),
