@@ -68,7 +68,8 @@ def test_a_threshold_as_a_chunk(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is found beyond the part's uncertainty is told, and breaks nothing."""
     asked = []
 
-    def coarse(player: Feedback, *_: object, seed: int) -> Threshold:
+    def coarse(player: Feedback, *_: object, seed: int, largest: float) -> Threshold:
+        assert largest == 3.0  # the paper's friction would bear eleven times
         asked.append((player.engine, seed))
         row = np.array([0.25, -1.0])
         breaking = Breaking(factor=1.5, claims=("made up",), row=row)
