@@ -24,6 +24,8 @@ benchmark: $(INSTALLED)
 	  --python $(BIN)/python --target $(PEERS) --requirement tests/benchmarks/requirements.lock
 	PYTHONPATH=$(PEERS) $(BIN)/python -m tests.benchmarks --peers --out reports/simulator/speed.md
 	PYTHONPATH=$(PEERS) $(BIN)/python -m tests.benchmarks.bounds --out reports/bounds/speed.md
+	$(BIN)/python -m tests.benchmarks.executions --out reports/campaigns/speed.md
+	$(BIN)/python -m tests.benchmarks.campaigns --out reports/campaigns/scale.md
 
 $(INSTALLED): pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

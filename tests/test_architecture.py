@@ -53,7 +53,7 @@ MAY_IMPORT = {
         "task",
     },
 }
-ABOVE = {"cli", "reporting", "reproduction", "__init__"}  # what nothing else may reach
+ABOVE = {"campaigns", "cli", "reporting", "reproduction", "__init__"}  # what nothing else may reach
 
 
 def part_of(path: Path) -> str:
@@ -118,6 +118,11 @@ def test_nothing_below_reaches_the_reports_the_command_line_or_the_derivations(p
     if part_of(path) not in ABOVE:
         assert not parts_imported(path) & ABOVE
         assert not any(name.split(".")[0] == "derivations" for name in imported(path))
+
+
+def test_campaigns_reach_nothing_that_tells_of_them() -> None:
+    for path in (path for path in SOURCES if part_of(path) == "campaigns"):
+        assert not parts_imported(path) & (ABOVE - {"campaigns", "__init__"}), names(path)
 
 
 def test_derivations_know_nothing_of_the_package() -> None:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from meso_robust.campaigns.document import Campaign
 from meso_robust.campaigns.encoding import canonical, digest, slug
-from meso_robust.campaigns.kind import Failure, Part, Result, Told, Values
+from meso_robust.campaigns.kind import Failure, Part, Result, Told, Values, Verdict
 from meso_robust.campaigns.kinds import kind_of
 from meso_robust.campaigns.provenance import code, versions
 from meso_robust.campaigns.store import Session, Store, Trouble
@@ -19,15 +19,13 @@ WRITTEN = 20  # failures that are written out, of each part
 
 REPLAYED = -1  # instead of a chunk's index
 
-Verdict = Literal["held", "broken", "open", "measured", "incomplete"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shown:
     """A failure that is written out."""
 
     chunk: int
-    """``REPLAYED`` if it was kept from an earlier campaign."""
+    """``REPLAYED`` if it had been kept before."""
     failure: Failure
     folder: str
     """Where its files are, relative to the report; empty if it has none."""
@@ -61,7 +59,7 @@ class Answer:
     sessions: tuple[Session, ...]
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> Verdict | Literal["incomplete"]:
         """The first that holds of: broken, incomplete (chunks are missing), open, held, measured."""
         verdicts = {one.told.verdict for one in self.parts}
         if "broken" in verdicts:
@@ -127,7 +125,7 @@ def _part(part: Part, store: Store, replayed: Result | None) -> PartAnswer:
 
 def _with_replayed(told: Told, replayed: Result) -> Told:
     """What is told of a part, and of the examples that were kept from earlier campaigns."""
-    again = f"Of {replayed.runs:,} examples kept from earlier campaigns {replayed.failed:,} fail."
+    again = f"Of {replayed.runs:,} examples kept before {replayed.failed:,} fail again."
     return replace(
         told,
         verdict="broken" if replayed.failed else told.verdict,

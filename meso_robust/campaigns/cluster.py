@@ -12,7 +12,8 @@ from meso_robust.campaigns.crew import CrewLostError, Found
 from meso_robust.errors import InputError
 
 CONNECT = 20.0  # s for one attempt to reach the scheduler
-PATIENCE = 60.0  # s for which a lost scheduler is looked for
+PATIENCE = 60.0  # s for which a lost scheduler, or a first worker, is waited for
+PAUSE = 0.2  # s between two looks
 
 
 class Cluster:
@@ -67,8 +68,22 @@ class Cluster:
 
     @property
     def size(self) -> int:
-        """One chunk for every worker that is there now, at least one: workers may yet come."""
-        return max(1, len(self._client.scheduler_info()["workers"]))
+        """One chunk for every worker that is there now; waits a while for the first.
+
+        Raises
+        ------
+        InputError
+            None comes.
+        """
+        until = time.monotonic() + PATIENCE
+        while not (workers := len(self._client.scheduler_info(n_workers=-1)["workers"])):
+            if time.monotonic() > until:
+                raise InputError(
+                    f"--scheduler {self._address}: has no workers; start some (`dask worker "
+                    f"{self._address} --nthreads 1`); what is done is kept, go on with --resume"
+                )
+            time.sleep(PAUSE)
+        return workers
 
     def submit(self, do: Callable[[str, int], Found], part: str, chunk: int) -> Future[Found]:
         """Have a chunk done."""

@@ -26,7 +26,7 @@ class Crew(Protocol):
 
     @property
     def size(self) -> int:
-        """How many chunks are done side by side."""
+        """How many chunks are done side by side. Raises InputError if there is nobody to do them."""
 
     def submit(self, do: Callable[[str, int], Found], part: str, chunk: int) -> Future[Found]:
         """Have a chunk done. Raises CrewLostError."""

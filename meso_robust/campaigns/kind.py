@@ -145,13 +145,16 @@ class Paths:
 View = Table | Bars | Coverage | Paths
 
 
+Verdict = Literal["held", "broken", "open", "measured"]
+"""``held``: looked for a failure and found none; ``broken``: found one; ``open``: what was done does
+not answer what was asked; ``measured``: a rate, no claim was at stake."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Told:
     """A part's totals as they are told."""
 
-    verdict: Literal["held", "broken", "open", "measured"]
-    """``held``: looked for a failure and found none; ``broken``: found one; ``open``: what was done
-    does not answer what was asked; ``measured``: a rate, no claim was at stake."""
+    verdict: Verdict
     answer: str
     """A sentence or two."""
     figures: tuple[tuple[str, str], ...]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -13,7 +12,7 @@ from pydantic import Field, FiniteFloat
 
 from meso_robust.campaigns.coverage import BINS, coverage, histogram
 from meso_robust.campaigns.hardest import paths
-from meso_robust.campaigns.intervals import share_interval
+from meso_robust.campaigns.intervals import ends_told, percent, share_interval
 from meso_robust.campaigns.kind import (
     MOST_FAILURES,
     Bars,
@@ -26,6 +25,7 @@ from meso_robust.campaigns.kind import (
     Table,
     Told,
     Values,
+    Verdict,
 )
 from meso_robust.campaigns.planned import GivenPlan, PlanSection, given_plan, plan_of
 from meso_robust.execution.endings import ending, words
@@ -42,7 +42,6 @@ OF = {
     "corners": " at corners of the uncertainty box",
 }
 """What the executions are a sample of."""
-Verdict = Literal["held", "broken", "open", "measured"]
 HARDEST = 3  # runs that are kept of a chunk, and drawn of a part
 MISSES = 40  # bins of the miss, from 0 to FAR
 FAR = 2.0  # tolerances
@@ -204,24 +203,30 @@ def _tell(part: Part, totals: Values) -> Told:
     runs, good = int(totals["executions"]), int(totals["in_goal"])
     if runs == 0:
         return Told(verdict="measured", answer="No chunk was done.", figures=(), views=())
-    low, high = share_interval(good, runs, part.confidence)
-    wanted = part.asked["at_least"]
-    ends = f"{_percent(low, ROUND_FLOOR)} to {_percent(high, ROUND_CEILING)}"
+    unfinished, wanted = int(totals["unfinished"]), part.asked["at_least"]
+    low = share_interval(good, runs, part.confidence)[0]
+    # what the engine could not finish may have ended in the goal or not
+    high = share_interval(good + unfinished, runs, part.confidence)[1]
+    ends = ends_told(low, high)
     answer = (
         f"{good:,} of {runs:,} executions{OF[part.asked['draws']]} end in the goal: "
-        f"{_percent(good / runs)} ({100 * part.confidence:g} % interval {ends})."
+        f"{percent(good / runs)} ({100 * part.confidence:g} % interval {' to '.join(ends)})."
     )
+    if unfinished:
+        answer += (
+            f" The engine could not finish {unfinished:,}; the interval allows for either end."
+        )
     verdict, word = _judged(low, high, wanted)
     if wanted is not None:
-        answer += f" Success of at least {_percent(wanted)} {word}."
+        answer += f" Success of at least {percent(wanted)} {word}."
     ready = _prepare(part)
     names = tuple(column.name for column in ready.player.columns)
     return Told(
         verdict=verdict,
         answer=answer,
         figures=(
-            ("success", _percent(good / runs)),
-            ("exact interval", ends.replace(" to ", " … ")),
+            ("success", percent(good / runs)),
+            ("exact interval", " … ".join(ends)),
         ),
         views=(
             _endings(totals, runs, part.confidence),
@@ -242,14 +247,6 @@ def _judged(low: float, high: float, wanted: float | None) -> tuple[Verdict, str
     )
 
 
-def _percent(share: float, rounding: str = ROUND_HALF_EVEN) -> str:
-    """A share in %, with so many digits that what is less than all, or more than none, shows."""
-    exact = 100 * Decimal(share)
-    near = min(exact, 100 - exact)
-    places = max(4, 1 - near.adjusted()) if near else 4
-    return f"{exact.quantize(Decimal(1).scaleb(-places), rounding).normalize():f} %"
-
-
 def _endings(totals: Values, runs: int, confidence: float) -> Table:
     """How executions ended, each with its exact interval."""
     missed = {
@@ -262,8 +259,7 @@ def _endings(totals: Values, runs: int, confidence: float) -> Table:
     rows = []
     for name, count in counts:
         low, high = share_interval(count, runs, confidence)
-        ends = (_percent(low, ROUND_FLOOR), _percent(high, ROUND_CEILING))
-        rows.append((name, f"{count:,}", *ends))
+        rows.append((name, f"{count:,}", *ends_told(low, high)))
     return Table(
         title="How executions ended",
         head=("ending", "executions", "at least", "at most"),

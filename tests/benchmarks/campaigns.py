@@ -28,7 +28,7 @@ from meso_robust.campaigns.falsify.section import EVENTS_CHUNK
 from meso_robust.campaigns.provenance import code, machine
 from meso_robust.campaigns.store import NAME, Store
 from meso_robust.campaigns.work import carry_out
-from tests.campaigns.test_cluster import running
+from tests.campaigns.local_cluster import running
 
 ROOT = Path(__file__).parents[2]
 PLAN = ROOT / "reports" / "paper_task" / "plan.json"

@@ -7,6 +7,7 @@ several repetitions; it asserts nothing about time.
 
 from __future__ import annotations
 
+import argparse
 import multiprocessing
 import os
 import statistics
@@ -14,6 +15,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from pathlib import Path
 from threading import Barrier
 
 import numpy as np
@@ -22,6 +24,7 @@ from meso_robust.execution.claims import Claims
 from meso_robust.execution.engines import Engine
 from meso_robust.execution.judging import judge
 from meso_robust.execution.replay import Feedback
+from meso_robust.files import write_all
 from meso_robust.kernels import one_thread
 from tests.benchmarks.timing import number, reached, table
 from tests.execution.paper import paper_claims
@@ -85,14 +88,23 @@ def _row(engine: Engine, held: bool) -> list[str]:
 
 
 def main() -> None:
-    """Print the table."""
-    print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} before the start\n")
+    """Print the table, or write it as a page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path)
+    out = parser.parse_args().out
+    load = f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} before the start"
     heads = (
         "executions a second", "1 process", "by processor time", "2 processes",
         "by processor time", "efficiency", "target of 2", "reached",
     )  # fmt: skip
     rows = [_row(engine, held) for engine in ROWS for held in (False, True)]
-    print("\n".join(table("Executions of the paper's plan", heads, rows)))
+    text = "\n".join([load, "", *table("Executions of the paper's plan", heads, rows)])
+    if out is None:
+        print(text)
+        return
+    command = f"`python -m tests.benchmarks.executions --out {out}`"
+    page = f"# Executions of a plan a second\n\n{command}: {text}\n"
+    write_all(out.parent, {out.name: page})
 
 
 if __name__ == "__main__":

@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import socket
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -22,55 +15,10 @@ from meso_robust.campaigns.work import carry_out
 from meso_robust.errors import InputError
 from tests.campaigns.faults import do
 from tests.campaigns.faulty import campaign
+from tests.campaigns.local_cluster import end, free_port, running, scheduler, worker
 from tests.campaigns.test_work import expected, sums
 
-ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own
-
-
-def dask(*words: str) -> subprocess.Popen[bytes]:
-    """A part of a cluster as a process of its own."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "distributed.cli." + words[0], *words[1:], "--no-dashboard"],
-        env=os.environ
-        | {"PYTHONPATH": str(ROOT), "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "5s"},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def scheduler(port: int) -> subprocess.Popen[bytes]:
-    return dask("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
-
-
-def worker(address: str) -> subprocess.Popen[bytes]:
-    return dask("dask_worker", address, "--nthreads", "1", "--no-nanny")
-
-
-def end(process: subprocess.Popen[bytes]) -> None:
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-
-
-@contextmanager
-def running(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """A scheduler on this machine and its workers: address and processes, the scheduler first."""
-    port = free_port()
-    address = f"tcp://127.0.0.1:{port}"
-    processes = [scheduler(port), *(worker(address) for _ in range(workers))]
-    try:
-        yield address, processes
-    finally:
-        for process in processes:
-            if process.poll() is None:
-                end(process)
 
 
 def test_a_killed_worker_changes_nothing(tmp_path: Path) -> None:
@@ -132,3 +80,15 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
         Cluster(f"tcp://127.0.0.1:{free_port()}")
     with pytest.raises(InputError, match="cannot be reached"):
         Cluster("no address")
+
+
+def test_a_scheduler_without_workers_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = campaign(3)
+    store = Store(tmp_path / NAME, asked.values, code())
+    with running(0) as (address, _):
+        crew = Cluster(address)
+        monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+        with pytest.raises(InputError, match=r"has no workers; start some.*--resume"):
+            list(carry_out(asked, store, crew, do))

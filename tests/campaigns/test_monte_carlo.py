@@ -15,9 +15,9 @@ import pytest
 
 from meso_robust.campaigns.document import Campaign, read_campaign
 from meso_robust.campaigns.encoding import part_of, part_text, result_of, result_text
-from meso_robust.campaigns.intervals import share_interval
+from meso_robust.campaigns.intervals import ends_told, percent, share_interval
 from meso_robust.campaigns.kind import Coverage, Paths, Result, Table
-from meso_robust.campaigns.monte_carlo import MONTE_CARLO, _percent, drawn
+from meso_robust.campaigns.monte_carlo import MONTE_CARLO, drawn
 from meso_robust.campaigns.planned import largest_factor, plan_of
 from meso_robust.errors import InputError
 from meso_robust.execution.replay import Feedback, limits
@@ -146,7 +146,24 @@ def test_a_demanded_share_is_judged_by_the_interval(wanted: float, verdict: str)
     ],
 )
 def test_less_than_all_is_never_told_as_all(share: float, text: str) -> None:
-    assert _percent(share) == text
+    assert percent(share) == text
+
+
+def test_ends_are_told_outward() -> None:
+    assert ends_told(0.123456789, 0.123456789) == ("12.3456 %", "12.3457 %")
+    # 2 ** -22 is 2.384...e-7
+    assert ends_told(1.0 - 2.0**-22, 1.0) == ("99.999976 %", "100 %")
+    assert ends_told(2.0**-22, 0.0)[0] == "0.000023 %"
+
+
+def test_what_could_not_be_finished_neither_shows_nor_refutes() -> None:
+    asked, results = failing()
+    part = replace(asked.parts[0], asked={**asked.parts[0].asked, "at_least": 0.8})
+    totals = MONTE_CARLO.total(part, results)
+    assert MONTE_CARLO.tell(part, totals).verdict == "broken"
+    told = MONTE_CARLO.tell(part, {**totals, "unfinished": 60})
+    assert told.verdict == "open"
+    assert "could not finish 60" in told.answer
 
 
 def test_uncertainties_are_not_scaled_beyond_what_friction_and_film_can_be(tmp_path: Path) -> None:

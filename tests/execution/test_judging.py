@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -12,8 +12,10 @@ from meso_robust.execution.ascent import corners
 from meso_robust.execution.claims import Claims
 from meso_robust.execution.engines import Engine
 from meso_robust.execution.judging import Judged, judge
-from meso_robust.execution.replay import limits, nominal_row
+from meso_robust.execution.replay import Feedback, limits, nominal_row
+from meso_robust.execution.running import STEP, PlanRun
 from meso_robust.primitives.setup import setup_of
+from meso_robust.simulator import Outcome
 from tests.conftest import paper_task
 from tests.execution.paper import exactly, paper_claims, shrunk
 from tests.execution.test_replay import paper_player
@@ -125,3 +127,29 @@ def test_friction_that_is_too_low_slips_and_too_high_jams() -> None:
     assert judged.broken["move 4: contacts are as claimed"].tolist() == [True, False]
     assert judged.broken["every move can be carried out"].tolist() == [False, True]
     assert judged.runs.failed_in.tolist() == [4, 2]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Failing(Feedback):
+    """Cannot finish a run at steps below the usual one."""
+
+    def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
+        found = Feedback.run(self, rows, record=record, step=step)
+        if step == STEP:
+            return found
+        outcomes = np.full(len(rows), Outcome.SOLVER_FAILURE, dtype=np.int8)
+        return replace(found, outcomes=outcomes, failed_in=np.zeros(len(rows), dtype=np.int64))
+
+
+def test_a_suspect_that_cannot_be_finished_at_a_finer_step_is_not_acquitted() -> None:
+    player = paper_player()
+    rows = corners(*limits(player), 40, np.random.default_rng(0))
+    finished = judge(player, paper_claims(), rows)
+    assert finished.repeated > 0
+    assert not finished.unfinished.any()
+
+    failing = Failing(rules=player.rules, setup=player.setup)
+    judged = judge(failing, paper_claims(), rows)
+
+    assert int(judged.unfinished.sum()) == judged.repeated == finished.repeated
+    assert not (judged.unfinished & judged.any_broken).any()

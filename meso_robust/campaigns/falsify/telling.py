@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import functools
-from typing import Literal
+from decimal import ROUND_CEILING
 
 from meso_robust.campaigns.falsify.ready import Ready, ready_of
 from meso_robust.campaigns.falsify.totals import Totals, added
 from meso_robust.campaigns.falsify.views import corners_met, highest, pooled, views
-from meso_robust.campaigns.intervals import share_interval
-from meso_robust.campaigns.kind import Part, Told, Values
+from meso_robust.campaigns.intervals import percent, share_interval
+from meso_robust.campaigns.kind import Part, Told, Values, Verdict
 
 Figures = tuple[tuple[str, str], ...]
 Counts = dict[str, int]
@@ -41,17 +41,16 @@ def tell(part: Part, totals: Values) -> Told:
     )
 
 
-def _verdict(
-    ready: Ready, drawn: Totals, searches: Counts
-) -> Literal["held", "broken", "open", "measured"]:
-    """``held`` only of what a certificate claims, ``broken`` only within the task's uncertainty."""
+def _verdict(ready: Ready, drawn: Totals, searches: Counts) -> Verdict:
+    """``held`` only of what a certificate claims, ``broken`` only within the task's uncertainty.
+
+    A run that the engine could not finish says nothing of the plan, so it leaves the answer open.
+    """
     if drawn.failed or searches.get("failed", 0):
         return "broken" if ready.plan.factor <= 1.0 else "measured"
     if not ready.certified or not (drawn.runs or searches):
         return "measured"
-    finished = drawn.runs - drawn.unfinished
-    ended = searches.get("searches", 0) - searches.get("unfinished", 0)
-    return "held" if finished + ended > 0 else "open"
+    return "open" if drawn.unfinished + searches.get("unfinished", 0) else "held"
 
 
 def _answer(ready: Ready, totals: Values, drawn: Totals, searches: Counts) -> str:
@@ -125,7 +124,7 @@ def _likely(part: Part, totals: Values) -> Figures:
         found.append(
             (
                 f"share of uniform draws that break a claim, {100 * part.confidence:g} % bound",
-                f"at most {bound:.2e}",
+                f"at most {percent(bound, ROUND_CEILING)}",
             )
         )
     likely = {name: pooled(each) for name, each in totals["rare"].items()}

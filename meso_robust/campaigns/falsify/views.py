@@ -106,17 +106,21 @@ def _cell(value: float | str | None) -> str:
 
 
 def highest(ready: Ready, totals: Values) -> dict[str, float]:
-    """For each side of a box the highest share of its half width by any method, highest first."""
-    found = {}
+    """For each side of a box the highest share of its half width by any method, highest first.
+
+    Runs that could not be carried out score infinity; whether that breaks a claim is judged apart.
+    """
+    found: dict[str, float] = {}
     for target in ready.targets:
         by = totals["reached"].get(target.name, {})
         if by and target.unit == HALF_WIDTHS and not target.record:
-            found[target.name] = max(value_of(value) for value in by.values())
+            finite = [v for value in by.values() if np.isfinite(v := value_of(value))]
+            found |= {target.name: max(finite)} if finite else {}
     return dict(sorted(found.items(), key=lambda one: -one[1]))
 
 
 def _nearest(ready: Ready, totals: Values) -> Bars | None:
-    found = {k: v for k, v in highest(ready, totals).items() if np.isfinite(v)}
+    found = highest(ready, totals)
     hardest = list(found.items())[:MOST_BARS]
     if not hardest:
         return None

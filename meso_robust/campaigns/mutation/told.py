@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from meso_robust.campaigns.intervals import share_interval
+from meso_robust.campaigns.intervals import ends_told, share_interval
 from meso_robust.campaigns.kind import Bars, Part, Table, Told, Values
 from meso_robust.campaigns.mutation.answer import ACCEPTED, MALFORMED, REJECTED
 
@@ -17,6 +17,8 @@ WORDS = (MALFORMED, REJECTED, "NOTHING CLAIMED", ACCEPTED)
 def tell(part: Part, values: Values) -> Told:
     """The totals as they are reported."""
     runs, missed = int(values["runs"]), int(values["missed"])
+    if not runs:
+        return Told(verdict="measured", answer="No chunk was done.", figures=(), views=())
     rejected = runs - int(values["answers"].get(ACCEPTED, 0))
     return Told(
         verdict="broken" if missed else "held",
@@ -39,10 +41,7 @@ def tell(part: Part, values: Values) -> Told:
 
 
 def _share(part: Part, missed: int, runs: int) -> str:
-    if runs == 0:
-        return "–"
-    low, high = share_interval(missed, runs, part.confidence)
-    return f"{100 * low:.2g} … {100 * high:.2g} %"
+    return " … ".join(ends_told(*share_interval(missed, runs, part.confidence)))
 
 
 def _ranked(counts: Mapping[str, int]) -> list[tuple[str, int]]:

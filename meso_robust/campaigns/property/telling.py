@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from decimal import ROUND_CEILING
 from typing import Any
 
+from meso_robust.campaigns.intervals import percent
 from meso_robust.campaigns.kind import Part, Table, Told, Values
 from meso_robust.campaigns.property.registry import PROPERTIES
 
@@ -87,7 +89,11 @@ def _counts(counts: dict[str, Any], confidence: float) -> Table:
 
 
 def _below(examples: int, confidence: float) -> str:
-    return f"below {bound(examples, confidence):.2g}" if examples else "nothing was said"
+    return (
+        f"below {percent(bound(examples, confidence), ROUND_CEILING)}"
+        if examples
+        else "nothing was said"
+    )
 
 
 def _statements(counts: dict[str, Any]) -> Table:

@@ -163,7 +163,7 @@ def test_what_is_told() -> None:
     assert 70 < even < 135
     assert rows["holds"][1:3] == ("200", "0")
     for name, said in (("holds", 196), ("odd", 196 - even)):
-        limit = float(rows[name][3].removeprefix("below "))
+        limit = 0.01 * float(rows[name][3].removeprefix("below ").removesuffix(" %"))
         # at the bound, that nothing was found has the probability that is left
         assert binom.pmf(0, said, limit) == pytest.approx(0.05, rel=0.05)
 
@@ -172,6 +172,8 @@ def test_examples_that_say_nothing_are_not_taken_for_success() -> None:
     of = part(properties=["odd"], examples=1)
     told = PROPERTY.tell(of, PROPERTY.total(of, done(of)))
     assert "Nothing was said by the examples of odd" in told.answer
+    assert told.verdict == "open"
+    assert told.answer.startswith("0 of 1 properties held")
 
 
 def test_what_was_not_done_is_told() -> None:

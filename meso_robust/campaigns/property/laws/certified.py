@@ -83,7 +83,7 @@ def _breach(
     """The first row that breaks a wanted claim, with the files that replay it."""
     hit = [name for name in wanted if judged.broken[name].any()]
     if not hit:
-        return None
+        return Silence("a run could not be finished") if judged.unfinished.any() else None
     row = int(np.flatnonzero(judged.broken[hit[0]])[0])
     breaks = tuple(name for name in wanted if judged.broken[name][row])
     return Breach(
