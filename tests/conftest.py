@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -10,6 +12,7 @@ import pytest
 from meso_robust.job import Planned, make
 from meso_robust.task import Task, parse_task
 from meso_robust.tasks import PAPER
+from tests.browser import REQUIRED, Browser, Page, browser as started, executable, tab
 
 Values = dict[str, Any]
 
@@ -33,3 +36,21 @@ def paper_plan() -> Planned:
 def wide_friction_plan() -> Planned:
     """The same task with friction anywhere from 0.05 to 0.9."""
     return make(paper_task(uncertainty__friction=[0.05, 0.9]), 100, 0)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """The session's Chromium; without one the test is skipped, or fails if MESO_BROWSER=required."""
+    path = executable()
+    if path is None:
+        missing = pytest.fail if os.environ.get(REQUIRED) == "required" else pytest.skip
+        missing("no Chromium on this machine (Debian: apt-get install chromium)")
+    with started(path) as running:
+        yield running
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    """An empty tab of the session's browser."""
+    with tab(browser) as opened:
+        yield opened
