@@ -8,7 +8,9 @@ tilt is straightened, so it is chosen last, such that this is the goal.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -38,13 +40,31 @@ class _Choice:
     middle: float
 
 
+class Ended(Protocol):
+    """What follows a rotation."""
+
+    @property
+    def post(self) -> PoseBox | None:
+        """All poses at its end, in the axes of the rotation."""
+
+
+E = TypeVar("E", bound=Ended)
+Finish = Callable[[PoseBox], E | None]
+"""From all poses after a rotation to the goal, if there is a robust way."""
+
+
 def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
     """The robust rotation and the push to the goal after it, if any."""
+    return rotate_and_finish(pre, setup, lambda state: to_goal(state, setup))
+
+
+def rotate_and_finish(pre: PoseBox, setup: Setup, finish: Finish[E]) -> tuple[Step, E] | None:
+    """The robust rotation after which ``finish`` leads to the goal, and what that is."""
     for extra in SEPARATION_STEPS_UM:
         turned = _turn(_least_separation_um(setup) + extra, pre, setup)
         if turned is not None:
             # a larger separation leaves a larger tilt, so what fails now would fail with it too
-            return _insert(*turned, pre, setup)
+            return _finish(*turned, pre, setup, finish)
     return None
 
 
@@ -68,17 +88,19 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
     return None
 
 
-def _insert(turned: Step, choice: _Choice, pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
-    """Add the push to the goal, and shift the pair until the part ends at the goal's height."""
+def _finish(
+    turned: Step, choice: _Choice, pre: PoseBox, setup: Setup, finish: Finish[E]
+) -> tuple[Step, E] | None:
+    """Add what leads to the goal, and shift the pair until the part ends at the goal's height."""
     for _ in range(MOST_TRIALS):
         if turned.verdict is not Verdict.PROVED or turned.post is None:
             return None
-        inserted = to_goal(turned.post, setup)
-        if inserted is None or inserted.post is None:
+        finished = finish(turned.post)
+        if finished is None or finished.post is None:
             return None
-        off = units.to_um(inserted.post.y.mid - setup.goal.y.mid)
-        if inserted.post.within(setup.goal) and abs(off) < CLOSE_ENOUGH_UM:
-            return turned, inserted
+        off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
+        if finished.post.within(setup.goal) and abs(off) < CLOSE_ENOUGH_UM:
+            return turned, finished
         choice = replace(choice, middle=choice.middle - off)
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
     return None
