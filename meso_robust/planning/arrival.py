@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.planning.x_translation import to_goal, upright
-from meso_robust.primitives.frame import HEADINGS, Frame, Heading
+from meso_robust.primitives.frame import Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -34,7 +34,7 @@ class Arrival:
 
 
 def arrive(
-    state: PoseBox, setup: Setup, headings: Sequence[Heading], most: int = MOST_PUSHES
+    state: PoseBox, setup: Setup, headings: Sequence[Heading], *, mirrored: bool = False
 ) -> Arrival | None:
     """The shortest robust sequence of pushes to the goal that is found.
 
@@ -44,20 +44,20 @@ def arrive(
         All poses before the pushes, and the task; world frame.
     headings
         Directions in which the part can be pushed.
-    most
-        Longest sequence.
+    mirrored
+        Whether the y axes of the pushes are mirrored, as in a plan for the mirrored task.
     """
-    for length in range(1, most + 1):
-        for way in itertools.permutations(headings, length):
+    frames = [Frame(heading=heading, mirrored=mirrored) for heading in headings]
+    for length in range(1, MOST_PUSHES + 1):
+        for way in itertools.permutations(frames, length):
             found = _along(state, setup, way)
             if found is not None:
                 return found
     return None
 
 
-def across(state: PoseBox, setup: Setup, heading: Heading) -> Arrival | None:
+def across(state: PoseBox, setup: Setup, frame: Frame) -> Arrival | None:
     """One push on a short edge that ends with that coordinate at the goal, if it is robust."""
-    frame = Frame(heading=heading)
     there, own = frame.setup(setup), frame.from_world(state)
     if there.edge(own.theta.mid).name != "short":
         return None
@@ -68,14 +68,14 @@ def across(state: PoseBox, setup: Setup, heading: Heading) -> Arrival | None:
     return Arrival(rules=(rule,), post=frame.box_to_world(step.post))
 
 
-def _along(state: PoseBox, setup: Setup, way: tuple[Heading, ...]) -> Arrival | None:
-    """Pushes in these headings, one after the other."""
-    frame, rest = Frame(heading=way[0]), way[1:]
+def _along(state: PoseBox, setup: Setup, way: tuple[Frame, ...]) -> Arrival | None:
+    """Pushes in these frames, one after the other."""
+    frame, rest = way[0], way[1:]
     there, own = frame.setup(setup), frame.from_world(state)
     edge = there.edge(own.theta.mid)
     if abs(edge.angle(own.theta).mid - HALF_PI.mid) > LEAN:
         return None
-    for step in _steps(own, there, back=_opposite(way[0]) in rest):
+    for step in _steps(own, there, back=any(_opposite(frame, one) for one in rest)):
         if step.verdict is not Verdict.PROVED or step.post is None:
             continue
         rule, after = replace(step.rule, frame=frame), frame.box_to_world(step.post)
@@ -103,5 +103,5 @@ def _some(step: Step | None) -> tuple[Step, ...]:
     return () if step is None else (step,)
 
 
-def _opposite(heading: Heading) -> Heading:
-    return HEADINGS[(HEADINGS.index(heading) + 2) % 4]
+def _opposite(one: Frame, other: Frame) -> bool:
+    return abs(one.quarters - other.quarters) == 2

@@ -85,7 +85,7 @@ def compose(task: Task) -> Found:
             f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
             f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
             "start further from the goal, or closer to the line through it along which the probe "
-            "pushes, or widen the goal"
+            "pushes, or widen the goal, or state probes on more sides ([probe] headings)"
         )
     attempts: list[tuple[float, str | None]] = [
         *((NARROWED, field.name) for field in fields(Uncertainty)),
@@ -153,7 +153,7 @@ def _starts(
 ) -> Iterator[tuple[tuple[MoveRule, ...], PoseBox]]:
     """Where a rotation can start: where the part is, or after a push that brings it in line."""
     yield (), setup.start
-    pushes = (across(setup.start, setup, heading) for heading in headings)
+    pushes = (across(setup.start, setup, Frame(heading=heading)) for heading in headings)
     yield from ((push.rules, push.post) for push in pushes if push is not None)
 
 
@@ -163,7 +163,7 @@ def _turned(
     """Steps 1 and 2 in one frame, and pushes to the goal in any headings."""
 
     def finish(own: PoseBox) -> Arrival | None:
-        found = arrive(frame.box_to_world(own), setup, headings)
+        found = arrive(frame.box_to_world(own), setup, headings, mirrored=frame.mirrored)
         return None if found is None else replace(found, post=frame.from_world(found.post))
 
     plan = _turn(frame.setup(setup), finish, (task.plan.least_y_translations,))
