@@ -27,6 +27,7 @@ Coordinate = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 Error = Annotated[FiniteFloat, Field(ge=0, le=1e4)]
 Friction = Annotated[FiniteFloat, Field(ge=0, le=3)]
 Range = tuple[FiniteFloat, FiniteFloat]
+Heading = Literal["-x", "-y", "+x", "+y"]
 
 
 class _Section(BaseModel):
@@ -79,12 +80,21 @@ class Goal(Pose):
 
 
 class Probe(_Section):
-    """The active dual-tip probe."""
+    """The active dual-tip probe, or several alike."""
 
     tip_spacing_um: Length
     """Distance of the tips across the push, um."""
     speed_um_s: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Speed of every move, um/s; the path does not depend on it."""
+    headings: Annotated[tuple[Heading, ...], Field(min_length=1)] | None = None
+    """Directions in which the active probe can push, one dual-tip probe each; the moves of a plan may
+    have different ones. Absent: any, and a plan keeps to one. The passive tip can stand anywhere."""
+
+    @model_validator(mode="after")
+    def _each_heading_once(self) -> Self:
+        if self.headings is not None and len(set(self.headings)) < len(self.headings):
+            raise ValueError(f"headings = {list(self.headings)}: give each direction once")
+        return self
 
 
 class Uncertainty(_Section):

@@ -99,6 +99,7 @@ def _check(
         )
     _check_known(task)
     _check_shape(certificate)
+    _check_headings(certificate, task)
     margins.check_words(certificate.margin)
     boxes = _boxes(certificate, known)
     _check_steps(certificate, known, boxes, prover)
@@ -156,6 +157,14 @@ def _check_shape(certificate: Certificate) -> None:
         for name in ("step", "primitive", "action"):
             _same(f"move {number + 1}: {name}", getattr(step, name), getattr(rule, name))
         _same(f"move {number + 1}: verdict", step.verdict, "PROVED")
+
+
+def _check_headings(certificate: Certificate, task: Task) -> None:
+    """Every push is one that the task has a probe for."""
+    stated = task.probe.headings
+    for number, rule in enumerate(certificate.policy):
+        if stated is not None and rule.heading not in stated:
+            raise Refused(f"move {number + 1}: heading", rule.heading, list(stated))
 
 
 def _boxes(certificate: Certificate, known: Given) -> list[PoseBox]:

@@ -8,6 +8,7 @@ from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
+from meso_robust.planning.scale import fine
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import HALF
 
@@ -32,18 +33,18 @@ def start_ahead_um(rises: tuple[tuple[int, Interval], ...], pre: PoseBox, setup:
         lag = up * sin(u.misalignment) / cos(u.misalignment)
         reach = sticking.contact_reach(angle, edge.depth, rise)
         needed.append((reach + lag - u.sensed_position - u.probe_position).hi)
-    return _rounded_up(max(needed))
+    return _rounded_up(max(needed), setup)
 
 
 def passive_behind_um(rise: Interval, pre: PoseBox, setup: Setup) -> float:
     """Smallest distance of the passive tip behind the sensed part, um, rounded up to 0.1 um."""
     edge, u = setup.edge(pre.theta.mid), setup.uncertainty
     reach = sticking.contact_reach(edge.angle(pre.theta), edge.depth, -rise)
-    return _rounded_up((reach + u.sensed_position + u.probe_position).hi)
+    return _rounded_up((reach + u.sensed_position + u.probe_position).hi, setup)
 
 
-def _rounded_up(length: float) -> float:
-    return math.ceil(10.0 * (units.to_um(length) + AIR_UM)) / 10.0
+def _rounded_up(length: float, setup: Setup) -> float:
+    return math.ceil(10.0 * (units.to_um(length) + fine(setup) * AIR_UM)) / 10.0
 
 
 def rise_of(offset: Interval, side: int, setup: Setup) -> Interval:

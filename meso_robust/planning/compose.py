@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
-from meso_robust.planning.rotation import rotate_and_insert
+from meso_robust.planning.arrival import Arrival, across, arrive
+from meso_robust.planning.rotation import E, Finish, rotate_and_finish
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import Before, certify_move
-from meso_robust.primitives.frame import HEADINGS, Frame
+from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
@@ -72,7 +73,7 @@ def compose(task: Task) -> Found:
     NotApplicableError
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
-    ways = _ways(setup_of(task))
+    ways = _ways(task)
     for scale in IN_HAND:
         rules = _rules(task, ways, scale, None)
         if rules is not None:
@@ -84,7 +85,7 @@ def compose(task: Task) -> Found:
             f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
             f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
             "start further from the goal, or closer to the line through it along which the probe "
-            "pushes, or widen the goal"
+            "pushes, or widen the goal, or state probes on more sides ([probe] headings)"
         )
     attempts: list[tuple[float, str | None]] = [
         *((NARROWED, field.name) for field in fields(Uncertainty)),
@@ -105,20 +106,72 @@ def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
     NotApplicableError
         No primitive can handle the start pose.
     """
-    return _rules(task, _ways(setup_of(task)), scale, None)
+    return _rules(task, _ways(task), scale, None)
 
 
 def _rules(
     task: Task, ways: Sequence[_Way], scale: float, only: str | None
 ) -> tuple[MoveRule, ...] | None:
     setup, found = setup_of(task, scale, only), []
-    for way in ways:
+    for rules in _proposed(task, setup, ways):
+        found.append(rules)
+        if not setup.blocks or _clear(rules, setup):
+            return rules
+    return found[0] if found else None
+
+
+def _proposed(task: Task, setup: Setup, ways: Sequence[_Way]) -> Iterator[tuple[MoveRule, ...]]:
+    """Plans that are robust in the open."""
+    headings = task.probe.headings or ()
+    if len(headings) > 1:
+        yield from _in_any(task, setup, ways, headings)
+    for way in _forward(ways):
         steps = _compose(task, way.frame.setup(setup), way.turns)
         if steps is not None:
-            found.append(tuple(replace(step.rule, frame=way.frame) for step in steps))
-            if not setup.blocks or _clear(found[-1], setup):
-                return found[-1]
-    return found[0] if found else None
+            yield _placed(steps, way.frame)
+
+
+def _in_any(
+    task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading]
+) -> Iterator[tuple[MoveRule, ...]]:
+    """Plans of moves with headings of their own, the shortest first."""
+    if ways[0].turns == 0:
+        straight = arrive(setup.start, setup, headings)
+        yield from () if straight is None else (straight.rules,)
+        return
+    for first, state in _starts(setup, headings):
+        here = replace(setup, start=state)
+        turned = (_turned(task, here, way.frame, headings) for way in ways)
+        found = [(*first, *rules) for rules in turned if rules is not None]
+        yield from sorted(found, key=len)
+        if found:
+            return
+
+
+def _starts(
+    setup: Setup, headings: Sequence[Heading]
+) -> Iterator[tuple[tuple[MoveRule, ...], PoseBox]]:
+    """Where a rotation can start: where the part is, or after a push that brings it in line."""
+    yield (), setup.start
+    pushes = (across(setup.start, setup, Frame(heading=heading)) for heading in headings)
+    yield from ((push.rules, push.post) for push in pushes if push is not None)
+
+
+def _turned(
+    task: Task, setup: Setup, frame: Frame, headings: Sequence[Heading]
+) -> tuple[MoveRule, ...] | None:
+    """Steps 1 and 2 in one frame, and pushes to the goal in any headings."""
+
+    def finish(own: PoseBox) -> Arrival | None:
+        found = arrive(frame.box_to_world(own), setup, headings, mirrored=frame.mirrored)
+        return None if found is None else replace(found, post=frame.from_world(found.post))
+
+    plan = _turn(frame.setup(setup), finish, (task.plan.least_y_translations,))
+    return None if plan is None else (*_placed(plan[0], frame), *plan[1].rules)
+
+
+def _placed(steps: Sequence[Step], frame: Frame) -> tuple[MoveRule, ...]:
+    return tuple(replace(step.rule, frame=frame) for step in steps)
 
 
 def _clear(rules: Sequence[MoveRule], setup: Setup) -> bool:
@@ -145,16 +198,17 @@ class _Way:
     """How far the goal lies ahead of the start, m."""
 
 
-def _ways(setup: Setup) -> list[_Way]:
-    """The directions in which the part can be pushed to the goal, the longest way first.
+def _ways(task: Task) -> list[_Way]:
+    """The headings in which the part can be turned or pushed, the longest way to the goal first.
 
     Raises
     ------
     NotApplicableError
-        There is none; the reason is that of a push along -x.
+        There is none; the reason is that of the first heading.
     """
+    setup = setup_of(task)
     found, refused = [], []
-    for heading, mirrored in itertools.product(HEADINGS, (False, True)):
+    for heading, mirrored in itertools.product(task.probe.headings or HEADINGS, (False, True)):
         frame = Frame(heading=heading, mirrored=mirrored)
         there = frame.setup(setup)
         try:
@@ -167,8 +221,12 @@ def _ways(setup: Setup) -> list[_Way]:
             found.append(_Way(frame=frame, turns=turns, ahead=ahead))
     if not found:
         raise refused[0]
-    forward = [way for way in found if way.ahead > 0.0]
-    return sorted(forward or found, key=lambda way: -way.ahead)
+    return sorted(found, key=lambda way: -way.ahead)
+
+
+def _forward(ways: Sequence[_Way]) -> Sequence[_Way]:
+    """Those that lead towards the goal, if there is one."""
+    return [way for way in ways if way.ahead > 0.0] or ways
 
 
 def _quarter_turns(setup: Setup) -> int:
@@ -204,14 +262,22 @@ def _compose(task: Task, setup: Setup, turns: int) -> list[Step] | None:
     if turns == 0:
         return _insert(setup.start, setup)
     least = task.plan.least_y_translations
-    for count in range(least, max(least, MOST_Y_TRANSLATIONS) + 1):
+    counts = range(least, max(least, MOST_Y_TRANSLATIONS) + 1)
+    plan = _turn(setup, lambda state: to_goal(state, setup), counts)
+    return None if plan is None else [*plan[0], plan[1]]
+
+
+def _turn(setup: Setup, finish: Finish[E], counts: Iterable[int]) -> tuple[list[Step], E] | None:
+    """Steps 1 and 2, with one of these counts of Y-translations, and what leads to the goal then."""
+    for count in counts:
         for share in SHARES if count else (0.0,):
             first = _step_1(setup, count, share)
             if first is None:
                 continue
-            rest = rotate_and_insert(_post(first[-1]) if first else setup.start, setup)
-            if rest is not None:
-                return [*first, *rest]
+            pre = _post(first[-1]) if first else setup.start
+            found = rotate_and_finish(pre, setup, finish)
+            if found is not None:
+                return [*first, found[0]], found[1]
     return None
 
 

@@ -39,7 +39,7 @@ def inferred(plan: PlanDocument, task: Task, setup: Setup) -> tuple[MoveRule, ..
     Raises
     ------
     NotApplicableError
-        A move is not made by the task's dual-tip probe along an axis, with at most one passive tip.
+        A move is not made by a dual-tip probe of the task along an axis, with at most one passive tip.
     """
     state: PoseBox | None = setup.start
     before: Before | None = None
@@ -60,6 +60,12 @@ def inferred(plan: PlanDocument, task: Task, setup: Setup) -> tuple[MoveRule, ..
 def _candidates(move: MoveDocument, k: int, task: Task) -> Iterator[MoveRule]:
     """All rules that command this very move."""
     heading = _heading(move, k)
+    stated = task.probe.headings
+    if stated is not None and heading not in stated:
+        raise NotApplicableError(
+            f"move {k + 1} pushes along {heading}, but the task's probes push along "
+            f"{', '.join(stated)} only (probe.headings)"
+        )
     for mirrored in (False, True):
         frame = Frame(heading=heading, mirrored=mirrored)
         rule = _placed(move, k, task, frame)

@@ -42,6 +42,9 @@ def read_plan(path: Path, task: Task) -> PlanDocument:
             f"{path}: key task_hash = {plan.task_hash!r}: must be the hash {task.hash!r} of the "
             f"task; the plan was made for another task ({plan.task!r}), plan this one anew"
         )
+    wrong = next(wrong_headings(plan.policy, task, "policy"), None)
+    if wrong is not None:
+        raise InputError(f"{path}: key {wrong}")
     return plan
 
 
@@ -124,6 +127,17 @@ def wrong_rules(rules: Sequence[RuleDocument], key: str) -> Iterator[str]:
     for k, rule in enumerate(rules):
         yield from _wrong_numbers(rule.model_dump(), f"{key}.{k}")
         yield from _wrong_rule(rule, f"{key}.{k}")
+
+
+def wrong_headings(rules: Sequence[RuleDocument], task: Task, key: str) -> Iterator[str]:
+    """Which rules (below ``key``) push in a direction that the task has no probe for."""
+    stated = task.probe.headings
+    for k, rule in enumerate(rules):
+        if stated is not None and rule.heading not in stated:
+            yield (
+                f"{key}.{k}.heading = {rule.heading!r}: must be one of {list(stated)}, the task's "
+                "probe.headings; plan the task anew, or state the probe that pushes so"
+            )
 
 
 def _wrong_numbers(values: Any, inside: str) -> Iterator[str]:

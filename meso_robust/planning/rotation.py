@@ -8,7 +8,9 @@ tilt is straightened, so it is chosen last, such that this is the goal.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.motion.two_sided import Grip, enclose_slide
 from meso_robust.planning.clearance import passive_behind_um, rise_of, start_ahead_um
+from meso_robust.planning.scale import fine
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step
@@ -25,6 +28,7 @@ from meso_robust.primitives.setup import PoseBox, Setup
 SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
 SCOUT = 4.0  # how much coarser than the certificate the scouting tube is
 APPROACH_UM = 60.0  # what the push by the active tip alone may take
+SHORTER_UM = 15.0  # from one push that is tried to the next
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
 MOST_TRIALS = 6
 
@@ -38,13 +42,31 @@ class _Choice:
     middle: float
 
 
+class Ended(Protocol):
+    """What follows a rotation."""
+
+    @property
+    def post(self) -> PoseBox | None:
+        """All poses at its end, in the axes of the rotation."""
+
+
+E = TypeVar("E", bound=Ended)
+Finish = Callable[[PoseBox], E | None]
+"""From all poses after a rotation to the goal, if there is a robust way."""
+
+
 def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
     """The robust rotation and the push to the goal after it, if any."""
+    return rotate_and_finish(pre, setup, lambda state: to_goal(state, setup))
+
+
+def rotate_and_finish(pre: PoseBox, setup: Setup, finish: Finish[E]) -> tuple[Step, E] | None:
+    """The robust rotation after which ``finish`` leads to the goal, and what that is."""
     for extra in SEPARATION_STEPS_UM:
-        turned = _turn(_least_separation_um(setup) + extra, pre, setup)
+        turned = _turn(_least_separation_um(setup) + fine(setup) * extra, pre, setup)
         if turned is not None:
             # a larger separation leaves a larger tilt, so what fails now would fail with it too
-            return _insert(*turned, pre, setup)
+            return _finish(*turned, pre, setup, finish)
     return None
 
 
@@ -52,7 +74,8 @@ def _least_separation_um(setup: Setup) -> float:
     """Nominal separation above which no admissible one can jam, um."""
     u, width = setup.uncertainty, 2.0 * setup.half_width.hi
     least = width * math.sqrt(1.0 + u.friction.hi**2)
-    return math.ceil(units.to_um(least + u.probe_position.width))
+    unit = fine(setup)
+    return unit * math.ceil(units.to_um(least + u.probe_position.width) / unit)
 
 
 def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice] | None:
@@ -64,28 +87,26 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
         if turned.verdict is Verdict.PROVED:
             return turned, choice
-        choice = _shorter(choice)
+        choice = replace(choice, h_end=choice.h_end + fine(setup) * SHORTER_UM)
     return None
 
 
-def _insert(turned: Step, choice: _Choice, pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
-    """Add the push to the goal, and shift the pair until the part ends at the goal's height."""
+def _finish(
+    turned: Step, choice: _Choice, pre: PoseBox, setup: Setup, finish: Finish[E]
+) -> tuple[Step, E] | None:
+    """Add what leads to the goal, and shift the pair until the part ends at the goal's height."""
     for _ in range(MOST_TRIALS):
         if turned.verdict is not Verdict.PROVED or turned.post is None:
             return None
-        inserted = to_goal(turned.post, setup)
-        if inserted is None or inserted.post is None:
+        finished = finish(turned.post)
+        if finished is None or finished.post is None:
             return None
-        off = units.to_um(inserted.post.y.mid - setup.goal.y.mid)
-        if inserted.post.within(setup.goal) and abs(off) < CLOSE_ENOUGH_UM:
-            return turned, inserted
+        off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
+        if finished.post.within(setup.goal) and abs(off) < fine(setup) * CLOSE_ENOUGH_UM:
+            return turned, finished
         choice = replace(choice, middle=choice.middle - off)
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
     return None
-
-
-def _shorter(choice: _Choice) -> _Choice:
-    return replace(choice, h_end=choice.h_end + 15.0)
 
 
 def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
@@ -102,7 +123,7 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
             ratio=u.film_ratio,
             friction=u.friction,
         )
-        start = Interval(width - APPROACH_UM * units.UM, width)
+        start = Interval(width - fine(setup) * APPROACH_UM * units.UM, width)
         sigma_start = pre.y - Interval.point(middle * units.UM) + off
         tube = enclose_slide(grip, start, -width, sigma_start, coarse=SCOUT)
         last = int(np.isfinite(tube.upper).sum()) - 2

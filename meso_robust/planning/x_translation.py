@@ -24,16 +24,17 @@ FAR_UM = -1e5  # an end far beyond any travel that a turn can need
 SPARE_UM = 2.0  # travel on top of what the bounds demand
 
 
-def to_goal(pre: PoseBox, setup: Setup) -> Step | None:
-    """The robust t^2 push from ``pre`` that ends with the part's x at the goal.
+def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
+    """The robust t^2 push from ``pre`` that ends with the part's x at the goal, or ``past_um`` past it.
 
     Of the samples of one level the one is taken that leaves most of the travel in reserve.
     """
     depth = setup.edge(pre.theta.mid).depth.mid
-    end = in_world(units.to_um(setup.goal.x.mid + depth))
+    end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
+    number = 3 if past_um else 4
 
     def attempt(middle: float) -> tuple[float, Step] | None:
-        rule = rule_at(middle, pre, setup, end, step=4, primitive="x_translation")
+        rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
         return _worth(certify_straighten(rule, pre, setup))
 
     return _sample(pre, setup, attempt)

@@ -47,7 +47,7 @@ def make_policy(
     task: Task,
     doing: Doing = _quietly,
     *,
-    headings: Sequence[Heading] = HEADINGS,
+    headings: Sequence[Heading] | None = None,
     quarters: Sequence[int] = QUARTERS,
     reach: float | None = None,
     most_moves: int = MOST_MOVES,
@@ -61,7 +61,7 @@ def make_policy(
     doing
         Shows what is being done while a stage runs.
     headings
-        Directions in which the active probe can push.
+        Directions in which the active probe can push; the task's own if absent.
     quarters
         Orientations of the part at the start, in quarter turns from the goal's; 0 is needed by all,
         and -2 by way of -1.
@@ -74,7 +74,7 @@ def make_policy(
     kit = Kit(
         setup=setup,
         reach=reach_of(task) if reach is None else reach,
-        headings=tuple(headings),
+        headings=tuple(headings or task.probe.headings or HEADINGS),
     )
     with doing("certifying moves"):
         candidates = [found for turn in quarters for found in kit.near(turn)]

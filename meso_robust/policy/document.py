@@ -6,6 +6,7 @@ and deg beside them are for reading.
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 from typing import Annotated, Literal
@@ -24,7 +25,7 @@ from meso_robust.planning.document import (
     box_document,
     plan_document,
 )
-from meso_robust.planning.reading import first_of, read_text, rules_of, wrong_rules
+from meso_robust.planning.reading import first_of, read_text, rules_of, wrong_headings, wrong_rules
 from meso_robust.policy.cells import Cell, Policy, resting
 from meso_robust.policy.proof import NotProvedError, recertified
 from meso_robust.policy.region import Region, region_of
@@ -166,7 +167,8 @@ def read_policy(path: Path, task: Task) -> Policy:
 
 
 def _policy(document: PolicyDocument, task: Task) -> Policy:
-    wrong = next(wrong_rules(document.rules, "rules"), None)
+    faults = (wrong_rules(document.rules, "rules"), wrong_headings(document.rules, task, "rules"))
+    wrong = next(itertools.chain(*faults), None)
     if wrong is not None:
         raise ValueError(wrong)
     rules = [_rule_of(task, rule) for rule in document.rules]

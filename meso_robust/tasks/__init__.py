@@ -4,5 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-PAPER = Path(__file__).parent / "paper.toml"
-SLOT = Path(__file__).parent / "slot.toml"
+_HERE = Path(__file__).parent
+PAPER = _HERE / "paper.toml"
+SLOT = _HERE / "slot.toml"
+TWO_PROBES = _HERE / "two_probes.toml"
+SMALL = _HERE / "small.toml"
+SMALL_MODEL = _HERE / "small_model.toml"
+"""What a diagnosis of recordings of the small part would have written: its tips adhere."""
+TASKS = (PAPER, SLOT, TWO_PROBES, SMALL)
+"""Every task; each can be planned as it is."""

@@ -1,0 +1,107 @@
+"""Pushes that bring an upright part to the goal, each in a heading of its own.
+
+A t^2 push brings one coordinate to where it ends, and needs room to straighten the part on its way.
+With probes on more than one side that room can be made: a push goes past the goal and another one
+comes back, or a push across sets the other coordinate first.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from meso_robust import units
+from meso_robust.bounds import HALF_PI, Verdict
+from meso_robust.planning.x_translation import to_goal, upright
+from meso_robust.primitives.frame import Frame, Heading
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.setup import PoseBox, Setup
+
+MOST_PUSHES = 3
+ROOM_UM = 100.0  # that a straight part needs to be brought back
+LEAN = 0.35  # rad from upright to a push beyond which it is not tried
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrival:
+    """Robust pushes, and where the part is after them."""
+
+    rules: tuple[MoveRule, ...]
+    post: PoseBox
+    """All poses after the last push."""
+
+
+def arrive(
+    state: PoseBox, setup: Setup, headings: Sequence[Heading], *, mirrored: bool = False
+) -> Arrival | None:
+    """The shortest robust sequence of pushes to the goal that is found.
+
+    Parameters
+    ----------
+    state, setup
+        All poses before the pushes, and the task; world frame.
+    headings
+        Directions in which the part can be pushed.
+    mirrored
+        Whether the y axes of the pushes are mirrored, as in a plan for the mirrored task.
+    """
+    frames = [Frame(heading=heading, mirrored=mirrored) for heading in headings]
+    for length in range(1, MOST_PUSHES + 1):
+        for way in itertools.permutations(frames, length):
+            found = _along(state, setup, way)
+            if found is not None:
+                return found
+    return None
+
+
+def across(state: PoseBox, setup: Setup, frame: Frame) -> Arrival | None:
+    """One push on a short edge that ends with that coordinate at the goal, if it is robust."""
+    there, own = frame.setup(setup), frame.from_world(state)
+    if there.edge(own.theta.mid).name != "short":
+        return None
+    step = next(_steps(own, there, back=False), None)
+    if step is None or step.post is None:
+        return None
+    rule = replace(step.rule, step=1, frame=frame)
+    return Arrival(rules=(rule,), post=frame.box_to_world(step.post))
+
+
+def _along(state: PoseBox, setup: Setup, way: tuple[Frame, ...]) -> Arrival | None:
+    """Pushes in these frames, one after the other."""
+    frame, rest = way[0], way[1:]
+    there, own = frame.setup(setup), frame.from_world(state)
+    edge = there.edge(own.theta.mid)
+    if abs(edge.angle(own.theta).mid - HALF_PI.mid) > LEAN:
+        return None
+    for step in _steps(own, there, back=any(_opposite(frame, one) for one in rest)):
+        if step.verdict is not Verdict.PROVED or step.post is None:
+            continue
+        rule, after = replace(step.rule, frame=frame), frame.box_to_world(step.post)
+        if not rest and step.post.within(there.goal):
+            return Arrival(rules=(rule,), post=after)
+        found = _along(after, setup, rest) if rest else None
+        if found is not None:
+            return replace(found, rules=(rule, *found.rules))
+    return None
+
+
+def _steps(own: PoseBox, there: Setup, *, back: bool) -> Iterator[Step]:
+    """What one push can do: end at the goal, or past it if a later one comes ``back``."""
+    ahead = own.x.mid - there.goal.x.mid
+    if not back:
+        if ahead > 0.0:
+            yield from _some(to_goal(own, there))
+        return
+    if ahead + units.UM * ROOM_UM > 0.0:
+        yield from _some(to_goal(own, there, past_um=ROOM_UM))
+    yield from _some(upright(own, there, step=3, primitive="x_translation"))
+
+
+def _some(step: Step | None) -> tuple[Step, ...]:
+    return () if step is None else (step,)
+
+
+def _opposite(one: Frame, other: Frame) -> bool:
+    return abs(one.quarters - other.quarters) == 2

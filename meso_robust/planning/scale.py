@@ -1,0 +1,13 @@
+"""Lengths of the planner that suit a part of a millimetre, and smaller ones for a smaller part."""
+
+from __future__ import annotations
+
+from meso_robust import units
+from meso_robust.primitives.setup import Setup
+
+FULL_UM = 800.0
+
+
+def fine(setup: Setup) -> float:
+    """Factor on such a length: 1 for a part that is at least ``FULL_UM`` wide, less in proportion."""
+    return min(1.0, units.to_um(2.0 * setup.half_width.mid) / FULL_UM)
