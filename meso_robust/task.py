@@ -13,12 +13,15 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import (
     BaseModel,
     ConfigDict,
+    Discriminator,
     Field,
     FiniteFloat,
+    Tag,
     ValidationError,
     model_validator,
 )
 
+from meso_robust.corners import Corner, fault, hull
 from meso_robust.errors import InputError
 
 # Limits far beyond the mesoscale: they catch a slip of the unit before it becomes a long search.
@@ -60,6 +63,48 @@ class Part(_Section):
                 "side as length_um"
             )
         return self
+
+
+class PolygonPart(_Section):
+    """A simple polygon, convex or not."""
+
+    polygon_um: Annotated[
+        tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=64)
+    ]
+    """Corners [x, y] at theta = 0, um, counter-clockwise. The origin is the reference point of all
+    poses; it must be the centre of drag (of an even film: the centroid), where a force of the film
+    does not turn the part."""
+
+    @model_validator(mode="after")
+    def _is_an_outline(self) -> Self:
+        wrong = fault(self.corners_um)
+        if wrong is not None:
+            raise ValueError(f"polygon_um: {wrong}")
+        return self
+
+    @property
+    def corners_um(self) -> tuple[Corner, ...]:
+        """The corners, um, exactly as stated."""
+        return tuple((_exact(x), _exact(y)) for x, y in self.polygon_um)
+
+    @property
+    def hull(self) -> tuple[int, ...]:
+        """Which corners are those of the convex hull, counter-clockwise."""
+        return hull(self.corners_um)
+
+
+def _shape(values: object) -> str:
+    """Which of the two outlines a section gives."""
+    polygon = isinstance(values, PolygonPart) or (
+        isinstance(values, dict) and "polygon_um" in values
+    )
+    return "polygon" if polygon else "rectangle"
+
+
+Outline = Annotated[
+    Annotated[Part, Tag("rectangle")] | Annotated[PolygonPart, Tag("polygon")],
+    Discriminator(_shape),
+]
 
 
 class Pose(_Section):
@@ -181,7 +226,8 @@ class Task(_Section):
 
     schema_: Annotated[Literal["meso-robust/task/1"], Field(alias="schema")]
     name: str
-    part: Part
+    part: Outline
+    """A rectangle (length_um and width_um) or a polygon (polygon_um)."""
     start: Pose
     """The pose as sensed before the first move."""
     goal: Goal
@@ -197,6 +243,21 @@ class Task(_Section):
         values = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         text = json.dumps(values, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
+
+    def rectangle(self, use: str) -> Part:
+        """The part as a rectangle, for a ``use`` that is made for rectangles.
+
+        Raises
+        ------
+        InputError
+            The part is a polygon.
+        """
+        if isinstance(self.part, Part):
+            return self.part
+        raise InputError(
+            f"task {self.name!r}: key part.polygon_um: {use}: for rectangles only; give a task "
+            "whose part has length_um and width_um, or do without"
+        )
 
 
 def load_task(path: Path) -> Task:
@@ -252,7 +313,10 @@ def parse_task(values: dict[str, Any], source: str) -> Task:
 
 def _first_of(error: ValidationError) -> str:
     first = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in first["loc"]) or "task"
+    loc = first["loc"]
+    if loc[:1] == ("part",) and loc[1:2] in (("rectangle",), ("polygon",)):
+        loc = (loc[0], *loc[2:])  # the tag of the outline is no key
+    key = ".".join(str(part) for part in loc) or "task"
     rule = first["msg"].removeprefix("Value error, ")
     if first["type"] == "missing":
         return f"key {key} is missing; `meso-robust schema task` lists all keys"

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from meso_robust.errors import InputError
-from meso_robust.task import load_task, parse_task
+from meso_robust.task import Part, load_task, parse_task
 from meso_robust.tasks import PAPER
 
 TEXT = PAPER.read_text(encoding="utf-8")
@@ -181,7 +181,7 @@ def test_values_that_are_no_file_name_their_source() -> None:
 
 def test_the_shipped_task_is_read_as_written() -> None:
     task = load_task(PAPER)
-    assert (task.part.length_um, task.part.width_um) == (1616.0, 837.0)
+    assert task.part == Part(length_um=1616.0, width_um=837.0)
     assert (task.start.x_um, task.start.y_um, task.start.theta_deg) == (2060.4, -9.2, 90.0)
     assert task.uncertainty.friction == (0.30, 0.36)
     assert task.goal.position_tolerance_um == 76.0
@@ -197,7 +197,7 @@ def test_whole_numbers_are_lengths_too(tmp_path: Path) -> None:
 def test_a_task_cannot_be_changed() -> None:
     task = load_task(PAPER)
     with pytest.raises(ValueError, match="frozen"):
-        task.part.width_um = 1.0
+        task.goal.x_um = 1.0
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,8 @@ from meso_robust.bounds import HALF_PI, Interval, enclose
 from meso_robust.bounds.interval import cos
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import second_tip, tip_of, touch
 
 POINTS_TO_THE_END = 4

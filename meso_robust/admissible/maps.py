@@ -29,8 +29,9 @@ from meso_robust.errors import NotApplicableError
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.rotation import certify_rotation
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.straighten import certify_straighten
 from meso_robust.primitives.tilt import certify_tilt
 

@@ -85,7 +85,8 @@ def _runs_off(rule: MoveRule, pose: PoseBox, setup: Setup) -> bool:
     The push is followed on a longer part, which moves the same as long as both tips are on the real
     one. That the idle tip would touch the longer part does not matter.
     """
-    step = certify_rotation(rule, pose, replace(setup, half_length=setup.half_length * LONGER))
+    longer = replace(setup.rectangle, half_length=setup.half_length * LONGER)
+    step = certify_rotation(rule, pose, replace(setup, outline=longer))
     if step.post is None or not _enclosed(step):
         return False
     edge = setup.edge(pose.theta.mid)

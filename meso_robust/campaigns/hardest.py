@@ -9,7 +9,7 @@ import numpy as np
 from meso_robust import units
 from meso_robust.campaigns.kind import Paths
 from meso_robust.execution.replay import Player
-from meso_robust.execution.running import PlanRun, rectangle
+from meso_robust.execution.running import PlanRun, outline
 
 
 def paths(title: str, player: Player, runs: PlanRun, labels: Sequence[str]) -> Paths:
@@ -29,7 +29,7 @@ def paths(title: str, player: Player, runs: PlanRun, labels: Sequence[str]) -> P
     half = (0.5 * (goal.x.hi - goal.x.lo), 0.5 * (goal.theta.hi - goal.theta.lo))
     return Paths(
         title=title,
-        part_um=tuple((float(a), float(b)) for a, b in rectangle(player.setup) / units.UM),
+        part_um=tuple((float(a), float(b)) for a, b in outline(player.setup) / units.UM),
         goal=(float(x), float(y), float(theta)),
         tolerance=(half[0] / units.UM, half[1] / units.DEG),
         runs=tuple(

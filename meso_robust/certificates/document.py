@@ -19,7 +19,7 @@ from meso_robust.certificates.margin import Margin
 from meso_robust.planning.document import BoxDocument, RuleDocument, box_document
 from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox
-from meso_robust.task import Task
+from meso_robust.task import Part, Task
 
 HexPair = tuple[str, str]
 
@@ -34,6 +34,14 @@ ASSUMPTIONS = (
     "points",
     "the part rests between moves, and probes are lifted without disturbing it",
 )
+
+
+def assumptions(task: Task) -> tuple[str, ...]:
+    """What a certificate of a task assumes."""
+    if isinstance(task.part, Part):
+        return ASSUMPTIONS
+    polygon = "stated polygon, its reference point the centre of drag"
+    return tuple(one.replace("stated rectangle", polygon) for one in ASSUMPTIONS)
 
 
 class _Model(BaseModel):
@@ -232,7 +240,9 @@ def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
         for step in chain.steps
         for obligation in step.obligations
     }
-    return ClaimDocument(words=words, assumptions=ASSUMPTIONS, inequalities=tuple(inequalities))
+    return ClaimDocument(
+        words=words, assumptions=assumptions(task), inequalities=tuple(inequalities)
+    )
 
 
 def undecided_document(chain: Chain, settled_by: str) -> UndecidedDocument | None:

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from flint import arb, fmpq
 
+from meso_robust.checker.outline import Outline, outline
 from meso_robust.checker.ranges import Side
 from meso_robust.task import Slot, Task
 
@@ -65,10 +66,8 @@ class PoseBox:
 class Given:
     """A task: the part, the probe, all errors, where it starts and where it must end."""
 
-    half_length: arb
-    """m"""
-    half_width: arb
-    """m"""
+    outline: Outline
+    """The part's, in its own axes."""
     spacing: arb
     """Distance of the two tips across the push, m."""
     sensed: Side
@@ -111,8 +110,7 @@ def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -
     turn, to = quarters(goal.orientation_tolerance_deg), quarters(goal.theta_deg)
     shift = bounds["sensed_position"]
     return Given(
-        half_length=ball(metres(task.part.length_um) / 2),
-        half_width=ball(metres(task.part.width_um) / 2),
+        outline=outline(task.part),
         spacing=ball(metres(task.probe.tip_spacing_um)),
         sensed=_side(shift),
         turned=_angles(turned),

@@ -21,7 +21,7 @@ MOVES: dict[str, Check] = {
     "tilt": lambda scene, given, memory: check_tilt(scene),
     "straighten": lambda scene, given, memory: check_straighten(scene, memory),
     "rotate": lambda scene, given, memory: check_rotate(scene),
-    "regrasp": lambda scene, given, memory: check_regrasp(scene, given),
+    "regrasp": lambda scene, given, memory: check_regrasp(scene),
 }
 
 

@@ -39,8 +39,22 @@ def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ..
     for one, requirement in zip(stated, wanted, strict=True):
         _words(one, requirement.statement)
     for one, requirement in zip(stated, wanted, strict=True):
-        _reach(one, requirement)
-        _bound(one, requirement)
+        _verify(one, requirement)
+
+
+def _verify(stated: ObligationDocument, requirement: Requirement) -> None:
+    """What is stated must be the requirement, or one that serves as well."""
+    refused = None
+    for wanted in (requirement, *requirement.instead):
+        try:
+            _reach(stated, wanted)
+            _bound(stated, wanted)
+        except Refused as refusal:
+            refused = refused or refusal
+        else:
+            return
+    if refused is not None:
+        raise refused
 
 
 def _words(stated: ObligationDocument, statement: Statement) -> None:
@@ -82,7 +96,7 @@ def _minus(of: Formula) -> Formula:
 
 
 def _at_least(of: Formula, box: Box, bound: arb) -> bool:
-    return bool(least(lambda at: of(at) - bound, box, above=ZERO) >= 0)
+    return bool(least(lambda at: of(at) - bound, box, above=ZERO, within=0.0) >= 0)
 
 
 def _bound(stated: ObligationDocument, requirement: Requirement) -> None:

@@ -23,7 +23,7 @@ class Memory:
 
     def about(self, scene: Scene) -> bool:
         """Whether a move has the same axes and pushes the same edge."""
-        return self.scene.frame == scene.frame and self.scene.quarter == scene.quarter
+        return self.scene.frame == scene.frame and self.scene.edge.name == scene.edge.name
 
 
 Pose: TypeAlias = tuple[Dual, Dual, Dual]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from flint import arb
 
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, place_on_edge
 from meso_robust.checker.dual import Dual, Number, Point
+from meso_robust.checker.outline import Edge, Rectangle
 from meso_robust.checker.ranges import Box, Formula
-from meso_robust.checker.requirement import Part, Requirement, Variables
+from meso_robust.checker.requirement import Part, Requirement, Variables, holds
 from meso_robust.checker.scene import Scene, direction
 
 NAMES = {1: "upper", -1: "lower"}
@@ -56,10 +58,15 @@ def free_at_start(scene: Scene, sides: tuple[int, ...]) -> list[Requirement]:
 
 def on_edge(which: str, scene: Scene, offset: Formula, box: Box) -> Requirement:
     """A contact lies between the ends of the edge."""
+    edge, statement = scene.edge, st.ON_EDGE
+    variables: Variables = {"d2": offset, "half": constant(scene.half)}
+    if not isinstance(scene.outline, Rectangle):
+        statement = st.BETWEEN_ENDS
+        variables = {"d2": offset, "first": constant(edge.first), "last": constant(edge.last)}
     return Requirement(
         claim=f"the {which} tip touches the edge",
-        statement=st.ON_EDGE,
-        parts=(Part({"d2": offset, "half": constant(scene.half)}, box),),
+        statement=statement,
+        parts=(Part(variables, box),),
     )
 
 
@@ -123,6 +130,49 @@ def passes(
     """The idle tip is clear of the part in all ``parts`` (variables as from :func:`beside`)."""
     claim = f"the other tip passes the part ({when})"
     return Requirement(claim=claim, statement=st.BESIDE, parts=parts, cover=cover)
+
+
+def passes_hull(
+    when: str,
+    scene: Scene,
+    offset: Formula,
+    flight: Formula,
+    side: int,
+    angles: tuple[Formula, ...],
+    box: Box,
+) -> Requirement:
+    """The idle tip is off the line of one side of the part's convex hull in all states of ``box``.
+
+    ``angles``: the direction of the pushed edge, and if it passes many its first and last one.
+    """
+    claim = f"the other tip passes the part ({when})"
+
+    def off(line: Edge) -> Requirement:
+        def part(angle: Formula) -> Part:
+            return Part(_off_side(scene, line, angle, offset, flight, side), box)
+
+        parts, ends = (part(angles[0]),), tuple(map(part, angles[1:]))
+        return Requirement(claim=claim, statement=st.CLEARANCE, parts=parts, cover=ends or None)
+
+    tried = [off(line) for line in scene.outline.sides(scene.edge)]
+    shown = [one for one in tried if holds(one.statement, one.parts[0])] or tried
+    return replace(shown[0], instead=tuple(shown[1:]))
+
+
+def _off_side(
+    scene: Scene, line: Edge, angle: Formula, offset: Formula, flight: Formula, side: int
+) -> Variables:
+    """The idle tip, on ``side``, from the centre, and a side of the convex hull."""
+
+    def contact(at: Point) -> Contact:
+        return Contact(*direction(angle(at)), scene.d1, offset(at))
+
+    return {
+        "theta": lambda at: angle(at) + (scene.turn - line.turn),
+        "d1": constant(line.d1),
+        "dx": lambda at: contact(at).arm_x + flight(at) - scene.lag(at, side) * 2,
+        "dy": lambda at: contact(at).arm_y + scene.spacing * side,
+    }
 
 
 def comes_free(which: str, theta: Formula, box: Box) -> Requirement:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from flint import arb
-
 from meso_robust.checker import statement as st
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.given import PoseBox
+from meso_robust.checker.outline import Edge
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.pushing import NAMES, UNIT, constant
 from meso_robust.checker.ranges import shift
@@ -14,7 +13,7 @@ from meso_robust.checker.requirement import Part, Requirement, holds, prove
 from meso_robust.checker.scene import Scene
 
 
-def check_regrasp(scene: Scene, given: Given) -> Passage:
+def check_regrasp(scene: Scene) -> Passage:
     """Prove that each tip stays beyond one edge of the part all the way.
 
     Raises
@@ -22,7 +21,7 @@ def check_regrasp(scene: Scene, given: Given) -> Passage:
     Refused
         It does not follow.
     """
-    requirements = tuple(_clear(scene, given, side) for side in (1, -1))
+    requirements = tuple(_clear(scene, side) for side in (1, -1))
     for requirement in requirements:
         prove(requirement)
     box = scene.box
@@ -34,22 +33,20 @@ def check_regrasp(scene: Scene, given: Given) -> Passage:
     )
 
 
-def _clear(scene: Scene, given: Given, side: int) -> Requirement:
-    """One of the four edges has the whole way of a tip on its outer side."""
-    tried = [_beyond(scene, given, side, edge) for edge in range(4)]
+def _clear(scene: Scene, side: int) -> Requirement:
+    """One side of the convex hull has the whole way of a tip on its outer side."""
+    tried = [_beyond(scene, side, edge) for edge in scene.outline.sides(scene.edge)]
     return next((one for one in tried if holds(one.statement, one.parts[0])), tried[0])
 
 
-def _beyond(scene: Scene, given: Given, side: int, edge: int) -> Requirement:
-    depth = given.half_width if (scene.quarter + edge) % 2 == 0 else given.half_length
-
+def _beyond(scene: Scene, side: int, edge: Edge) -> Requirement:
     def way(at: Point) -> Dual:
         first = scene.ahead(at, side)
         return first + at["share"] * (scene.ahead_end(at, side) - first)
 
     variables = {
-        "theta": lambda at: at["theta"] - arb.pi() / 2 * edge,
-        "d1": constant(depth),
+        "theta": lambda at: at["theta"] - (edge.turn - scene.turn),
+        "d1": constant(edge.d1),
         "dx": way,
         "dy": lambda at: scene.rise(at, side),
     }

@@ -43,6 +43,8 @@ class Requirement:
     """Turns the stated box into one of the inequality's variables; None: it is one already."""
     over_parts: bool = False
     """Whether the stated bound is one over the checker's own parts (a tube), not the stated box."""
+    instead: tuple[Requirement, ...] = ()
+    """Others that serve as well and are proved too: the certificate may state any one of them."""
     verify: Callable[[Box, arb], bool] | None = None
     """Whether a stated bound holds over the stated box and all else that it is about; None: the
     inequality is one of a few numbers, which ``statement`` and ``parts`` give."""

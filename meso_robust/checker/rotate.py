@@ -22,6 +22,7 @@ from meso_robust.checker.approach import Approach, approach
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
 from meso_robust.checker.grip import Grip
+from meso_robust.checker.outline import Rectangle
 from meso_robust.checker.passage import Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     UNIT,
@@ -76,6 +77,8 @@ def check_rotate(scene: Scene) -> Passage:
     Refused
         A requirement does not follow.
     """
+    if not isinstance(scene.outline, Rectangle):
+        raise Refused("a rotation turns a rectangle", "a polygon", "a rectangle")
     if scene.rule.side != 1:
         raise Refused("a rotation turns its part to side 1 of its axes", scene.rule.side, 1)
     pair, box = Pair(scene), scene.box

@@ -20,6 +20,7 @@ from flint import arb
 from meso_robust.checker.document import AimDocument, RuleDocument
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import Given, PoseBox, ball, metres
+from meso_robust.checker.outline import Edge, Outline
 from meso_robust.checker.ranges import Box, Side, shift, whole
 from meso_robust.checker.refusal import Refused
 
@@ -66,23 +67,31 @@ def frame_of(rule: RuleDocument) -> Frame:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """A move, its variables and the part's edge that faces the active probe."""
+    """A move, its variables and the part."""
 
     rule: RuleDocument
     frame: Frame
     box: Box
-    quarter: int
-    """Orientation of the part minus direction of the edge, right angles."""
-    d1: arb
-    """Distance of the edge from the centre, m."""
-    half: arb
-    """Half its length, m."""
+    outline: Outline
+    """The part's, in the axes of the move."""
+    edge: Edge
+    """The edge that faces the active probe."""
     spacing: arb
 
     @property
     def turn(self) -> arb:
         """Orientation of the part minus direction of the edge, rad."""
-        return arb.pi() / 2 * self.quarter
+        return self.edge.turn
+
+    @property
+    def d1(self) -> arb:
+        """Distance of the edge from the centre, m."""
+        return self.edge.d1
+
+    @property
+    def half(self) -> arb:
+        """Half the length of a rectangle's edge, m."""
+        return self.edge.last
 
     def ahead(self, at: Point, side: int) -> Dual:
         """Upper (1) or lower (-1) tip at the start minus the part, x."""
@@ -147,14 +156,13 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
     """A move that starts from any pose of ``pre`` (world axes)."""
     frame = frame_of(rule)
     own = frame.own(pre)
-    middle = (whole(own.theta) / (arb.pi() / 2)).mid()
-    quarter = round(float(middle)) - 1
-    lengthwise = quarter % 2 == 0
+    outline = given.outline.mirrored() if frame.mirrored else given.outline
+    edge = outline.facing(whole(own.theta))
     beta = negative(given.misalignment) if frame.mirrored else given.misalignment
     box = {
         "x": own.x,
         "y": own.y,
-        "theta": shift(own.theta, -arb.pi() / 2 * quarter),
+        "theta": shift(own.theta, -edge.turn),
         "sx": given.sensed,
         "sy": given.sensed,
         "px": given.probe,
@@ -169,9 +177,8 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
         rule=rule,
         frame=frame,
         box=box,
-        quarter=quarter,
-        d1=given.half_width if lengthwise else given.half_length,
-        half=given.half_length if lengthwise else given.half_width,
+        outline=outline,
+        edge=edge,
         spacing=given.spacing,
     )
 

@@ -151,6 +151,10 @@ PAIR_PRESSES = _named("two_point_sticking", "normal_forces(beta, d1, d2, d4)", _
 NO_JAM = _named("two_sided_rotation", "no_jam(V, d1, mu)", _no_jam)
 REACHES = _plain("travel > 0", lambda at: (at["travel"],))
 ON_EDGE = _plain("half - |d2| > 0", lambda at: (at["half"] - at["d2"], at["half"] + at["d2"]))
+BETWEEN_ENDS = _plain(
+    "d2 - first > 0 and last - d2 > 0",
+    lambda at: (at["d2"] - at["first"], at["last"] - at["d2"]),
+)
 ARRIVES = _plain("travel in contact > longest travel of the turn", _arrives)
 RESTS = _plain("h at the touch > h at the end", lambda at: (at["h_start"] - at["h_end"],))
 COMES_FREE = _plain("sin(theta) > 0 at the end", lambda at: (at["theta"].sin_cos()[0],))
@@ -178,7 +182,7 @@ STATEMENTS: Mapping[str, Statement] = {
     one.text: one
     for one in (
         CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
-        REACHES, ON_EDGE, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
+        REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
         TIPS_CLEAR,
     )
 }  # fmt: skip

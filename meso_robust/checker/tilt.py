@@ -8,6 +8,7 @@ from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Number, Point
 from meso_robust.checker.given import PoseBox
+from meso_robust.checker.outline import Rectangle
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     TURNS,
@@ -18,6 +19,7 @@ from meso_robust.checker.pushing import (
     free_at_start,
     on_edge,
     passes,
+    passes_hull,
     sticks,
     touch,
 )
@@ -55,6 +57,9 @@ def check_tilt(scene: Scene) -> Passage:
         def states(angle: Formula) -> Part:
             return Part(beside(scene, angle, offset, short, side), while_it_turns)
 
+        if not isinstance(scene.outline, Rectangle):
+            angles = (angle, *ends)
+            return passes_hull(when, scene, offset, short, side, angles, while_it_turns)
         return passes(when, (states(angle),), tuple(map(states, ends)) or None)
 
     requirements = [

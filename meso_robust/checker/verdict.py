@@ -119,7 +119,7 @@ def _same(claim: str, stated: object, own: object) -> None:
 def _check_text(certificate: Certificate, task: Task) -> None:
     _same("task", certificate.task, task.name)
     _same("claim.words", certificate.claim.words, words.claim(task, len(certificate.policy)))
-    _same("claim.assumptions", certificate.claim.assumptions, words.ASSUMPTIONS)
+    _same("claim.assumptions", certificate.claim.assumptions, words.assumptions(task))
     listed = {
         f"{one.inequality} [{one.derivation}]": None
         for step in certificate.steps

@@ -1,7 +1,7 @@
 """No collision with the slot: every pose of a move, and every way of a tip, is beside each wall.
 
-Two rectangles are apart if all corners of one lie beyond a side of the other; there are eight sides
-to try. What is swept is enclosed in boxes of poses, from the checker's own path of the move; a box
+Two convex polygons are apart if all corners of one lie beyond a side of the other; of a part that is
+not convex its convex hull is taken. What is swept is enclosed in boxes of poses, from the checker's own path of the move; a box
 that no side decides is cut.
 """
 
@@ -14,8 +14,10 @@ from functools import partial
 from flint import arb
 
 from meso_robust.checker import statement as st
+from meso_robust.checker.contact import off_line
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import Block, Given, PoseBox
+from meso_robust.checker.outline import Edge
 from meso_robust.checker.passage import Passage, Sweep
 from meso_robust.checker.pushing import UNIT
 from meso_robust.checker.ranges import (
@@ -253,13 +255,13 @@ def _beyond(corners: list[Formula], box: Box, above: arb) -> bool:
 def _block_sides(block: Block, given: Given) -> Iterator[list[Formula]]:
     """How far each corner of the part is beyond a side of the wall; one list a side."""
 
-    def beyond(axis: int, sign: int, corner: tuple[int, int], at: Point) -> Dual:
+    def beyond(axis: int, sign: int, corner: tuple[arb, arb], at: Point) -> Dual:
         s, c = at["theta"].sin_cos()
-        along, across = given.half_length * corner[0], given.half_width * corner[1]
+        along, across = corner
         place = (at["x"] + c * along - s * across, at["y"] + s * along + c * across)
         return (place[axis] - block[axis][(sign + 1) // 2]) * sign
 
-    corners = list(itertools.product(SIGNS, SIGNS))
+    corners = given.outline.hull
     for axis, sign in itertools.product((0, 1), SIGNS):
         yield [partial(beyond, axis, sign, corner) for corner in corners]
 
@@ -267,19 +269,16 @@ def _block_sides(block: Block, given: Given) -> Iterator[list[Formula]]:
 def _part_sides(block: Block, given: Given) -> Iterator[list[Formula]]:
     """How far each corner of the wall is beyond a side of the part; one list a side."""
 
-    def beyond(axis: int, sign: int, corner: tuple[arb, arb], at: Point) -> Dual:
-        s, c = at["theta"].sin_cos()
-        dx, dy = corner[0] - at["x"], corner[1] - at["y"]
-        if axis == 0:
-            return (c * dx + s * dy) * sign - given.half_length
-        return (c * dy - s * dx) * sign - given.half_width
+    def beyond(side: Edge, corner: tuple[arb, arb], at: Point) -> Dual:
+        s, c = (at["theta"] - side.turn).sin_cos()
+        return off_line(c, s, corner[0] - at["x"], corner[1] - at["y"]) - side.d1
 
     corners = list(itertools.product(*block))
-    for axis, sign in itertools.product((0, 1), SIGNS):
-        yield [partial(beyond, axis, sign, corner) for corner in corners]
+    for side in given.outline.sides(given.outline.facing(arb(0))):
+        yield [partial(beyond, side, corner) for corner in corners]
 
 
 def _widest(box: Box, given: Given) -> str:
     """Along which variable a corner of the part moves most."""
-    arm = {"x": arb(1), "y": arb(1), "theta": given.half_length}
+    arm = {"x": arb(1), "y": arb(1), "theta": given.outline.reach}
     return max(box, key=lambda name: float((whole(box[name]).rad() * arm[name]).mid()))

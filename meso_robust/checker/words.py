@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from meso_robust.task import Task
+from meso_robust.task import Part, Task
 
-ASSUMPTIONS = (
+_ASSUMPTIONS = (
     "quasi-static motion: inertia is neglected",
     "the film's drag is diag(e_x, e_x, e_theta) about the part's centre; only rho = e_theta/e_x enters",
     "Coulomb friction at point contacts; at every instant mu is the same at all tips",
-    "the part is the stated rectangle, rigid and exactly known; nothing but the probes touches it",
+    "the part is the stated {outline}, rigid and exactly known; nothing but the probes touches it",
     "each error keeps within its bound; a probe's position error is constant during a move (and may "
     "differ in the next), and the two tips of the active probe share it",
     "the active probe travels exactly along an axis of the task's frame, as each move states; tips are "
     "points",
     "the part rests between moves, and probes are lifted without disturbing it",
 )
-"""What the checker assumes as well; a certificate that assumes anything else is rejected."""
+
+
+def assumptions(task: Task) -> tuple[str, ...]:
+    """What the checker assumes as well; a certificate that assumes anything else is rejected."""
+    outline = "rectangle"
+    if not isinstance(task.part, Part):
+        outline = "polygon, its reference point the centre of drag"
+    return tuple(one.format(outline=outline) for one in _ASSUMPTIONS)
 
 
 def claim(task: Task, moves: int) -> str:

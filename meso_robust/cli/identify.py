@@ -210,16 +210,16 @@ def _plan(asked: _Asked, say: Reporter) -> None:
 
 def _bench(path: Path) -> tuple[Rectangle | Polygon, Bench]:
     """Part and bench of a recording set or of a task."""
+    from meso_robust.execution.filming import recorded_part
     from meso_robust.identification.experiment import Bench
-    from meso_robust.recordings import Rectangle, read_set
+    from meso_robust.recordings import read_set
     from meso_robust.task import load_task
 
     if path.is_dir():
         recordings = read_set(path)
         return recordings.part, Bench(tip_radius=recordings.tip_radius)
     task = load_task(path)
-    part = Rectangle(length=1e-6 * task.part.length_um, width=1e-6 * task.part.width_um)
-    return part, Bench(speed=1e-6 * task.probe.speed_um_s)
+    return recorded_part(task.part), Bench(speed=1e-6 * task.probe.speed_um_s)
 
 
 def _check_out(asked: _Asked) -> None:

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.execution.polygon import distances
 from meso_robust.execution.replay import Player
-from meso_robust.execution.running import STARTS_INSIDE, STEP, PlanRun, rectangle
+from meso_robust.execution.running import STARTS_INSIDE, STEP, PlanRun, outline, rectangle
+from meso_robust.primitives.outline import Polygon
+from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
 
 Floats = npt.NDArray[np.float64]
@@ -62,15 +65,20 @@ def ending(player: Player, runs: PlanRun, row: int) -> Ending:
 def _stop(player: Player, runs: PlanRun, row: int, move: int) -> tuple[float, Floats]:
     """Part of the move after which a probe would enter the part where it lies, and all gaps there."""
     one = runs.moves[move]
-    half = rectangle(player.setup).max(axis=0)
     shares = np.linspace(0.0, 1.0, FINE + 1)
     shares = shares[shares >= _last_motion(one.path[row])]
     tips = one.tips[row] + shares[:, None, None] * one.travel[row]
-    gaps = gaps_to(tips, one.after[row], half)
+    gaps = _gaps(tips, one.after[row], player.setup)
     # the linear steps of the simulator leave a gap of their own; half a step is the next one
     entered = np.flatnonzero((gaps < -0.5 * STEP).any(axis=1))
     at = int(entered[0]) if entered.size else len(shares) - 1
     return float(shares[at]), gaps[at]
+
+
+def _gaps(tips: Floats, pose: Floats, setup: Setup) -> Floats:
+    if isinstance(setup.outline, Polygon):
+        return distances(in_part(tips, pose), outline(setup))
+    return gaps_to(tips, pose, rectangle(setup).max(axis=0))
 
 
 def _last_motion(path: Floats) -> float:

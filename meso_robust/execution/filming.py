@@ -20,6 +20,7 @@ from meso_robust.recordings import (
 )
 from meso_robust.simulator import Effects, Push, PushResult, simulate
 from meso_robust.simulator.observation import Sensor, observe, sense
+from meso_robust.task import Part, PolygonPart
 
 Floats = npt.NDArray[np.float64]
 
@@ -109,7 +110,7 @@ def film_plan(
         left out.
     """
     speed = 1e-6 * found.task.probe.speed_um_s
-    part = Rectangle(length=1e-6 * found.task.part.length_um, width=1e-6 * found.task.part.width_um)
+    part = recorded_part(found.task.part)
     sampled = [(found.sampled, row) for row in range(len(found.sampled.outcomes))]
     recordings: list[Recording] = []
     for run, (runs, row) in enumerate([(found.nominal.runs, 0), *sampled][:most]):
@@ -126,6 +127,13 @@ def film_plan(
     )
 
 
+def recorded_part(part: Part | PolygonPart) -> Rectangle | Polygon:
+    """The part of a task as a recording set tells it."""
+    if isinstance(part, PolygonPart):
+        return Polygon(corners=1e-6 * np.array(part.polygon_um))
+    return Rectangle(length=1e-6 * part.length_um, width=1e-6 * part.width_um)
+
+
 def _made(runs: PlanRun, row: int) -> int:
     """Moves that a run has made, one that was stopped included."""
     return min(int(runs.failed_in[row]) + 1, len(runs.moves))
@@ -136,7 +144,7 @@ def _move(
     row: int,
     camera: Camera,
     speed: float,
-    part: Rectangle,
+    part: Rectangle | Polygon,
     names: tuple[str, ...],
     rng: np.random.Generator,
 ) -> Recording:

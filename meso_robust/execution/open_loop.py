@@ -9,7 +9,14 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.execution.replay import Column, of_a_point, of_a_run
-from meso_robust.execution.running import STARTS_INSIDE, STEP, MoveRun, PlanRun, rectangle
+from meso_robust.execution.running import (
+    STARTS_INSIDE,
+    STEP,
+    MoveRun,
+    PlanRun,
+    outline,
+    starts_inside,
+)
 from meso_robust.planning.document import MoveDocument
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome, Push, PushResult, simulate
@@ -72,7 +79,7 @@ class OpenLoop:
             at += width
             tips, travel = _commands(move, errors, rows[:, 5])
             alive = outcomes == Outcome.COMPLETED
-            inside = alive & _starts_inside(tips, poses, rectangle(self.setup))
+            inside = alive & starts_inside(tips, poses, self.setup)
             outcomes[inside], failed_in[inside] = STARTS_INSIDE, k
             alive &= ~inside
             one = _move(self.setup, rows, (poses, tips, travel), alive, outcomes, (record, step))
@@ -149,7 +156,7 @@ def _push(
     poses, tips, travel = geometry
     return simulate(
         Push.straight(
-            vertices=rectangle(setup),
+            vertices=outline(setup),
             poses=poses,
             tips=tips,
             travel=travel,
@@ -159,14 +166,3 @@ def _push(
         ),
         record=record,
     )
-
-
-def _starts_inside(tips: Floats, poses: Floats, corners: Floats) -> npt.NDArray[np.bool_]:
-    """(N,) whether a tip starts inside the rectangle."""
-    offset = tips - poses[:, None, :2]
-    c, s = np.cos(poses[:, None, 2]), np.sin(poses[:, None, 2])
-    own = np.stack(
-        [c * offset[..., 0] + s * offset[..., 1], c * offset[..., 1] - s * offset[..., 0]], axis=-1
-    )
-    half = corners.max(axis=0)
-    return np.asarray((np.abs(own) < half).all(axis=-1).any(axis=1))

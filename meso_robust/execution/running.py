@@ -15,7 +15,9 @@ import numpy.typing as npt
 
 from meso_robust.execution.draws import Draws
 from meso_robust.execution.engines import Engine, push_all
+from meso_robust.execution.polygon import distances
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Fixture, Outcome, Push
 from meso_robust.units import UM
@@ -104,7 +106,7 @@ def run(
         sensed = poses + draws.sensing[:, k]
         tips, travel = _commands(rule, sensed, draws, k, setup)
         alive = outcomes == Outcome.COMPLETED
-        inside = alive & _starts_inside(tips, poses, setup)
+        inside = alive & starts_inside(tips, poses, setup)
         outcomes[inside], failed_in[inside] = STARTS_INSIDE, k
         alive &= ~inside
         after, path = poses, np.broadcast_to(poses[:, None], (len(poses), record + 1, 3))
@@ -114,7 +116,7 @@ def run(
             which = slice(None) if alive.all() else alive  # a slice copies nothing
             result = push_all(
                 Push.straight(
-                    vertices=rectangle(setup),
+                    vertices=outline(setup),
                     poses=poses[which],
                     tips=tips[which],
                     travel=travel[which],
@@ -164,8 +166,19 @@ def walls(setup: Setup) -> Fixture:
     return Fixture((outline,), setup.slot.friction)
 
 
+def outline(setup: Setup) -> Floats:
+    """(V, 2) corners of the part, body frame, counter-clockwise, m."""
+    return np.array([[x.mid, y.mid] for x, y in setup.outline.corners])
+
+
 def rectangle(setup: Setup) -> Floats:
-    """(4, 2) corners of the part, body frame, counter-clockwise, m."""
+    """(4, 2) corners of a part that must be a rectangle, as :func:`outline` gives them.
+
+    Raises
+    ------
+    InputError
+        The part is a polygon.
+    """
     a, b = setup.half_length.mid, setup.half_width.mid
     return np.array([[-a, -b], [a, -b], [a, b], [-a, b]])
 
@@ -179,11 +192,15 @@ def _commands(
     return commanded.tips + np.stack(errors, axis=1), commanded.travel
 
 
-def _starts_inside(tips: Floats, poses: Floats, setup: Setup) -> npt.NDArray[np.bool_]:
+def starts_inside(tips: Floats, poses: Floats, setup: Setup) -> npt.NDArray[np.bool_]:
+    """(N,) whether one of the tips (N, P, 2), m, is inside the part at its pose (N, 3)."""
     offset = tips - poses[:, None, :2]
     c, s = np.cos(poses[:, None, 2]), np.sin(poses[:, None, 2])
     along = c * offset[..., 0] + s * offset[..., 1]
     across = -s * offset[..., 0] + c * offset[..., 1]
+    if isinstance(setup.outline, Polygon):
+        own = np.stack([along, across], axis=-1)
+        return np.asarray((distances(own, outline(setup)) < 0.0).any(axis=1))
     inside = (np.abs(along) < setup.half_length.mid) & (np.abs(across) < setup.half_width.mid)
     return np.asarray(inside.any(axis=1))
 

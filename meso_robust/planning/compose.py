@@ -238,6 +238,8 @@ def _quarter_turns(setup: Setup) -> int:
         The turn is not one that a primitive makes, or the start is too far from upright.
     """
     start, goal = setup.start.theta.mid, setup.goal.theta.mid
+    if setup.edge(start).beyond:
+        return _no_turn(setup)
     turns = round((goal - start) / HALF_PI.mid)
     degrees = math.degrees(goal - start)
     if turns not in (0, 1):
@@ -249,13 +251,38 @@ def _quarter_turns(setup: Setup) -> int:
         raise NotApplicableError(
             "the rotation primitive pushes on the long edge, but the short one faces the probe"
         )
-    off = start - setup.edge(start).quarter * HALF_PI.mid - HALF_PI.mid
+    _check_facing(start, setup)
+    return turns
+
+
+def _no_turn(setup: Setup) -> int:
+    """Of a polygon, whose edges are in general no quarter turn apart: none.
+
+    Raises
+    ------
+    NotApplicableError
+        Another edge faces the probe at the goal, or the start is too far from upright.
+    """
+    start, goal = setup.start.theta.mid, setup.goal.theta.mid
+    if setup.edge(start) != setup.edge(goal):
+        raise NotApplicableError(
+            f"the goal is {math.degrees(goal - start):.1f} deg from the start, and another edge "
+            "faces the probe there; the two-sided rotation, which turns a part that far, needs two "
+            "parallel edges equally far from the centre and is offered for rectangles only: give "
+            "start and goal with the same edge facing the probe"
+        )
+    _check_facing(start, setup)
+    return 0
+
+
+def _check_facing(theta: float, setup: Setup) -> None:
+    """Refuse an orientation at which no edge faces the probe."""
+    off = theta - setup.edge(theta).turn.mid - HALF_PI.mid
     if abs(off) > math.radians(20.0):
         raise NotApplicableError(
             f"the part stands {math.degrees(off):.1f} deg from upright to the probe, and no "
             "primitive is certified beyond 20 deg; start with an edge facing the probe"
         )
-    return turns
 
 
 def _compose(task: Task, setup: Setup, turns: int) -> list[Step] | None:

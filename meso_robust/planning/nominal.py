@@ -25,7 +25,7 @@ def sticks(start: float, end: float, offset: float, depth: float, setup: Setup) 
 def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
     """Whether a t^2 push with the pair's middle ``middle`` (m) above the centre would work."""
     edge = setup.edge(pre.theta.mid)
-    depth, half = edge.depth.mid, edge.half.mid
+    depth = edge.depth.mid
     start, end = edge.angle(pre.theta).mid, HALF_PI.mid + setup.uncertainty.misalignment.mid
     side = 1.0 if start < end else -1.0
     rise = middle + 0.5 * side * setup.spacing.mid
@@ -34,7 +34,8 @@ def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
     second = first - side * setup.spacing.mid
     turning = condition("one_point_sticking", "turning").function
     return (
-        max(abs(first), abs(second)) < half
+        edge.first.mid < min(first, second)
+        and max(first, second) < edge.last.mid
         and float(turning([start, depth, first, side])) > 0.0
         and float(turning([end, depth, second, -side])) > 0.0
         and sticks(start, end, first, depth, setup)

@@ -64,8 +64,9 @@ def _sample(
     def if_nominal(middle: float) -> tuple[float, T] | None:
         return attempt(middle) if nominal.straightens(middle, pre, setup) else None
 
-    half = setup.edge(pre.theta.mid).half.mid
-    return best_robust(-half, half, max(setup.uncertainty.probe_position.hi, 1e-6), if_nominal)
+    edge = setup.edge(pre.theta.mid)
+    low, high = edge.first.mid, edge.last.mid
+    return best_robust(low, high, max(setup.uncertainty.probe_position.hi, 1e-6), if_nominal)
 
 
 def _worth(candidate: Step) -> tuple[float, Step] | None:

@@ -45,7 +45,7 @@ def _tilt(
 ) -> tuple[Step, Turn] | None:
     """The robust tilt whose contact lies farthest from the middle: it needs the least travel."""
     edge = setup.edge(pre.theta.mid)
-    spacing, half = setup.spacing.mid, edge.half.mid
+    spacing, half = setup.spacing.mid, edge.last.mid if side > 0 else -edge.first.mid
 
     def attempt(offset: float) -> tuple[float, tuple[Step, Turn]] | None:
         cosine = 1.0 - gain / (offset + back)

@@ -12,6 +12,7 @@ from meso_robust.errors import InputError
 from meso_robust.identification.document import ModelDocument, PartSection
 from meso_robust.premises.absorbing import NOTHING, Absorbed, Ends, Post, rounded_up, spelled
 from meso_robust.premises.standing import FRICTION, RATIO, Standing, by_name
+from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import Block, Setup, setup_of
 from meso_robust.task import Task, parse_task
 
@@ -50,8 +51,10 @@ class Changed:
         length, width = (units.metres(value) for value in self.half_um)
         return replace(
             known,
-            half_length=known.half_length + Interval(-length.hi, length.hi),
-            half_width=known.half_width + Interval(-width.hi, width.hi),
+            outline=Rectangle(
+                half_length=known.half_length + Interval(-length.hi, length.hi),
+                half_width=known.half_width + Interval(-width.hi, width.hi),
+            ),
             blocks=(*known.blocks, *(_block(post) for post in self.posts)),
         )
 
@@ -62,10 +65,10 @@ def check_part(task: Task, document: ModelDocument, source: str) -> None:
     Raises
     ------
     InputError
-        The model's part is not the task's.
+        The model's part is not the task's, or the task's is no rectangle.
     """
-    sides = _sides(document.part)
-    stated = (task.part.length_um, task.part.width_um)
+    sides, part = _sides(document.part), task.rectangle("planning with a fitted model")
+    stated = (part.length_um, part.width_um)
     if sides is None or any(abs(a - b) > _SAME * b for a, b in zip(sides, stated, strict=True)):
         was = "a polygon" if sides is None else f"{sides[0]:g} x {sides[1]:g} um"
         raise InputError(

@@ -10,7 +10,8 @@ from meso_robust.bounds import Interval, enclose
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
 from meso_robust.primitives.obligation import Knot, Obligation, require
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import Tip
 
 MODULE = "two_sided_rotation"

@@ -2,8 +2,9 @@
 
 The primitives are derived for an edge that faces +x (paper, Fig. 10). The other three sides of a
 part and the other direction of a rotation are the same motion seen from axes that are turned by
-quarter turns or mirrored: the film's drag, Coulomb's law, a rectangle and boxes of errors look the
-same there (they would not for an anisotropic film).
+quarter turns or mirrored: the film's drag, Coulomb's law and boxes of errors look the same there
+(they would not for an anisotropic film), and so does a rectangle; a polygon is mirrored with the
+axes.
 """
 
 from __future__ import annotations
@@ -79,6 +80,7 @@ class Frame:
             inner = Interval((low - self._angle).hi, (high - self._angle).lo)
         return replace(
             setup,
+            outline=setup.outline.mirrored() if self.mirrored else setup.outline,
             uncertainty=replace(u, misalignment=-u.misalignment) if self.mirrored else u,
             start=self.from_world(setup.start),
             goal=PoseBox(x=x, y=y, theta=-inner if self.mirrored else inner),

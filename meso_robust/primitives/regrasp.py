@@ -5,7 +5,8 @@ from __future__ import annotations
 from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.outline import Line
+from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import Tip, tip_of
 
 
@@ -36,17 +37,20 @@ def certify_regrasp(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
 
 
 def _passes_by(tip: Tip, pre: PoseBox, setup: Setup) -> Obligation:
-    """One of the four edges has the whole way of the tip on its outer side."""
+    """One side of the convex hull has the whole way of the tip on its outer side."""
     tried = [_beyond(edge, tip, pre) for edge in _edges(pre, setup)]
     return next((o for o in tried if o.proof.verdict is Verdict.PROVED), tried[0])
 
 
-def _edges(pre: PoseBox, setup: Setup) -> tuple[Edge, ...]:
-    """The four edges, the one that faces the pair first."""
+def _edges(pre: PoseBox, setup: Setup) -> tuple[Line, ...]:
+    """The sides of the convex hull, the one that faces the pair first."""
+    edge = setup.edge(pre.theta.mid)
+    if edge.beyond:
+        return (edge, *edge.beyond)
     return tuple(setup.edge(pre.theta.mid + k * HALF_PI.mid) for k in (0, 1, 2, 3))
 
 
-def _beyond(edge: Edge, tip: Tip, pre: PoseBox) -> Obligation:
+def _beyond(edge: Line, tip: Tip, pre: PoseBox) -> Obligation:
     which = "upper" if tip.side > 0 else "lower"
     way: Interval = tip.ahead.hull(tip.ahead_end)
     return require(

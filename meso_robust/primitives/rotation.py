@@ -22,7 +22,8 @@ from meso_robust.motion.two_sided import Grip, SlideTube, TubeStatus, enclose_sl
 from meso_robust.primitives.approach import MODULE, Pair, Touch, approach
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import (
     HALF,
     Tip,
@@ -55,6 +56,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     if rule.single is None or rule.side != 1:
         raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
     edge, u = setup.edge(pre.theta.mid), setup.uncertainty
+    if edge.beyond:
+        return _step(rule, pre, None, [_undecided("the part is a rectangle, as a rotation needs")])
     start = edge.angle(pre.theta)
     active, idle = tip_of(rule, -1, pre, setup), tip_of(rule, 1, pre, setup)
     pair = _pair(rule, active, pre, setup)

@@ -1,4 +1,4 @@
-"""The task in SI intervals: the part's edges, pose boxes and the uncertainties."""
+"""The task in SI intervals: the part, pose boxes and the uncertainties."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from fractions import Fraction
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.errors import InputError
+from meso_robust.primitives.outline import Edge, Outline, Rectangle, outline_of
 from meso_robust.task import Slot, Task
 
 
@@ -36,29 +37,6 @@ class PoseBox:
     def mid(self) -> tuple[float, float, float]:
         """A pose near the middle."""
         return self.x.mid, self.y.mid, self.theta.mid
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Edge:
-    """The edge of the part that faces the active probe (which pushes along -x).
-
-    With ``angle = theta - quarter pi/2`` the edge stands upright, outward normal +x, at angle pi/2.
-    """
-
-    name: str
-    quarter: int
-    depth: Interval
-    """Distance from the centre (d1), m."""
-    half: Interval
-    """Half its length, m."""
-
-    def angle(self, theta: Interval) -> Interval:
-        """Angle of the edge at orientation ``theta``."""
-        return theta - HALF_PI * Interval.point(self.quarter)
-
-    def orientation(self, angle: Interval) -> Interval:
-        """Orientation of the part at ``angle`` of the edge."""
-        return angle + HALF_PI * Interval.point(self.quarter)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,8 +83,8 @@ class Block:
 class Setup:
     """A task, converted once."""
 
-    half_length: Interval
-    half_width: Interval
+    outline: Outline
+    """The part's, in its own frame."""
     spacing: Interval
     """Distance of the two tips across the push (d4), m."""
     uncertainty: Uncertainty
@@ -120,14 +98,30 @@ class Setup:
 
     def edge(self, theta: float) -> Edge:
         """The edge that faces the probe at orientation ``theta``."""
-        quarter = round(theta / HALF_PI.lo) - 1
-        long_edge = quarter % 2 == 0
-        depth, half = (
-            (self.half_width, self.half_length)
-            if long_edge
-            else (self.half_length, self.half_width)
-        )
-        return Edge(name="long" if long_edge else "short", quarter=quarter, depth=depth, half=half)
+        return self.outline.edge(theta)
+
+    @property
+    def rectangle(self) -> Rectangle:
+        """The outline of a part that must be a rectangle.
+
+        Raises
+        ------
+        InputError
+            It is a polygon.
+        """
+        if isinstance(self.outline, Rectangle):
+            return self.outline
+        raise InputError("key part.polygon_um: this is for rectangles only; give another task")
+
+    @property
+    def half_length(self) -> Interval:
+        """Half the long side of a rectangle, m."""
+        return self.rectangle.half_length
+
+    @property
+    def half_width(self) -> Interval:
+        """Half the short side of a rectangle, m."""
+        return self.rectangle.half_width
 
 
 def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
@@ -148,10 +142,8 @@ def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
     start, goal = task.start, task.goal
     at_most = units.metres(goal.position_tolerance_um)
     turn = units.radians(goal.orientation_tolerance_deg)
-    two = Interval.point(2.0)
     return Setup(
-        half_length=units.metres(task.part.length_um) / two,
-        half_width=units.metres(task.part.width_um) / two,
+        outline=outline_of(task.part),
         spacing=units.metres(task.probe.tip_spacing_um),
         uncertainty=bounds,
         start=PoseBox(

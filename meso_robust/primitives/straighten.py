@@ -16,7 +16,8 @@ from meso_robust.bounds.interval import cos
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tilt import Turn
 from meso_robust.primitives.tips import (
     Tip,

@@ -9,7 +9,8 @@ from meso_robust.bounds import Interval
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require_order
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import (
     comes_free,
     free_at_start,

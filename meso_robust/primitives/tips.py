@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from meso_robust.admissibility import values
 from meso_robust.bounds import Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Obligation, require, require_order
-from meso_robust.primitives.setup import Edge, PoseBox, Setup
+from meso_robust.primitives.outline import Edge, Line
+from meso_robust.primitives.setup import PoseBox, Setup
 
 HALF = Interval.point(0.5)
 
@@ -66,11 +68,17 @@ def passes(
 ) -> Obligation:
     """While one tip is ``flight`` short of its place on the edge, the other one is clear of the part.
 
-    ``side`` is that of the other tip; it must be off the edge's line or beyond the edge's end.
+    ``side`` is that of the other tip; it must be off the edge's line or beyond the edge's end, which
+    is the end of a rectangle. A polygon may extend further: there it must be off the line of one
+    side of the convex hull all the time.
     """
     dx, dy = second_tip(-side, setup)
+    claim = f"the other tip passes the part ({when})"
+    if edge.beyond:
+        arm_x, arm_y = sticking.arm(path, edge.depth, offset)
+        return _off_a_side(claim, edge, path, arm_x + dx + flight, arm_y + dy)
     return require(
-        f"the other tip passes the part ({when})",
+        claim,
         "sticking_motion",
         "beside",
         {
@@ -83,6 +91,23 @@ def passes(
         },
         any_output=True,
     )
+
+
+def _off_a_side(claim: str, edge: Edge, path: Interval, dx: Interval, dy: Interval) -> Obligation:
+    """A tip at ``(dx, dy)`` from the centre is off the line of a side of the part's convex hull.
+
+    The side is the one that the tip is farthest off in the middle of all that can be.
+    """
+    theta = edge.orientation(path)
+    clearance = values("sticking_motion", "clearance")
+
+    def off(line: Line) -> float:
+        angle = line.angle(theta).mid
+        return float(clearance(theta=angle, d1=line.depth.mid, dx=dx.mid, dy=dy.mid)[0])
+
+    line = max((edge, *edge.beyond), key=off)
+    box = {"theta": line.angle(theta), "d1": line.depth, "dx": dx, "dy": dy}
+    return require(claim, "sticking_motion", "clearance", box)
 
 
 def in_flight(pusher: Tip, reach: Interval) -> Interval:
@@ -124,9 +149,15 @@ def way_back(tip: Tip) -> Interval:
 
 def on_edge(which: str, offset: Interval, edge: Edge) -> Obligation:
     """The contact lies between the ends of the edge."""
+    claim = f"the {which} tip touches the edge"
+    if edge.beyond:
+        low, high = offset - edge.first, edge.last - offset
+        margin = Interval(min(low.lo, high.lo), min(low.hi, high.hi))
+        ends = {"d2": offset, "first": edge.first, "last": edge.last}
+        return require_order(claim, "d2 - first > 0 and last - d2 > 0", margin, ends)
     margin = edge.half - offset.hull(-offset)
     box = {"d2": offset, "half": edge.half}
-    return require_order(f"the {which} tip touches the edge", "half - |d2| > 0", margin, box)
+    return require_order(claim, "half - |d2| > 0", margin, box)
 
 
 def sticks(

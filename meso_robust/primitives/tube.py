@@ -9,7 +9,8 @@ import numpy as np
 from meso_robust.bounds import Interval
 from meso_robust.motion import sticking
 from meso_robust.primitives.obligation import Knot
-from meso_robust.primitives.setup import Edge, PoseBox
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.setup import PoseBox
 
 SLICES = 8  # of a turn about one tip
 

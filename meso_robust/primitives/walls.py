@@ -1,7 +1,8 @@
 """No collision with the slot: the part over its tube, and the tips over their ways.
 
 Two convex sets are apart when they are apart along some direction (separating axis); for two
-rectangles the four directions of their sides are enough. Over a box of poses the distance along
+polygons the directions of their sides are enough (of a part that is not convex, its convex hull is
+taken). Over a box of poses the distance along
 every direction is bounded from below; a box that none of them decides is split.
 """
 
@@ -14,6 +15,7 @@ from meso_robust.bounds import Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.primitives.move import MoveRule, Point
 from meso_robust.primitives.obligation import Knot, Obligation, require_order
+from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import Block, PoseBox, Setup
 from meso_robust.primitives.tips import HALF
 
@@ -104,7 +106,9 @@ def _separation(box: PoseBox, block: Block, setup: Setup) -> float:
 
 
 def _apart(box: PoseBox, block: Block, setup: Setup) -> float:
-    """Lower bound of the largest of the four distances that holds for a whole box, m."""
+    """Lower bound of the largest of the distances that holds for a whole box, m."""
+    if isinstance(setup.outline, Polygon):
+        return max(_beyond_wall(box, block, setup.outline), _beyond_part(box, block, setup.outline))
     a, b, c, s = setup.half_length, setup.half_width, cos(box.theta), sin(box.theta)
     along, across = _size_of(c), _size_of(s)
     reach_x, reach_y = a * along + b * across, a * across + b * along
@@ -119,6 +123,36 @@ def _apart(box: PoseBox, block: Block, setup: Setup) -> float:
         sideways,
     )
     return max(distance.lo for distance in distances)
+
+
+def _beyond_wall(box: PoseBox, block: Block, part: Polygon) -> float:
+    """Lower bound of how far all corners of the part are beyond the best side of the wall, m."""
+    c, s = cos(box.theta), sin(box.theta)
+    xs = [box.x + c * x - s * y for x, y in part.hull]
+    ys = [box.y + s * x + c * y for x, y in part.hull]
+    return max(
+        min(side.lo for side in sides)
+        for wall, places in ((block.x, xs), (block.y, ys))
+        for sides in (
+            [place - Interval.point(wall.hi) for place in places],
+            [Interval.point(wall.lo) - place for place in places],
+        )
+    )
+
+
+def _beyond_part(box: PoseBox, block: Block, part: Polygon) -> float:
+    """Lower bound of how far all corners of the wall are off the best side of the part's hull, m."""
+    corners = [
+        (Interval.point(x) - box.x, Interval.point(y) - box.y)
+        for x in (block.x.lo, block.x.hi)
+        for y in (block.y.lo, block.y.hi)
+    ]
+    distances = []
+    for line in part.lines:
+        angle = line.angle(box.theta)
+        c, s = cos(angle), sin(angle)
+        distances.append(min((s * x - c * y - line.depth).lo for x, y in corners))
+    return max(distances)
 
 
 def _middle(range_: Interval) -> Interval:
@@ -142,7 +176,7 @@ def _size(box: PoseBox) -> float:
 
 def _halves(box: PoseBox, setup: Setup) -> list[PoseBox]:
     """A box cut in two where it is widest for the corners of the part."""
-    turn = box.theta.width * setup.half_length.hi
+    turn = box.theta.width * setup.outline.reach
     if turn >= max(box.x.width, box.y.width):
         return [PoseBox(x=box.x, y=box.y, theta=half) for half in _cut(box.theta)]
     if box.x.width >= box.y.width:

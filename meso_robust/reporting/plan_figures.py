@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from meso_robust import units
-from meso_robust.execution.running import MoveRun, rectangle
+from meso_robust.execution.running import MoveRun, outline as outline_of_part
 from meso_robust.job import Planned
 from meso_robust.planning.document import NAMES
 from meso_robust.reporting.canvas import (
@@ -59,7 +59,7 @@ def move_figure(result: Planned, index: int) -> Figure:
     index
         Which move, from 0.
     """
-    move, body = result.check.nominal.moves[index], rectangle(result.setup)
+    move, body = result.check.nominal.moves[index], outline_of_part(result.setup)
     last = index + 1 == len(result.found.rules)
     path = move.path[0]
     figure, axes = panel(*PANEL)
@@ -84,7 +84,7 @@ def move_figure(result: Planned, index: int) -> Figure:
 
 def overview_figure(result: Planned) -> Figure:
     """The way of the part from the start to the goal, in um."""
-    body, moves = rectangle(result.setup), result.check.nominal.moves
+    body, moves = outline_of_part(result.setup), result.check.nominal.moves
     figure, axes = panel(*WIDE)
     _goal(axes, result, body)
     _slot(axes, result)

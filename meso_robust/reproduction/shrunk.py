@@ -41,18 +41,15 @@ def shrunk(task: Task, size: float, errors: Errors) -> Task:
     the orientation grows as the part shrinks, because it is seen over a shorter edge.
     """
     u, probe, goal, start = task.uncertainty, task.probe, task.goal, task.start
-    seen, placed = size, size
+    seen, placed, part = size, size, task.rectangle("another size")
     if errors != "scaled":
         seen = 1.0
     if errors == "camera and probe stay":
         placed = 1.0
     return task.model_copy(
         update={
-            "part": task.part.model_copy(
-                update={
-                    "length_um": size * task.part.length_um,
-                    "width_um": size * task.part.width_um,
-                }
+            "part": part.model_copy(
+                update={"length_um": size * part.length_um, "width_um": size * part.width_um}
             ),
             "start": start.model_copy(
                 update={"x_um": size * start.x_um, "y_um": size * start.y_um}

@@ -13,7 +13,7 @@ from meso_robust.errors import InputError
 from meso_robust.recordings import Polygon, Rectangle
 from meso_robust.recordings.document import load_document
 from meso_robust.recordings.rules import probe_fault
-from meso_robust.task import load_task
+from meso_robust.task import PolygonPart, load_task
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import load_calibration
 from meso_robust.tracking.grid_fit import GridFit, calibrate
@@ -42,6 +42,8 @@ def stated_part(
         )
     if task is not None:
         part = load_task(task).part
+        if isinstance(part, PolygonPart):
+            return Polygon(corners=np.array(part.polygon_um) * UM), None
         return _rectangle(part.length_um, part.width_um), None
     if set_file is not None:
         document = load_document(set_file)

@@ -192,7 +192,7 @@ def test_the_walls_are_those_of_the_task(opens: str) -> None:
 def test_what_is_apart_has_no_common_point() -> None:
     """Against points all over the part: none may lie in a wall, and few far parts stay undecided."""
     known, rng = given(slot_task()), np.random.default_rng(1)
-    a, b = float(known.half_length), float(known.half_width)
+    a, b = (float(side) for side in known.outline.hull[-1])
     own = np.array(np.meshgrid(np.linspace(-a, a, 41), np.linspace(-b, b, 41))).reshape(2, -1)
     decided = 0
     for _ in range(150):

@@ -123,7 +123,8 @@ class Laboratory:
         tips[2:] += errors[1]
         travel = np.array([(0.0, 0.0) if p.passive else move.travel_um for p in move.probes])
         scale = np.array([1e-6, 1e-6, np.pi / 180.0])
-        a, b = 0.5e-6 * paper_task().part.length_um, 0.5e-6 * paper_task().part.width_um
+        part = paper_task().rectangle("this test")
+        a, b = 0.5e-6 * part.length_um, 0.5e-6 * part.width_um
         pushed = simulate(
             Push.straight(
                 vertices=np.array([[-a, -b], [a, -b], [a, b], [-a, b]]),

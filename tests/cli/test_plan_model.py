@@ -65,7 +65,7 @@ def test_a_part_of_another_size_is_proved_and_what_changed_is_told(
     assert told["task_hash_before"] == load_task(PAPER).hash
     assert told["task_hash"] == certificate["task_hash"] == task.hash
     assert certificate["made_with"]["model"] == model_hash(read_model(model))
-    assert task.part.length_um == 1622.0
+    assert task.rectangle("this test").length_um == 1622.0
 
 
 def test_the_certificate_is_verified_for_the_changed_task_and_for_no_other(

@@ -13,7 +13,7 @@ from meso_robust.identification.layout import toml_of
 from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.changing import Changed, about_middle, changed, check_part
 from meso_robust.premises.standing import standings
-from meso_robust.task import load_task, parse_task
+from meso_robust.task import Part, load_task, parse_task
 from meso_robust.toml_files import read_toml
 from tests.conftest import paper_task
 from tests.premises.models import model
@@ -90,7 +90,7 @@ def test_sides_of_the_part_keep_their_interval() -> None:
     found = made({"part_geometry.x_um": (2.0, 4.0), "part_geometry.y_um": (-1.0, 0.5)})
     setup = found.setup()
 
-    assert (found.task.part.length_um, found.task.part.width_um) == (1622.0, 836.5)
+    assert found.task.part == Part(length_um=1622.0, width_um=836.5)
     assert found.half_um == (1.0, 0.75)
     assert found.wider
     # half of 1616 + 2 (2 … 4) and of 837 + 2 (-1 … 0.5)

@@ -79,8 +79,10 @@ def test_the_part_is_drawn_where_it_is_before_and_after(proved: Planned, index: 
         (shape,) = polygons(figure, label)
         np.testing.assert_allclose(shape.mean(axis=0), pose[:2] * 1e6, atol=1e-6)
         long_side = shape[1] - shape[0]
-        assert np.hypot(*long_side) == pytest.approx(proved.task.part.length_um)
-        assert np.hypot(*(shape[2] - shape[1])) == pytest.approx(proved.task.part.width_um)
+        assert np.hypot(*long_side) == pytest.approx(proved.task.rectangle("this test").length_um)
+        assert np.hypot(*(shape[2] - shape[1])) == pytest.approx(
+            proved.task.rectangle("this test").width_um
+        )
         assert np.arctan2(long_side[1], long_side[0]) == pytest.approx(pose[2], abs=1e-9)
 
 

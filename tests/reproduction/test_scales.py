@@ -10,6 +10,7 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.reproduction.certified import certified_plan
 from meso_robust.reproduction.scales import PULLS, Pull, release_um
 from meso_robust.reproduction.shrunk import adhering, certified_at, shrunk, shrunk_rules
+from meso_robust.task import Part
 
 FULL = 1616.0
 
@@ -17,7 +18,7 @@ FULL = 1616.0
 def test_what_shrinks_and_what_stays() -> None:
     task = certified_plan().task
     small = shrunk(task, 0.25, "camera stays")
-    assert (small.part.length_um, small.part.width_um) == (404.0, 209.25)
+    assert small.part == Part(length_um=404.0, width_um=209.25)
     assert small.goal.position_tolerance_um == 19.0
     assert small.goal.orientation_tolerance_deg == 5.0
     assert small.probe.tip_spacing_um == 145.0

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
 from flint import arb
 
 from meso_robust.checker.document import ObligationDocument, RuleDocument
 from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.outline import Edge, Polygon, Rectangle
 from meso_robust.checker.passage import Memory, Passage
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.refusal import Refused
@@ -95,8 +97,8 @@ def _key(value: Any) -> Hashable:
         return (str(value.mid().man_exp()), str(value.rad().man_exp()))
     if isinstance(value, tuple):
         return tuple(map(_key, value))
-    if isinstance(value, PoseBox | Given):
+    if isinstance(value, PoseBox | Given | Rectangle | Polygon | Edge):
         return tuple(_key(getattr(value, name)) for name in value.__slots__)
-    if isinstance(value, str | int | float | None):
+    if isinstance(value, str | int | float | Fraction | None):
         return value
     raise TypeError(f"no key for {type(value).__name__}")

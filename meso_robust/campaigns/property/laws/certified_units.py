@@ -13,6 +13,7 @@ from meso_robust.campaigns.property.laws.variants import Variant, paper_rules, v
 from meso_robust.primitives.certify import Before, certify_move
 from meso_robust.primitives.move import Aim, MoveRule, Point
 from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 
 
@@ -37,8 +38,10 @@ def _setup(setup: Setup, factor: float) -> Setup:
     u = setup.uncertainty
     return replace(
         setup,
-        half_length=scaled(setup.half_length, factor),
-        half_width=scaled(setup.half_width, factor),
+        outline=Rectangle(
+            half_length=scaled(setup.half_length, factor),
+            half_width=scaled(setup.half_width, factor),
+        ),
         spacing=scaled(setup.spacing, factor),
         uncertainty=replace(
             u,

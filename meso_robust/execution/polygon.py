@@ -1,0 +1,29 @@
+"""How far points are from a polygon, by plain geometry, apart from proof and simulator."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+
+def distances(points: Floats, corners: Floats) -> Floats:
+    """(...,) distance of points (..., 2) from the boundary of a polygon (V, 2), negative inside.
+
+    Examples
+    --------
+    >>> triangle = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])
+    >>> distances(np.array([[1.0, 1.0], [2.0, -1.0], [7.0, 4.0]]), triangle)
+    array([-1.,  1.,  5.])
+    """
+    sides = np.roll(corners, -1, axis=0) - corners
+    offset = points[..., None, :] - corners
+    along = np.clip(np.sum(offset * sides, axis=-1) / np.sum(sides**2, axis=-1), 0.0, 1.0)
+    nearest = np.linalg.norm(offset - along[..., None] * sides, axis=-1).min(axis=-1)
+    y = points[..., 1, None]
+    passed = (corners[:, 1] > y) != (np.roll(corners, -1, axis=0)[:, 1] > y)
+    # where a ray to the right meets a side: left of it the cross product has the side's direction
+    left = (sides[:, 0] * offset[..., 1] - sides[:, 1] * offset[..., 0]) * np.sign(sides[:, 1]) > 0
+    inside = (passed & left).sum(axis=-1) % 2 == 1
+    return np.where(inside, -nearest, nearest)
