@@ -14,7 +14,7 @@ from meso_robust.diagnosis import answer, diagnose as diagnosing, model_file, pi
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import FILE, DiagnosisDocument
 from meso_robust.files import write_all
-from meso_robust.identification.usable import warnings_of
+from meso_robust.identification import usable
 from meso_robust.recordings import RecordingSet
 
 Verdict = Literal["consistent", "named", "ambiguous", "unknown"]
@@ -132,7 +132,7 @@ def diagnose(
 
     Examples
     --------
-    The quick form takes minutes on a laptop's single core; ``tests/api`` runs these lines.
+    Even the quick form takes longer than a doctest should; ``tests/api`` runs it.
 
     >>> import meso_robust as mr
     >>> diagnosed = mr.diagnose("set", quick=True)  # doctest: +SKIP
@@ -144,7 +144,7 @@ def diagnose(
     at_least(0, seed=seed)
     found, source = set_of(recordings)
     with progress.doing("checking the recordings"):
-        warnings = warnings_of(found)
+        warnings = usable.warnings_of(found)
     with progress.following() as told:
         diagnosis = diagnosing.diagnose(
             found, model=model, quick=quick, seed=seed, store=path_of(store), told=told

@@ -190,6 +190,12 @@ def camera_of(
     ------
     InputError
         A value is out of its range.
+
+    Examples
+    --------
+    >>> import meso_robust as mr
+    >>> mr.camera_of(noise_um=0.5, dropout=0.1).sensor.dropout
+    0.1
     """
     try:
         return Camera(

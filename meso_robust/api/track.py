@@ -149,10 +149,26 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     >>> from pathlib import Path
     >>> import numpy as np
     >>> import meso_robust as mr
-    >>> from meso_robust.microscope import Film, Motion, paper_scene, render
+    >>> from meso_robust.microscope import Part, Probe, Scene, film
+    >>> sides = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [808e-6, 418.5e-6]
+    >>> scene = Scene(part=Part(outline=sides), probes=(Probe(tip_radius=12.5e-6),))
+    >>> times, tip = np.arange(3) / 30.0, np.array([[[0.0, 700e-6]]] * 3)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     video = Path(folder) / "push.avi"  # doctest: +SKIP
-    ...     tracked = mr.track(video, task="task.toml", pixel_um=5.26)  # doctest: +SKIP
+    ...     video = Path(folder) / "push.avi"
+    ...     film(video, scene, times, np.zeros((3, 3)), tip, np.random.default_rng(0))
+    ...     tracked = mr.track(
+    ...         video,
+    ...         length_um=1616.0,
+    ...         width_um=837.0,
+    ...         tip_radius_um=12.5,
+    ...         pixel_um=5.26,
+    ...         start=(None, None, 0.0),
+    ...         probes={"left": (0.0, 700.0)},
+    ...     )
+    >>> tracked
+    <Tracked 1 videos: part found in 3 of 3 frames>
+    >>> bool(np.abs(tracked.recordings.recordings[0].poses[:, :2]).max() < 1e-6)
+    True
     """
     if not 0.0 <= most_lost <= 1.0:
         raise InputError(f"most_lost = {most_lost}: must be from 0 to 1; 0.1 is usual")

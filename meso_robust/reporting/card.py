@@ -64,10 +64,5 @@ def picture(draw: Callable[[], Figure], text: str, label: str) -> Markup:
     """
     name = "c" + hashlib.sha256(f"{label}\0{text}".encode()).hexdigest()[:12]
     with style():
-        svg = to_svg(draw(), name, label)
-    return Markup(_EVERYWHERE.sub(rf"<style>#{name} * {{\1}}</style>", _named(svg, name)))
-
-
-def _named(svg: str, name: str) -> str:
-    """The element with an id of its own."""
-    return svg.replace("<svg", f'<svg id="{name}"', 1)
+        svg = str(to_svg(draw(), name, label)).replace("<svg", f'<svg id="{name}"', 1)
+    return Markup(_EVERYWHERE.sub(rf"<style>#{name} * {{\1}}</style>", svg))

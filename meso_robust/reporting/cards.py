@@ -36,7 +36,10 @@ from meso_robust.tracking.job import Found as Tracked
 MOST_ROWS = 12
 """Recordings in a picture."""
 _CHECKED = {
-    "VERIFIED": ("PROVED", "The certificate proves what it says: every number was found again."),
+    "VERIFIED": (
+        "PROVED",
+        "The certificate proves what it claims; what no check can confirm is listed below.",
+    ),
     "REJECTED": ("REFUTED", "Something that the certificate states was not confirmed."),
     "NOTHING CLAIMED": ("UNKNOWN", "The certificate claims nothing that could be checked."),
 }
