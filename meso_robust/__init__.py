@@ -1,3 +1,107 @@
-"""Symbolic-analytic verification of pushing plans for mesoscale assembly."""
+"""Symbolic-analytic verification of pushing plans for mesoscale assembly.
+
+Everything that the command line does, in calls that return plain values:
+
+>>> import meso_robust as mr
+>>> task = mr.Task.paper()
+>>> planned = mr.plan(task, samples=20)
+>>> planned.verdict
+'PROVED'
+>>> mr.check(planned, task).verdict
+'VERIFIED'
+
+``Task.load``, ``plan``, ``certify``, ``check``, ``simulate``, ``drive`` make and keep the promise;
+``standard_tests``, ``track``, ``read_recordings``, ``identify`` and ``diagnose`` go from the
+laboratory back to the task; ``campaign`` and ``reproduce`` do much at once. A call is silent unless it
+is given ``progress=Reporter()``, and writes nothing: a result is written by its ``save``.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False  # as in `typing`, which takes longer to import than the rest of this file
+
+if TYPE_CHECKING:
+    from meso_robust.api.campaign import Campaigned, campaign
+    from meso_robust.api.check import Checked, check
+    from meso_robust.api.diagnose import Diagnosed, diagnose
+    from meso_robust.api.drive import Driver, drive
+    from meso_robust.api.identify import Identified, StandardTests, identify, standard_tests
+    from meso_robust.api.plan import Planned, certify, plan
+    from meso_robust.api.progress import Progress
+    from meso_robust.api.recordings import Recordings, read_recordings
+    from meso_robust.api.reproduce import Reproduced, reproduce
+    from meso_robust.api.simulate import Simulated, camera_of, simulate
+    from meso_robust.api.track import Tracked, track
+    from meso_robust.cli.console import Reporter
+    from meso_robust.errors import InputError, NotApplicableError
+    from meso_robust.task import Task
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Campaigned",
+    "Checked",
+    "Diagnosed",
+    "Driver",
+    "Identified",
+    "InputError",
+    "NotApplicableError",
+    "Planned",
+    "Progress",
+    "Recordings",
+    "Reporter",
+    "Reproduced",
+    "Simulated",
+    "StandardTests",
+    "Task",
+    "Tracked",
+    "__version__",
+    "camera_of",
+    "campaign",
+    "certify",
+    "check",
+    "diagnose",
+    "drive",
+    "identify",
+    "plan",
+    "read_recordings",
+    "reproduce",
+    "simulate",
+    "standard_tests",
+    "track",
+]
+
+_MODULES = {
+    "api.campaign": ("Campaigned", "campaign"),
+    "api.check": ("Checked", "check"),
+    "api.diagnose": ("Diagnosed", "diagnose"),
+    "api.drive": ("Driver", "drive"),
+    "api.identify": ("Identified", "StandardTests", "identify", "standard_tests"),
+    "api.plan": ("Planned", "certify", "plan"),
+    "api.progress": ("Progress",),
+    "api.recordings": ("Recordings", "read_recordings"),
+    "api.reproduce": ("Reproduced", "reproduce"),
+    "api.simulate": ("Simulated", "camera_of", "simulate"),
+    "api.track": ("Tracked", "track"),
+    "cli.console": ("Reporter",),
+    "errors": ("InputError", "NotApplicableError"),
+    "task": ("Task",),
+}
+_WHERE = {name: module for module, names in _MODULES.items() for name in names}
+"""Module of every public name: it is loaded when the name is first used, which takes seconds."""
+
+if not TYPE_CHECKING:  # a type checker knows the names from the imports above, and no others
+
+    def __getattr__(name: str) -> object:
+        """Load a public name."""
+        if name not in _WHERE:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from importlib import import_module
+
+        found = getattr(import_module(f"{__name__}.{_WHERE[name]}"), name)
+        globals()[name] = found
+        return found
+
+    def __dir__() -> list[str]:
+        """List all public names, loaded or not."""
+        return sorted({*globals(), *__all__})

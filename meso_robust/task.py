@@ -6,7 +6,9 @@ import hashlib
 import json
 import re
 import tomllib
+from collections.abc import Mapping
 from fractions import Fraction
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -23,6 +25,7 @@ from pydantic import (
 
 from meso_robust.corners import Corner, fault, hull
 from meso_robust.errors import InputError
+from meso_robust.tasks import PAPER
 
 # Limits far beyond the mesoscale: they catch a slip of the unit before it becomes a long search.
 Length = Annotated[FiniteFloat, Field(ge=1, le=1e5)]
@@ -240,8 +243,7 @@ class Task(_Section):
     @property
     def hash(self) -> str:
         """SHA-256 of the task's values, independent of layout and comments."""
-        values = self.model_dump(mode="json", by_alias=True, exclude_none=True)
-        text = json.dumps(values, sort_keys=True)
+        text = json.dumps(self.to_dict(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
     def rectangle(self, use: str) -> Part:
@@ -257,6 +259,74 @@ class Task(_Section):
         raise InputError(
             f"task {self.name!r}: key part.polygon_um: {use}: for rectangles only; give a task "
             "whose part has length_um and width_um, or do without"
+        )
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Task:
+        """Read and check a task file (TOML); :func:`load_task` says what is raised.
+
+        Examples
+        --------
+        >>> Task.load("nowhere.toml")
+        Traceback (most recent call last):
+        meso_robust.errors.InputError: nowhere.toml: cannot be read (No such file or directory); ...
+        """
+        return load_task(Path(path))
+
+    @classmethod
+    def paper(cls) -> Task:
+        """The task of Section IX-E of the paper.
+
+        Examples
+        --------
+        >>> task = Task.paper()
+        >>> task.goal.theta_deg, task.uncertainty.friction
+        (180.0, (0.3, 0.36))
+        >>> print(task)
+        paper, Section IX-E: part at (2060.4 um, -9.2 um, 90.0 deg), to within 76.0 um and 5.0 deg
+        of (0.0 um, 0.0 um, 180.0 deg)
+        """
+        return load_task(PAPER)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any], source: str = "task") -> Task:
+        """Check values as a task file has them, tables as nested mappings.
+
+        Parameters
+        ----------
+        values
+            As ``Task.to_dict`` gives them, or TOML.
+        source
+            Names them in messages.
+
+        Raises
+        ------
+        InputError
+            A value breaks a rule.
+
+        Examples
+        --------
+        >>> values = Task.paper().to_dict()
+        >>> values["uncertainty"]["sensed_position_um"] = 2.0
+        >>> Task.from_dict(values).uncertainty.sensed_position_um
+        2.0
+        >>> values["uncertainty"]["friction"] = [0.4, 0.3]
+        >>> Task.from_dict(values)
+        Traceback (most recent call last):
+        meso_robust.errors.InputError: task: key uncertainty: friction = [0.4, 0.3]: the lower end ...
+        """
+        return parse_task(dict(values), source)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The values as a task file has them, to be changed and given to :meth:`from_dict`."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+    def __str__(self) -> str:
+        start, goal = self.start, self.goal
+        return (
+            f"{self.name}: part at ({start.x_um} um, {start.y_um} um, {start.theta_deg} deg), to "
+            f"within {goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
+            f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg)"
         )
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from meso_robust.cli.console import Reporter, negative, refuse
-from meso_robust.cli.plan import tell, write
+from meso_robust.cli.plan import tell
+
+if TYPE_CHECKING:
+    from meso_robust.api.plan import Planned
 
 
 def certify(
@@ -27,43 +30,26 @@ def certify(
 
     say = Reporter(quiet or as_json)
     try:
-        _certify(task, plan, out, samples, seed, as_json, quiet, say)
+        found = _found(task, plan, out, say, samples=samples, seed=seed)
     except InputError as error:
         refuse(error)
     except NotApplicableError as error:
         negative(f"UNKNOWN: {error}")
+    tell(found, out, as_json, quiet)
 
 
-def _certify(
-    task_file: Path,
-    plan_file: Path,
-    out: Path,
-    samples: int,
-    seed: int,
-    as_json: bool,
-    quiet: bool,
-    say: Reporter,
-) -> None:
+def _found(task: Path, plan: Path, out: Path, say: Reporter, **asked: int) -> Planned:
+    """The judged plan, written into ``out``."""
     from meso_robust.files import check_folder
     from meso_robust.planning.reading import read_plan
     from meso_robust.task import load_task
 
-    task = load_task(task_file)
-    plan = read_plan(plan_file, task)
+    known = load_task(task)
+    stated = read_plan(plan, known)
     check_folder(out)
 
-    from meso_robust.job import judge
-    from meso_robust.planning.compose import Found
-    from meso_robust.planning.inference import inferred
-    from meso_robust.planning.reading import rules_of
-    from meso_robust.primitives.setup import setup_of
+    from meso_robust.api.plan import certify as certified
 
-    rules = rules_of(plan) or inferred(plan, task, setup_of(task))
-    found = Found(
-        rules=rules,
-        scale=1.0,
-        advice="change the move that is not proved, or let `meso-robust plan` find a plan",
-    )
-    result = judge(task, found, samples, seed, say.doing)
-    write(result, out, say)
-    tell(result, out, as_json, quiet)
+    found = certified(known, stated, progress=say, **asked)
+    found.save(out, progress=say)
+    return found

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from meso_robust.cli.console import NEGATIVE, refuse
-
-if TYPE_CHECKING:
-    from meso_robust.checker.verdict import Answer
 
 
 def check(
@@ -26,45 +22,19 @@ def check(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the verdict.")] = False,
 ) -> None:
     """Verify a certificate without the planner, in exact and ball arithmetic."""
-    from meso_robust.checker.reading import read_certificate
-    from meso_robust.checker.verdict import check as verify
+    import json
+
+    from meso_robust.api.check import check as checked
     from meso_robust.errors import InputError
-    from meso_robust.task import load_task
     from meso_robust.tasks import PAPER
 
     try:
-        known = load_task(task or PAPER)
-        found, digest = read_certificate(certificate, known)
+        found = checked(certificate, task or PAPER, thorough=thorough)
     except InputError as error:
         refuse(error)
-    answer = verify(found, digest, known, thorough=thorough)
     if as_json:
-        print(json.dumps(_document(answer), indent=2, ensure_ascii=False))
+        print(json.dumps(found.document, indent=2, ensure_ascii=False))
     else:
-        print("\n".join(_lines(answer, quiet)))
-    if not answer.positive:
+        print(found.verdict if quiet and found.answer.refused is None else found)
+    if not found.verified:
         raise typer.Exit(NEGATIVE)
-
-
-def _document(answer: Answer) -> dict[str, object]:
-    refused = answer.refused
-    return {
-        "schema": "meso-robust/check/1",
-        "verdict": answer.verdict,
-        "claims": answer.claims,
-        "rejected": None
-        if refused is None
-        else {"claim": refused.claim, "stated": refused.stated, "found": refused.found},
-        "not_checked": list(answer.not_checked),
-    }
-
-
-def _lines(answer: Answer, quiet: bool) -> list[str]:
-    refused = answer.refused
-    if refused is not None:
-        head = f"{answer.verdict}: {refused.claim}"
-        return [head, f"stated: {refused.stated}", f"found: {refused.found}"]
-    if quiet:
-        return [answer.verdict]
-    evidence = [f"not checked (evidence, not proof): {one}" for one in answer.not_checked]
-    return [f"{answer.verdict}: {answer.claims}", *evidence]

@@ -6,25 +6,23 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import NoReturn, TypeAlias
+from typing import NoReturn
 
 import typer
+
+from meso_robust.api.progress import Rated, Told
 
 POSITIVE, NEGATIVE, BAD_INPUT = 0, 1, 2
 INTERRUPTED = 130
 """What shells give for a run that was ended by Ctrl-C."""
 
 LINE_EVERY = 10.0  # s
-Rated: TypeAlias = Callable[[str, tuple[int, int], tuple[int, int, str]], None]
-"""Called with a part, its chunks done and planned, and the runs, failures and unit of a step."""
-Told: TypeAlias = Callable[[str, int, int], None]
-"""Called with a stage of the work, how much of it is done, and how much there is."""
 
 
 class Reporter:
     """Says on stderr what is going on: a spinner on a terminal, plain lines elsewhere."""
 
-    def __init__(self, quiet: bool) -> None:
+    def __init__(self, quiet: bool = False) -> None:
         from rich.console import Console
 
         self._console = Console(stderr=True, quiet=quiet)

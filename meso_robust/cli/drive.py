@@ -5,15 +5,11 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from meso_robust.cli.console import Reporter, negative, refuse
-
-if TYPE_CHECKING:
-    from meso_robust.policy.controller import Controller, Reply
-    from meso_robust.task import Task
 
 
 def drive(
@@ -40,39 +36,15 @@ def drive(
 
 
 def _drive(task_file: Path, plan_file: Path, say: Reporter) -> None:
-    from meso_robust.policy.controller import controller_of
-    from meso_robust.policy.pose import PoseError, parse
     from meso_robust.task import load_task
 
     task = load_task(task_file)
+
+    from meso_robust.api.drive import drive as made_ready
+
     with say.doing("proving the plan before anything is moved"):
-        controller = controller_of(plan_file, task)
-        _warm(controller, task)
+        driver = made_ready(task, plan_file)
     with say.doing("ready for sensed poses, one line each"):
         for line in sys.stdin:
-            if not line.strip():
-                continue
-            try:
-                answer = _told(controller.answer(parse(line)), task)
-            except PoseError as error:
-                answer = {"error": str(error)}
-            print(json.dumps(answer, allow_nan=False), flush=True)
-
-
-def _warm(controller: Controller, task: Task) -> None:
-    """Import and compile what an answer needs, so that the first one is as fast as the others."""
-    from meso_robust.policy.controller import rehearsed
-
-    for reply in rehearsed(controller):
-        _told(reply, task)
-
-
-def _told(reply: Reply, task: Task) -> dict[str, object]:
-    from meso_robust.planning.document import box_document
-    from meso_robust.policy.controller import Done, Refused, commanded
-
-    if isinstance(reply, Refused):
-        return {"refused": reply.why}
-    if isinstance(reply, Done):
-        return {"done": True, "within": box_document(reply.within).model_dump()}
-    return commanded(reply, task).model_dump(mode="json")
+            if line.strip():
+                print(json.dumps(driver.answer_line(line), allow_nan=False), flush=True)

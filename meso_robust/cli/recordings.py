@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from meso_robust.cli.console import NEGATIVE, Reporter, refuse
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Asked:
-    """What the user asked for."""
-
-    path: Path
-    format_name: str | None
-    repair: bool
-    out: Path
-    as_json: bool
-    quiet: bool
+if TYPE_CHECKING:
+    from meso_robust.api.recordings import Recordings
 
 
 def recordings(
@@ -39,62 +29,33 @@ def recordings(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
 ) -> None:
     """Check recordings and list what is wrong; write a report, a repaired or an imported set."""
-    from meso_robust.errors import InputError
-
-    asked = _Asked(
-        path=path,
-        format_name=format_name,
-        repair=repair,
-        out=out,
-        as_json=as_json,
-        quiet=quiet,
-    )
-    try:
-        _check(asked, Reporter(quiet or as_json))
-    except InputError as error:
-        refuse(error)
-
-
-def _check(asked: _Asked, say: Reporter) -> None:
     import json
 
-    from meso_robust.files import check_folder, write_all
-    from meso_robust.recordings import write_set
-    from meso_robust.recordings.checking import OWN, checked
-    from meso_robust.recordings.summary import answer, document
+    from meso_robust.errors import InputError
 
-    check_folder(asked.out)
-    with say.doing("reading and checking"):
-        found = checked(asked.path, asked.format_name, asked.repair)
-    folder = asked.out / "recordings"
-    writes = asked.repair or found.format != OWN
-    if writes:
-        _refuse_own_folder(folder, asked.path)
-    text = json.dumps(document(found), indent=2, allow_nan=False) + "\n"
-    with say.doing("writing the results"):
-        from meso_robust.reporting.recordings import recordings_report
-
-        page = recordings_report(found)
-        if writes:
-            write_set(folder, found.recordings)
-        write_all(asked.out, {"summary.json": text, "report.html": page})
-    if asked.as_json:
-        print(text, end="")
-    elif not asked.quiet:
-        print(answer(found))
-        print(f"report: {asked.out / 'report.html'}")
-        if writes:
-            print(f"recording set: {folder}")
-    if found.matters:
+    try:
+        found = _found(path, format_name, repair, out, Reporter(quiet or as_json))
+    except InputError as error:
+        refuse(error)
+    if as_json:
+        print(json.dumps(found.document, indent=2, allow_nan=False))
+    elif not quiet:
+        print(found)
+        print(f"report: {out / 'report.html'}")
+        if found.rewritten:
+            print(f"recording set: {out / 'recordings'}")
+    if found.problems:
         raise typer.Exit(NEGATIVE)
 
 
-def _refuse_own_folder(folder: Path, source: Path) -> None:
-    """Recordings as they were made must stay."""
-    from meso_robust.errors import InputError
+def _found(
+    path: Path, format_name: str | None, repair: bool, out: Path, say: Reporter
+) -> Recordings:
+    """The checked set, with its results written into ``out``."""
+    from meso_robust.api.recordings import read_recordings
+    from meso_robust.files import check_folder
 
-    if folder.resolve() in (source.resolve(), source.resolve().parent):
-        raise InputError(
-            f"--out {folder.parent}: would write over the recordings in {folder}, which must stay "
-            "as they were made; give another folder"
-        )
+    check_folder(out)
+    found = read_recordings(path, format=format_name, repair=repair, progress=say)
+    found.save(out, progress=say)
+    return found

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from meso_robust.cli.console import INTERRUPTED, Reporter, refuse
+
+if TYPE_CHECKING:
+    from meso_robust.api.reproduce import Reproduced
 
 
 def reproduce(
@@ -27,37 +30,25 @@ def reproduce(
     from meso_robust.errors import InputError
 
     try:
-        _reproduce(item, out, (quick, seed), as_json=as_json, quiet=quiet)
+        found = _found(item, out, Reporter(quiet or as_json), quick=quick, seed=seed)
     except InputError as error:
         refuse(error)
     except KeyboardInterrupt:
         print("meso-robust: interrupted; nothing was written", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-
-
-def _reproduce(
-    item: str | None, out: Path, how: tuple[bool, int], *, as_json: bool, quiet: bool
-) -> None:
-    from meso_robust.files import check_folder, write_all
-    from meso_robust.reproduction.document import document, text
-    from meso_robust.reproduction.item import Setting
-    from meso_robust.reproduction.items import asked
-    from meso_robust.reproduction.reproduce import reproduced
-
-    names = asked(item)
-    check_folder(out)
-    say = Reporter(quiet or as_json)
-    with say.following() as told:
-        setting = Setting(quick=how[0], seed=how[1], told=told)
-        made = reproduced(names, setting)
-
-    from meso_robust.reproduction.page import reproduction_report
-
-    written = text(document(made, setting))
-    write_all(out, {"reproduction.json": written, "index.html": reproduction_report(made, setting)})
     if as_json:
-        print(written, end="")
+        print(found.text(), end="")
     elif not quiet:
-        for one in made.values():
-            print(f"{one.name}: {one.found.answer}")
+        print(found)
         print(f"report: {out / 'index.html'}")
+
+
+def _found(item: str | None, out: Path, say: Reporter, **asked: Any) -> Reproduced:
+    """The items, written into ``out``."""
+    from meso_robust.api.reproduce import reproduce as reproduced
+    from meso_robust.files import check_folder
+
+    check_folder(out)
+    found = reproduced(item, progress=say, **asked)
+    found.save(out)
+    return found

@@ -2,39 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from meso_robust.cli.console import NEGATIVE, Reporter, refuse
 
 if TYPE_CHECKING:
-    from meso_robust.execution.filming import Camera
-    from meso_robust.execution.simulation import Simulated
-
-FRAME_RATE_HZ = 30.0  # of the paper's camera, Section IV
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Asked:
-    """What the user asked for."""
-
-    task: Path
-    plan: Path
-    out: Path
-    samples: int
-    seed: int
-    adversarial: bool
-    witness: Path | None
-    recordings: int
-    noise_um: float
-    noise_deg: float
-    dropout: float
-    latency_ms: float
-    as_json: bool
-    quiet: bool
+    from meso_robust.api.simulate import Simulated
 
 
 def simulate(  # noqa: PLR0913  # every option of the verb is an argument
@@ -66,108 +42,49 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     """Run a plan in the simulator; write the runs, their trajectories and an animation."""
     from meso_robust.errors import InputError
 
-    asked = _Asked(
-        task=task,
-        plan=plan,
-        out=out,
-        samples=samples,
-        seed=seed,
-        adversarial=adversarial,
-        witness=witness,
-        recordings=recordings,
-        noise_um=noise_um,
-        noise_deg=noise_deg,
-        dropout=dropout,
-        latency_ms=latency_ms,
-        as_json=as_json,
-        quiet=quiet,
-    )
+    camera = {
+        "noise_um": noise_um,
+        "noise_deg": noise_deg,
+        "dropout": dropout,
+        "latency_ms": latency_ms,
+    }
+    runs = {"samples": samples, "seed": seed, "adversarial": adversarial, "witness": witness}
     try:
-        _simulate(asked, Reporter(quiet or as_json))
+        found = _found((task, plan, out), runs, recordings, camera, Reporter(quiet or as_json))
     except InputError as error:
         refuse(error)
-
-
-def _simulate(asked: _Asked, say: Reporter) -> None:
-    from meso_robust.files import check_folder, write_all
-    from meso_robust.planning.reading import read_plan
-    from meso_robust.primitives.setup import setup_of
-    from meso_robust.task import load_task
-
-    task = load_task(asked.task)
-    plan = read_plan(asked.plan, task)
-    check_folder(asked.out)
-
-    from meso_robust.execution.simulation import player_of, simulated
-    from meso_robust.execution.simulation_answer import document, summary
-    from meso_robust.execution.trajectories import trajectories
-    from meso_robust.execution.witness import read_witness
-    from meso_robust.reporting.animation import animation
-
-    camera = _camera(asked)
-    player = player_of(plan, setup_of(task))
-    found = simulated(
-        task,
-        plan,
-        player,
-        samples=asked.samples,
-        seed=asked.seed,
-        adversarial=asked.adversarial,
-        witness=None if asked.witness is None else read_witness(asked.witness, task, plan, player),
-        doing=say.doing,
-    )
-    with say.doing("writing the results"):
-        answer = document(found)
-        text = answer.model_dump_json(by_alias=True, indent=2) + "\n"
-        write_all(
-            asked.out,
-            {
-                "simulation.json": text,
-                "trajectories.csv": trajectories(found),
-                "animation.html": animation(found, answer),
-            },
-        )
-    if asked.recordings:
-        with say.doing("writing the recordings"):
-            _record(asked, found, camera)
-    if asked.as_json:
-        print(text, end="")
-    elif not asked.quiet:
-        print(summary(answer))
-        print(f"animation: {asked.out / 'animation.html'}")
-    if not answer.all_in_goal:
+    if as_json:
+        print(found.document.model_dump_json(by_alias=True, indent=2))
+    elif not quiet:
+        print(found)
+        print(f"animation: {out / 'animation.html'}")
+    if not found.all_in_goal:
         raise typer.Exit(NEGATIVE)
 
 
-def _camera(asked: _Asked) -> Camera:
-    """The camera that was asked for."""
-    import numpy as np
+def _found(
+    paths: tuple[Path, Path, Path],
+    runs: dict[str, Any],
+    recorded: int,
+    camera: dict[str, float],
+    say: Reporter,
+) -> Simulated:
+    """The runs, written into the last of ``paths``, some of them as ``recorded`` too."""
+    from meso_robust.files import check_folder
+    from meso_robust.planning.reading import read_plan
+    from meso_robust.task import load_task
 
-    from meso_robust.errors import InputError
-    from meso_robust.execution.filming import Camera
-    from meso_robust.simulator import Effects
-    from meso_robust.simulator.observation import Sensor
+    task_file, plan_file, out = paths
+    task = load_task(task_file)
+    plan = read_plan(plan_file, task)
+    check_folder(out)
 
-    try:
-        return Camera(
-            sensor=Sensor(
-                position_sigma=1e-6 * asked.noise_um,
-                orientation_sigma=float(np.radians(asked.noise_deg)),
-                frame_rate=FRAME_RATE_HZ,
-                dropout=asked.dropout,
-            ),
-            effects=Effects({"camera_latency": {"time_ms": asked.latency_ms}}),
-        )
-    except ValueError as error:
-        raise InputError(f"--noise-um, --noise-deg, --dropout, --latency-ms: {error}") from error
+    from meso_robust.api.simulate import camera_of, simulate as simulated
 
-
-def _record(asked: _Asked, found: Simulated, camera: Camera) -> None:
-    """Write some of the runs as a camera would record them."""
-    import numpy as np
-
-    from meso_robust.execution.filming import film_plan
-    from meso_robust.recordings import write_set
-
-    rng = np.random.default_rng(asked.seed)
-    write_set(asked.out / "recordings", film_plan(found, camera, rng, asked.recordings))
+    seen_by = camera_of(**camera)
+    found = simulated(task, plan, progress=say, **runs)
+    found.save(out, progress=say)
+    if recorded:
+        with say.doing("writing the recordings"):
+            found.record(out / "recordings", recorded, seen_by, runs["seed"])
+    return found

@@ -10,6 +10,7 @@ import typer
 from meso_robust.cli.console import Reporter, negative, refuse
 
 if TYPE_CHECKING:
+    from meso_robust.api.track import Tracked
     from meso_robust.tracking.job import Job
 
 
@@ -78,43 +79,27 @@ def track(  # noqa: PLR0913  # every option of the verb is an argument
         seed=seed,
     )
     try:
-        _track(job, out, overlay, Reporter(quiet or as_json), as_json, quiet)
+        found = _found(job, out, overlay, Reporter(quiet or as_json))
     except InputError as error:
         refuse(error)
+    if as_json:
+        print(found.document.model_dump_json(by_alias=True, indent=2))
+    elif not quiet:
+        print(found)
+        print(f"report: {out / 'report.html'}")
+    if not found.tracked:
+        from meso_robust.tracking.track_document import lost_in_words
+
+        negative(lost_in_words(found.document))
 
 
-def _track(job: Job, out: Path, overlay: bool, say: Reporter, as_json: bool, quiet: bool) -> None:
+def _found(job: Job, out: Path, overlay: bool, say: Reporter) -> Tracked:
+    """What was seen, written into ``out``."""
+    from meso_robust.api.track import keep_videos, tracked
     from meso_robust.files import check_folder
-    from meso_robust.tracking.job import prepared, run, write
-    from meso_robust.tracking.track_document import lost_in_words
 
     check_folder(out)
-    _keep_apart(job, out)
-    found = run(prepared(job), say.counting)
-    from meso_robust.reporting.tracking import tracking_report
-
-    page = tracking_report(found.answer, found.tracks, found.recordings)
-    write(out, found, page, say.counting if overlay else None)
-    answer = found.answer
-    if as_json:
-        print(answer.model_dump_json(by_alias=True, indent=2))
-    elif not quiet:
-        for video in answer.videos:
-            print(f"{video.video}: part found in {video.found} of {video.frames} frames")
-            for note in video.notes:
-                print(f"  {note}")
-        print(f"report: {out / 'report.html'}")
-    if not answer.tracked:
-        negative(lost_in_words(answer))
-
-
-def _keep_apart(job: Job, out: Path) -> None:
-    """Refuse a folder in which a result could be written over a video."""
-    from meso_robust.errors import InputError
-
-    for video in job.videos:
-        if video.resolve().parent == out.resolve() or video.resolve() == out.resolve():
-            raise InputError(
-                f"--out {out}: holds {video.name}, which must not be written over; give another "
-                "folder"
-            )
+    keep_videos(out, job)
+    found = tracked(job, progress=say)
+    found.save(out, overlay=overlay, progress=say)
+    return found

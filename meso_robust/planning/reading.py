@@ -36,10 +36,15 @@ def read_plan(path: Path, task: Task) -> PlanDocument:
         The file cannot be read, is not JSON, a value breaks a rule, or the plan was made for
         another task; the message names file, key, value and rule.
     """
-    plan = _parse(read_text(path), str(path))
+    return parse_plan(read_text(path), str(path), task)
+
+
+def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
+    """The same for a text; ``source`` names it in messages."""
+    plan = _parse(text, source)
     if plan.task_hash != task.hash:
         raise InputError(
-            f"{path}: key task_hash = {plan.task_hash!r}: must be the hash {task.hash!r} of the "
+            f"{source}: key task_hash = {plan.task_hash!r}: must be the hash {task.hash!r} of the "
             f"task; the plan was made for another task ({plan.task!r}), plan this one anew"
         )
     wrong = next(wrong_headings(plan.policy, task, "policy"), None)

@@ -1,0 +1,135 @@
+"""``check``: a certificate verified once more, by formulas of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from meso_robust.api.given import StrPath, task_of
+from meso_robust.checker.document import Certificate
+from meso_robust.checker.reading import parse_certificate, read_certificate
+from meso_robust.checker.verdict import Answer, Word, check as verified
+from meso_robust.task import Task
+
+if TYPE_CHECKING:  # nothing of what is checked is imported: a check shares no code with it
+    from meso_robust.api.plan import Planned
+    from meso_robust.certificates.document import CertificateDocument
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Checked:
+    """What came of checking a certificate.
+
+    Attributes
+    ----------
+    answer
+        The verdict, what is claimed, what was rejected, and what no check can confirm.
+    certificate, task
+        What was checked, and the task it is about.
+    """
+
+    answer: Answer
+    certificate: Certificate
+    task: Task
+
+    @property
+    def verdict(self) -> Word:
+        """VERIFIED, REJECTED or NOTHING CLAIMED."""
+        return self.answer.verdict
+
+    @property
+    def verified(self) -> bool:
+        """Whether the certificate proves what it says."""
+        return self.answer.positive
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The answer as plain values."""
+        refused = self.answer.refused
+        return {
+            "schema": "meso-robust/check/1",
+            "verdict": self.verdict,
+            "claims": self.answer.claims,
+            "rejected": None
+            if refused is None
+            else {"claim": refused.claim, "stated": refused.stated, "found": refused.found},
+            "not_checked": list(self.answer.not_checked),
+        }
+
+    def __str__(self) -> str:
+        """The answer in a few lines, as the command line prints it."""
+        refused = self.answer.refused
+        if refused is not None:
+            head = f"{self.verdict}: {refused.claim}"
+            return "\n".join([head, f"stated: {refused.stated}", f"found: {refused.found}"])
+        evidence = [f"not checked (evidence, not proof): {one}" for one in self.answer.not_checked]
+        return "\n".join([f"{self.verdict}: {self.answer.claims}", *evidence])
+
+    def __repr__(self) -> str:
+        return f"<Checked {self.verdict}: {self.task.name}>"
+
+    def _repr_html_(self) -> str:
+        from meso_robust.reporting.cards import checked_card
+
+        return checked_card(self.answer, self.certificate, self.task, str(self))
+
+
+def check(
+    certificate: CertificateDocument | Planned | StrPath,
+    task: Task | StrPath,
+    *,
+    thorough: bool = False,
+) -> Checked:
+    """Verify a certificate without the planner, in exact and ball arithmetic.
+
+    Parameters
+    ----------
+    certificate
+        The certificate, what holds it, or the name of its file (``certificate.json``).
+    task
+        The task it is about, or the name of its file.
+    thorough
+        Also prove the margin of each uncertainty alone.
+
+    Returns
+    -------
+    Checked
+        Whatever the verdict; also a certificate that was tampered with gives a value.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, is no certificate, or is one for another task.
+
+    Examples
+    --------
+    >>> import meso_robust as mr
+    >>> task = mr.Task.paper()
+    >>> certificate = mr.plan(task, samples=20).certificate
+    >>> checked = mr.check(certificate, task)
+    >>> checked, checked.verified
+    (<Checked VERIFIED: paper, Section IX-E>, True)
+
+    A changed number is found out:
+
+    >>> print(mr.check(certificate.model_copy(update={"verdict": "UNKNOWN"}), task))
+    REJECTED: digest: the SHA-256 of all other values
+    stated: ...
+    found: ...
+    """
+    known = task_of(task)
+    found, digest = _read(certificate, known)
+    answer = verified(found, digest, known, thorough=thorough)
+    return Checked(answer=answer, certificate=found, task=known)
+
+
+def _read(
+    certificate: CertificateDocument | Planned | StrPath, task: Task
+) -> tuple[Certificate, str]:
+    if isinstance(certificate, str | PathLike):
+        return read_certificate(Path(certificate), task)
+    held: Any = certificate  # a document, or a plan that has one
+    document: CertificateDocument = getattr(held, "certificate", held)
+    return parse_certificate(document.model_dump_json(by_alias=True), "certificate", task)

@@ -1,0 +1,157 @@
+"""``diagnose``: what physics the plain model leaves out of recordings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from meso_robust import __version__
+from meso_robust.api.given import StrPath, at_least, keep_apart, path_of
+from meso_robust.api.progress import SILENT, Progress
+from meso_robust.api.recordings import Recordings, name_of, set_of
+from meso_robust.diagnosis import answer, diagnose as diagnosing, model_file, pictures
+from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.document import FILE, DiagnosisDocument
+from meso_robust.files import write_all
+from meso_robust.identification import usable
+from meso_robust.recordings import RecordingSet
+
+Verdict = Literal["consistent", "named", "ambiguous", "unknown"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Diagnosed:
+    """What the plain model leaves out of recordings.
+
+    Attributes
+    ----------
+    diagnosis
+        Everything that was found out.
+    document
+        The content of ``diagnosis.json``.
+    warnings
+        What to keep in mind about the recordings, a line each.
+    source
+        Where the recording set is from; None if it was given by value.
+    """
+
+    diagnosis: Diagnosis
+    document: DiagnosisDocument
+    warnings: tuple[str, ...]
+    source: Path | None
+
+    @property
+    def verdict(self) -> Verdict:
+        """Consistent, named, ambiguous or unknown."""
+        return self.document.verdict
+
+    @property
+    def explained(self) -> bool:
+        """Whether nothing is left out, or what is left out has one name."""
+        return self.verdict in ("consistent", "named")
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the effects of the extended model."""
+        return tuple(effect.name for effect in self.document.effects)
+
+    def __str__(self) -> str:
+        """The answer in a few lines, as the command line prints it."""
+        from meso_robust.reporting.diagnosis_words import summary
+
+        return "\n".join([summary(self.document), *(f"  {line}" for line in self.warnings)])
+
+    def __repr__(self) -> str:
+        return f"<Diagnosed {self.verdict}: {', '.join(self.effects) or 'no effects'}>"
+
+    def _repr_html_(self) -> str:
+        from meso_robust.reporting.cards import diagnosed_card
+
+        return diagnosed_card(self.document, pictures.evidence(self.diagnosis), str(self))
+
+    @property
+    def model_toml(self) -> str:
+        """The extended model, for ``plan(..., model=...)``."""
+        return model_file.model_toml(self.diagnosis, __version__)
+
+    def files(self) -> dict[str, str]:
+        """The texts of all result files by name."""
+        from meso_robust.reporting import diagnosis as page
+
+        evidence = pictures.evidence(self.diagnosis)
+        return {
+            FILE: self.document.model_dump_json(by_alias=True, indent=2) + "\n",
+            "model.toml": self.model_toml,
+            "report.html": page.diagnosis_report(self.document, evidence, name_of(self.source)),
+        }
+
+    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
+        """Write the result files into a folder, which is made if needed; all of them or none.
+
+        Raises
+        ------
+        InputError
+            They cannot be written, or the folder is that of the recordings.
+        """
+        keep_apart(Path(folder), self.source)
+        with progress.doing("writing the results"):
+            write_all(Path(folder), self.files())
+
+
+def diagnose(
+    recordings: RecordingSet | Recordings | StrPath,
+    *,
+    model: str = "viscous",
+    quick: bool = False,
+    seed: int = 0,
+    store: StrPath | None = None,
+    progress: Progress = SILENT,
+) -> Diagnosed:
+    """Say what physics a plain model leaves out of recordings: where, what, how much it helps.
+
+    Parameters
+    ----------
+    recordings
+        A recording set, or the name of its folder.
+    model
+        The plain model, ``viscous`` …
+    quick
+        Fewer simulated sets and candidates; a coarser answer.
+    seed
+        Of everything random.
+    store
+        Folder for what is done on the way, with which a diagnosis that was interrupted goes on.
+    progress
+        Shows what is being done.
+
+    Raises
+    ------
+    InputError
+        A file or a value breaks a rule, or the recordings have bad poses.
+
+    Examples
+    --------
+    Even the quick form takes longer than a doctest should; ``tests/api`` runs it.
+
+    >>> import meso_robust as mr
+    >>> diagnosed = mr.diagnose("set", quick=True)  # doctest: +SKIP
+    >>> diagnosed.verdict, diagnosed.effects  # doctest: +SKIP
+    ('named', ('dry_friction',))
+    >>> diagnosed.save("diagnosis")  # doctest: +SKIP
+    >>> mr.plan("task.toml", model="diagnosis/model.toml")  # doctest: +SKIP
+    """
+    at_least(0, seed=seed)
+    found, source = set_of(recordings)
+    with progress.doing("checking the recordings"):
+        warnings = usable.warnings_of(found)
+    with progress.following() as told:
+        diagnosis = diagnosing.diagnose(
+            found, model=model, quick=quick, seed=seed, store=path_of(store), told=told
+        )
+    return Diagnosed(
+        diagnosis=diagnosis,
+        document=answer.document(diagnosis, __version__, warnings),
+        warnings=warnings,
+        source=source,
+    )

@@ -1,0 +1,308 @@
+"""``identify``: a model fitted to recordings, and the pushes for it planned and designed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+from meso_robust import __version__
+from meso_robust.api.given import StrPath, at_least, keep_apart
+from meso_robust.api.progress import SILENT, Progress
+from meso_robust.api.recordings import Recordings, name_of, set_of
+from meso_robust.errors import InputError
+from meso_robust.execution.filming import recorded_part
+from meso_robust.files import write_all
+from meso_robust.identification import identify as fitting
+from meso_robust.identification.answer import document as documented, summary
+from meso_robust.identification.design import DETERMINANT, design as designed
+from meso_robust.identification.document import ModelDocument
+from meso_robust.identification.experiment import Bench, Experiment, standard_tests as tests_of
+from meso_robust.identification.experiment_document import experiment_files
+from meso_robust.identification.identify import Identification
+from meso_robust.identification.layout import toml_of
+from meso_robust.identification.rollout import Setting
+from meso_robust.identification.usable import pathological_of, warnings_of
+from meso_robust.recordings import RecordingSet, read_set
+from meso_robust.task import Task
+
+Objective = Literal["likelihood", "printed"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Identified:
+    """A fitted model.
+
+    Attributes
+    ----------
+    fit
+        Everything that was found out.
+    document
+        The content of ``model.toml``: values, intervals, minima, what cannot be identified.
+    remarks
+        What to keep in mind about the recordings, a line each.
+    source
+        Where the recording set is from; None if it was given by value.
+    more
+        Texts of the files of the pushes that were designed, by name.
+    """
+
+    fit: Identification
+    document: ModelDocument
+    remarks: tuple[str, ...]
+    source: Path | None
+    more: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def determined(self) -> tuple[str, ...]:
+        """Parameters that the recordings determine; none is a negative answer."""
+        return self.fit.determined
+
+    def __str__(self) -> str:
+        """The answer in a few lines, as the command line prints it."""
+        return "\n".join([summary(self.document), *(f"  {line}" for line in self.remarks)])
+
+    def __repr__(self) -> str:
+        known = ", ".join(
+            f"{key} = {one.value:.4g}" for key, one in self.document.parameters.items()
+        )
+        return f"<Identified {self.document.model}: {known}>"
+
+    def _repr_html_(self) -> str:
+        from meso_robust.reporting.cards import identified_card
+
+        return identified_card(self.document, self.fit, str(self))
+
+    def files(self) -> dict[str, str]:
+        """The texts of all result files by name, such as ``model.toml``."""
+        from meso_robust.reporting.identification import identification_report
+
+        return {
+            "model.toml": toml_of(self.document),
+            "identification.json": self.document.model_dump_json(by_alias=True, indent=2) + "\n",
+            "report.html": identification_report(self.document, self.fit, name_of(self.source)),
+            **self.more,
+        }
+
+    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
+        """Write the result files into a folder, which is made if needed; all of them or none.
+
+        Raises
+        ------
+        InputError
+            They cannot be written, or the folder is that of the recordings.
+        """
+        keep_apart(Path(folder), self.source)
+        with progress.doing("writing the results"):
+            files = self.files()
+        write_all(Path(folder), files)
+
+
+def identify(  # every option of the verb is an argument
+    recordings: RecordingSet | Recordings | StrPath,
+    *,
+    model: str = "viscous",
+    starts: int = 20,
+    objective: Objective = "likelihood",
+    confidence: float = 0.9,
+    design: int = 0,
+    seed: int = 0,
+    progress: Progress = SILENT,
+) -> Identified:
+    """Fit a model to recorded pushes: values, intervals, and what cannot be known from them.
+
+    Parameters
+    ----------
+    recordings
+        A recording set, or the name of its folder.
+    model
+        ``viscous``, ``three_point`` …
+    starts
+        Random starts of the search.
+    objective
+        ``likelihood``, with intervals, or ``printed``, the paper's objective alone.
+    confidence
+        Probability of the intervals.
+    design
+        Also propose this many pushes that tell most.
+    seed
+        Of the random starts.
+    progress
+        Shows what is being done.
+
+    Raises
+    ------
+    InputError
+        A file or a value breaks a rule, or the recordings have bad poses.
+
+    Examples
+    --------
+    >>> import meso_robust as mr
+    >>> task = mr.Task.paper()
+    >>> runs = mr.simulate(task, mr.plan(task, samples=20), samples=1)
+    >>> identified = mr.identify(runs.filmed(1), starts=2)
+    >>> identified.determined
+    ('rho_um2', 'mu')
+    >>> print(identified)
+    viscous fitted to 4 recordings (90% intervals by profile likelihood)
+      rho_um2 = ...   [..., ...]
+      mu = 0.3...   [0.3..., 0.3...]
+      ...
+    """
+    _check(starts, objective, confidence, design, seed)
+    found, source = set_of(recordings)
+    with progress.doing("checking the recordings"):
+        warnings = warnings_of(found)
+    fit = _fitted(found, progress, (model, starts, objective), seed, confidence)
+    with progress.doing("looking for pathological starts"):
+        remarks = (*warnings, *pathological_of(found, fit.model, fit.best))
+    more = {}
+    if design:
+        with progress.doing(f"designing {design} pushes"):
+            more = _designed(found, fit, design)
+    return Identified(
+        fit=fit,
+        document=documented(found, fit, __version__, remarks),
+        remarks=remarks,
+        source=source,
+        more=more,
+    )
+
+
+def _check(starts: int, objective: str, confidence: float, design: int, seed: int) -> None:
+    at_least(1, starts=starts)
+    at_least(0, design=design, seed=seed)
+    if not 0.5 <= confidence <= 0.999:
+        raise InputError(f"confidence = {confidence}: must be from 0.5 to 0.999; 0.9 is usual")
+    if objective not in ("likelihood", "printed"):
+        raise InputError(f"--objective {objective}: must be likelihood or printed; choose one")
+    if design and objective == "printed":
+        raise InputError("--design: needs the information of a likelihood; leave --objective out")
+
+
+def _fitted(
+    recordings: RecordingSet,
+    progress: Progress,
+    how: tuple[str, int, Objective],
+    seed: int,
+    confidence: float,
+) -> Identification:
+    """The fit, told of by the searches that have ended."""
+    model, starts, objective = how
+    with progress.counting(f"fitting {model} from {starts} starts", starts) as advance:
+        ended = 0
+
+        def told(_: str, done: int, total: int) -> None:
+            nonlocal ended
+            while total == starts and ended < done:
+                advance()
+                ended += 1
+
+        return fitting.identify(
+            recordings,
+            model=model,
+            starts=starts,
+            objective=objective,
+            seed=seed,
+            confidence=confidence,
+            told=told,
+        )
+
+
+def _designed(recordings: RecordingSet, found: Identification, count: int) -> dict[str, str]:
+    """Files of the pushes that tell most beside the recordings there are."""
+    from meso_robust.reporting.experiment import experiment_page
+
+    settings, fitted, quality = found.settings, found.fitted, found.quality
+    if settings is None or fitted is None or quality is None:
+        return {}
+    bench = Bench(tip_radius=recordings.tip_radius)
+    sensor = replace(
+        recordings.sensor,
+        position_sigma=settings.position,
+        orientation_sigma=settings.orientation,
+    )
+    made = designed(
+        Setting(part=recordings.part, bench=bench, model=found.model),
+        found.best,
+        sensor,
+        count,
+        known=fitted.information[0] / quality.widening,
+        criterion=DETERMINANT,
+    )
+    page = experiment_page(made.experiment, made, found.model)
+    return {**experiment_files(made.experiment, made, found.model), "experiment.html": page}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class StandardTests:
+    """The paper's tests A-H for a part.
+
+    Attributes
+    ----------
+    experiment
+        The pushes.
+    bench
+        The bench they are planned for.
+    source
+        Folder of the recordings that stated the part; None if a task did.
+    """
+
+    experiment: Experiment
+    bench: Bench
+    source: Path | None = None
+
+    def __str__(self) -> str:
+        """The answer in a line, as the command line prints it."""
+        return f"{len(self.experiment.pushes)} pushes, {self.bench.trials} times each"
+
+    def __repr__(self) -> str:
+        return f"<StandardTests: {self}>"
+
+    def files(self) -> dict[str, str]:
+        """The texts of all result files by name, such as ``experiment.json``."""
+        from meso_robust.reporting.experiment import experiment_page
+
+        files = experiment_files(self.experiment)
+        return {**files, "experiment.html": experiment_page(self.experiment)}
+
+    def save(self, folder: StrPath) -> None:
+        """Write the result files into a folder, which is made if needed; all of them or none.
+
+        Raises
+        ------
+        InputError
+            They cannot be written, or the folder is that of the recordings.
+        """
+        keep_apart(Path(folder), self.source)
+        write_all(Path(folder), self.files())
+
+
+def standard_tests(source: Task | StrPath) -> StandardTests:
+    """The paper's tests A-H for the part of a task or of a recording set.
+
+    Parameters
+    ----------
+    source
+        A task, the name of its file, or the folder of a recording set.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, or a value breaks a rule.
+
+    Examples
+    --------
+    >>> import meso_robust as mr
+    >>> print(mr.standard_tests(mr.Task.paper()))
+    8 pushes, 3 times each
+    """
+    path = None if isinstance(source, Task) else Path(source)
+    if path is not None and path.is_dir():
+        recordings = read_set(path)
+        bench = Bench(tip_radius=recordings.tip_radius)
+        return StandardTests(experiment=tests_of(recordings.part, bench), bench=bench, source=path)
+    task = source if isinstance(source, Task) else Task.load(source)
+    bench = Bench(speed=1e-6 * task.probe.speed_um_s)
+    return StandardTests(experiment=tests_of(recorded_part(task.part), bench), bench=bench)

@@ -1,0 +1,301 @@
+"""``plan`` and ``certify``: from a task, with or without a plan, to a judged plan."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from meso_robust import job
+from meso_robust.api.given import StrPath, at_least, task_of
+from meso_robust.api.progress import SILENT, Progress
+from meso_robust.bounds import VerdictWord
+from meso_robust.certificates.document import CertificateDocument
+from meso_robust.certificates.margin import Margin
+from meso_robust.errors import InputError, NotApplicableError
+from meso_robust.files import write_all
+from meso_robust.identification.layout import toml_of
+from meso_robust.planning.compose import Found
+from meso_robust.planning.document import PlanDocument
+from meso_robust.planning.inference import inferred
+from meso_robust.planning.reading import parse_plan, read_plan, rules_of
+from meso_robust.policy.build import make_policy
+from meso_robust.policy.document import policy_document
+from meso_robust.policy.region import sensed_start, tube
+from meso_robust.premises import answer as promised
+from meso_robust.premises.promise import Promise, promise, read
+from meso_robust.primitives.setup import setup_of
+from meso_robust.task import Task, with_spacing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Planned:
+    """A plan and what is known of it; ``print`` it, show it in a notebook, or ``save`` it.
+
+    Attributes
+    ----------
+    result
+        Everything that was found out, down to the single simulated run.
+    promise
+        What a fitted model made of the task; None if there was none.
+    more
+        Texts of further files by name: those that were asked for, and those of a promise.
+    """
+
+    result: job.Planned
+    promise: Promise | None = None
+    more: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def verdict(self) -> VerdictWord:
+        """PROVED, REFUTED (a simulated run fails) or UNKNOWN (the certificate says what is open)."""
+        return self.certificate.verdict
+
+    @property
+    def proved(self) -> bool:
+        """Whether the plan is proved to work."""
+        return self.verdict == "PROVED"
+
+    @property
+    def task(self) -> Task:
+        """What was planned for: with a model or the widest margin not quite the task as given."""
+        return self.result.task
+
+    @property
+    def plan(self) -> PlanDocument:
+        """The content of ``plan.json``."""
+        return self.result.plan
+
+    @property
+    def certificate(self) -> CertificateDocument:
+        """The content of ``certificate.json``."""
+        return self.result.certificate
+
+    @property
+    def margin(self) -> Margin:
+        """How much more uncertainty the plan would bear, and which one binds first."""
+        return self.result.margin
+
+    def __str__(self) -> str:
+        """The answer in a few lines, as the command line prints it."""
+        return self.result.summary if self.promise is None else promised.summary(self.promise)
+
+    def __repr__(self) -> str:
+        return f"<Planned {self.verdict}: {self.task.name}, {len(self.plan.moves)} moves>"
+
+    def _repr_html_(self) -> str:
+        from meso_robust.reporting.cards import planned_card
+
+        return planned_card(self.result, self.promise, str(self))
+
+    def files(self) -> dict[str, str]:
+        """The texts of all result files by name, such as ``plan.json``."""
+        from meso_robust.reporting.page import report
+
+        documents = {"plan.json": self.plan, "certificate.json": self.certificate}
+        texts = {
+            name: document.model_dump_json(by_alias=True, indent=2) + "\n"
+            for name, document in documents.items()
+        }
+        return {**texts, "report.html": report(self.result, self.promise), **self.more}
+
+    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
+        """Write the result files into a folder, which is made if needed; all of them or none.
+
+        Raises
+        ------
+        InputError
+            They cannot be written.
+        """
+        with progress.doing("writing the report"):
+            files = self.files()
+        write_all(Path(folder), files)
+
+
+def plan(  # every option of the verb is an argument
+    task: Task | StrPath,
+    *,
+    model: StrPath | None = None,
+    samples: int = 1000,
+    seed: int = 0,
+    widest: bool = False,
+    policy: bool = False,
+    maps: bool = False,
+    progress: Progress = SILENT,
+) -> Planned:
+    """Find a plan, certify it, search its margin and cross-check it in the simulator.
+
+    Parameters
+    ----------
+    task
+        The task, or the name of its file.
+    model
+        A fitted model (``model.toml``): plan for the task as it says the laboratory is, or say which
+        premise of the proof it breaks.
+    samples, seed
+        Random runs in the simulator, and the seed of their draws.
+    widest
+        Search tip spacing, push offsets and travels for the widest margin (minutes).
+    policy
+        Also certify a feedback policy (``policy.json``).
+    maps
+        Also draw where each primitive may push, and from which start.
+    progress
+        Shows what is being done.
+
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
+
+    Raises
+    ------
+    InputError
+        A file or a value breaks a rule.
+    NotApplicableError
+        No primitive can handle the task, so that there is no plan to judge: what the command line
+        tells as UNKNOWN. The message says which primitive and why.
+    SimulatorContradictsProofError
+        The simulator and the proof disagree: a fault of this package.
+
+    Examples
+    --------
+    >>> import meso_robust as mr
+    >>> planned = mr.plan(mr.Task.paper(), samples=20)
+    >>> planned
+    <Planned PROVED: paper, Section IX-E, 4 moves>
+    >>> print(planned)
+    PROVED: paper, Section IX-E, 4 moves
+    simulated: 20 of 20 runs end in the goal
+    margin: still proved with all uncertainties x ...
+    >>> planned.margin.binding
+    'probe_position'
+    >>> [move.primitive for move in planned.plan.moves]
+    ['y_translation', 'y_translation', 'rotation', 'x_translation']
+    """
+    at_least(1, samples=samples)
+    at_least(0, seed=seed)
+    known = task_of(task)
+    if model is not None:
+        if widest or policy or maps:
+            raise InputError(
+                "model: goes with none of widest, policy, maps, which are about a task alone; plan "
+                "with the model first, then for the task of the result"
+            )
+        return _promised(promise(known, read(Path(model), known), samples, seed, progress.doing))
+    result = (job.make_best if widest else job.make)(known, samples, seed, progress.doing)
+    more = {}
+    if widest:
+        text = toml_of(task) if isinstance(task, Task) else Path(task).read_text(encoding="utf-8")
+        more["task.toml"] = with_spacing(text, result.task.probe.tip_spacing_um)
+    if policy:
+        more |= _policy(result.task, progress)
+    if maps:
+        from meso_robust.reporting.admissible import map_files
+
+        more |= map_files(result.task, progress.doing)
+    return Planned(result=result, more=more)
+
+
+def certify(
+    task: Task | StrPath,
+    plan: PlanDocument | Planned | StrPath,
+    *,
+    samples: int = 1000,
+    seed: int = 0,
+    progress: Progress = SILENT,
+) -> Planned:
+    """Certify a plan that somebody else made, whether it states a policy or bare moves.
+
+    Parameters
+    ----------
+    task
+        The task, or the name of its file.
+    plan
+        The plan, or the name of its file (``plan.json``).
+    samples, seed, progress
+        As for :func:`plan`.
+
+    Raises
+    ------
+    InputError
+        A file or a value breaks a rule, or the plan was made for another task.
+    NotApplicableError
+        The moves are none that a primitive describes.
+    SimulatorContradictsProofError
+        The simulator and the proof disagree: a fault of this package.
+
+    Examples
+    --------
+    A push that stops 300 um too early is not proved, and the answer says why:
+
+    >>> import meso_robust as mr
+    >>> task = mr.Task.paper()
+    >>> good = mr.plan(task, samples=20).plan
+    >>> last = good.policy[-1]
+    >>> early = last.dual_end_x.model_copy(update={"offset_um": last.dual_end_x.offset_um + 300.0})
+    >>> bad = good.model_copy(
+    ...     update={"policy": (*good.policy[:-1], last.model_copy(update={"dual_end_x": early}))}
+    ... )
+    >>> print(mr.certify(task, bad, samples=20))
+    REFUTED: paper, Section IX-E, 4 moves
+    simulated: 0 of 20 runs end in the goal
+    not proved in step 3 (straighten): every final pose lies in the goal
+    what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan
+    """
+    at_least(1, samples=samples)
+    at_least(0, seed=seed)
+    known = task_of(task)
+    stated = plan_of(plan, known)
+    rules = rules_of(stated) or inferred(stated, known, setup_of(known))
+    found = Found(
+        rules=rules,
+        scale=1.0,
+        advice="change the move that is not proved, or let `meso-robust plan` find a plan",
+    )
+    return Planned(result=job.judge(known, found, samples, seed, progress.doing))
+
+
+def plan_of(plan: PlanDocument | Planned | StrPath, task: Task) -> PlanDocument:
+    """A plan for a task, read if it is named, and checked like a file in any case.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, a value breaks a rule, or it was made for another task.
+    """
+    stated = plan.plan if isinstance(plan, Planned) else plan
+    if isinstance(stated, PlanDocument):
+        return parse_plan(stated.model_dump_json(by_alias=True), "plan", task)
+    return read_plan(Path(stated), task)
+
+
+def _promised(made: Promise) -> Planned:
+    """The plan for the task as a fitted model says it is, with that task and its premises."""
+    document = promised.document(made)
+    more = {
+        "task.toml": toml_of(made.changed.task),
+        "premises.json": document.model_dump_json(by_alias=True, indent=2) + "\n",
+    }
+    return Planned(result=made.planned, promise=made, more=more)
+
+
+def _policy(task: Task, progress: Progress) -> dict[str, str]:
+    """The certified feedback policy, its picture, and both in words."""
+    from meso_robust.reporting.policy import draw, summary
+
+    before = time.perf_counter()
+    policy = make_policy(task, progress.doing)
+    seconds = time.perf_counter() - before
+    try:
+        slices = tube(policy, sensed_start(task))
+    except ValueError as error:
+        raise NotApplicableError(
+            "the policy is not certified from the task's start; leave out --policy"
+        ) from error
+    return {
+        "policy.json": policy_document(policy).model_dump_json(by_alias=True) + "\n",
+        "region.svg": draw(policy, slices),
+        "policy.md": summary(policy, slices, seconds),
+    }

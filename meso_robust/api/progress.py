@@ -1,0 +1,54 @@
+"""How a call tells what it is doing: silently, unless something that shows it is given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from typing import Protocol, TypeAlias
+
+Rated: TypeAlias = Callable[[str, tuple[int, int], tuple[int, int, str]], None]
+"""Called with a part, its chunks done and planned, and the runs, failures and unit of a step."""
+Told: TypeAlias = Callable[[str, int, int], None]
+"""Called with a stage of the work, how much of it is done, and how much there is."""
+
+
+class Progress(Protocol):
+    """What shows progress; ``meso_robust.Reporter`` does so on stderr."""
+
+    def doing(self, what: str, /) -> AbstractContextManager[None]:
+        """Show ``what`` while a block runs."""
+
+    def counting(
+        self, what: str, total: int | None, /
+    ) -> AbstractContextManager[Callable[[], object]]:
+        """Show ``what`` while a block runs that calls what it is given after each step."""
+
+    def following(self) -> AbstractContextManager[Told]:
+        """Show the stages that a block tells of."""
+
+    def rating(self) -> AbstractContextManager[Rated]:
+        """Show how fast the parts of a campaign go."""
+
+
+class _Silent:
+    """Shows nothing."""
+
+    def doing(self, _: str, /) -> AbstractContextManager[None]:
+        """Show nothing."""
+        return nullcontext()
+
+    def counting(self, _: str, __: int | None, /) -> AbstractContextManager[Callable[[], object]]:
+        """Show nothing."""
+        return nullcontext(lambda: None)
+
+    def following(self) -> AbstractContextManager[Told]:
+        """Show nothing."""
+        return nullcontext(lambda *_: None)
+
+    def rating(self) -> AbstractContextManager[Rated]:
+        """Show nothing."""
+        return nullcontext(lambda *_: None)
+
+
+SILENT: Progress = _Silent()
+"""What a call is given if it is given nothing."""

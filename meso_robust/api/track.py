@@ -1,0 +1,222 @@
+"""``track``: from videos or folders of images to a recording set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from meso_robust.api.given import StrPath, path_of
+from meso_robust.api.progress import SILENT, Progress
+from meso_robust.errors import InputError
+from meso_robust.recordings import RecordingSet
+from meso_robust.tracking.job import Found, Job, prepared, run, write
+from meso_robust.tracking.track_document import TrackDocument
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Tracked:
+    """What was seen in videos.
+
+    Attributes
+    ----------
+    found
+        Everything that was found out.
+    """
+
+    found: Found
+
+    @property
+    def document(self) -> TrackDocument:
+        """The content of ``track.json``."""
+        return self.found.answer
+
+    @property
+    def recordings(self) -> RecordingSet | None:
+        """The recordings of the videos in which the part was found; None if it was found in none."""
+        return self.found.recordings
+
+    @property
+    def tracked(self) -> bool:
+        """Whether the part was found in all frames of all videos but the share that may be lost."""
+        return self.document.tracked
+
+    def __str__(self) -> str:
+        """The answer in a few lines, as the command line prints it."""
+        lines = []
+        for video in self.document.videos:
+            lines.append(f"{video.video}: part found in {video.found} of {video.frames} frames")
+            lines += [f"  {note}" for note in video.notes]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        videos = self.document.videos
+        found, frames = sum(one.found for one in videos), sum(one.frames for one in videos)
+        return f"<Tracked {len(videos)} videos: part found in {found} of {frames} frames>"
+
+    def _repr_html_(self) -> str:
+        from meso_robust.reporting.cards import tracked_card
+
+        return tracked_card(self.found, str(self))
+
+    def save(self, folder: StrPath, *, overlay: bool = True, progress: Progress = SILENT) -> None:
+        """Write the recording set, covariances, camera, report, and overlay videos.
+
+        Parameters
+        ----------
+        folder
+            Made if needed.
+        overlay
+            Whether to write videos with what was seen.
+        progress
+            Shows what is being done.
+
+        Raises
+        ------
+        InputError
+            Something cannot be written (nothing is left half written), or the folder holds a video.
+        """
+        from meso_robust.reporting.tracking import tracking_report
+
+        keep_videos(Path(folder), self.found.ready.job)
+        page = tracking_report(self.document, self.found.tracks, self.recordings)
+        write(Path(folder), self.found, page, progress.counting if overlay else None)
+
+
+def track(  # noqa: PLR0913  # everything that can be stated about videos is an argument
+    videos: StrPath | Sequence[StrPath],
+    *,
+    task: StrPath | None = None,
+    set_file: StrPath | None = None,
+    length_um: float | None = None,
+    width_um: float | None = None,
+    tip_radius_um: float | None = None,
+    calibration: StrPath | None = None,
+    pixel_um: float | None = None,
+    grid: StrPath | None = None,
+    pitch_um: float | None = None,
+    start: tuple[float | None, float | None, float | None] | None = None,
+    probes: Mapping[str, tuple[float, float]] | None = None,
+    commands: StrPath | None = None,
+    frame_rate_hz: float | None = None,
+    allow_truncated: bool = False,
+    most_lost: float = 0.1,
+    progress: Progress = SILENT,
+) -> Tracked:
+    """Track part and probes in videos.
+
+    Parameters
+    ----------
+    videos
+        A video file or folder of images, or several.
+    task, set_file
+        File that states the part: a task, or the ``set.toml`` of recordings.
+    length_um, width_um, tip_radius_um
+        Sides of the part and radius of the tips, where no file states them.
+    calibration, pixel_um
+        ``calibration.toml``, or the size of a pixel.
+    grid, pitch_um
+        Image of a stage grid (chessboard or dots), and its pitch: the camera is calibrated with it.
+    start
+        Pose in the first frame (um, um, deg) as far as it is known: ``(None, None, 90.0)``.
+    probes
+        Tips in the first frame by name, um; found by their motion if left out.
+    commands
+        File of commanded positions: ``time_s,<probe>_x_um,<probe>_y_um``.
+    frame_rate_hz
+        Instead of the file's.
+    allow_truncated
+        Use the frames before a video's break.
+    most_lost
+        Largest share of frames that may be lost.
+    progress
+        Shows what is being done.
+
+    Returns
+    -------
+    Tracked
+        Also if the part was lost.
+
+    Raises
+    ------
+    InputError
+        A file or a value breaks a rule, or a video cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> import meso_robust as mr
+    >>> from meso_robust.microscope import Part, Probe, Scene, film
+    >>> sides = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [808e-6, 418.5e-6]
+    >>> scene = Scene(part=Part(outline=sides), probes=(Probe(tip_radius=12.5e-6),))
+    >>> times, tip = np.arange(3) / 30.0, np.array([[[0.0, 700e-6]]] * 3)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     video = Path(folder) / "push.avi"
+    ...     film(video, scene, times, np.zeros((3, 3)), tip, np.random.default_rng(0))
+    ...     tracked = mr.track(
+    ...         video,
+    ...         length_um=1616.0,
+    ...         width_um=837.0,
+    ...         tip_radius_um=12.5,
+    ...         pixel_um=5.26,
+    ...         start=(None, None, 0.0),
+    ...         probes={"left": (0.0, 700.0)},
+    ...     )
+    >>> tracked
+    <Tracked 1 videos: part found in 3 of 3 frames>
+    >>> bool(np.abs(tracked.recordings.recordings[0].poses[:, :2]).max() < 1e-6)
+    True
+    """
+    if not 0.0 <= most_lost <= 1.0:
+        raise InputError(f"most_lost = {most_lost}: must be from 0 to 1; 0.1 is usual")
+    several = [videos] if isinstance(videos, str | PathLike) else list(videos)
+    if not several:
+        raise InputError("videos: none are given; give a video or a folder of images")
+    job = Job(
+        videos=tuple(Path(one) for one in several),
+        task=path_of(task),
+        set_file=path_of(set_file),
+        length_um=length_um,
+        width_um=width_um,
+        tip_radius_um=tip_radius_um,
+        calibration=path_of(calibration),
+        pixel_um=pixel_um,
+        grid=path_of(grid),
+        pitch_um=pitch_um,
+        start=None if start is None else _listed(start),
+        probes=tuple(f"{name}={_listed(place)}" for name, place in (probes or {}).items()),
+        commands=path_of(commands),
+        frame_rate_hz=frame_rate_hz,
+        allow_truncated=allow_truncated,
+        most_lost=most_lost,
+    )
+    return tracked(job, progress=progress)
+
+
+def tracked(job: Job, *, progress: Progress = SILENT) -> Tracked:
+    """Do a job that is stated already; see :func:`track`."""
+    return Tracked(found=run(prepared(job), progress.counting))
+
+
+def keep_videos(folder: Path, job: Job) -> None:
+    """Refuse a folder in which a result could be written over a video.
+
+    Raises
+    ------
+    InputError
+        There is such a video.
+    """
+    for video in job.videos:
+        if folder.resolve() in (video.resolve().parent, video.resolve()):
+            raise InputError(
+                f"--out {folder}: holds {video.name}, which must not be written over; give another "
+                "folder"
+            )
+
+
+def _listed(values: Sequence[float | None]) -> str:
+    """Values as on the command line; what is not known is left empty."""
+    return ",".join("" if value is None else repr(float(value)) for value in values)

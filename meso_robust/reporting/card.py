@@ -1,0 +1,68 @@
+"""A result as a notebook shows it: the answer, key figures, one picture; nothing from outside."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.svg import style, to_svg
+
+_EVERYWHERE = re.compile(r"<style[^>]*>\s*\*\s*\{([^}]*)\}\s*</style>")
+"""The library's rule for all elements: in a notebook these are also those of others."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Card:
+    """What is shown; every text is escaped.
+
+    Attributes
+    ----------
+    word, colour
+        The verdict, and how it is shown: PROVED (positive), REFUTED, UNKNOWN or NEUTRAL.
+    about, meaning
+        What the verdict is about, and what it means, in a sentence.
+    figures
+        Name and value of the key figures.
+    picture, caption
+        An SVG element, and what it shows.
+    text
+        The answer as it is printed.
+    """
+
+    word: str
+    colour: str
+    about: str
+    meaning: str
+    figures: tuple[tuple[str, str], ...]
+    text: str
+    picture: Markup | None = None
+    caption: str = ""
+
+
+def html(card: Card) -> str:
+    """The card as an element that can stand in any page, light or dark."""
+    return environment().get_template("card.html.j2").render(card=card)
+
+
+def picture(draw: Callable[[], Figure], text: str, label: str) -> Markup:
+    """A figure as an SVG element whose ids and rules are its own.
+
+    Parameters
+    ----------
+    draw
+        Makes the figure.
+    text
+        What tells one result from another, such as the printed answer: cards stand side by side.
+    label
+        What it shows.
+    """
+    name = "c" + hashlib.sha256(f"{label}\0{text}".encode()).hexdigest()[:12]
+    with style():
+        svg = str(to_svg(draw(), name, label)).replace("<svg", f'<svg id="{name}"', 1)
+    return Markup(_EVERYWHERE.sub(rf"<style>#{name} * {{\1}}</style>", svg))

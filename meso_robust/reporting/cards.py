@@ -1,0 +1,287 @@
+"""Every kind of result as a card for notebooks; the whole story is in its report."""
+
+from __future__ import annotations
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from meso_robust.bounds import Verdict
+from meso_robust.campaigns.answer import Answer as CampaignAnswer
+from meso_robust.checker.document import Certificate
+from meso_robust.checker.verdict import Answer as Checked
+from meso_robust.diagnosis.document import DiagnosisDocument
+from meso_robust.diagnosis.evidence import Evidence
+from meso_robust.execution.simulation import Simulated
+from meso_robust.execution.simulation_document import SimulationDocument
+from meso_robust.identification.document import ModelDocument
+from meso_robust.identification.identify import Identification
+from meso_robust.job import Planned
+from meso_robust.premises.promise import Promise
+from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.phases import phases
+from meso_robust.recordings.summary import Checked as CheckedSet
+from meso_robust.reporting import card as cards, diagnosis_words
+from meso_robust.reporting.answer import answer
+from meso_robust.reporting.campaign_figures import shares_figure
+from meso_robust.reporting.card import Card
+from meso_robust.reporting.diagnosis_figures import held_out_figure, map_figure
+from meso_robust.reporting.identification_figures import profile_figure, recording_figure
+from meso_robust.reporting.plan_figures import overview_figure
+from meso_robust.reporting.recording_figures import recording_figure as way_figure
+from meso_robust.reporting.run_figures import certificate_figure, runs_figure
+from meso_robust.reporting.words import significant
+from meso_robust.task import Task
+from meso_robust.tracking.job import Found as Tracked
+
+MOST_ROWS = 12
+"""Recordings in a picture."""
+_CHECKED = {
+    "VERIFIED": (
+        "PROVED",
+        "The certificate proves what it claims; what no check can confirm is listed below.",
+    ),
+    "REJECTED": ("REFUTED", "Something that the certificate states was not confirmed."),
+    "NOTHING CLAIMED": ("UNKNOWN", "The certificate claims nothing that could be checked."),
+}
+_DIAGNOSED = {"PROVED": "PROVED", "NAMED": "NEUTRAL", "UNKNOWN": "UNKNOWN", "REFUTED": "REFUTED"}
+_CAMPAIGN = {
+    "held": ("PROVED", "What was claimed was tested, and nothing broke it: evidence, not a proof."),
+    "broken": ("REFUTED", "Something that was claimed does not hold."),
+    "open": ("UNKNOWN", "What was done neither shows nor refutes all that was asked."),
+    "measured": ("NEUTRAL", "Rates were measured; no claim was at stake."),
+    "incomplete": ("UNKNOWN", "Not everything that was planned was done."),
+}
+_RECORDINGS = {
+    "CLEAN": ("PROVED", "Nothing in these recordings speaks against using them."),
+    "USABLE WITH CARE": ("UNKNOWN", "They can be used, but read the warnings first."),
+    "NOT USABLE AS IT IS": ("REFUTED", "Some recordings cannot be used as they are."),
+}
+
+
+def planned_card(result: Planned, promise: Promise | None, text: str) -> str:
+    """A judged plan: the way of the part from the start to the goal."""
+    said = answer(result, promise)
+    return cards.html(
+        Card(
+            word=said.verdict,
+            colour=said.verdict,
+            about=result.task.name,
+            meaning=said.meaning,
+            figures=tuple((one.name, one.value) for one in said.figures),
+            picture=cards.picture(lambda: overview_figure(result), text, "The whole plan"),
+            caption=f"0: the start; 1 to {len(result.found.rules)}: the part after each move of the "
+            "nominal run; dashed: the goal.",
+            text=text,
+        )
+    )
+
+
+def checked_card(checked: Checked, certificate: Certificate, task: Task, text: str) -> str:
+    """A checked certificate: the boxes that it states."""
+    colour, meaning = _CHECKED[checked.verdict]
+    proved = [item.verdict == "PROVED" for step in certificate.steps for item in step.obligations]
+    holds = checked.positive and certificate.verdict == Verdict.PROVED.word
+    return cards.html(
+        Card(
+            word=checked.verdict,
+            colour=colour,
+            about=task.name,
+            meaning=meaning,
+            figures=(
+                ("the certificate says", certificate.verdict),
+                ("moves", str(len(certificate.policy))),
+                ("inequalities stated as proved", f"{sum(proved)} of {len(proved)}"),
+            ),
+            picture=cards.picture(
+                lambda: certificate_figure(certificate, task, holds=holds), text, "Stated boxes"
+            ),
+            caption="The part at the start and (dashed) in the goal; numbered boxes: where the "
+            "certificate says its centre is before the first and after each move.",
+            text=text,
+        )
+    )
+
+
+def simulated_card(found: Simulated, document: SimulationDocument, text: str) -> str:
+    """Simulated runs: the nominal one, and where the others end."""
+    sampled = document.sampled
+    figures = [
+        ("sampled runs end in the goal", f"{sampled.in_goal} of {sampled.runs}"),
+        ("completed", str(sampled.completed)),
+    ]
+    if sampled.largest_miss is not None:
+        figures.append(("tolerances, the worst distance", significant(sampled.largest_miss, 3)))
+    return cards.html(
+        Card(
+            word="IN THE GOAL" if document.all_in_goal else "NOT ALL IN THE GOAL",
+            colour="PROVED" if document.all_in_goal else "REFUTED",
+            about=document.task,
+            meaning="Simulated runs are evidence, not a proof.",
+            figures=tuple(figures),
+            picture=cards.picture(lambda: runs_figure(found), text, "Simulated runs"),
+            caption="Outlines: the nominal run before the first and after each move; dots: last "
+            "places of the sampled runs, red crosses those outside the goal.",
+            text=text,
+        )
+    )
+
+
+def identified_card(document: ModelDocument, found: Identification, text: str) -> str:
+    """A fitted model: how the misfit rises along each parameter."""
+    best, known = document.minima[0], len(found.determined)
+    all_known = known == len(found.profiles)
+    likely = found.fitted is not None
+    return cards.html(
+        Card(
+            word="FITTED" if all_known else "NOT ALL KNOWN",
+            colour="PROVED" if all_known else "UNKNOWN",
+            about=document.model,
+            meaning=f"The recordings determine {known} of {len(found.profiles)} parameters.",
+            figures=(
+                ("recordings", str(len(document.recording))),
+                *(
+                    (key, f"{significant(one.value, 4)} {_interval(one.low, one.high)}")
+                    for key, one in list(document.parameters.items())[:3]
+                ),
+                ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
+            ),
+            picture=cards.picture(
+                lambda: profile_figure(found) if likely else recording_figure(found, 0),
+                text,
+                "Rise of χ² along every parameter" if likely else "A recording beside the model",
+            ),
+            caption="How the misfit rises to both sides of each fitted parameter."
+            if likely
+            else "The first recording beside the model.",
+            text=text,
+        )
+    )
+
+
+def _interval(low: float, high: float) -> str:
+    return f"[{significant(low, 4)}, {significant(high, 4)}]"
+
+
+def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -> str:
+    """A diagnosis: what the extended model does to the error on recordings held out."""
+    look, mismatch, held = (
+        diagnosis_words.LOOKS[document.verdict],
+        document.mismatch,
+        document.held_out,
+    )
+    worst = sorted(held.each, key=lambda one: -one.baseline_sigma)[:MOST_ROWS]
+    figures = [("p-value of the plain model", significant(mismatch.p_value, 2))]
+    if held.recordings:
+        before, after = (significant(x, 3) for x in (held.baseline_sigma, held.extended_sigma))
+        value = f"{before} → {after} σ" if document.effects else f"{before} σ"
+        figures.append(("error on recordings held out", value))
+
+    def drawn() -> Figure:
+        with matplotlib.rc_context({"text.parse_math": False}):  # names of files are no formulas
+            if worst:
+                return held_out_figure(worst, held.noise_floor_sigma, bool(document.effects))
+            return map_figure(evidence, list(range(len(evidence.files)))[:MOST_ROWS])
+
+    return cards.html(
+        Card(
+            word=document.verdict.upper(),
+            colour=_DIAGNOSED[look.colour],
+            about=diagnosis_words.answer(document),
+            meaning=look.meaning,
+            figures=tuple(figures),
+            picture=cards.picture(drawn, text, "Errors of the models"),
+            caption="Errors on the recordings held out, before and after the effects were added."
+            if worst
+            else "Residuals by recording and time.",
+            text=text,
+        )
+    )
+
+
+def recordings_card(checked: CheckedSet, text: str) -> str:
+    """A checked recording set: its first recording."""
+    colour, meaning = _RECORDINGS[checked.verdict]
+    found = checked.recordings
+    return cards.html(
+        Card(
+            word=checked.verdict,
+            colour=colour,
+            about=checked.source,
+            meaning=meaning,
+            figures=(
+                ("recordings", str(len(found.recordings))),
+                ("rows", str(sum(one.times.size for one in found.recordings))),
+                ("errors and warnings", str(len(checked.matters))),
+                ("repairs", str(len(checked.repairs))),
+            ),
+            picture=cards.picture(lambda: _way(found), text, "A recording"),
+            caption=f"{found.recordings[0].file}: the way of part and tips; x, y, θ over time.",
+            text=text,
+        )
+    )
+
+
+def tracked_card(found: Tracked, text: str) -> str:
+    """Tracked videos: the way of part and tips in the first in which the part was found."""
+    videos, recordings = found.answer.videos, found.recordings
+    frames, seen = sum(one.frames for one in videos), sum(one.found for one in videos)
+    drawn = None
+    if recordings is not None:
+        drawn = cards.picture(lambda: _way(recordings), text, "A recording")
+    return cards.html(
+        Card(
+            word="TRACKED" if found.answer.tracked else "LOST",
+            colour="PROVED" if found.answer.tracked else "REFUTED",
+            about=", ".join(one.video for one in videos),
+            meaning="Frames that cannot be trusted stay empty, with the reason.",
+            figures=(
+                ("videos", str(len(videos))),
+                ("frames with a pose", f"{seen} of {frames}"),
+            ),
+            picture=drawn,
+            caption="The first recording: the way of part and tips; x, y, θ over time.",
+            text=text,
+        )
+    )
+
+
+def _way(recordings: RecordingSet) -> Figure:
+    first = recordings.recordings[0]
+    return way_figure(recordings, first, frozenset(), phases(recordings, first))
+
+
+def campaigned_card(found: CampaignAnswer, text: str) -> str:
+    """What came of a campaign: runs and failures of its parts."""
+    colour, meaning = _CAMPAIGN[found.verdict]
+    parts = found.parts
+    done, planned = sum(one.done for one in parts), sum(one.planned for one in parts)
+    return cards.html(
+        Card(
+            word=found.verdict.upper(),
+            colour=colour,
+            about=found.campaign.name,
+            meaning=meaning,
+            figures=(
+                ("runs", f"{sum(one.runs for one in parts):,}"),
+                ("of them failed", f"{sum(one.failed for one in parts):,}"),
+                ("chunks done", f"{done:,} of {planned:,}"),
+            ),
+            picture=cards.picture(lambda: shares_figure(parts), text, "Failures by part"),
+            caption="Share of the runs of each part that failed.",
+            text=text,
+        )
+    )
+
+
+def reproduced_card(names: tuple[str, ...], rows: int, text: str) -> str:
+    """Tables and figures of the paper made again, in words."""
+    return cards.html(
+        Card(
+            word="REPRODUCED",
+            colour="NEUTRAL",
+            about=", ".join(names),
+            meaning="Printed values and ours stand side by side in the report.",
+            figures=(("items", str(len(names))), ("values", str(rows))),
+            text=text,
+        )
+    )

@@ -1,0 +1,100 @@
+"""What is wrong with what a call was given is said as the command line says it."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import meso_robust as mr
+from meso_robust.planning.reading import read_plan
+from meso_robust.recordings import write_set
+from meso_robust.tasks import PAPER
+from tests.recordings.planted import clean, planted, poses
+
+PLAN = Path(__file__).parents[2] / "reports" / "paper_task" / "plan.json"
+
+
+def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> None:
+    task = mr.Task.load(str(PAPER))
+    assert task == mr.Task.load(PAPER) == mr.Task.paper()
+    values = tomllib.loads(PAPER.read_text(encoding="utf-8"))
+    assert task.to_dict() == values
+    assert mr.Task.from_dict(values).hash == task.hash
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: mr.Task.load("no such.toml"), "no such.toml: cannot be read"),
+        (lambda: mr.plan("no such.toml"), "no such.toml: cannot be read"),
+        (lambda: mr.plan(mr.Task.paper(), samples=0), "samples = 0: must be at least 1"),
+        (lambda: mr.plan(mr.Task.paper(), seed=-1), "seed = -1: must be at least 0"),
+        (lambda: mr.plan(PAPER, model="m", maps=True), "model: goes with none of widest"),
+        (lambda: mr.plan(PAPER, model="no such model"), "no such model"),
+        (lambda: mr.certify(PAPER, "no such plan"), "no such plan: cannot be read"),
+        (lambda: mr.check("no such certificate", PAPER), "no such certificate: cannot be read"),
+        (lambda: mr.simulate(PAPER, PLAN, samples=0), "samples = 0"),
+        (lambda: mr.simulate(PAPER, PLAN, witness="no such"), "no such: cannot be read"),
+        (lambda: mr.camera_of(dropout=2.0), "dropout"),
+        (lambda: mr.identify("no such set"), "no such set"),
+        (lambda: mr.identify(clean(), starts=0), "starts = 0"),
+        (lambda: mr.identify(clean(), confidence=1.0), "confidence = 1.0"),
+        (lambda: mr.identify(clean(), objective="other"), "--objective other"),  # type: ignore[arg-type]
+        (lambda: mr.identify(clean(), objective="printed", design=1), "--design"),
+        (lambda: mr.diagnose("no such set"), "no such set"),
+        (lambda: mr.read_recordings("no such set"), "no such set: does not exist"),
+        (lambda: mr.track([]), "videos: none are given"),
+        (lambda: mr.track("no such video", tip_radius_um=1.0), "part"),
+        (lambda: mr.track("x", most_lost=2.0), "most_lost = 2.0"),
+        (lambda: mr.campaign("no such.toml"), "no such.toml: cannot be read"),
+        (lambda: mr.campaign("x", workers=1, scheduler="y"), "--workers, --scheduler"),
+        (lambda: mr.drive(PAPER, "no such plan"), "no such plan: cannot be read"),
+        (lambda: mr.standard_tests("no such.toml"), "no such.toml: cannot be read"),
+    ],
+)
+def test_what_is_wrong_is_refused(call: Any, message: str) -> None:
+    with pytest.raises(mr.InputError) as caught:
+        call()
+    assert message in str(caught.value)
+    assert isinstance(caught.value, ValueError)
+
+
+def test_a_plan_for_another_task_is_refused_by_value_as_by_name() -> None:
+    task = mr.Task.paper()
+    plan = read_plan(PLAN, task)
+    other = mr.Task.from_dict(task.to_dict() | {"name": "another"})
+    with pytest.raises(mr.InputError, match="the plan was made for another task"):
+        mr.certify(other, plan)
+    first = plan.policy[0].model_copy(update={"action": "rotate", "side": 3})
+    bad = plan.model_copy(update={"policy": (first, *plan.policy[1:])})
+    with pytest.raises(mr.InputError, match="must be one of"):
+        mr.certify(task, bad)
+
+
+def test_a_task_that_no_primitive_can_handle_has_no_plan() -> None:
+    values = mr.Task.paper().to_dict()
+    values["start"]["theta_deg"] = 45.0
+    with pytest.raises(mr.NotApplicableError):
+        mr.plan(mr.Task.from_dict(values), samples=3)
+
+
+def test_results_never_go_over_what_they_come_from(tmp_path: Path) -> None:
+    write_set(tmp_path / "recordings", clean())
+    before = {path.name: path.read_bytes() for path in (tmp_path / "recordings").iterdir()}
+    tests = mr.standard_tests(tmp_path / "recordings")
+    with pytest.raises(mr.InputError, match="is the folder of the recordings"):
+        tests.save(tmp_path / "recordings")
+    repaired = mr.read_recordings(tmp_path / "recordings", repair=True)
+    with pytest.raises(mr.InputError, match="must stay as they were made"):
+        repaired.save(tmp_path)
+    assert {path.name: path.read_bytes() for path in (tmp_path / "recordings").iterdir()} == before
+
+
+def test_bad_recordings_are_a_value_and_no_ground_for_a_fit() -> None:
+    jumping = poses()
+    jumping[120, :2] += 1e-3
+    with pytest.raises(mr.InputError, match="meso-robust recordings"):
+        mr.identify(planted(poses=jumping))
