@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import platform
-import subprocess
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, fields
 from importlib.metadata import version
-from pathlib import Path
 
 from meso_robust import units
 from meso_robust.bounds import Verdict
@@ -27,6 +25,7 @@ from meso_robust.certificates.document import (
     undecided_document,
 )
 from meso_robust.certificates.margin import Margin, margin
+from meso_robust.checkout import commit
 from meso_robust.execution.crosscheck import CrossCheck, confirmed, crosscheck
 from meso_robust.execution.running import STARTS_INSIDE, STEP
 from meso_robust.planning.compose import Found, compose
@@ -247,22 +246,6 @@ def _made_with(seed: int) -> dict[str, str]:
         **{name: version(name) for name in names},
         "python": platform.python_version(),
         "machine": platform.machine(),
-        "commit": _commit(),
+        "commit": commit(),
         "seed": str(seed),
     }
-
-
-def _commit() -> str:
-    """Commit of the checkout the package runs from, or why there is none."""
-    here = Path(__file__).resolve().parent
-    try:
-        answer = subprocess.run(
-            ["git", "-C", str(here), "rev-parse", "--short", "HEAD"],
-            capture_output=True,
-            text=True,
-            timeout=5,
-            check=False,
-        )
-    except OSError:
-        return "unknown"
-    return answer.stdout.strip() or "not a checkout"
