@@ -18,23 +18,34 @@ def write_all(folder: Path, contents: Mapping[str, str]) -> None:
     InputError
         If the folder or a file cannot be written.
     """
+    drafts: dict[str, str] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        drafts = {name: _draft(folder, text) for name, text in contents.items()}
-        for name, draft in drafts.items():
-            os.replace(draft, folder / name)
+        for name, text in contents.items():
+            drafts[name] = _draft(folder, text)
+        for name in contents:
+            os.replace(drafts[name], folder / name)
+            del drafts[name]
     except OSError as error:
         raise InputError(
             f"--out {folder}: cannot be written ({error.strerror}); give a folder that can"
         ) from error
+    finally:
+        for draft in drafts.values():  # a full disk and Ctrl-C leave no draft behind
+            Path(draft).unlink(missing_ok=True)
 
 
 def _draft(folder: Path, text: str) -> str:
     with tempfile.NamedTemporaryFile(
         "w", encoding="utf-8", dir=folder, prefix=".", suffix=".part", delete=False
     ) as file:
-        file.write(text)
-    os.chmod(file.name, 0o644)
+        try:
+            file.write(text)
+            file.flush()
+            os.chmod(file.name, 0o644)
+        except BaseException:
+            Path(file.name).unlink()
+            raise
     return file.name
 
 

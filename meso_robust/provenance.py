@@ -9,6 +9,9 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+ROOT = Path(__file__).resolve().parents[1]
+NONE = "not a checkout"
+
 
 def made_with(packages: Iterable[str] = ("numba", "numpy", "scipy")) -> dict[str, str]:
     """Versions of the package, of what it computes with and of Python, the machine and the commit.
@@ -28,16 +31,20 @@ def made_with(packages: Iterable[str] = ("numba", "numpy", "scipy")) -> dict[str
 
 @cache
 def commit() -> str:
-    """Commit of the checkout the package runs from, or why there is none."""
-    here = Path(__file__).resolve().parent
+    """Commit of the checkout that the package runs from, or why there is none.
+
+    An installed package can lie in a folder of somebody else's repository, whose commit says nothing.
+    """
+    if not ((ROOT / ".git").exists() and (ROOT / "pyproject.toml").is_file()):
+        return NONE
     try:
         answer = subprocess.run(
-            ["git", "-C", str(here), "rev-parse", "--short", "HEAD"],
+            ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"],
             capture_output=True,
             text=True,
             timeout=5,
             check=False,
         )
-    except OSError:
+    except (OSError, subprocess.TimeoutExpired):
         return "unknown"
-    return answer.stdout.strip() or "not a checkout"
+    return answer.stdout.strip() or NONE

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import tomllib
 from collections.abc import Mapping
 from fractions import Fraction
 from os import PathLike
@@ -25,6 +24,7 @@ from pydantic import (
 
 from meso_robust.corners import Corner, fault, hull
 from meso_robust.errors import InputError
+from meso_robust.reading import LARGEST_STATED, shown, text_of, toml_values
 from meso_robust.tasks import PAPER
 
 # Limits far beyond the mesoscale: they catch a slip of the unit before it becomes a long search.
@@ -339,13 +339,8 @@ def load_task(path: Path) -> Task:
         The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
         value and rule.
     """
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a task file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
-    return parse_task(values, str(path))
+    text = text_of(path, "give a task file", "a TOML file", LARGEST_STATED)
+    return parse_task(toml_values(text, str(path)), str(path))
 
 
 def with_spacing(text: str, spacing_um: float) -> str:
@@ -394,4 +389,4 @@ def _first_of(error: ValidationError) -> str:
         return f"key {key} is unknown; `meso-robust schema task` lists all keys"
     if first["type"] == "value_error":
         return f"key {key}: {rule}"
-    return f"key {key} = {first['input']!r}: {rule}"
+    return f"key {key} = {shown(first['input'])}: {rule}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,9 +10,9 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from meso_robust.errors import InputError
+from meso_robust.reading import LARGEST_STATED, shown, text_of, toml_values
 
 _Document = TypeVar("_Document", bound=BaseModel)
-_LONGEST_SHOWN = 60  # characters of a wrong value in a message
 
 
 def read_toml(path: Path, advice: str) -> dict[str, Any]:
@@ -22,14 +21,10 @@ def read_toml(path: Path, advice: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        The file cannot be read (with the advice) or is not TOML.
+        The file cannot be read (with the advice), is too large, or is not TOML.
     """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); {advice}") from error
-    except ValueError as error:  # of TOML, of UTF-8, or of a number too long for Python
-        raise InputError(f"{path}: is not a TOML file in UTF-8 ({error})") from error
+    text = text_of(path, advice, "a TOML file", LARGEST_STATED)
+    return toml_values(text, str(path))
 
 
 def checked(
@@ -75,9 +70,7 @@ def _first_of(error: ValidationError, whole: str, keys: str) -> str:
         return f"key {key} is {what}; {keys} lists all keys"
     if first["type"] == "value_error":
         return f"key {key}: {rule}"
-    shown = repr(first["input"])
-    shown = shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}…"
-    return f"key {key} = {shown}: {rule}"
+    return f"key {key} = {shown(first['input'])}: {rule}"
 
 
 def _path(keys: Sequence[str | int]) -> str:

@@ -19,7 +19,7 @@ SOURCES = sorted(PACKAGE.rglob("*.py"))
 
 BASE = {"errors", "kernels"}
 BELOW_MOTION = {"bounds", "admissibility", *BASE}
-BELOW_PLANNING = {"motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
+BELOW_PLANNING = {"reading", "motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
 MAY_IMPORT = {
     "_generated": set(),
     "bounds": BASE,
@@ -31,11 +31,20 @@ MAY_IMPORT = {
     "admissible": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
     "policy": {*BELOW_PLANNING, "planning", "certificates", "execution", "simulator"},
-    "checker": {"errors", "task"},
+    "checker": {"errors", "reading", "task"},
     "simulator": {"errors", "kernels"},
-    "recordings": {"errors", "toml_files", "files"},
+    "recordings": {"errors", "reading", "toml_files", "files"},
     "microscope": {"errors", "files", "kernels"},
-    "tracking": {"errors", "toml_files", "files", "kernels", "recordings", "task", "__version__"},
+    "tracking": {
+        "errors",
+        "reading",
+        "toml_files",
+        "files",
+        "kernels",
+        "recordings",
+        "task",
+        "__version__",
+    },
     "diagnosis": {
         "errors",
         "simulator",

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from meso_robust.checker.document import Certificate
 from meso_robust.errors import InputError
+from meso_robust.reading import text_of
 from meso_robust.task import Task
 
 
@@ -27,14 +28,7 @@ def read_certificate(path: Path, task: Task) -> tuple[Certificate, str]:
     InputError
         The file cannot be read, is no certificate, or is one for another task.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror}); give a certificate"
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is not a JSON file in UTF-8 ({error})") from error
+    text = text_of(path, "give a certificate", "a JSON file")
     return parse_certificate(text, str(path), task)
 
 
@@ -43,7 +37,9 @@ def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, 
     try:
         values = json.loads(text, object_pairs_hook=_each_once, parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: is not a JSON file in UTF-8 ({error})") from error
+        raise InputError(
+            f"{source}: is not a JSON file in UTF-8 ({error}); give a certificate"
+        ) from error
     try:
         found = Certificate.model_validate_json(text)
     except ValidationError as error:

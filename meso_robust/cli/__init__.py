@@ -8,54 +8,81 @@ from __future__ import annotations
 
 import sys
 import traceback
+from typing import Annotated
 
 import typer
 
+from meso_robust.caches import prepare
 from meso_robust.cli.campaign import campaign
 from meso_robust.cli.certify import certify
 from meso_robust.cli.check import check
 from meso_robust.cli.derive import derive
 from meso_robust.cli.diagnose import diagnose
 from meso_robust.cli.drive import drive
+from meso_robust.cli.help import Verbs
 from meso_robust.cli.identify import identify
 from meso_robust.cli.plan import plan
 from meso_robust.cli.recordings import recordings
 from meso_robust.cli.reproduce import reproduce
+from meso_robust.cli.running import escape_what_cannot_be_shown, guarded
 from meso_robust.cli.schema import schema
 from meso_robust.cli.simulate import simulate
 from meso_robust.cli.track import track
 
 app = typer.Typer(
+    cls=Verbs,
     help="Plans pushes for mesoscale parts that are proved to work, and says why when none is.",
+    epilog="Exit status: 0 done, the answer is yes; 1 done, the answer is no; 2 bad input; "
+    "3 internal fault; 130 interrupted. `meso-robust VERB --help` tells of one verb.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-_VERBS = (
-    plan,
-    certify,
-    check,
-    simulate,
-    drive,
-    campaign,
-    derive,
-    track,
-    recordings,
-    identify,
-    diagnose,
-    reproduce,
-    schema,
-)
-for verb in _VERBS:
-    app.command()(verb)
+_VERBS = {
+    "From a task to a certified plan": (plan, certify, check, simulate, drive),
+    "From video to an identified model": (track, recordings, identify, diagnose),
+    "Evidence": (campaign, reproduce, derive),
+    "Formats": (schema,),
+}
+for heading, verbs in _VERBS.items():
+    for verb in verbs:
+        app.command(rich_help_panel=heading)(guarded(verb))
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from meso_robust.cli.version import lines
+
+        print("\n".join(lines()))
+        raise typer.Exit
+
+
+@app.callback()
+def _meso_robust(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=_tell_version,
+            is_eager=True,
+            help="Tell versions, machine and caches: what a report of a fault needs.",
+        ),
+    ] = False,
+) -> None:
+    pass
 
 
 def main() -> None:
     """Run the command line; the only place where an internal fault is turned into exit status 3."""
+    prepare()
+    escape_what_cannot_be_shown()
     try:
         app()
     except Exception:  # a fault of ours, not of the user: show it whole
         traceback.print_exc()
-        print("meso-robust: internal fault, please report it with the lines above", file=sys.stderr)
+        print(
+            "meso-robust: internal fault, please report it with the lines above and those of "
+            "`meso-robust --version`",
+            file=sys.stderr,
+        )
         sys.exit(3)

@@ -156,11 +156,19 @@ def _duration(seconds: float) -> str:
 
 def refuse(message: object) -> NoReturn:
     """End with exit status 2 and one message."""
-    print(f"meso-robust: {message}", file=sys.stderr)
+    print(f"meso-robust: {one_line(message)}", file=sys.stderr)
     raise typer.Exit(BAD_INPUT)
 
 
 def negative(message: object) -> NoReturn:
     """End with exit status 1 and one message."""
-    print(f"meso-robust: {message}", file=sys.stderr)
+    print(f"meso-robust: {one_line(message)}", file=sys.stderr)
     raise typer.Exit(NEGATIVE)
+
+
+def one_line(message: object) -> str:
+    """A message without line ends, and without what would command the terminal: files can hold both."""
+    return "".join(
+        letter if letter.isprintable() else repr(letter)[1:-1]
+        for letter in str(message).replace("\n", " ")
+    )

@@ -3,50 +3,46 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from meso_robust.cli.console import refuse
 
-
-def schema(
-    name: Annotated[
-        str,
-        typer.Argument(
-            help=(
-                "task, plan, policy, certificate, campaign, witness, recordings, model, diagnosis "
-                "or premises"
-            )
-        ),
-    ],
-) -> None:
-    """Print the JSON Schema of a document."""
+if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from meso_robust.campaigns.document import campaign_document
-    from meso_robust.certificates.document import CertificateDocument
-    from meso_robust.diagnosis.document import DiagnosisDocument
-    from meso_robust.execution.witness_file import WitnessFile
-    from meso_robust.identification.document import ModelDocument
-    from meso_robust.planning.document import PlanDocument
-    from meso_robust.policy.document import PolicyDocument
-    from meso_robust.premises.document import PremisesDocument
-    from meso_robust.recordings import SetDocument
-    from meso_robust.task import Task
+_MODELS = {
+    "task": "task:Task",
+    "plan": "planning.document:PlanDocument",
+    "policy": "policy.document:PolicyDocument",
+    "certificate": "certificates.document:CertificateDocument",
+    "campaign": "campaigns.document:campaign_document",
+    "witness": "execution.witness_file:WitnessFile",
+    "recordings": "recordings.document:SetDocument",
+    "model": "identification.document:ModelDocument",
+    "diagnosis": "diagnosis.document:DiagnosisDocument",
+    "premises": "premises.document:PremisesDocument",
+}
+"""Where the model of each document is; only the one asked for is imported."""
 
-    models: dict[str, type[BaseModel]] = {
-        "task": Task,
-        "plan": PlanDocument,
-        "policy": PolicyDocument,
-        "certificate": CertificateDocument,
-        "campaign": campaign_document(),
-        "witness": WitnessFile,
-        "recordings": SetDocument,
-        "model": ModelDocument,
-        "diagnosis": DiagnosisDocument,
-        "premises": PremisesDocument,
-    }
-    if name not in models:
-        refuse(f"schema NAME = {name!r}: must be one of {', '.join(models)}")
-    print(json.dumps(models[name].model_json_schema(by_alias=True), indent=2))
+
+def _names() -> list[str]:
+    return list(_MODELS)
+
+
+def schema(
+    name: Annotated[str, typer.Argument(help=", ".join(_MODELS), autocompletion=_names)],
+) -> None:
+    """Print the JSON Schema of a document."""
+    if name not in _MODELS:
+        refuse(f"schema NAME = {name!r}: must be one of {', '.join(_MODELS)}")
+    print(json.dumps(_model(name).model_json_schema(by_alias=True), indent=2))
+
+
+def _model(name: str) -> type[BaseModel]:
+    place, _, attribute = _MODELS[name].partition(":")
+    found = getattr(import_module(f"meso_robust.{place}"), attribute)
+    model: type[BaseModel] = found() if name == "campaign" else found
+    return model

@@ -14,9 +14,11 @@ from meso_robust.errors import InputError
 from meso_robust.planning.document import AimDocument, MoveDocument, PlanDocument, RuleDocument
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import Aim, Anchor, MoveRule, Point
+from meso_robust.reading import json_values, shown, text_of
 from meso_robust.task import Task
 
 LARGEST_UM = 1e6  # as for the coordinates of a task: catches a slip of the unit
+MOST_MOVES = 1000
 MOST_PROBES = 6  # of one move, as many as the simulator takes
 
 
@@ -49,7 +51,7 @@ def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
         )
     wrong = next(wrong_headings(plan.policy, task, "policy"), None)
     if wrong is not None:
-        raise InputError(f"{path}: key {wrong}")
+        raise InputError(f"{source}: key {wrong}")
     return plan
 
 
@@ -66,13 +68,8 @@ def read_text(path: Path) -> str:
     InputError
         The file cannot be read or is not JSON.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-        json.loads(text, object_pairs_hook=_each_once)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a JSON file") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is not a JSON file in UTF-8 ({error})") from error
+    text = text_of(path, "give a JSON file", "a JSON file")
+    json_values(text, str(path))
     return text
 
 
@@ -84,16 +81,7 @@ def first_of(error: ValidationError, document: str) -> str:
         return f"key {key} is missing; `meso-robust schema {document}` lists all keys"
     if first["type"] == "extra_forbidden":
         return f"key {key} is unknown; `meso-robust schema {document}` lists all keys"
-    return f"key {key} = {first['input']!r}: {first['msg']}"
-
-
-def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"key {twice} is given twice; give it once")
-    return found
+    return f"key {key} = {shown(first['input'])}: {first['msg']}"
 
 
 def _parse(text: str, source: str) -> PlanDocument:
@@ -115,6 +103,9 @@ def _parse(text: str, source: str) -> PlanDocument:
 def _wrong(plan: PlanDocument) -> Iterator[str]:
     """What is wrong with a plan beyond its types: key, value, rule and advice."""
     yield from _wrong_numbers(plan.model_dump(), "")
+    for key, found in (("policy", plan.policy), ("moves", plan.moves)):
+        if len(found) > MOST_MOVES:
+            yield f"{key}: {len(found)} of them; must be at most {MOST_MOVES}; split the plan"
     if not plan.policy and not plan.moves:
         yield "moves = []: must hold a move, as there is no policy either"
     if plan.policy and len(plan.moves) != len(plan.policy):

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
+from meso_robust.reading import text_of
 from meso_robust.recordings.clock import forward
 from meso_robust.recordings.rules import CLOCK_RULE, DEG, UM
 from meso_robust.recordings.values import Recording
@@ -32,6 +33,7 @@ _LARGEST = (
     1e15  # in any unit of the format; what is larger is no measurement, and its square counts
 )
 _MEND = "mend the cell"
+_ADVICE = "mend its name in set.toml or add the file"
 _POSE_UNITS = np.array([UM, UM, DEG])
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -172,15 +174,11 @@ def _pairs(columns: dict[str, Floats], names: Sequence[tuple[str, str]]) -> Floa
 def _cells(path: Path) -> tuple[list[str], list[list[str]], list[int]]:
     """Header, rows and the lines that they end at."""
     try:
-        text = path.read_text(encoding="utf-8-sig").rstrip("\r\n")  # spreadsheets write the mark
+        text = text_of(path, _ADVICE, "a CSV file").rstrip("\r\n")
         reader = csv.reader(io.StringIO(text, newline=""), strict=True)
         table = [(row, reader.line_num) for row in reader]
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror}); mend its name in set.toml or add the file"
-        ) from error
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: is not a CSV file in UTF-8 ({error})") from error
+    except csv.Error as error:
+        raise InputError(f"{path}: is not a CSV file in UTF-8 ({error}); {_ADVICE}") from error
     header = table[0][0] if table else []
     return header, [row for row, _ in table[1:]], [line for _, line in table[1:]]
 

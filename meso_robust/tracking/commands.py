@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
+from meso_robust.reading import text_of
 
 Floats = npt.NDArray[np.float64]
 UM = 1e-6
@@ -43,13 +45,12 @@ def read_commands(path: Path) -> Commands:
     InputError
         The file cannot be read or a column, a cell or the clock breaks its rule.
     """
+    advice = "give --commands a table of the controller"
+    text = text_of(path, advice, "a CSV file")
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            rows = list(csv.reader(stream, strict=True))
-    except OSError as error:
-        raise InputError(f"--commands {path}: cannot be read ({error.strerror})") from error
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise InputError(f"--commands {path}: is not a CSV file in UTF-8 ({error})") from error
+        rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
+    except csv.Error as error:
+        raise InputError(f"{path}: is not a CSV file in UTF-8 ({error}); {advice}") from error
     names = _names(path, rows[0] if rows else [])
     if len(rows) < 2:
         raise InputError(f"--commands {path}: no rows; must have at least one")

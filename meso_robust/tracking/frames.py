@@ -7,6 +7,7 @@ at the latest: a truncated video is told from a short one by the number of frame
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
 import re
@@ -19,7 +20,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.tracking.pixels import Grey, decoded
+from meso_robust.reading import text_of
+from meso_robust.tracking.pixels import MOST_PIXELS, Grey, decoded
 
 Image = npt.NDArray[np.uint8]
 
@@ -129,6 +131,11 @@ def _video(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
         int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
     )
     capture.release()
+    if math.prod(size) > MOST_PIXELS:
+        raise InputError(
+            f"{path}: frames of {size[0]} x {size[1]} pixels; must have at most {MOST_PIXELS:,}; "
+            "scale the video down"
+        )
     if not (math.isfinite(stated) and 0.0 < stated <= _MOST_RATE):
         if rate is None:
             raise InputError(f"{path}: says no frame rate; give --frame-rate-hz")
@@ -299,11 +306,12 @@ def _clock(path: Path, files: list[Path], rate: float | None) -> tuple[list[floa
 
 
 def _read_times(table: Path) -> dict[str, float]:
+    advice = "mend it, or leave it out and give --frame-rate-hz"
+    text = text_of(table, advice, "a CSV file")
     try:
-        with table.open(encoding="utf-8-sig", newline="") as stream:
-            rows = list(csv.reader(stream, strict=True))
-    except (OSError, csv.Error, UnicodeDecodeError) as error:
-        raise InputError(f"{table}: is not a CSV file in UTF-8 ({error})") from error
+        rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
+    except csv.Error as error:
+        raise InputError(f"{table}: is not a CSV file in UTF-8 ({error}); {advice}") from error
     if not rows or rows[0] != ["file", "time_s"]:
         raise InputError(f"{table}: must begin with the line file,time_s; mend its header")
     times: dict[str, float] = {}

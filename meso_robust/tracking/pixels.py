@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
+from meso_robust.reading import MIB, bytes_of
 
 Pixels = npt.NDArray[Any]
+
+LARGEST_IMAGE = 256 * MIB
+"""Bytes of an image file."""
+MOST_PIXELS = 2**26
+"""Of an image or of a frame of a video, such as 8192 x 8192; more would fill the memory."""
 
 # what a whole file ends with, up to a few bytes of padding; decoders fill the rest of a torn one in
 _ENDS = {b"\x89PNG": b"IEND", b"\xff\xd8\xff": b"\xff\xd9"}
@@ -28,17 +35,25 @@ def decoded(path: Path) -> Pixels:
     InputError
         The file cannot be read, is torn, or is no image.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    data = bytes_of(path, "give an image", LARGEST_IMAGE)
     for start, end in _ENDS.items():
         if data.startswith(start) and end not in data[-_PADDING:]:
             raise InputError(f"{path}: truncated image; copy it once more or leave it out")
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    image = _opened(path, data) if data else None
     if image is None:
         raise InputError(f"{path}: is not an image that can be decoded; leave it out")
     return image
+
+
+def _opened(path: Path, data: bytes) -> Pixels | None:
+    # OpenCV asks for the limit once, before its first image: a small file can hold a very large one
+    os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(MOST_PIXELS))
+    try:
+        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise InputError(
+            f"{path}: cannot be decoded, or has more than {MOST_PIXELS:,} pixels; give a smaller image"
+        ) from error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

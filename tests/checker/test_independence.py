@@ -13,7 +13,7 @@ from tests.test_architecture import imported
 
 FOLDER = Path(meso_robust.checker.__file__).parent
 ALLOWED = (
-    "meso_robust.checker", "meso_robust.task", "meso_robust.errors", "meso_robust.files", "flint",
+    "meso_robust.checker", "meso_robust.task", "meso_robust.errors", "meso_robust.files", "meso_robust.reading", "flint",
     "pydantic",
 )  # fmt: skip
 STANDARD = {

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import gzip
+import io
 import zlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from meso_robust.errors import InputError
+from meso_robust.reading import LARGEST_DATA, MIB, bytes_of
 
 
 def files_of(path: Path, mine: Callable[[Path], bool], form: str) -> tuple[Path, ...]:
@@ -70,13 +72,24 @@ def text_of(file: Path) -> str:
     InputError
         If it cannot be read or unpacked.
     """
+    data = bytes_of(file, "give a file that can be read")
     try:
-        data = file.read_bytes()
-        return (gzip.decompress(data) if file.suffix == ".gz" else data).decode("utf-8")
-    except OSError as error:  # of gzip too: not packed by it
-        why = error.strerror or str(error)
-        raise InputError(f"{file}: cannot be read ({why}); give a file that can") from error
+        return (_unpacked(file, data) if file.suffix == ".gz" else data).decode("utf-8")
+    except OSError as error:  # of gzip: not packed by it
+        raise InputError(f"{file}: cannot be read ({error}); give a file that can") from error
     except (EOFError, zlib.error) as error:
         raise InputError(f"{file}: cannot be unpacked ({error}); fetch it anew") from error
     except UnicodeDecodeError as error:
         raise InputError(f"{file}: is not text in UTF-8 ({error}); give a text file") from error
+
+
+def _unpacked(file: Path, data: bytes) -> bytes:
+    """What was packed, refused if it is too large: a small file can hold a very large one."""
+    with gzip.GzipFile(fileobj=io.BytesIO(data)) as packed:
+        content = packed.read(LARGEST_DATA + 1)
+    if len(content) > LARGEST_DATA:
+        raise InputError(
+            f"{file}: holds more than {LARGEST_DATA // MIB} MiB, the most that is read of such a "
+            "file; give a file that can be read"
+        )
+    return content

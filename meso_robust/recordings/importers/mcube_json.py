@@ -7,7 +7,6 @@ IROS 2016, https://doi.org/10.1109/IROS.2016.7758091: ``object_pose`` and ``tip_
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
+from meso_robust.reading import json_values
 from meso_robust.recordings.importers.files import candidates, files_of, one_kind, text_of
 from meso_robust.recordings.importers.imported import Imported, Importer, Left
 from meso_robust.recordings.importers.streams import forward, sampled
@@ -127,12 +127,7 @@ def _left(file: Path, name: str, rows: npt.NDArray[np.bool_], reason: str) -> Le
 
 
 def _streams(file: Path) -> dict[str, Floats]:
-    try:
-        values = json.loads(text_of(file))
-    except (ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{file}: is not JSON ({error}); fetch it anew") from error
+    values = json_values(text_of(file), str(file))
     if not isinstance(values, dict):
         raise InputError(f"{file}: must be one JSON object with {', '.join(_STREAMS)}")
     return {name: _stream(file, name, values.get(name)) for name in _STREAMS}

@@ -76,7 +76,7 @@ def test_a_hole_of_the_tip_stays_a_hole(tmp_path: Path) -> None:
     ("content", "words"),
     [
         ("[1, 2]", "must be one JSON object"),
-        ("{", "is not JSON"),
+        ("{", "is not a JSON file"),
         ("{}", "key object_pose is missing"),
         ('{"object_pose": []}', "key object_pose is no list or empty"),
         ('{"object_pose": [[1, 2, 3]]}', "key object_pose[0] = [1, 2, 3]"),

@@ -1,0 +1,54 @@
+"""What is the same for every verb: how errors, Ctrl-C and narrow encodings end."""
+
+from __future__ import annotations
+
+import codecs
+import functools
+import sys
+from collections.abc import Callable
+from io import TextIOWrapper
+from typing import ParamSpec, TypeVar
+
+import typer
+
+from meso_robust.cli.console import INTERRUPTED, refuse
+from meso_robust.errors import InputError
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+_ESCAPED = "meso-robust-escaped"
+
+
+def guarded(verb: Callable[_P, _R]) -> Callable[_P, _R]:
+    """The verb; a user's error ends it with exit status 2 and Ctrl-C with 130, both with one line."""
+
+    @functools.wraps(verb)
+    def run(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        try:
+            return verb(*args, **kwargs)
+        except InputError as error:
+            refuse(error)
+        except KeyboardInterrupt:
+            print("meso-robust: interrupted; no result was written", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+
+    return run
+
+
+def escape_what_cannot_be_shown() -> None:
+    r"""Print µ as ``\u00b5`` where the terminal or pipe takes ASCII only, instead of failing.
+
+    Within a string of JSON this escape means the same letter.
+    """
+    codecs.register_error(_ESCAPED, _escaped)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors=_ESCAPED)
+
+
+def _escaped(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    units = error.object[error.start : error.end].encode("utf-16-be", "surrogatepass")
+    pairs = (units[k : k + 2].hex() for k in range(0, len(units), 2))
+    return "".join(f"\\u{pair}" for pair in pairs), error.end
