@@ -24,6 +24,7 @@ from meso_robust.reporting.tube_figures import (
     spread_figure,
     tube_figure,
 )
+from meso_robust.reporting.view import engine, view
 from meso_robust.reporting.words import MINUS, QUANTITIES, factor, number, small
 
 
@@ -62,6 +63,8 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         answer=answer(result, promise),
         promise=None if promise is None else document(promise),
         pictures=pictures,
+        view=view(result),
+        engine=engine(),
         steps=rows.step_rows(result),
         margins=rows.margin_rows(result),
         excesses=rows.excess_rows(result),
