@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import platform
-import subprocess
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, fields
-from importlib.metadata import version
-from pathlib import Path
 
 from meso_robust import units
 from meso_robust.bounds import Verdict
@@ -32,6 +28,7 @@ from meso_robust.execution.running import STARTS_INSIDE, STEP
 from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.document import PlanDocument, goal_document, plan_document
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.provenance import made_with
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task
 
@@ -242,27 +239,4 @@ def _witness(check: CrossCheck) -> WitnessDocument:
 
 
 def _made_with(seed: int) -> dict[str, str]:
-    names = ("meso-robust", "casadi", "numba", "numpy", "sympy")
-    return {
-        **{name: version(name) for name in names},
-        "python": platform.python_version(),
-        "machine": platform.machine(),
-        "commit": _commit(),
-        "seed": str(seed),
-    }
-
-
-def _commit() -> str:
-    """Commit of the checkout the package runs from, or why there is none."""
-    here = Path(__file__).resolve().parent
-    try:
-        answer = subprocess.run(
-            ["git", "-C", str(here), "rev-parse", "--short", "HEAD"],
-            capture_output=True,
-            text=True,
-            timeout=5,
-            check=False,
-        )
-    except OSError:
-        return "unknown"
-    return answer.stdout.strip() or "not a checkout"
+    return {**made_with(("casadi", "numba", "numpy", "sympy")), "seed": str(seed)}

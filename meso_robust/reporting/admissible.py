@@ -22,6 +22,7 @@ from meso_robust.planning.compose import compose
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.canvas import INK, Floats
 from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.theme import FRAME
 from meso_robust.task import Task
 
 Doing = Callable[[str], AbstractContextManager[None]]
@@ -124,7 +125,7 @@ def map_figure(found: Map) -> Figure:
     axes.set_xlabel(f"{paving.across.name}, {_unit(paving.across)}", labelpad=3)
     axes.set_ylabel(f"{paving.up.name}, {_unit(paving.up)}", labelpad=3)
     axes.grid(visible=False)
-    handles = [Patch(fc=colour, ec="#9aa5b1", lw=0.5, label=text) for colour, text in LOOK.values()]
+    handles = [Patch(fc=colour, ec=FRAME, lw=0.5, label=text) for colour, text in LOOK.values()]
     handles.append(
         Patch(fc=PLAN, ec=INK, lw=1.2, label=f"the plan's own choice, move {found.step}")
     )

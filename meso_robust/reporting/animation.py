@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from meso_robust import units
@@ -19,6 +17,7 @@ from meso_robust.execution.running import MoveRun, PlanRun, rectangle
 from meso_robust.execution.simulation import Simulated, in_goal, order
 from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.execution.trajectories import probe_names
+from meso_robust.reporting.skeleton import Banner, code, page, versions
 
 Floats = npt.NDArray[np.float64]
 Json = dict[str, Any]
@@ -37,16 +36,39 @@ def animation(found: Simulated, answer: SimulationDocument) -> str:
     found, answer
         What ``simulate`` found out, and its document.
     """
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
+    moves = len(answer.moves)
+    how = "feedback policy" if answer.kind == "feedback" else "open-loop moves"
+    banner = Banner(
+        verb="simulate",
+        subject=answer.task,
+        about=f"{how}, {moves} move{'s' * (moves != 1)}",
+        word="ALL IN THE GOAL" if answer.all_in_goal else "NOT ALL IN THE GOAL",
+        colour="PROVED" if answer.all_in_goal else "REFUTED",
+        meaning=_meaning(answer),
     )
-    return environment.get_template("animation.html.j2").render(
-        answer=answer, data=embedded(data(found))
+    return page("animation.html.j2", banner, _made(answer), data=embedded(data(found)))
+
+
+def _meaning(answer: SimulationDocument) -> str:
+    """How the runs ended, in a sentence; what simulation shows is no proof."""
+    said = f"{answer.sampled.in_goal} of {answer.sampled.runs} random runs in the goal"
+    if answer.adversary is not None:
+        where = "in the goal" if answer.adversary.worst.run.in_goal else "not in the goal"
+        said += f"; worst run of {answer.adversary.evaluations} searched: {where}"
+    return f"{said}. Evidence, not proof."
+
+
+def _made(answer: SimulationDocument) -> tuple[tuple[str, str], ...]:
+    """What was simulated, and how to do it again."""
+    again = f"meso-robust simulate TASK.toml PLAN.json --seed {answer.seed}"
+    return (
+        (
+            "to reproduce",
+            code(again, f" with the files of these hashes; step {answer.step_um:g} µm"),
+        ),
+        ("task hash (SHA-256)", code(answer.task_hash)),
+        ("plan hash (SHA-256)", code(answer.plan_hash)),
+        versions({**answer.made_with, "seed": str(answer.seed)}),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meso_robust.bounds import Verdict
+from meso_robust.bounds import Verdict, VerdictWord
 from meso_robust.job import Planned
 from meso_robust.premises.promise import Promise
 from meso_robust.reporting.words import Side, Witness, factor, number, sides, witness_words
@@ -19,12 +19,7 @@ MEANING = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """A key figure."""
-
-    value: str
-    name: str
+Figures = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +41,10 @@ class Open:
 class Answer:
     """What the banner says."""
 
-    verdict: str
+    verdict: VerdictWord
     meaning: str
-    figures: tuple[Figure, ...]
+    figures: Figures
+    """Name and value."""
     open: Open | None
     witness: Witness | None
 
@@ -83,42 +79,40 @@ def _meaning(verdict: str, promise: Promise | None) -> str:
     return MEANING[verdict]
 
 
-def _promised(result: Planned, promise: Promise) -> tuple[Figure, ...]:
+def _promised(result: Planned, promise: Promise) -> Figures:
     """Key figures where a fitted model was given: of its own physics, if a premise is broken."""
     if not promise.broken:
         return _figures(result)
     ran = promise.evidence
     runs = "none" if ran is None else f"{ran.in_goal} of {ran.runs}"
     return (
-        Figure(str(len(result.certificate.policy)), "moves"),
-        Figure(str(len(promise.broken)), "of the model not absorbed"),
-        Figure(runs, "runs under the model's own physics end in the goal (evidence, not proof)"),
+        ("moves", str(len(result.certificate.policy))),
+        ("of the model not absorbed", str(len(promise.broken))),
+        ("runs under the model's own physics end in the goal (evidence, not proof)", runs),
     )
 
 
-def _figures(result: Planned) -> tuple[Figure, ...]:
+def _figures(result: Planned) -> Figures:
     certificate = result.certificate
     simulation, margin = certificate.simulation, certificate.margin
     figures = [
-        Figure(str(len(certificate.policy)), "moves"),
-        Figure(f"{simulation.in_goal} of {simulation.samples}", "simulated runs end in the goal"),
+        ("moves", str(len(certificate.policy))),
+        ("simulated runs end in the goal", f"{simulation.in_goal} of {simulation.samples}"),
     ]
     if margin.binds_first is not None:
         binding = margin.binds_first
         alone = factor(margin.each_alone[binding])
         return (
             *figures,
-            Figure(
-                f"× {factor(margin.factor)}", "margin: still proved with all uncertainties scaled"
-            ),
-            Figure(binding.replace("_", " "), f"binds first (alone × {alone})"),
+            ("margin: still proved with all uncertainties scaled", f"× {factor(margin.factor)}"),
+            (f"binds first (alone × {alone})", binding.replace("_", " ")),
         )
     obligations = [item for step in certificate.steps for item in step.obligations]
     proved = sum(item.verdict == "PROVED" for item in obligations)
     reached = (
         f"inequalities proved, {len(certificate.steps)} of {len(certificate.policy)} moves reached"
     )
-    return (*figures, Figure(f"{proved} of {len(obligations)}", reached))
+    return (*figures, (reached, f"{proved} of {len(obligations)}"))
 
 
 def _open(result: Planned) -> Open | None:

@@ -7,19 +7,20 @@ from collections.abc import Mapping, Sequence
 from markupsafe import Markup
 
 from meso_robust import __version__
+from meso_robust.campaigns import provenance
 from meso_robust.campaigns.answer import Answer
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table
-from meso_robust.campaigns.provenance import code, versions
 from meso_robust.campaigns.store import Session
+from meso_robust.provenance import commit
 from meso_robust.reporting import campaign_figures as figures, campaign_words as words
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.skeleton import Banner, Colour, code, page, versions
 
 MOST_RUNS = 6
 """Runs of one view that are drawn."""
 MOST_TROUBLES = 100
 """Rows of the table of troubles, the last ones."""
 
-_COLOURS = {
+_COLOURS: Mapping[str, Colour] = {
     "held": "PROVED",
     "broken": "REFUTED",
     "open": "UNKNOWN",
@@ -41,27 +42,44 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
         page says only how many they are.
     """
     sessions = answer.sessions
+    banner = Banner(
+        verb="campaign",
+        subject=answer.campaign.name,
+        word=answer.verdict.upper(),
+        colour=_COLOURS[answer.verdict],
+        meaning=_meaning(answer),
+        figures=_figures(answer),
+    )
+    return page(
+        "campaign.html.j2",
+        banner,
+        _made(answer),
+        answer=answer,
+        missing=missing or {},
+        speeds=_speeds(sessions),
+        worked=sum(one.seconds for one in sessions),
+        did=sum(one.runs for one in sessions),
+        given_up=sum(one.given_up for one in answer.troubles),
+        most_troubles=MOST_TROUBLES,
+        macro=lambda view: _MACROS[type(view)],
+        tools=_TOOLS,
+        words=words,
+    )
+
+
+def _made(answer: Answer) -> tuple[tuple[str, str], ...]:
+    """What the campaign was made from, and how to do it again."""
+    again = f"meso-robust campaign CAMPAIGN.toml --seed {answer.campaign.seed}"
+    so = (
+        ", with the file above; the same campaign and code give the same totals, however the work "
+        "is split and however often it ends"
+    )
     return (
-        environment()
-        .get_template("campaign.html.j2")
-        .render(
-            answer=answer,
-            missing=missing or {},
-            colour=_COLOURS[answer.verdict],
-            meaning=_meaning(answer),
-            figures=_figures(answer),
-            speeds=_speeds(sessions),
-            worked=sum(one.seconds for one in sessions),
-            did=sum(one.runs for one in sessions),
-            given_up=sum(one.given_up for one in answer.troubles),
-            most_troubles=MOST_TROUBLES,
-            macro=lambda view: _MACROS[type(view)],
-            tools=_TOOLS,
-            words=words,
-            version=__version__,
-            code=code(),
-            versions=versions(),
-        )
+        ("to reproduce", code(again, so)),
+        ("totals", code(answer.totals_digest)),
+        ("campaign", code(answer.campaign.hash)),
+        ("code", code(provenance.code())),
+        versions({"meso-robust": __version__, **provenance.versions(), "commit": commit()}),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,22 +29,6 @@ SHADES = (
 _STEPS = np.array([0.25, 0.7, 1.4, 4.0])
 _MOST_OUTLINES = 10
 _CLOSE = 0.06  # of the width of a picture, the room that a number takes
-_THEME = {
-    canvas.INK: "ink",
-    canvas.MUTED: "muted",
-    canvas.GRID: "grid",
-    "#9aa5b1": "frame",
-    "#ffffff": "paper",
-    canvas.BEFORE: "way",
-    canvas.GHOST: "ghost",
-    canvas.AFTER: "last",
-    canvas.CERTIFIED: "after",
-    canvas.GOAL: "goal",
-    canvas.GOAL_FILL: "goal-fill",
-    canvas.MISS: "before",
-}
-"""Names that the style sheet has for the colours of the pictures, so that they follow the theme."""
-_COLOURS = re.compile("|".join(_THEME))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,10 +109,10 @@ def drawings(view: Paths, most: int, name: str) -> list[tuple[str, Markup]]:
         for number, (label, poses) in enumerate(runs, start=1):
             figure = path_figure(view, poses, seen)
             svg = to_svg(figure, f"{name}-run{number}", f"Outlines of the part along run {number}")
-            found.append((f"{number}. {label}", _themed(svg)))
+            found.append((f"{number}. {label}", svg))
         figure = ends_figure(view, np.array([poses[-1] for _, poses in runs]))
         svg = to_svg(figure, f"{name}-ends", "Last poses of the runs beside the goal's tolerance")
-    return [*found, ("Where they end", _themed(svg))]
+    return [*found, ("Where they end", svg)]
 
 
 def path_figure(view: Paths, poses: Floats, seen: Floats) -> Figure:
@@ -242,8 +225,3 @@ def _corners(pose: Floats, body: Floats) -> Floats:
 
 def _outline(axes: Axes, pose: Floats, body: Floats, **look: Any) -> None:
     canvas.outline(axes, _si(pose), body, "", fill=False, **look)
-
-
-def _themed(svg: Markup) -> Markup:
-    """The same picture, its colours by the names of the style sheet."""
-    return Markup(_COLOURS.sub(lambda found: f"var(--{_THEME[found.group()]})", svg))

@@ -13,16 +13,31 @@ from matplotlib.patches import Polygon, Rectangle
 from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.primitives.setup import PoseBox
+from meso_robust.reporting.theme import (
+    BLUE,
+    BLUE_FILL,
+    GHOST as GHOST,
+    GREEN,
+    GREEN_FILL,
+    GRID as GRID,
+    INK as INK,
+    LAST,
+    MUTED as MUTED,
+    ORANGE,
+    ORANGE_FILL,
+    PURPLE,
+    VERMILION,
+    WAY,
+)
 
 Floats = npt.NDArray[np.float64]
 Coordinate = Literal["x", "y", "theta"]
 
-INK, MUTED, GRID = "#1f2933", "#616e7c", "#e4e7eb"
-BEFORE, GHOST, AFTER = "#8a97a5", "#cbd2d9", "#323f4b"
-CERTIFIED, CERTIFIED_FILL = "#1c5fa8", "#d9e7f6"
-OPEN, OPEN_FILL = "#b7791f", "#fbf1dc"
-GOAL, GOAL_FILL = "#2f855a", "#e3f4ea"
-TIP, MISS = "#c05621", "#b42318"
+BEFORE, AFTER = WAY, LAST
+CERTIFIED, CERTIFIED_FILL = BLUE, BLUE_FILL
+OPEN, OPEN_FILL = ORANGE, ORANGE_FILL
+GOAL, GOAL_FILL = GREEN, GREEN_FILL
+TIP, MISS = VERMILION, PURPLE
 COLUMN = {"x": 0, "y": 1, "theta": 2}
 AXIS_NAME = {"x": "x in µm", "y": "y in µm", "theta": "θ in deg"}
 

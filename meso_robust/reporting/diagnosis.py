@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from itertools import pairwise
+from shlex import quote
 
-import matplotlib
 import numpy as np
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording
 from meso_robust.diagnosis.evidence import Evidence
-from meso_robust.reporting import canvas
+from meso_robust.provenance import made_with
 from meso_robust.reporting.diagnosis_figures import (
-    BAND,
-    BASELINE,
-    CHANNELS,
-    EXTENDED,
     LEVELS,
-    SHADES,
-    TIP_WAY,
     held_out_figure,
     map_figure,
     null_figure,
@@ -43,8 +35,9 @@ from meso_robust.reporting.diagnosis_words import (
     unit_words,
 )
 from meso_robust.reporting.equations import typeset
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.theme import STAGES
 from meso_robust.reporting.words import number, significant
 from meso_robust.simulator.catalogue import CATALOGUE
 
@@ -52,22 +45,6 @@ MOST_PICTURES = 6
 """Recordings that are drawn, those that the plain model fits worst first."""
 MOST_ROWS = 40
 """Rows of one table, and recordings of one picture."""
-
-_THEME = {
-    canvas.INK: "ink",
-    canvas.MUTED: "muted",
-    canvas.GRID: "grid",
-    "#9aa5b1": "frame",
-    "#ffffff": "paper",
-    BASELINE: "before",
-    EXTENDED: "after",
-    TIP_WAY: "way",
-    BAND: "band",
-    **{shade: f"s{level}" for level, shade in enumerate(SHADES)},
-    **{colour: channel for channel, colour in CHANNELS.items()},
-}
-"""Names that the style sheet has for the colours of the pictures, so that they follow the theme."""
-_COLOURS = re.compile("|".join(_THEME))
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,38 +65,58 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
     source
         Name of the recording set.
     """
-    # the names of files are no formulas, whatever signs they have
-    with style(), matplotlib.rc_context({"text.parse_math": False}):
+    with style():
         pictures = _pictures(document, evidence)
-    return (
-        environment()
-        .get_template("diagnosis.html.j2")
-        .render(
-            document=document,
-            source=source,
-            look=LOOKS[document.verdict],
-            answer=answer(document),
-            figures=_figures(document),
-            pictures=pictures,
-            sets=sets(document),
-            spans=document.mismatch.where[:MOST_ROWS],
-            held_out=_held_out(document),
-            shades=_shades(),
-            channels=list(CHANNELS),
-            most=MOST_ROWS,
-            phases=PHASES,
-            components=COMPONENTS,
-            typeset=typeset,
-            set_words=set_words,
-            unit=unit_words,
-            plain=plain,
-            standing=standing_words,
-            meaning=_meaning,
-            number=lambda value: "—" if value is None else significant(value, 3),
-            percent=lambda share: number(100.0 * share, 0),
-            probability=_probability,
-        )
+    look = LOOKS[document.verdict]
+    banner = Banner(
+        verb="diagnose",
+        subject=source,
+        about=f"plain model {document.baseline.model}",
+        word=document.verdict.upper(),
+        colour=look.colour,
+        meaning=Markup("<strong>{}</strong><br>{}<br>Why: {}.").format(
+            answer(document), look.meaning, document.why.rstrip(".")
+        ),
+        figures=tuple((name, value) for value, name in _figures(document)),
     )
+    return page(
+        "diagnosis.html.j2",
+        banner,
+        _made(document, source),
+        document=document,
+        pictures=pictures,
+        sets=sets(document),
+        spans=document.mismatch.where[:MOST_ROWS],
+        held_out=_held_out(document),
+        shades=_shades(),
+        channels=list(STAGES),
+        most=MOST_ROWS,
+        phases=PHASES,
+        components=COMPONENTS,
+        typeset=typeset,
+        set_words=set_words,
+        unit=unit_words,
+        plain=plain,
+        standing=standing_words,
+        meaning=_meaning,
+        number=lambda value: "—" if value is None else significant(value, 3),
+        percent=lambda share: number(100.0 * share, 0),
+        probability=_probability,
+    )
+
+
+def _made(document: DiagnosisDocument, source: str) -> list[tuple[str, str]]:
+    """What the diagnosis was made from, and how to make it again."""
+    made = document.provenance
+    again = (
+        f"meso-robust diagnose {quote(source)} --model {document.baseline.model} --seed {made.seed}"
+    )
+    return [
+        ("to reproduce", code(again + " --quick" * made.quick)),
+        ("recordings (SHA-256)", code(made.recordings_sha256)),
+        versions({**made_with(), "meso-robust": made.meso_robust, "seed": str(made.seed)}),
+        *(("note", note) for note in made.notes),
+    ]
 
 
 def _meaning(effect: str, key: str) -> str:
@@ -191,20 +188,20 @@ def _pictures(document: DiagnosisDocument, evidence: Evidence) -> dict[str, obje
     held, spans = _held_out(document), document.mismatch.where
     floor = document.held_out.noise_floor_sigma
     return {
-        "held_out": _themed(
+        "held_out": to_svg(
             held_out_figure(held, floor, bool(document.effects)), "held", "Held-out errors"
         )
         if held
         else None,
-        "strip": _themed(
+        "strip": to_svg(
             strip_figure(spans, evidence, _marked(document, evidence)), "strip", "Spans of misfit"
         )
         if spans
         else None,
-        "map": _themed(map_figure(evidence, rows), "map", "Residuals by recording and time"),
-        "vectors": _themed(vectors, "vectors", "Residuals by place on the stage"),
+        "map": to_svg(map_figure(evidence, rows), "map", "Residuals by recording and time"),
+        "vectors": to_svg(vectors, "vectors", "Residuals by place on the stage"),
         "scale": f"{scale:g}",
-        "null": _themed(null_figure(evidence, document), "null", "Local tests without a mismatch")
+        "null": to_svg(null_figure(evidence, document), "null", "Local tests without a mismatch")
         if len(evidence.null_statistics)
         else None,
         "recordings": [_recording(evidence, row) for row in worst[:MOST_PICTURES]],
@@ -223,11 +220,5 @@ def _recording(evidence: Evidence, row: int) -> _Picture:
     kind = "held out" if file in evidence.held_out else "training"
     if file in evidence.extrapolation:
         kind += ", extrapolation"
-    svg = _themed(overlay_figure(evidence, row), f"rec{row}", f"Recording {file} beside the models")
+    svg = to_svg(overlay_figure(evidence, row), f"rec{row}", f"Recording {file} beside the models")
     return _Picture(f"{file} ({kind})", svg)
-
-
-def _themed(figure: Figure, name: str, label: str) -> Markup:
-    """The figure with its colours by name."""
-    svg = to_svg(figure, name, label)
-    return Markup(_COLOURS.sub(lambda found: f"var(--{_THEME[found.group()]})", svg))

@@ -15,22 +15,11 @@ from meso_robust import units
 from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording, WhereSection
 from meso_robust.diagnosis.evidence import Evidence, Floats
 from meso_robust.reporting.canvas import AXIS_NAME, GRID, INK, MUTED, corners, fit_equal, outline
+from meso_robust.reporting.theme import BAND, BLUE, SHADES, STAGES, VERMILION, WAY
 
-# vermilion and blue of Okabe and Ito's palette: told apart by every kind of colour vision
-BASELINE, EXTENDED, TIP_WAY, BAND = "#d55e00", "#0072b2", "#8a97a5", "#eceff3"
-CHANNELS = {
-    "support": "#44aa99",
-    "contact": "#882255",
-    "actuation": "#ddcc77",
-    "observation": "#88ccee",
-    "environment": "#999933",
-    "geometry": "#cc6677",
-}
-"""Colours of the stages, from Tol's muted palette."""
+BASELINE, EXTENDED, TIP_WAY = VERMILION, BLUE, WAY
 LEVELS = (1.25, 1.75, 2.5, 4.0, 7.0, 12.0)
 """Residuals, over the noise, at which the colour of a map changes."""
-SHADES = ("#f1f4f7", "#d8e5f1", "#b3cfe7", "#7eafd6", "#4787bc", "#1e5e98", "#0a3460")
-"""Colours of a map, from within the noise to far beyond it."""
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
 _SQUARE_CODES = (Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY)
 _BINS = 60
@@ -301,7 +290,7 @@ def strip_figure(where: Sequence[WhereSection], evidence: Evidence, rows: Sequen
         if span.recording in place:
             lane = place[span.recording] + 0.12 + 0.26 * ("x", "y", "theta").index(span.component)
             wide = max(span.end_s - span.start_s, 0.0)
-            colour = CHANNELS[span.channel]
+            colour = STAGES[span.channel]
             axes.add_patch(Rectangle((span.start_s, lane), wide, 0.24, facecolor=colour, lw=0))
     axes.set_xlim(*_span(evidence, rows))
     axes.set_ylim(len(rows), 0)

@@ -12,6 +12,7 @@ from meso_robust.diagnosis.document import (
     Verdict,
     WhereSection,
 )
+from meso_robust.reporting.skeleton import Colour
 from meso_robust.reporting.words import number, significant
 
 MOST_SPANS = 3
@@ -22,7 +23,7 @@ MOST_SPANS = 3
 class Look:
     """How a verdict is shown."""
 
-    colour: str
+    colour: Colour
     """Class of the page's head."""
     meaning: str
 
@@ -31,7 +32,7 @@ LOOKS: dict[Verdict, Look] = {
     "consistent": Look(
         "PROVED", "Nothing beyond the refitted plain model is supported by these recordings."
     ),
-    "named": Look("NAMED", "What the plain model leaves out was found, named and modelled."),
+    "named": Look("NEUTRAL", "What the plain model leaves out was found, named and modelled."),
     "ambiguous": Look(
         "UNKNOWN", "Something is left out, and these recordings leave several explanations open."
     ),

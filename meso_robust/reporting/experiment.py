@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,7 +15,9 @@ from meso_robust import units
 from meso_robust.identification.design import Design, Interval, shrinking
 from meso_robust.identification.experiment import Experiment, PlannedPush
 from meso_robust.identification.models import Model
+from meso_robust.provenance import made_with
 from meso_robust.reporting.canvas import BEFORE, GHOST, GRID, TIP, outline
+from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import number, significant
 
@@ -62,23 +62,34 @@ def experiment_page(
     found, model
         The design that they come from and its model, if they do; what is expected of it is shown.
     """
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     bench = experiment.bench
-    return environment.get_template("experiment.html.j2").render(
-        title="Designed pushes" if found else "Pushes that identify the part",
+    times = "time" if bench.trials == 1 else "times"
+    banner = Banner(
+        verb="identify",
+        subject=f"{len(experiment.pushes)} pushes",
+        about=f"{bench.trials} {times} each",
+        word="Designed pushes" if found else "Pushes that identify the part",
+        colour="NEUTRAL",
+        meaning="Lay the part down as drawn, bring the tip to its start (free of contact), start "
+        "the recording, make the travel, lift the tip.",
+        figures=(
+            ("pushes", str(len(experiment.pushes))),
+            ("trials of each", str(bench.trials)),
+            ("speed", f"{number(bench.speed / units.UM)} µm/s"),
+            ("radius of the tip", f"{number(bench.tip_radius / units.UM)} µm"),
+        ),
+    )
+    again = f"meso-robust identify --{f'design {len(experiment.pushes)}' if found else 'plan'}"
+    return page(
+        "experiment.html.j2",
+        banner,
+        (
+            ("to reproduce", code(again, " with the same part and options")),
+            versions(made_with()),
+        ),
         drawing=drawing(experiment),
         rows=[_row(push) for push in experiment.pushes],
-        trials=bench.trials,
-        speed=number(bench.speed / units.UM),
         margin=number(bench.corner_margin / units.UM),
-        radius=number(bench.tip_radius / units.UM),
         criterion=found.criterion if found else "",
         intervals=_intervals(found, model) if found and model else [],
         left_out=experiment.left_out,

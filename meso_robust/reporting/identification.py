@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from shlex import quote
 
 import numpy as np
 from markupsafe import Markup
@@ -10,13 +11,14 @@ from markupsafe import Markup
 from meso_robust.identification.document import ModelDocument, ParameterSection
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.models.model import Model
+from meso_robust.provenance import made_with
 from meso_robust.reporting.identification_figures import (
     DRAWN_MINIMA,
     profile_figure,
     recording_figure,
     support_figure,
 )
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import significant
 
@@ -48,21 +50,55 @@ def identification_report(document: ModelDocument, found: Identification, source
             "supports": _supports(found),
             "recordings": [_recording(found, row) for row in _worst(found)],
         }
-    return (
-        environment()
-        .get_template("identification.html.j2")
-        .render(
-            document=document,
-            source=source,
-            colour="PROVED" if len(found.determined) == len(found.profiles) else "UNKNOWN",
-            headline=_headline(document, found.model),
-            figures=_figures(document),
-            rows=[_row(key, one) for key, one in document.parameters.items()],
-            minima=document.minima,
-            pictures=pictures,
-            drawn=DRAWN_MINIMA,
-            significant=significant,
+    known = len(found.determined) == len(found.profiles)
+    banner = Banner(
+        verb="identify",
+        subject=source,
+        about=f"model {document.model}",
+        word="IDENTIFIED" if known else "PARTLY IDENTIFIED",
+        colour="PROVED" if known else "UNKNOWN",
+        meaning=Markup("<strong>{}</strong><br>{}").format(
+            _headline(document, found.model), _how(document)
+        ),
+        figures=tuple(_figures(document)),
+    )
+    return page(
+        "identification.html.j2",
+        banner,
+        _made(document, source),
+        document=document,
+        rows=[_row(key, one) for key, one in document.parameters.items()],
+        minima=document.minima,
+        pictures=pictures,
+        drawn=DRAWN_MINIMA,
+        significant=significant,
+    )
+
+
+def _how(document: ModelDocument) -> str:
+    """What stands behind the intervals."""
+    if document.confidence is None:
+        return (
+            "The paper's objective by Nelder and Mead's method; an interval is the last simplex, "
+            "without a probability."
         )
+    return (
+        f"Maximum likelihood with unknown starts; {100 * document.confidence:.0f} % intervals by "
+        "profile likelihood."
+    )
+
+
+def _made(document: ModelDocument, source: str) -> tuple[tuple[str, str], ...]:
+    """What the model was made from, and how to make it again."""
+    made = document.provenance
+    again = (
+        f"meso-robust identify {quote(source)} --model {document.model} "
+        f"--objective {document.objective} --starts {made.starts} --seed {made.seed}"
+    )
+    return (
+        ("to reproduce", code(again)),
+        ("recordings (SHA-256)", code(made.recordings_sha256)),
+        versions({**made_with(), "meso-robust": made.meso_robust, "seed": str(made.seed)}),
     )
 
 

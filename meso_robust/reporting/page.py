@@ -7,15 +7,18 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from meso_robust.bounds import Verdict
+from meso_robust.certificates.document import CertificateDocument
 from meso_robust.execution.running import excess
 from meso_robust.job import Planned
 from meso_robust.premises.answer import document
 from meso_robust.premises.promise import Promise
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
+from meso_robust.reporting.conditions import LETTERS_SAID, conditions
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
 from meso_robust.reporting.reading import Standing, ending, endings, standings, through
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.steps import step_rows, title
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.tube_figures import (
     PATHS,
@@ -47,8 +50,15 @@ def report(result: Planned, promise: Promise | None = None) -> str:
     promise
         What a fitted model made of the task, if the plan was made with one.
     """
-    templates = environment()
-    templates.filters.update(factor=factor, number=number, small=small)
+    certificate, said, steps = result.certificate, answer(result, promise), step_rows(result)
+    banner = Banner(
+        verb="plan",
+        subject=certificate.task,
+        word=said.verdict,
+        colour=said.verdict,
+        meaning=said.meaning,
+        figures=said.figures,
+    )
     with style():
         pictures = {
             "moves": [_move(result, index) for index in range(len(result.found.rules))],
@@ -57,15 +67,20 @@ def report(result: Planned, promise: Promise | None = None) -> str:
             "tubes": _tubes(result),
             "end": _end(result),
         }
-    return templates.get_template("template.html.j2").render(
+    return page(
+        "plan.html.j2",
+        banner,
+        _made(certificate),
         task=result.task,
-        certificate=result.certificate,
-        answer=answer(result, promise),
+        certificate=certificate,
+        answer=said,
         promise=None if promise is None else document(promise),
         pictures=pictures,
         view=view(result),
         engine=engine(),
-        steps=rows.step_rows(result),
+        steps=steps,
+        conditions=conditions(item.inequality for step in steps for item in step.obligations),
+        letters=LETTERS_SAID,
         margins=rows.margin_rows(result),
         excesses=rows.excess_rows(result),
         ends=rows.end_rows(result),
@@ -73,12 +88,25 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         policy=rows.policy_rows(result),
         nominal=rows.nominal_rows(result),
         quantities=QUANTITIES,
-        proved=result.certificate.verdict == "PROVED",
+        proved=certificate.verdict == "PROVED",
+        factor=factor,
+        number=number,
+        small=small,
+    )
+
+
+def _made(certificate: CertificateDocument) -> tuple[tuple[str, str], ...]:
+    """What the plan was made from, and how to make it again."""
+    ran = certificate.simulation
+    command = f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}"
+    return (
+        ("to reproduce", code(command, " with the task file of this hash")),
+        ("task hash (SHA-256)", code(certificate.task_hash)),
+        versions(certificate.made_with),
     )
 
 
 def _move(result: Planned, index: int) -> Picture:
-    title = rows.title(result, index)
     x, y = result.plan.moves[index].travel_um
     heading = result.found.rules[index].frame.heading.replace("-", MINUS)
     standing = standings(result.chain, len(result.found.rules))[index]
@@ -89,7 +117,7 @@ def _move(result: Planned, index: int) -> Picture:
         caption += f" The nominal run ends early here: {ending(int(nominal.outcomes[0]))}."
     elif nominal.failed_in[0] < index:
         caption += " The nominal run does not get this far."
-    name = f"Move {index + 1}: {title}"
+    name = f"Move {index + 1}: {title(result, index)}"
     return Picture(name, caption, to_svg(move_figure(result, index), f"move{index}", name))
 
 
@@ -103,7 +131,7 @@ def _overview(result: Planned) -> Picture:
 def _spread(result: Planned, index: int) -> Picture:
     alive = through(result.check, index)
     caption = f"{int(alive.sum())} of {len(alive)} runs completed; {_inside(result, index)}."
-    name = f"After move {index + 1}: {rows.title(result, index)}"
+    name = f"After move {index + 1}: {title(result, index)}"
     return Picture(name, caption, to_svg(spread_figure(result, index), f"spread{index}", name))
 
 
@@ -131,11 +159,11 @@ def _tubes(result: Planned) -> list[Picture]:
     for index in range(len(result.found.rules)):
         if not has_tube(result, index):
             continue
-        title = f"Move {index + 1}: {rows.title(result, index)}"
+        move = f"Move {index + 1}: {title(result, index)}"
         runs = min(PATHS, int(through(result.check, index).sum()))
         slices = len(result.chain.steps[index].tube)
         for up, letter in (("y", "y"), ("theta", "θ")):
-            name = f"{title}, {letter} over x"
+            name = f"{move}, {letter} over x"
             caption = f"{slices} slices of the certified tube, {runs} simulated paths."
             figure = tube_figure(result, index, "y" if up == "y" else "theta")
             pictures.append(Picture(name, caption, to_svg(figure, f"tube{index}{up}", name)))

@@ -32,6 +32,7 @@ from meso_robust.reporting.canvas import (
     rectangle_of,
 )
 from meso_robust.reporting.reading import Standing, standings
+from meso_robust.reporting.theme import WALL
 
 GHOSTS = 4  # outlines between the first and the last
 PANEL = (5.6, 4.3)  # inches
@@ -81,9 +82,6 @@ def move_figure(result: Planned, index: int) -> Figure:
     return figure
 
 
-WALL_FILL = "#c9ced6"
-
-
 def overview_figure(result: Planned) -> Figure:
     """The way of the part from the start to the goal, in um."""
     body, moves = rectangle(result.setup), result.check.nominal.moves
@@ -91,9 +89,9 @@ def overview_figure(result: Planned) -> Figure:
     _goal(axes, result, body)
     _slot(axes, result)
     poses = [moves[0].before[0], *(move.after[0] for move in moves)]
-    shades = np.linspace(0.72, 0.2, len(poses))
-    for number, (pose, shade) in enumerate(zip(poses, shades, strict=True)):
-        outline(axes, pose, body, f"pose {number}", fc="none", ec=str(shade), lw=1.2)
+    strength = np.linspace(0.4, 1.0, len(poses))
+    for number, (pose, alpha) in enumerate(zip(poses, strength, strict=True)):
+        outline(axes, pose, body, f"pose {number}", fc="none", ec=AFTER, lw=1.2, alpha=alpha)
     _centre_path(axes, np.concatenate([move.path[0] for move in moves]))
     for number, pose in enumerate(poses):
         x, y, _ = poses_shown(pose)
@@ -117,7 +115,7 @@ def _slot(axes: Axes, result: Planned) -> None:
     """The walls, as far as the picture goes."""
     if result.task.slot is not None:
         corners_um = np.array(result.task.slot.outline_um, dtype=np.float64)
-        axes.add_patch(Polygon(corners_um, fc=WALL_FILL, ec=INK, lw=1.0, label="slot", zorder=2))
+        axes.add_patch(Polygon(corners_um, fc=WALL, ec=INK, lw=1.0, label="slot", zorder=2))
 
 
 def _goal(axes: Axes, result: Planned, body: Floats) -> None:

@@ -26,6 +26,7 @@ from meso_robust.reporting.canvas import (
     rectangle_of,
 )
 from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.theme import FRAME
 
 Floats = npt.NDArray[np.float64]
 
@@ -151,7 +152,7 @@ def _legend(figure: Figure, policy: Policy) -> None:
 
     names = ["at rest", *(f"{k} move{'s' if k > 1 else ''}" for k in range(1, policy.moves + 1))]
     handles: list[Patch | Line2D] = [
-        Patch(facecolor=colour, edgecolor="#9aa5b1", lw=0.5, label=name)
+        Patch(facecolor=colour, edgecolor=FRAME, lw=0.5, label=name)
         for colour, name in zip(COLOURS, names, strict=False)
     ]
     handles += [

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from shlex import quote
 
 import numpy as np
 from markupsafe import Markup
 
+from meso_robust.identification.answer import set_hash
+from meso_robust.provenance import made_with
 from meso_robust.recordings import Recording
 from meso_robust.recordings.noise import Spread, estimated_sensor
 from meso_robust.recordings.problem import KINDS, Problem, lines_text
@@ -14,14 +17,18 @@ from meso_robust.recordings.problems import line_numbers
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.summary import Checked, RecordingSummary, summary
 from meso_robust.reporting.recording_figures import recording_figure
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.skeleton import Banner, Colour, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 
 MOST_PICTURES = 16
 """Recordings that are drawn; those with problems come first."""
 MOST_ROWS = 500
 """Rows of one table."""
-_COLOURS = {"CLEAN": "PROVED", "USABLE WITH CARE": "UNKNOWN", "NOT USABLE AS IT IS": "REFUTED"}
+_COLOURS: dict[str, Colour] = {
+    "CLEAN": "PROVED",
+    "USABLE WITH CARE": "UNKNOWN",
+    "NOT USABLE AS IT IS": "REFUTED",
+}
 _MEANING = {
     "CLEAN": "Nothing in these recordings speaks against using them.",
     "USABLE WITH CARE": "They can be used, but read the warnings first.",
@@ -64,25 +71,40 @@ def recordings_report(checked: Checked) -> str:
             _picture(checked, recording, summaries[recording.file], k)
             for k, recording in enumerate(_drawn(checked))
         ]
+    banner = Banner(
+        verb="recordings",
+        subject=checked.source,
+        about=f"format {checked.format}",
+        word=checked.verdict,
+        colour=_COLOURS[checked.verdict],
+        meaning=_MEANING[checked.verdict],
+        figures=tuple(_figures(checked, tuple(summaries.values()))),
+    )
+    return page(
+        "recordings.html.j2",
+        banner,
+        _made(checked),
+        checked=checked,
+        remaining=[_problem(one) for one in _sorted(checked.remaining)][:MOST_ROWS],
+        repairs=[
+            _Row("", "", _where(one.file, one.rows), KINDS[one.kind], one.done)
+            for one in checked.repairs
+        ][:MOST_ROWS],
+        noise=_noise(checked),
+        table=[_numbers(one) for one in summaries.values()][:MOST_ROWS],
+        pictures=pictures,
+        most=MOST_ROWS,
+        count=len(summaries),
+    )
+
+
+def _made(checked: Checked) -> tuple[tuple[str, str], ...]:
+    """What was checked, and how to check it again."""
+    repair = " --repair" if checked.repairs else ""
     return (
-        environment()
-        .get_template("recordings.html.j2")
-        .render(
-            checked=checked,
-            colour=_COLOURS[checked.verdict],
-            meaning=_MEANING[checked.verdict],
-            figures=_figures(checked, tuple(summaries.values())),
-            remaining=[_problem(one) for one in _sorted(checked.remaining)][:MOST_ROWS],
-            repairs=[
-                _Row("", "", _where(one.file, one.rows), KINDS[one.kind], one.done)
-                for one in checked.repairs
-            ][:MOST_ROWS],
-            noise=_noise(checked),
-            table=[_numbers(one) for one in summaries.values()][:MOST_ROWS],
-            pictures=pictures,
-            most=MOST_ROWS,
-            count=len(summaries),
-        )
+        ("to reproduce", code(f"meso-robust recordings {quote(checked.source)}{repair}")),
+        ("values as shown (SHA-256)", code(set_hash(checked.recordings))),
+        versions(made_with()),
     )
 
 

@@ -6,99 +6,24 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from meso_robust.certificates.document import ObligationDocument, StepDocument
 from meso_robust.certificates.margin import LARGEST
 from meso_robust.job import Planned
 from meso_robust.planning.document import RuleDocument
 from meso_robust.reporting.canvas import COLUMN, Coordinate, ends, poses_shown
 from meso_robust.reporting.reading import Standing, standings
+from meso_robust.reporting.steps import title
 from meso_robust.reporting.words import (
     MINUS,
-    Side,
-    box_words,
     command,
     factor,
     number,
     outward,
     point,
-    sides,
     significant,
     small,
 )
 
 Three = tuple[str, str, str]
-
-
-@dataclass(frozen=True, slots=True)
-class ObligationRow:
-    """One inequality."""
-
-    claim: str
-    inequality: str
-    derivation: str
-    verdict: str
-    lower: str
-    boxes: int
-    over: tuple[Side, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class StepRow:
-    """One move and what was proved of it."""
-
-    number: int
-    title: str
-    standing: Standing
-    claim: str
-    pre: Three | None
-    post: Three | None
-    proved: int
-    obligations: tuple[ObligationRow, ...]
-
-
-def step_rows(result: Planned) -> tuple[StepRow, ...]:
-    """A row for every move of the plan, also for those that the proof did not reach."""
-    rules, documents = result.found.rules, result.certificate.steps
-    padded = [*documents, *[None] * (len(rules) - len(documents))]
-    known = standings(result.chain, len(rules))
-    return tuple(
-        _step(index, title(result, index), standing, document)
-        for index, (standing, document) in enumerate(zip(known, padded, strict=True))
-    )
-
-
-def title(result: Planned, index: int) -> str:
-    """What a move is: the step of the paper, the primitive and the action."""
-    rule = result.found.rules[index]
-    return f"Step {rule.step} · {rule.primitive} · {rule.action}"
-
-
-def _step(index: int, name: str, standing: Standing, step: StepDocument | None) -> StepRow:
-    if step is None:
-        return StepRow(index + 1, name, standing, "", None, None, 0, ())
-    return StepRow(
-        number=index + 1,
-        title=name,
-        standing=standing,
-        claim=step.property,
-        pre=box_words(step.pre_exact),
-        post=None if step.post_exact is None else box_words(step.post_exact),
-        proved=sum(obligation.verdict == "PROVED" for obligation in step.obligations),
-        obligations=tuple(_obligation(obligation) for obligation in step.obligations),
-    )
-
-
-def _obligation(document: ObligationDocument) -> ObligationRow:
-    bound = document.lower_bound
-    return ObligationRow(
-        claim=document.claim,
-        inequality=document.inequality,
-        derivation=document.derivation,
-        verdict=document.verdict,
-        lower="—" if bound is None else significant(float.fromhex(bound), 3),
-        boxes=document.boxes,
-        over=sides(document.over),
-    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -11,11 +12,11 @@ import matplotlib
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
-from meso_robust.reporting.canvas import GRID, INK, MUTED
+from meso_robust.reporting.theme import FRAME, GRID, INK, MUTED
 
 STYLE = {
     "axes.axisbelow": True,
-    "axes.edgecolor": "#9aa5b1",
+    "axes.edgecolor": FRAME,
     "axes.grid": True,
     "axes.labelcolor": INK,
     "axes.linewidth": 0.7,
@@ -25,6 +26,7 @@ STYLE = {
     "grid.linewidth": 0.6,
     "path.simplify": False,
     "svg.fonttype": "none",  # text stays text: searchable, and set in the page's own font
+    "text.parse_math": False,  # names of files and probes are no formulas, whatever signs they have
     "svg.hashsalt": "meso-robust",  # otherwise the ids differ from run to run
     "xtick.color": MUTED,
     "ytick.color": MUTED,
@@ -34,11 +36,20 @@ LONG = re.compile(r"(\.\d{2})\d+")
 
 
 @contextmanager
-def style() -> Iterator[None]:
-    """Draw in the report's style, whatever the user's own configuration of the library says."""
-    with matplotlib.rc_context():
+def style(*, formulas: bool = False) -> Iterator[None]:
+    """Draw in the report's style, whatever the user's own configuration of the library says.
+
+    Parameters
+    ----------
+    formulas
+        Whether text between dollar signs is a formula.
+    """
+    with matplotlib.rc_context(), warnings.catch_warnings():
+        # text is set by the browser, so it does not matter what letters the library's font lacks
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        warnings.filterwarnings("ignore", message="Matplotlib currently does not support")
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(STYLE)
+        matplotlib.rcParams.update(STYLE | {"text.parse_math": formulas})
         yield
 
 

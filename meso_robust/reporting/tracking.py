@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from shlex import quote
 from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from meso_robust.provenance import commit
 from meso_robust.recordings import RecordingSet
 from meso_robust.reporting.canvas import CERTIFIED, OPEN, TIP
 from meso_robust.reporting.recording_figures import recording_figure
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
@@ -57,21 +59,43 @@ def tracking_report(
     """
     with style():
         pictures = [] if recordings is None else _pictures(answer, tracks, recordings)
-    made = {key: value for key, value in answer.provenance.items() if isinstance(value, str)}
-    page = environment().get_template("tracking.html.j2")
-    return page.render(
-        answer=answer,
-        verdict="TRACKED" if answer.tracked else "LOST",
+    count = len(answer.videos)
+    banner = Banner(
+        verb="track",
+        subject=", ".join(video.video for video in answer.videos),
+        about=f"{count} video{'s' * (count != 1)}",
+        word="TRACKED" if answer.tracked else "LOST",
         colour="PROVED" if answer.tracked else "REFUTED",
         meaning=_meaning(answer),
-        figures=_figures(answer),
+        figures=tuple(_figures(answer)),
+    )
+    return page(
+        "tracking.html.j2",
+        banner,
+        _made(answer),
+        answer=answer,
         lost=[row for video in answer.videos for row in _lost(video)],
         most=MOST_ROWS,
         camera=_camera(answer),
         pictures=pictures,
         number=_number,
-        made=made,
     )
+
+
+def _made(answer: TrackDocument) -> list[tuple[str, str]]:
+    """What the recordings were made from, and how to make them again."""
+    names = " ".join(quote(video.video) for video in answer.videos)
+    found = {key: value for key, value in answer.provenance.items() if isinstance(value, str)}
+    hashes = [
+        (f"SHA-256 of {video.video}", code(video.sha256)) for video in answer.videos if video.sha256
+    ]
+    asked = answer.provenance.get("asked", {})
+    return [
+        ("to reproduce", code(f"meso-robust track {names}", " with the options below")),
+        ("options", ", ".join(f"{key} {value}" for key, value in asked.items()) or "none"),
+        *hashes,
+        versions({**found, "commit": commit()}),
+    ]
 
 
 def _meaning(answer: TrackDocument) -> str:

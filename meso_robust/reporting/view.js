@@ -159,6 +159,8 @@ function listenView() {
   pick("corner", () => randomDraw(true));
   at("worst").addEventListener("click", searchWorst);
   at("knobs").addEventListener("submit", (event) => event.preventDefault());
+  const redraw = () => showMargins(shown.made);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
   option(at("which"), "all", "every move");
   data.moves.forEach((move, k) => option(at("which"), String(k), `move ${k + 1}, ${move.name}`));
   at("which").addEventListener("change", (event) => {

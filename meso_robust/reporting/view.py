@@ -50,7 +50,7 @@ def data(result: Planned) -> Json:
         "goal": {
             "x": goal.x_um,
             "y": goal.y_um,
-            "theta": math.degrees(setup.goal.theta.mid),
+            "theta": goal.theta_deg,
             "dx": goal.position_tolerance_um,
             "dy": goal.position_tolerance_um,
             "dtheta": goal.orientation_tolerance_deg,

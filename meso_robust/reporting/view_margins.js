@@ -25,36 +25,36 @@ function makeCards(nominal) {
 }
 
 function makeCard(move, k) {
-  const card = element(at("cards"), "details", "card");
+  const card = element(at("sheets"), "details", "sheet");
   const head = element(card, "summary");
   element(head, "b", "", `${k + 1} · ${move.name}`);
   const tag = element(head, "span", "tag");
-  const worst = makeRow(element(head, "div", "row worst"));
+  const worst = makeRow(element(head, "div", "cond worst"));
   const landing = element(head, "canvas", "landing");
   landing.setAttribute("role", "img");
   const where = element(head, "span", "where muted");
-  const list = element(card, "div", "rows");
+  const list = element(card, "div", "conds");
   const bounds = new Map(move.obligations);
   const claims = new Set([...bounds.keys(), ...(lowest[k] ? lowest[k].keys() : [])]);
   const rows = [...claims].map((claim) => ({ claim, bound: bounds.get(claim) ?? null,
-    ...makeRow(element(list, "div", "row"), claim) }));
+    ...makeRow(element(list, "div", "cond"), claim) }));
   return { card, tag, worst, rows, landing, where };
 }
 
 function makeRow(row, claim = "") {
-  const name = element(row, "span", "says", claim), meter = element(row, "span", "meter");
+  const name = element(row, "span", "says", claim), meter = element(row, "span", "gauge");
   const bar = element(meter, "i"), mark = element(meter, "b"), value = element(row, "span", "value");
   return { row, name, bar, mark, value };
 }
 
 function makeGoal() {
-  const card = element(at("cards"), "div", "card"), head = element(card, "div", "head");
+  const card = element(at("sheets"), "div", "sheet"), head = element(card, "div", "head");
   element(head, "b", "", "The end · goal");
-  const tag = element(head, "span", "tag"), list = element(card, "div", "rows");
+  const tag = element(head, "span", "tag"), list = element(card, "div", "conds");
   const { goal } = data, last = data.moves.at(-1);
   const middles = [goal.x, goal.y, goal.theta], reach = [goal.dx, goal.dy, goal.dtheta];
   const rows = ["x", "y", "θ"].map((name, i) => ({
-    ...makeRow(element(list, "div", "row"), `${name} keeps within ± ${reach[i]} ${i < 2 ? "µm" : "°"}`),
+    ...makeRow(element(list, "div", "cond"), `${name} keeps within ± ${reach[i]}${i < 2 ? " µm" : "°"} by`),
     middle: middles[i], reach: reach[i], unit: i < 2 ? " µm" : "°",
     bound: data.verdict === "PROVED" && last.box
       ? Math.min(reach[i] - (last.box[i][1] - middles[i]), reach[i] - (middles[i] - last.box[i][0]))
@@ -93,10 +93,10 @@ function showCard(card, k, run) {
     showRow(row, value, scale, bound, words);
     if (value === null) continue;
     if (!(value > 0)) failing += 1;
-    // in the nominal run all shares are 1: the one whose bound is nearest to zero is told then
-    const failed = !(value > 0), share = value / scale + (1e-3 * (bound || 0)) / scale;
-    if (!worst || (failed && !worst.failed) || (share < worst.share && !worst.failed)) {
-      worst = { share, failed, claim: row.claim, value, scale, bound, words };
+    // how often the run could lose what the stated ranges take from the nominal value
+    const failed = !(value > 0), room = value / Math.max(scale - (bound ?? scale), 1e-9 * scale);
+    if (!worst || (failed && !worst.failed) || (room < worst.room && !worst.failed)) {
+      worst = { room, failed, claim: row.claim, value, scale, bound, words };
     }
   }
   if (worst) {
@@ -118,7 +118,7 @@ function showGoal(card, run) {
   const pose = run.end ? null : [run.final[0], run.final[1], run.final[2] / DEG];
   card.rows.forEach((row, i) => {
     const left = pose ? row.reach - Math.abs(pose[i] - row.middle) : null;
-    showRow(row, left, row.reach, row.bound, left === null ? "" : `${fixed(left, i < 2 ? 1 : 2)}${row.unit} left`);
+    showRow(row, left, row.reach, row.bound, left === null ? "" : fixed(left, i < 2 ? 1 : 2) + row.unit);
   });
   card.tag.className = "tag " + (inGoal(run) ? "good" : "bad");
   write(card.tag, run.end ? "✕ not reached" : inGoal(run) ? "✓ in the goal" : "✕ misses the goal");

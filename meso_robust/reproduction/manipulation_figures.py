@@ -27,8 +27,8 @@ from meso_robust.reporting.canvas import (
     outline,
     panel,
 )
-from meso_robust.reporting.plan_figures import WALL_FILL
 from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.theme import WALL
 from meso_robust.reproduction.eight_tests import SUPPORTS, TESTS
 from meso_robust.reproduction.given import PART, TIP_RADIUS
 from meso_robust.reproduction.item import Figure
@@ -51,7 +51,7 @@ def task_figure() -> Figure:
     walls = np.array(task.slot.outline_um if task.slot else [], dtype=np.float64)
     with style():
         picture, axes = panel(9.4, 4.3)
-        axes.add_patch(Polygon(walls, fc=WALL_FILL, ec=INK, lw=1.0))
+        axes.add_patch(Polygon(walls, fc=WALL, ec=INK, lw=1.0))
         outline(axes, poses["A"], body, "A", fc="none", ec=BEFORE, lw=1.6)
         outline(axes, poses["B"], body, "B", fc="none", ec=GOAL, lw=1.6)
         for name, pose in poses.items():

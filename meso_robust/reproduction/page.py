@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from meso_robust import __version__
-from meso_robust.reporting.skeleton import environment
+from meso_robust.provenance import made_with
+from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.words import MINUS
 from meso_robust.reproduction.document import Made
 from meso_robust.reproduction.item import Row, Setting, Value
@@ -19,29 +19,42 @@ def reproduction_report(made: Mapping[str, Made], setting: Setting) -> str:
     """One self-contained HTML page on some items: the answers first, then item by item."""
     rows = [row for one in made.values() for row in one.found.rows]
     compared = [row for row in rows if row.difference is not None]
+    banner = Banner(
+        verb="reproduce",
+        subject="Automated Assembly for Mesoscale Parts",
+        word=_headline(made),
+        colour="NEUTRAL",
+        meaning="Every number that the paper prints beside ours, with the reason where they differ. "
+        "Where the paper leaves out an input, it is named and the result is shown over its range.",
+        figures=(
+            ("numbers beside printed ones", str(len(compared))),
+            ("within what is printed", str(sum(row.difference == 0.0 for row in compared))),
+            (
+                "inputs the paper leaves out",
+                str(sum(len(one.found.missing) for one in made.values())),
+            ),
+            ("seconds", f"{sum(one.seconds for one in made.values()):.0f}"),
+        ),
+    )
+    return page(
+        "reproduction.html.j2",
+        banner,
+        _made(made, setting),
+        made_items=tuple(made.values()),
+        shown=shown,
+        apart=apart,
+        worded=worded,
+    )
+
+
+def _made(made: Mapping[str, Made], setting: Setting) -> tuple[tuple[str, str], ...]:
+    """How to make the items again."""
+    which = f" {next(iter(made))}" if len(made) == 1 else ""
+    quick = " --quick" * setting.quick
     return (
-        environment()
-        .get_template("reproduction.html.j2")
-        .render(
-            colour="NEUTRAL",
-            headline=_headline(made),
-            figures=[
-                ("numbers beside printed ones", len(compared)),
-                ("within what is printed", sum(row.difference == 0.0 for row in compared)),
-                (
-                    "inputs the paper leaves out",
-                    sum(len(one.found.missing) for one in made.values()),
-                ),
-                ("seconds", f"{sum(one.seconds for one in made.values()):.0f}"),
-            ],
-            made=tuple(made.values()),
-            shown=shown,
-            apart=apart,
-            worded=worded,
-            version=__version__,
-            seed=setting.seed,
-            quick=setting.quick,
-        )
+        ("to reproduce", code(f"meso-robust reproduce{which}{quick} --seed {setting.seed}")),
+        ("the same numbers", code("reproduction.json")),
+        versions({**made_with(), "seed": str(setting.seed)}),
     )
 
 

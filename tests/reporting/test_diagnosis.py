@@ -19,6 +19,7 @@ from meso_robust.reporting import diagnosis_figures as figures
 from meso_robust.reporting.diagnosis import diagnosis_report
 from meso_robust.reporting.diagnosis_words import answer, summary
 from meso_robust.reporting.svg import style
+from meso_robust.reporting.theme import BAND, SHADES, STAGES
 from tests.reporting.diagnoses import EXTRAPOLATION, NAMES, SPANS, document, evidence
 from tests.reporting.test_page import Reader
 
@@ -202,7 +203,7 @@ def test_pictures_follow_the_theme(pages: dict[Verdict, str], verdict: Verdict) 
         used = set(re.findall(r"var\(--([a-z0-9]+)\)", drawing))
         assert used
         assert all(f"--{name}: " in sheet for name in used)
-    for name in ("ink", "paper", "grid", "band", "before", "after", "way", "s0", "s6", "contact"):
+    for name in ("ink", "paper", "grid", "band", "vermilion", "blue", "way", "s0", "s6", "contact"):
         assert f"--{name}: " in dark
 
 
@@ -263,7 +264,7 @@ def test_residuals_are_over_the_noise_and_an_angle_has_no_turns() -> None:
 
 def test_the_worst_recordings_are_drawn_first_and_say_if_they_were_held_out() -> None:
     page = diagnosis_report(document("named"), tiny(), "s")
-    titles = re.findall(r"<h3>(.*)</h3>\n<svg", page)
+    titles = re.findall(r'<h3>(.*)</h3>\n<div class="scroll[^>]*><svg', page)
     assert titles[:2] == ["two.csv (held out)", "one.csv (training)"]
 
 
@@ -298,7 +299,7 @@ def test_an_overlay_shows_the_part_where_it_was_seen_and_where_it_was_simulated(
     np.testing.assert_allclose(vertices(dots)[::2, 1], [0, 0, 0, 0, 20], atol=1e-9)
     (line,) = x.lines
     np.testing.assert_allclose(np.asarray(line.get_ydata()), 0.0, atol=1e-9)
-    (band,) = filled(figure, figures.BAND)[2:]
+    (band,) = filled(figure, BAND)[2:]
     assert band.get_height() == pytest.approx(4 * np.degrees(1e-3))
     assert band.axes is theta
 
@@ -310,10 +311,10 @@ def test_a_map_is_darkest_where_the_residual_is() -> None:
     )
     # root mean square of 20 σ in one of three components
     assert 7.0 < 20 / np.sqrt(3) < 12.0
-    worst = shades[figures.SHADES[5]]
+    worst = shades[SHADES[5]]
     np.testing.assert_allclose([worst[:, 0].max(), worst[:, 1].max()], [4.0, 1.96])
     assert len(worst) == 5
-    assert [len(after[shade]) > 0 for shade in figures.SHADES] == [True] + 6 * [False]
+    assert [len(after[shade]) > 0 for shade in SHADES] == [True] + 6 * [False]
 
 
 def test_residuals_of_places_are_drawn_where_the_part_was() -> None:
@@ -328,10 +329,10 @@ def test_residuals_of_places_are_drawn_where_the_part_was() -> None:
 def test_spans_lie_on_the_time_line_of_their_recording() -> None:
     where = document("named").mismatch.where
     figure = figures.strip_figure(where, evidence("named"), range(len(NAMES)))
-    (contact,) = filled(figure, figures.CHANNELS["contact"])
+    (contact,) = filled(figure, STAGES["contact"])
     assert (contact.get_x(), contact.get_width()) == pytest.approx((1.9, 5.1))
     assert 3.0 < contact.get_y() < contact.get_y() + contact.get_height() < 4.0
-    theta, x = filled(figure, figures.CHANNELS["support"])
+    theta, x = filled(figure, STAGES["support"])
     assert x.get_y() < theta.get_y()
     lengths = [span["end_s"] - span["start_s"] for span in SPANS[:2]]
     assert [theta.get_width(), x.get_width()] == pytest.approx(lengths)
@@ -359,7 +360,7 @@ def test_many_recordings_are_cut_to_a_page(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr("meso_robust.reporting.diagnosis.MOST_ROWS", 3)
     monkeypatch.setattr("meso_robust.reporting.diagnosis.MOST_PICTURES", 1)
     page = diagnosis_report(document("named"), evidence("named"), "s")
-    (title,) = re.findall(r"<h3>(.*\.csv.*)</h3>\n<svg", page)
+    (title,) = re.findall(r'<h3>(.*\.csv.*)</h3>\n<div class="scroll[^>]*><svg', page)
     assert title == "push_09.csv (held out)"
     assert page.count("The first 3 of ") == 2  # spans, held-out recordings
     assert "The first 3 of 5; all are in" in page

@@ -11,6 +11,7 @@ from meso_robust.job import Planned
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.reading import Standing
+from meso_robust.reporting.steps import step_rows
 
 
 def with_excess(result: Planned, *excess: tuple[float, float, float]) -> Planned:
@@ -64,7 +65,7 @@ def test_without_a_certified_box_the_simulated_poses_are_compared(refuted: Plann
 
 
 def test_moves_beyond_the_proof_have_a_row_of_their_own(refuted: Planned) -> None:
-    found = rows.step_rows(refuted)
+    found = step_rows(refuted)
     assert len(found) == len(refuted.found.rules)
     reached = len(refuted.chain.steps)
     assert {row.standing for row in found[reached:]} == {Standing.NOT_REACHED}
@@ -73,7 +74,7 @@ def test_moves_beyond_the_proof_have_a_row_of_their_own(refuted: Planned) -> Non
 
 def test_the_answer_counts_what_is_proved(refuted: Planned) -> None:
     verdicts = [o.verdict for step in refuted.certificate.steps for o in step.obligations]
-    said = [figure.value for figure in answer(refuted).figures]
+    said = [value for _, value in answer(refuted).figures]
     assert f"{verdicts.count('PROVED')} of {len(verdicts)}" in said
 
 
