@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 import sympy as sp
+from sympy.printing.jscode import JavascriptCodePrinter
 from sympy.printing.pycode import PythonCodePrinter
 
 from derivations import report
@@ -48,6 +49,12 @@ from __future__ import annotations
 
 from typing import Any
 '''
+
+
+SCRIPT_HEADER = """// Formulas of the pages that move, by derivation file.
+// Generated from derivations/ by `meso-robust derive`; do not edit.
+// Angles are in rad, all lengths in one unit; every function returns an array.
+"""
 
 
 class _Printer(PythonCodePrinter):
@@ -100,17 +107,18 @@ def derive_all() -> tuple[Derivation, ...]:
 
 
 def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
-    """Contents of the generated modules by path, one module a derivation."""
+    """Contents of the generated files by path: one module a derivation, one script of them all."""
     files = {GENERATED / f"{d.name}.py": _module(d) for d in derivations if d.functions}
     files[GENERATED / "__init__.py"] = (
         '"""Code generated from derivations/ by `meso-robust derive`; do not edit."""\n'
     )
+    files[GENERATED / "formulas.js"] = _script(derivations)
     return files
 
 
 def on_disk() -> set[Path]:
     """Every file that lies where :func:`render` writes."""
-    found = set(GENERATED.glob("*.py")) | set(report.FOLDER.rglob("*"))
+    found = {*GENERATED.glob("*.py"), *GENERATED.glob("*.js"), *report.FOLDER.rglob("*")}
     return {path for path in found if path.is_file()}
 
 
@@ -131,3 +139,25 @@ def _function(name: str, function: Function) -> str:
         f"def {name}(ops: Any, {inputs}) -> tuple[Any, ...]:\n"
         f'    """Return {function.meaning}."""\n{body}    return (\n{values}    )\n'
     )
+
+
+def _script(derivations: tuple[Derivation, ...]) -> str:
+    """The same functions in JavaScript, for pages that nothing else comes with."""
+    groups = (
+        f"  {d.name}: {{\n{''.join(map(_method, d.functions, d.functions.values()))}  }},\n"
+        for d in derivations
+        if d.functions
+    )
+    return f"{SCRIPT_HEADER}const formulas = {{\n{''.join(groups)}}};\n"
+
+
+def _method(name: str, function: Function) -> str:
+    printer = JavascriptCodePrinter()
+    shared, finals = sp.cse(function.results, order="canonical")
+    body = "".join(
+        f"      const {symbol} = {printer.doprint(value)};\n" for symbol, value in shared
+    )
+    values = ", ".join(printer.doprint(value) for value in finals)
+    inputs = ", ".join(str(symbol) for symbol in function.arguments)
+    head = f"    // {function.meaning}\n    {name}({inputs}) {{\n"
+    return f"{head}{body}      return [{values}];\n    }},\n"

@@ -27,6 +27,7 @@ from meso_robust.reporting.tube_figures import (
     spread_figure,
     tube_figure,
 )
+from meso_robust.reporting.view import engine, view
 from meso_robust.reporting.words import MINUS, QUANTITIES, factor, number, small
 
 
@@ -75,6 +76,8 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         answer=said,
         promise=None if promise is None else document(promise),
         pictures=pictures,
+        view=view(result),
+        engine=engine(),
         steps=steps,
         conditions=conditions(item.inequality for step in steps for item in step.obligations),
         letters=LETTERS_SAID,

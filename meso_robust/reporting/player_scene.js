@@ -1,3 +1,6 @@
+// More to draw over the part, below path and tips: (draw, seen, now) => …
+const layers = [];
+
 // The scene: y up, one scale for x and y, everything that any run touches in view.
 function view(width) {
   const [left, low, right, high] = data.extent;
@@ -47,6 +50,7 @@ function drawScene(now) {
   });
   drawTravel(draw, to, now);
   drawPart(draw, to, now);
+  layers.forEach((layer) => layer(draw, seen, now));
   drawTrace(draw, to, now);
   drawTips(draw, to, now);
   drawScaleBar(draw, seen, width);

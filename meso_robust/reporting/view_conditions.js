@@ -1,0 +1,216 @@
+// What the certificate proves of each move, evaluated along one run: the least value of every
+// inequality, under the certificate's own words. Units: um, um² or none.
+function conditions() {
+  const all = new Map();
+  return { all, low(claim, value, unit) {
+    const known = all.get(claim);
+    if (!known || value < known.value) all.set(claim, { value, unit });
+  } };
+}
+
+const WAYS_BACK = 24; // instants of a withdrawal that are looked at
+const NAMES = ["upper", "lower"];
+
+function watcher(move) {
+  const own = { tilt: tiltWatch, straighten: straightenWatch, rotate: rotateWatch,
+    regrasp: regraspWatch }[move.rule.action](move);
+  const { found, walls, tips } = move, { during } = own;
+  if (move.rule.action !== "regrasp") freeAtStart(move);
+  const clear = (now) => {
+    if (walls.part(now) === Infinity) return;
+    found.low("the part stays clear of the slot's walls", walls.part(now), "um");
+    const least = Math.min(...tips.map((tip) => walls.tip(tipAt(tip, now.s))));
+    found.low("the tips stay clear of the slot's walls", least, "um");
+  };
+  return { during: (now, mode) => { clear(now); during(now, mode); }, after: own.after };
+}
+
+function freeAtStart({ part, tips, start, found }) {
+  const edge = facing(part, start.theta);
+  ["upper", "lower", "passive"].forEach((name, i) => {
+    if (!tips[i]) return;
+    const seen = name === "passive" ? edgeOf(part, (edge.q + 2) % 4) : edge;
+    const [distance] = sticking.clearance(edgeAngle(start.theta, seen), seen.depth,
+      tips[i].x - start.x, tips[i].y - start.y);
+    found.low(`the ${name} tip is free of contact at the start`, distance, "um");
+  });
+}
+
+const withdrawn = (found, claim, now, edge) =>
+  found.low(claim, Math.sin(edgeAngle(now.theta, edge)), "");
+
+// One contact alone: `which` names it in the certificate, `side` is the way it must turn the part.
+function sticks({ part, found }, which, now, edge, offset, side) {
+  const angle = edgeAngle(now.theta, edge), { rho, mu } = part, d1 = edge.depth;
+  const turn = side > 0 ? "counter-clockwise" : "clockwise";
+  found.low(`the ${which} tip pushes`, onePoint.normal_force(angle, d1, offset, rho)[0], "um²");
+  found.low(`the ${which} tip sticks`,
+    Math.min(...onePoint.friction_margin(angle, d1, offset, rho, mu)), "um²");
+  found.low(`the ${which} tip turns the part ${turn}`,
+    onePoint.turning(angle, d1, offset, side)[0], "um");
+  found.low(`no slipping motion is possible beside the sticking one (${which} tip)`,
+    Math.min(...onePoint.only_solution(d1, offset, rho, mu)), "um²");
+}
+
+const onEdge = ({ found }, which, edge, offset) =>
+  found.low(`the ${which} tip touches the edge`, edge.half - Math.abs(offset), "um");
+
+// The tip that does not push passes the part: off the edge's line, or beyond its end.
+function passes({ tips, found }, now, when, edge, offset, [pusher, idle], ahead, side) {
+  const dx = tips[idle].x - tips[pusher].x + ahead, dy = tips[idle].y - tips[pusher].y;
+  const both = sticking.beside(edgeAngle(now.theta, edge), offset, edge.half, dx, dy, side);
+  found.low(`the other tip passes the part (${when})`, Math.max(...both), "um");
+}
+
+function passesBack(move, now, edge, offset, pushers, side) {
+  for (let i = 0; i <= WAYS_BACK; i++) {
+    const back = (now.s * i) / WAYS_BACK;
+    passes(move, now, "on withdrawal", edge, offset, pushers, back, side);
+  }
+}
+
+function offsetOf(part, now, tip, edge) {
+  return sticking.contact_offset(edgeAngle(now.theta, edge), edge.depth, tip.y - now.y)[0];
+}
+
+function tiltWatch(move) {
+  const { rule, part, tips, length, start, found } = move, { side } = rule;
+  const pushers = side > 0 ? [1, 0] : [0, 1], [pusher] = pushers, tip = tips[pusher];
+  const edge = facing(part, start.theta);
+  const offset = offsetOf(part, start, tip, edge);
+  const reach = tip.x - start.x
+    - sticking.contact_reach(edgeAngle(start.theta, edge), edge.depth, tip.y - start.y)[0];
+  found.low("the tip reaches the part", length - reach, "um");
+  onEdge(move, "pushing", edge, offset);
+  let last = null;
+  return {
+    during(now, mode) {
+      if (mode.kind === "rest") {
+        passes(move, now, "before the touch", edge, offset, pushers, Math.max(reach - now.s, 0), side);
+      } else if (mode.kind === "single" && mode.pusher === pusher) {
+        last = mode.offset(now);
+        sticks(move, "pushing", now, edge, last, side);
+        onEdge(move, "pushing", edge, last);
+        passes(move, now, "while it turns", edge, last, pushers, 0, side);
+      }
+    },
+    after(now) {
+      withdrawn(found, "the pushing tip comes free of contact on withdrawal", now, edge);
+      if (last !== null) passesBack(move, now, edge, last, pushers, side);
+    },
+  };
+}
+
+function straightenWatch(move) {
+  const { part, tips, length, start, found } = move, edge = facing(part, start.theta);
+  let first = null, both = false;
+  const sideOf = (i) => (i === 0 ? 1 : -1);
+  return {
+    during(now, mode) {
+      if (mode.kind === "single") {
+        const offset = mode.offset(now), side = sideOf(mode.pusher), which = NAMES[mode.pusher];
+        if (first === null) {
+          first = mode.pusher;
+          found.low("the second tip touches before the probe stops",
+            length - now.s - travelToBoth(part, tips, edge, now, offset), "um");
+        }
+        sticks(move, which, now, edge, offset, side);
+        onEdge(move, which, edge, offset);
+      }
+      if (mode.kind === "pair" && !both) {
+        both = true;
+        pairWatch(move, now, mode, edge, first);
+      }
+    },
+    after(now) { withdrawn(found, "the pair comes free of contact on withdrawal", now, edge); },
+  };
+}
+
+function travelToBoth(part, tips, edge, now, offset) {
+  const aligned = QUARTER + Math.atan2(tips[1].x - tips[0].x, tips[0].y - tips[1].y);
+  const [needed] = sticking.travel(edgeAngle(now.theta, edge), aligned, edge.depth, offset, part.rho);
+  return Number.isFinite(needed) ? needed : Infinity;
+}
+
+function pairWatch(move, now, mode, edge, first) {
+  const { part, tips, found } = move;
+  found.low("the pair of tips sticks", Math.min(...twoPoint.friction_margin(mode.beta, part.mu)), "");
+  found.low("both tips push",
+    Math.min(...pairForces(tips, 0, 1, edge, now, mode.offset).forces), "um");
+  [0, 1].filter((i) => i !== first).forEach((i) => {
+    const offset = offsetOf(part, now, tips[i], edge);
+    onEdge(move, NAMES[i], edge, offset);
+    sticks(move, NAMES[i], now, edge, offset, i === 0 ? 1 : -1);
+  });
+}
+
+function rotateWatch(move) {
+  const { part, tips, length, start, found } = move, edge = facing(part, start.theta);
+  const grip = gripOf(part, tips, 1, 2, edge), pushers = [1, 0];
+  const hEnd = grip.across(length);
+  let touched = null, last = offsetOf(part, start, tips[1], edge);
+  const angle = edgeAngle(start.theta, edge);
+  const reach = tips[1].x - start.x
+    - sticking.contact_reach(angle, edge.depth, tips[1].y - start.y)[0];
+  const rests = "the part rests on the passive tip before the push ends";
+  found.low("the grasp cannot close: the motion exists (no jam)",
+    twoSided.no_jam(grip.V, edge.depth, part.mu)[0] * Math.sign(grip.V), "um²");
+  return {
+    during(now, mode) {
+      if (mode.kind === "rest") {
+        passes(move, now, "before the touch", edge, last, pushers, Math.max(reach - now.s, 0), 1);
+      } else if (mode.kind === "single" && mode.pusher === 1) {
+        last = mode.offset(now);
+        onEdge(move, "active", edge, last);
+        passes(move, now, "early in the turn", edge, last, pushers, 0, 1);
+        if (touched === null) aloneWatch(move, now, edge, last);
+      } else if (mode.kind === "grip") {
+        if (touched === null) {
+          touched = grip.across(now.s);
+          found.low(rests, touched - hEnd, "um");
+        }
+        last = gripWatch(move, grip, now);
+        const early = grip.across(now.s) >= touched - 0.15 * (touched - hEnd);
+        passes(move, now, early ? "early in the turn" : "late in the turn", edge, last, pushers, 0, 1);
+      }
+    },
+    after(now) {
+      if (touched === null) {
+        const [h] = twoSided.pair_position(edgeAngle(now.theta, edge), grip.V, edge.depth);
+        found.low(rests, Math.min(h - hEnd, -LOOSE), "um");
+      }
+      withdrawn(found, "the two tips come free of contact on withdrawal", now, edge);
+      passesBack(move, now, edge, last, pushers, 1);
+    },
+  };
+}
+
+function aloneWatch({ part, found }, now, edge, offset) {
+  const { rho, mu } = part;
+  found.low("the active tip pushes until the part rests on both",
+    onePoint.normal_force(edgeAngle(now.theta, edge), edge.depth, offset, rho)[0], "um²");
+  found.low("its motion, sticking or slipping, is unique until then",
+    Math.min(...onePoint.only_solution(edge.depth, offset, rho, mu)), "um²");
+}
+
+// The force at the passive tip is monotone in both friction ratios: the corners are enough.
+function gripWatch({ part, found }, grip, now) {
+  const h = grip.across(now.s), sigma = slideOf(grip, now), { rho, mu } = part;
+  const corners = [-mu, mu].flatMap((tauD) => [-mu, mu].map((tauS) =>
+    twoSided.passive_force(h, grip.V, grip.d1, sigma, rho, tauD, tauS)[0]));
+  found.low("both tips stay in contact: the active one alone would press the part on the other",
+    Math.min(...corners), "");
+  const [T] = twoSided.pair(h, grip.V, grip.d1);
+  found.low("both tips stay on their edges", grip.edge.half - T / 2 - Math.abs(sigma), "um");
+  return T / 2 - sigma;
+}
+
+function regraspWatch({ part, tips, found }) {
+  return {
+    during(now) {
+      NAMES.forEach((name, i) => found.low(`the ${name} tip stays clear of the part on its way`,
+        gap(part, now, tipAt(tips[i], now.s)), "um"));
+    },
+    after() {},
+  };
+}
