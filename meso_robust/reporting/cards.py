@@ -67,7 +67,7 @@ def planned_card(result: Planned, promise: Promise | None, text: str) -> str:
             colour=said.verdict,
             about=result.task.name,
             meaning=said.meaning,
-            figures=tuple((one.name, one.value) for one in said.figures),
+            figures=said.figures,
             picture=cards.picture(lambda: overview_figure(result), text, "The whole plan"),
             caption=f"0: the start; 1 to {len(result.found.rules)}: the part after each move of the "
             "nominal run; dashed: the goal.",
