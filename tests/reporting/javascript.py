@@ -1,0 +1,58 @@
+"""Running the pages' JavaScript in V8, without a browser."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from py_mini_racer import MiniRacer
+
+from meso_robust import units
+from meso_robust.execution.draws import Draws
+from meso_robust.reporting.view import engine
+
+Json = dict[str, Any]
+
+
+class Script:
+    """The engine of the plan's view: the generated formulas and what makes a run of them."""
+
+    def __init__(self, source: str | None = None) -> None:
+        self._racer = MiniRacer()
+        self._racer.eval(str(engine()) if source is None else source)
+
+    def call(self, function: str, *values: Any) -> Any:
+        """What a function answers; values and answer go through JSON (NaN becomes None)."""
+        given = ", ".join(json.dumps(value) for value in values)
+        answer = self._racer.eval(f"JSON.stringify({function}({given}))")
+        assert isinstance(answer, str)
+        return json.loads(answer)
+
+
+TOLD = """
+const told = (task, rules, draw) => {
+  const run = runPlan(task, rules, draw);
+  return { ...run, moves: run.moves.map((move) =>
+    ({ ...move, conditions: Object.fromEntries(move.conditions) })) };
+};
+"""
+
+
+def runs_script() -> Script:
+    """A script with ``told(task, rules, draw)``: `runPlan` with its conditions as an object."""
+    return Script(str(engine()) + TOLD)
+
+
+def draw_of(draws: Draws, row: int) -> Json:
+    """One row of draws as the script takes it, um and rad."""
+    scale = np.array([units.UM, units.UM, 1.0])
+    return {
+        "start": (draws.start[row] / scale).tolist(),
+        "friction": float(draws.friction[row]),
+        "film_ratio": float(draws.film_ratio[row]) / units.UM**2,
+        "misalignment": float(draws.misalignment[row]),
+        "sensing": (draws.sensing[row] / scale).tolist(),
+        "dual": (draws.dual[row] / units.UM).tolist(),
+        "single": (draws.single[row] / units.UM).tolist(),
+    }
