@@ -102,7 +102,7 @@ def test_a_call_says_nothing_and_writes_nothing_unless_asked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    mr.certify(mr.Task.paper(), PLAN, samples=3)
+    mr.simulate(mr.Task.paper(), PLAN, samples=3)
     assert capfd.readouterr() == ("", "")
     assert list(tmp_path.iterdir()) == []
 
