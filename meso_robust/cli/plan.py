@@ -103,6 +103,9 @@ def _plan(asked: _Asked, say: Reporter) -> None:
 
     file = asked.task or PAPER
     task = load_task(file)
+    for asks, use in ((asked.policy, "--policy"), (asked.maps, "--maps"), (asked.model, "--model")):
+        if asks:
+            task.rectangle(use)
     check_folder(asked.out)
     if asked.model is not None:
         _promise(task, asked.model, asked, say)

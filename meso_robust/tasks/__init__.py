@@ -6,3 +6,5 @@ from pathlib import Path
 
 PAPER = Path(__file__).parent / "paper.toml"
 SLOT = Path(__file__).parent / "slot.toml"
+HEXAGON = Path(__file__).parent / "hexagon.toml"
+L_SHAPE = Path(__file__).parent / "l_shape.toml"
