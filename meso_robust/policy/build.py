@@ -70,6 +70,7 @@ def make_policy(
     most_moves
         Starts that need more moves are left out.
     """
+    task.rectangle("a feedback policy (--policy)")
     setup = setup_of(task)
     kit = Kit(
         setup=setup,

@@ -101,6 +101,7 @@ def map_files(task: Task, say: Doing, *, count: int = 128) -> dict[str, str]:
 
 
 def _chain(task: Task) -> Chain:
+    task.rectangle("maps of where a primitive may push (--maps)")
     return certify(compose(task).rules, setup_of(task))
 
 

@@ -13,7 +13,7 @@ from markupsafe import Markup
 from meso_robust import units
 from meso_robust.execution.endings import Ending, ending, words
 from meso_robust.execution.replay import miss
-from meso_robust.execution.running import MoveRun, PlanRun, rectangle
+from meso_robust.execution.running import MoveRun, PlanRun, outline
 from meso_robust.execution.simulation import Simulated, in_goal, order
 from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.execution.trajectories import probe_names
@@ -84,10 +84,11 @@ def data(found: Simulated) -> Json:
     """What the page plays: lengths in um to a hundredth, angles in deg to a thousandth."""
     runs = [_run(found, case.runs, 0, LABELS[name]) for name, case in found.cases]
     runs += [_run(found, found.sampled, row, f"sample {row}") for row in _shown(found, len(runs))]
-    half = rectangle(found.player.setup).max(axis=0) / units.UM
+    part = outline(found.player.setup) / units.UM
     goal = found.task.goal
     return {
-        "half": [round(float(side), 2) for side in half],
+        "part": [_rounded(corner, 2) for corner in part],
+        "arm": round(0.55 * float(part[:, 1].max()), 2),
         "goal": {
             "x": goal.x_um,
             "y": goal.y_um,
@@ -98,7 +99,7 @@ def data(found: Simulated) -> Json:
         "probes": probe_names(found.player),
         "moves": _moves(found),
         "runs": runs,
-        "extent": _extent(runs, float(np.hypot(*half)), (goal.x_um, goal.y_um)),
+        "extent": _extent(runs, float(np.hypot(*part.T).max()), (goal.x_um, goal.y_um)),
     }
 
 

@@ -14,9 +14,8 @@ function view(width) {
 }
 
 function corners(pose) {
-  const [a, b] = data.half, c = Math.cos(pose[2] * Math.PI / 180), s = Math.sin(pose[2] * Math.PI / 180);
-  return [[-a, -b], [a, -b], [a, b], [-a, b]].map(
-    ([x, y]) => [pose[0] + c * x - s * y, pose[1] + s * x + c * y]);
+  const c = Math.cos(pose[2] * Math.PI / 180), s = Math.sin(pose[2] * Math.PI / 180);
+  return data.part.map(([x, y]) => [pose[0] + c * x - s * y, pose[1] + s * x + c * y]);
 }
 
 function outline(draw, to, pose) {
@@ -111,7 +110,7 @@ function drawPart(draw, to, now) {
   draw.strokeStyle = css("--part-edge");
   draw.lineWidth = 2;
   draw.stroke();
-  const angle = now.pose[2] * Math.PI / 180, arm = 0.55 * data.half[1];
+  const angle = now.pose[2] * Math.PI / 180, arm = data.arm;
   const [x, y] = to(now.pose[0], now.pose[1]);
   const [u, v] = to(now.pose[0] + arm * Math.cos(angle), now.pose[1] + arm * Math.sin(angle));
   draw.lineWidth = 1.5;

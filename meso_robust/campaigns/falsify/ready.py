@@ -17,6 +17,7 @@ from meso_robust.errors import InputError
 from meso_robust.execution.ascent import Effort
 from meso_robust.execution.claims import Claims
 from meso_robust.execution.replay import Feedback
+from meso_robust.task import parse_task
 
 Floats = npt.NDArray[np.float64]
 
@@ -52,9 +53,11 @@ def given(section: FalsifySection, folder: Path) -> Values:
     Raises
     ------
     InputError
-        A file cannot be read or breaks a rule, or the plan states no policy.
+        A file cannot be read or breaks a rule, the plan states no policy, or the part is no
+        rectangle.
     """
     found = given_plan(section, folder)
+    parse_task(dict(found["task"]), section.name).rectangle("attacks on a certificate")
     if not found["plan"]["policy"]:
         raise InputError(
             f"part {section.name!r}: key plan = {section.plan!r}: must state a policy, for nothing is "

@@ -14,6 +14,7 @@ POINTS = 20000
 PLAIN = {
     "travel > 0": lambda p: [p["travel"]],
     "half - |d2| > 0": lambda p: [p["half"] - np.abs(p["d2"])],
+    "d2 - first > 0 and last - d2 > 0": lambda p: [p["d2"] - p["first"], p["last"] - p["d2"]],
     "h at the touch > h at the end": lambda p: [p["h_start"] - p["h_end"]],
     "sin(theta) > 0 at the end": lambda p: [np.sin(p["theta"])],
 }

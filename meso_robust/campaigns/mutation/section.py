@@ -19,7 +19,7 @@ from meso_robust.job import SimulatorContradictsProofError, judge
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import rules_of
-from meso_robust.task import Task, load_task, parse_task
+from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
 
 SAMPLES = 100
@@ -58,11 +58,12 @@ def given_certificate(section: MutationSection, folder: Path) -> Values:
     InputError
         A file cannot be read or breaks a rule, or there is no proof to tamper with.
     """
+    task = load_task(PAPER if section.task is None else folder / section.task)
+    if task.slot is not None:
+        task.rectangle("a campaign of changed certificates with walls")
     if section.certificate is None:
         given = given_plan(section, folder)
-        task = parse_task(dict(given["task"]), f"part {section.name!r}")
         return {"task": given["task"], "certificate": _accepted(_made(given, task), task, "plan")}
-    task = load_task(PAPER if section.task is None else folder / section.task)
     path = folder / section.certificate
     found, digest = read_certificate(path, task)
     document = {**found.model_dump(mode="json", by_alias=True), "digest": digest}
