@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
+from meso_robust.planning.scale import fine
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.frame import Frame, Heading
 from meso_robust.primitives.move import MoveRule
@@ -94,8 +95,9 @@ def _steps(own: PoseBox, there: Setup, *, back: bool) -> Iterator[Step]:
         if ahead > 0.0:
             yield from _some(to_goal(own, there))
         return
-    if ahead + units.UM * ROOM_UM > 0.0:
-        yield from _some(to_goal(own, there, past_um=ROOM_UM))
+    past_um = fine(there) * ROOM_UM
+    if ahead + units.UM * past_um > 0.0:
+        yield from _some(to_goal(own, there, past_um=past_um))
     yield from _some(upright(own, there, step=3, primitive="x_translation"))
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.arrival import Arrival, across, arrive
-from meso_robust.planning.rotation import E, Finish, rotate_and_finish
+from meso_robust.planning.rotation import CLOSE_ENOUGH_UM, E, Finish, rotate_and_finish
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import Before, certify_move
@@ -27,6 +27,7 @@ MOST_Y_TRANSLATIONS = 2
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
+COMING_BACK_UM = 10.0  # of the goal in y is close enough after several pushes
 UPRIGHT = math.radians(1.5)  # an edge closer than this to upright needs no straightening
 
 
@@ -166,7 +167,7 @@ def _turned(
         found = arrive(frame.box_to_world(own), setup, headings, mirrored=frame.mirrored)
         return None if found is None else replace(found, post=frame.from_world(found.post))
 
-    plan = _turn(frame.setup(setup), finish, (task.plan.least_y_translations,))
+    plan = _turn(frame.setup(setup), finish, (task.plan.least_y_translations,), COMING_BACK_UM)
     return None if plan is None else (*_placed(plan[0], frame), *plan[1].rules)
 
 
@@ -294,7 +295,9 @@ def _compose(task: Task, setup: Setup, turns: int) -> list[Step] | None:
     return None if plan is None else [*plan[0], plan[1]]
 
 
-def _turn(setup: Setup, finish: Finish[E], counts: Iterable[int]) -> tuple[list[Step], E] | None:
+def _turn(
+    setup: Setup, finish: Finish[E], counts: Iterable[int], close_um: float = CLOSE_ENOUGH_UM
+) -> tuple[list[Step], E] | None:
     """Steps 1 and 2, with one of these counts of Y-translations, and what leads to the goal then."""
     for count in counts:
         for share in SHARES if count else (0.0,):
@@ -302,7 +305,7 @@ def _turn(setup: Setup, finish: Finish[E], counts: Iterable[int]) -> tuple[list[
             if first is None:
                 continue
             pre = _post(first[-1]) if first else setup.start
-            found = rotate_and_finish(pre, setup, finish)
+            found = rotate_and_finish(pre, setup, finish, close_um)
             if found is not None:
                 return [*first, found[0]], found[1]
     return None

@@ -60,13 +60,25 @@ def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
     return rotate_and_finish(pre, setup, lambda state: to_goal(state, setup))
 
 
-def rotate_and_finish(pre: PoseBox, setup: Setup, finish: Finish[E]) -> tuple[Step, E] | None:
-    """The robust rotation after which ``finish`` leads to the goal, and what that is."""
+def rotate_and_finish(
+    pre: PoseBox, setup: Setup, finish: Finish[E], close_um: float = CLOSE_ENOUGH_UM
+) -> tuple[Step, E] | None:
+    """The robust rotation after which ``finish`` leads to the goal, and what that is.
+
+    Parameters
+    ----------
+    pre, setup
+        All poses before the rotation, and the task, in its axes.
+    finish
+        What follows the rotation.
+    close_um
+        How close to the goal in y the middle of what is left must be, for a part of full size.
+    """
     for extra in SEPARATION_STEPS_UM:
         turned = _turn(_least_separation_um(setup) + fine(setup) * extra, pre, setup)
         if turned is not None:
             # a larger separation leaves a larger tilt, so what fails now would fail with it too
-            return _finish(*turned, pre, setup, finish)
+            return _finish(*turned, pre, setup, finish, fine(setup) * close_um)
     return None
 
 
@@ -92,7 +104,7 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
 
 
 def _finish(
-    turned: Step, choice: _Choice, pre: PoseBox, setup: Setup, finish: Finish[E]
+    turned: Step, choice: _Choice, pre: PoseBox, setup: Setup, finish: Finish[E], close_um: float
 ) -> tuple[Step, E] | None:
     """Add what leads to the goal, and shift the pair until the part ends at the goal's height."""
     for _ in range(MOST_TRIALS):
@@ -102,7 +114,7 @@ def _finish(
         if finished is None or finished.post is None:
             return None
         off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
-        if finished.post.within(setup.goal) and abs(off) < fine(setup) * CLOSE_ENOUGH_UM:
+        if finished.post.within(setup.goal) and abs(off) < close_um:
             return turned, finished
         choice = replace(choice, middle=choice.middle - off)
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)

@@ -2,7 +2,8 @@
 
 Here nothing is bounded: the effects act as the simulator has them, at values from their intervals,
 and the errors of the task are those that the user stated, without what the effects add. The clock of
-drifting probes and cameras runs on from move to move.
+drifting probes and cameras runs on from move to move. Tips that pull at the part back off in the
+plane after each move, so that it shows how far they drag the part along.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from meso_robust.simulator import Effects, Outcome, Push, simulate
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
 from meso_robust.simulator.observation import observe
+from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.task import Task
 
 Floats = npt.NDArray[np.float64]
@@ -32,6 +34,8 @@ Floats = npt.NDArray[np.float64]
 HANDLING_S = 10.0
 """s a move: lifting the probes, sensing, placing them; what drifts or draws the part goes on."""
 _FAR = 0.1  # m: where probes do nothing to the part
+_BACK = 0.25  # of the part's length: how far tips back off, if they pull at the part
+_MENISCUS_STEP = 0.25e-6  # m, for menisci of a few um
 _FIXED_POINT = 4  # rounds for a start that is seen where the task has it
 _MECHANICS = "reference_offset"  # the one effect of the part's motion that is only seen
 
@@ -209,19 +213,38 @@ def _push(
     poses: Floats, tips: Floats, travel: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory
 ) -> Push:
     physics = lab.physics(rows)
-    felt = {name: of for name, of in physics.effects.values.items() if name != _MECHANICS}
-    return Push.straight(
+    felt = Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS})
+    pulled = felt.is_on(*PULL_SLOTS)
+    waypoints, times = _way(tips, travel, lab, back=pulled)
+    return Push(
         vertices=rectangle(lab.setup),
         poses=poses,
-        tips=tips,
-        travel=travel,
-        speed=lab.task.probe.speed_um_s * units.UM,
+        waypoints=waypoints,
+        times=times,
         friction=physics.friction,
         support=physics.support,
-        effects=Effects(felt),
+        effects=felt,
         fixture=walls(lab.setup),
-        step=STEP,
+        step=_MENISCUS_STEP if pulled else STEP,
     )
+
+
+def _way(tips: Floats, travel: Floats, lab: _Laboratory, *, back: bool) -> tuple[Floats, Floats]:
+    """(N, T, P, 2) waypoints and (N, T) times of a move, and of backing off if tips that leave matter.
+
+    The active tips back off the way they came, the passive one to its own side, at the task's speed.
+    """
+    speed = lab.task.probe.speed_um_s * units.UM
+    far = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
+    ends = tips + travel
+    waypoints, times = [tips, ends], [np.zeros_like(far), np.where(far > 0.0, far / speed, 1.0)]
+    if back:
+        along = (travel[:, 0] / np.where(far > 0.0, far, 1.0)[:, None])[:, None]
+        rests = (travel == 0.0).all(axis=2, keepdims=True)
+        reach = _BACK * 2.0 * lab.setup.half_length.mid
+        waypoints.append(ends + reach * np.where(rests, along, -along))
+        times.append(times[-1] + reach / speed)
+    return np.stack(waypoints, axis=1), np.stack(times, axis=1)
 
 
 def _rest(poses: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.files import write_all
-from meso_robust.planning.compose import robust_at
+from meso_robust.planning.compose import IN_HAND, robust_at
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Heading, Task, load_task
 from meso_robust.tasks import TWO_PROBES
@@ -50,7 +50,8 @@ def task_at(x_um: float, y_um: float, headings: Sequence[Heading]) -> Task:
 def found_at(x_um: int, y_um: int, headings: Sequence[Heading]) -> Found:
     """The verdict from one start."""
     task = task_at(x_um, y_um, headings)
-    rules = robust_at(task, 1.0) or ()
+    plans = (robust_at(task, scale) for scale in IN_HAND)
+    rules = next((plan for plan in plans if plan is not None), ())
     proved = bool(rules) and certify(rules, setup_of(task)).verdict is Verdict.PROVED
     moves = tuple(rule.frame.heading for rule in rules)
     return Found(x_um=x_um, y_um=y_um, proved=proved, headings=moves)
