@@ -23,7 +23,7 @@ from tests.strategies import paper_chain, paper_task
 
 RUNNER = CliRunner()
 WAY_OUT = re.compile(
-    r"\b(give|mend|leave|add|use|try|choose|write|copy|make|install|convert|fetch|keep|split)\b"
+    r"\b(give|mend|record|leave|add|use|try|choose|write|copy|make|install|convert|fetch|keep|split)\b"
     r"|must|--help|`meso-robust"
 )
 PART = ("--length-um", "1616", "--width-um", "837", "--tip-radius-um", "12.5")
@@ -202,7 +202,7 @@ def test_a_place_that_cannot_be_written_to(line: str, good: dict[str, str], tmp_
     campaign = tmp_path / "c.toml"
     campaign.write_text(
         'schema = "meso-robust/campaign/1"\nname = "x"\n[[part]]\nname = "p"\n'
-        'kind = "property"\nlaws = ["certified implies simulated"]\nexamples = 1\n',
+        'kind = "property"\nproperties = ["formula-values"]\nexamples = 1\n',
         encoding="utf-8",
     )
     taken = tmp_path / "taken"
@@ -260,7 +260,6 @@ OPTIONS = (
     ("track VIDEO PART CAMERA --start nan,0,0", "--start"),
     ("track VIDEO PART CAMERA --start 0,0", "--start"),
     ("track VIDEO PART CAMERA --probe tip=nan,0", "--probe"),
-    ("track VIDEO PART --grid VIDEO --pitch-um nan", "--pitch-um"),
     ("recordings SET --format what", "--format"),
     ("identify SET --model what", "what"),
     ("identify SET --starts 0", "--starts"),
