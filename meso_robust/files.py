@@ -57,6 +57,19 @@ def check_folder(folder: Path) -> None:
     InputError
         If ``folder`` exists and is not a folder, or cannot be written to.
     """
-    nearest = next(path for path in (folder, *folder.resolve().parents) if path.exists())
-    if not nearest.is_dir() or not os.access(nearest, os.W_OK):
-        raise InputError(f"--out {folder}: {nearest} is not a writable folder; give another one")
+    nearest = next(path for path in (folder, *folder.resolve().parents) if _exists(path))
+    try:
+        # tried, not asked: for an administrator every folder is said to be writable
+        with tempfile.TemporaryDirectory(prefix=".", dir=nearest):
+            return
+    except OSError as error:
+        raise InputError(
+            f"--out {folder}: {nearest} is not a writable folder ({error.strerror}); give another one"
+        ) from error
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # may not be looked at
+        return False

@@ -389,4 +389,7 @@ def _first_of(error: ValidationError) -> str:
         return f"key {key} is unknown; `meso-robust schema task` lists all keys"
     if first["type"] == "value_error":
         return f"key {key}: {rule}"
-    return f"key {key} = {shown(first['input'])}: {rule}"
+    return (
+        f"key {key} = {shown(first['input'])}: {rule}; mend it, `meso-robust schema task` tells what it "
+        "may be"
+    )

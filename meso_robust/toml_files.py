@@ -70,7 +70,7 @@ def _first_of(error: ValidationError, whole: str, keys: str) -> str:
         return f"key {key} is {what}; {keys} lists all keys"
     if first["type"] == "value_error":
         return f"key {key}: {rule}"
-    return f"key {key} = {shown(first['input'])}: {rule}"
+    return f"key {key} = {shown(first['input'])}: {rule}; mend it, {keys} tells what it may be"
 
 
 def _path(keys: Sequence[str | int]) -> str:

@@ -79,4 +79,7 @@ def _first_of(error: ValidationError) -> str:
         return f"key {key} is missing; `meso-robust schema certificate` lists all keys"
     if first["type"] == "extra_forbidden":
         return f"key {key} is unknown; `meso-robust schema certificate` lists all keys"
-    return f"key {key} = {str(first['input'])[:80]!r}: {first['msg']}"
+    return (
+        f"key {key} = {str(first['input'])[:80]!r}: {first['msg']}; give a certificate, "
+        "`meso-robust schema certificate` tells what it holds"
+    )

@@ -20,7 +20,9 @@ def certify(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
         "meso-robust-certify"
     ),
-    samples: Annotated[int, typer.Option(min=1, help="Random runs in the simulator.")] = 1000,
+    samples: Annotated[
+        int, typer.Option(min=1, max=1_000_000, help="Random runs in the simulator.")
+    ] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print certificate.json only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,

@@ -25,7 +25,9 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("meso-robust-plan"),
-    samples: Annotated[int, typer.Option(min=1, help="Random runs in the simulator.")] = 1000,
+    samples: Annotated[
+        int, typer.Option(min=1, max=1_000_000, help="Random runs in the simulator.")
+    ] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     widest: Annotated[
         bool,

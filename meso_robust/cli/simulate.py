@@ -19,7 +19,7 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
         "meso-robust-simulate"
     ),
-    samples: Annotated[int, typer.Option(min=1, help="Random runs.")] = 200,
+    samples: Annotated[int, typer.Option(min=1, max=1_000_000, help="Random runs.")] = 200,
     adversarial: Annotated[
         bool, typer.Option("--adversarial", help="Search the uncertainties for the worst run.")
     ] = False,
@@ -29,7 +29,11 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     ] = None,
     recordings: Annotated[
         int,
-        typer.Option(min=0, help="Write this many runs as a recording set, as a camera sees them."),
+        typer.Option(
+            min=0,
+            max=10_000,
+            help="Write this many runs as a recording set, as a camera sees them.",
+        ),
     ] = 0,
     noise_um: Annotated[float, typer.Option(min=0, help="Noise of recorded positions.")] = 1.2,
     noise_deg: Annotated[float, typer.Option(min=0, help="Noise of recorded angles.")] = 0.08,

@@ -81,7 +81,10 @@ def first_of(error: ValidationError, document: str) -> str:
         return f"key {key} is missing; `meso-robust schema {document}` lists all keys"
     if first["type"] == "extra_forbidden":
         return f"key {key} is unknown; `meso-robust schema {document}` lists all keys"
-    return f"key {key} = {shown(first['input'])}: {first['msg']}"
+    return (
+        f"key {key} = {shown(first['input'])}: {first['msg']}; mend it, `meso-robust schema {document}` "
+        "tells what it may be"
+    )
 
 
 def _parse(text: str, source: str) -> PlanDocument:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.reading import text_of
+from meso_robust.reading import shown, text_of
 
 Floats = npt.NDArray[np.float64]
 UM = 1e-6
@@ -71,7 +71,7 @@ def _names(path: Path, header: list[str]) -> tuple[str, ...]:
     wanted = ["time_s", *(f"{name}_{axis}_um" for name in names for axis in "xy")]
     if not names or header != wanted:
         raise InputError(
-            f"--commands {path}: columns {', '.join(header) or 'none'}; must be time_s, then "
+            f"--commands {path}: columns {shown(header)}; must be time_s, then "
             "<probe>_x_um, <probe>_y_um of each probe; mend the header"
         )
     return names
@@ -90,7 +90,7 @@ def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[f
             value = math.inf
         if math.isinf(value) or (cell and math.isnan(value)):
             raise InputError(
-                f"--commands {path}, line {line}, column {name} = {cell!r}: must be a finite number, "
+                f"--commands {path}, line {line}, column {shown(name)} = {shown(cell)}: must be a finite number, "
                 "or empty; mend the cell"
             )
         values.append(value)

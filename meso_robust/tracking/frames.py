@@ -116,6 +116,8 @@ def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = F
         raise InputError(f"{path}: no such file; give a video or a folder of images")
     if path.is_dir():
         return _folder(path, rate)
+    if not path.is_file():  # of a pipe or a device nobody knows the end
+        raise InputError(f"{path}: is not a plain file; give a video or a folder of images")
     return _video(path, rate, allow_truncated)
 
 
