@@ -38,7 +38,11 @@ def track(  # noqa: PLR0913  # every option of the verb is an argument
         typer.Option(help="Tip in the first frame, NAME=x_um,y_um; repeat it. Else by motion."),
     ] = None,
     commands: Annotated[
-        Path | None, typer.Option(help="Commanded positions: time_s,<probe>_x_um,<probe>_y_um.")
+        list[Path] | None,
+        typer.Option(
+            help="Commanded positions: time_s,<probe>_x_um,<probe>_y_um; a folder has a CSV file of "
+            "each video's name."
+        ),
     ] = None,
     frame_rate_hz: Annotated[
         float | None, typer.Option(help="Frame rate, instead of the file's.")
@@ -72,7 +76,7 @@ def track(  # noqa: PLR0913  # every option of the verb is an argument
         pitch_um=pitch_um,
         start=start,
         probes=tuple(probe or ()),
-        commands=commands,
+        commands=tuple(commands or ()),
         frame_rate_hz=frame_rate_hz,
         allow_truncated=allow_truncated,
         most_lost=most_lost,

@@ -47,7 +47,7 @@ class Job:
     pitch_um: float | None = None
     start: str | None = None
     probes: tuple[str, ...] = ()
-    commands: Path | None = None
+    commands: tuple[Path, ...] = ()
     frame_rate_hz: float | None = None
     allow_truncated: bool = False
     most_lost: float = 0.1
@@ -64,7 +64,8 @@ class Ready:
     part: Rectangle | Polygon
     scene: Scene
     fit: GridFit | None
-    commands: Commands | None
+    commands: tuple[Commands, ...]
+    """One a video, or none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -105,8 +106,6 @@ def prepared(job: Job) -> Ready:
             "the tips' radius must be known and positive; give --tip-radius-um (12.5 for a tip of "
             "25 um diameter)"
         )
-    if job.commands is not None and len(job.videos) != 1:
-        raise InputError(f"--commands: {len(job.videos)} videos; belongs to one; track them singly")
     videos = tuple(open_frames(path, job.frame_rate_hz, job.allow_truncated) for path in job.videos)
     for video in videos[1:]:
         if video.size != videos[0].size:
@@ -131,8 +130,20 @@ def prepared(job: Job) -> Ready:
         part=part,
         scene=scene,
         fit=fit,
-        commands=None if job.commands is None else read_commands(job.commands),
+        commands=tuple(read_commands(path) for path in _logs(job)),
     )
+
+
+def _logs(job: Job) -> tuple[Path, ...]:
+    """Files of commands, one a video; a folder has one of each video's name."""
+    if len(job.commands) == 1 and job.commands[0].is_dir():
+        return tuple(job.commands[0] / f"{video.stem}.csv" for video in job.videos)
+    if job.commands and len(job.commands) != len(job.videos):
+        raise InputError(
+            f"--commands: {len(job.commands)} files for {len(job.videos)} videos; must be one a video; "
+            "give a folder that has a CSV file of each video's name, or track them singly"
+        )
+    return job.commands
 
 
 def run(ready: Ready, counting: Counting) -> Found:
@@ -155,7 +166,7 @@ def run(ready: Ready, counting: Counting) -> Found:
             [ready.files[k] for k in kept],
             ready.part,
             ready.scene.tip_radius,
-            ready.commands,
+            [ready.commands[k] for k in kept] if ready.commands else None,
         )
     answer = track_document(
         tracks,
@@ -164,7 +175,7 @@ def run(ready: Ready, counting: Counting) -> Found:
         ready.job.most_lost,
         _plain(asdict(ready.job)),
         _grid(ready.fit),
-        commanded=ready.commands is not None,
+        commanded=bool(ready.commands),
     )
     return Found(ready=ready, tracks=tuple(tracks), recordings=recordings, answer=answer)
 

@@ -14,6 +14,7 @@ from meso_robust.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
 UM, DEG = 1e-6, math.pi / 180.0
+_CLOCK = 6  # decimals of a second that two clocks are compared to
 
 _PART = ("xx_um2", "xy_um2", "xt_um_deg", "yy_um2", "yt_um_deg", "tt_deg2")
 _UPPER = np.triu_indices(3)
@@ -40,11 +41,12 @@ def recording_of(track: Track, file: str, commands: Commands | None = None) -> R
             poses=track.poses,
             probes=track.tips,
         )
-    times = np.union1d(track.times, commands.times)
+    frames, told = np.round(track.times, _CLOCK), np.round(commands.times, _CLOCK)
+    times = np.union1d(frames, told)
     poses = np.full((len(times), 3), math.nan)
     tips = np.full((len(times), len(commands.names), 2), math.nan)
-    poses[np.searchsorted(times, track.times)] = track.poses
-    tips[np.searchsorted(times, commands.times)] = commands.tips
+    poses[np.searchsorted(times, frames)] = track.poses
+    tips[np.searchsorted(times, told)] = commands.tips
     return Recording(file=file, probe_names=commands.names, times=times, poses=poses, probes=tips)
 
 
@@ -65,16 +67,17 @@ def set_of(
     files: Sequence[str],
     part: Rectangle | Polygon,
     tip_radius: float,
-    commands: Commands | None = None,
+    commands: Sequence[Commands] | None = None,
 ) -> RecordingSet:
-    """Recording set of some tracks, one file each."""
+    """Recording set of some tracks, one file each, and one table of commands each, if there are any."""
     return RecordingSet(
         part=part,
         tip_radius=tip_radius,
         position_source="camera" if commands is None else "controller",
         sensor=sensor_of(tracks),
         recordings=tuple(
-            recording_of(track, file, commands) for track, file in zip(tracks, files, strict=True)
+            recording_of(track, file, told)
+            for track, file, told in zip(tracks, files, commands or [None] * len(tracks), strict=True)
         ),
     )
 
