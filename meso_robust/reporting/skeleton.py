@@ -10,6 +10,7 @@ from typing import Any, Literal
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from meso_robust.reporting.slim import slim
 from meso_robust.reporting.theme import themed
 
 Colour = Literal["PROVED", "REFUTED", "UNKNOWN", "NEUTRAL"]
@@ -62,7 +63,7 @@ def environment(*folders: Path) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters["themed"] = themed
+    found.filters.update(themed=themed, slim=slim)
     return found
 
 

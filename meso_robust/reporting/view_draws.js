@@ -98,6 +98,7 @@ function promise(draw) {
     return { good: true, tag: "in the margin: proved", words:
       `Outside the stated ranges (${times}), but within the certified margin of × ${fixed(bears, 2)}.` };
   }
-  return { good: null, tag: "outside: not promised", words:
-    `Outside the stated ranges: ${times}${outside.length > 1 ? ` (and ${outside.length - 1} more)` : ""}.` };
+  const more = outside.length > 1 ? ` (and ${outside.length - 1} more)` : "";
+  return { good: null, tag: "outside: not promised",
+    words: `Outside the stated ranges: ${times}${more}.` };
 }

@@ -10,17 +10,18 @@ from py_mini_racer import MiniRacer
 
 from meso_robust import units
 from meso_robust.execution.draws import Draws
+from meso_robust.reporting.slim import slim
 from meso_robust.reporting.view import engine
 
 Json = dict[str, Any]
 
 
 class Script:
-    """The engine of the plan's view: the generated formulas and what makes a run of them."""
+    """A script that is loaded once and called."""
 
-    def __init__(self, source: str | None = None) -> None:
+    def __init__(self, source: str) -> None:
         self._racer = MiniRacer()
-        self._racer.eval(str(engine()) if source is None else source)
+        self._racer.eval(source)
 
     def call(self, function: str, *values: Any) -> Any:
         """What a function answers; values and answer go through JSON (NaN becomes None)."""
@@ -40,8 +41,8 @@ const told = (task, rules, draw) => {
 
 
 def runs_script() -> Script:
-    """A script with ``told(task, rules, draw)``: `runPlan` with its conditions as an object."""
-    return Script(str(engine()) + TOLD)
+    """What the page runs, with ``told(task, rules, draw)``: its conditions as an object."""
+    return Script(slim(engine() + TOLD))
 
 
 def draw_of(draws: Draws, row: int) -> Json:
