@@ -9,7 +9,8 @@ README = Path(__file__).parent.parent / "README.md"
 
 
 def test_the_example_of_the_simulator_runs_and_turns_the_part() -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    (code,) = [block for block in blocks if "meso_robust.simulator" in block]
     names: dict[str, object] = {}
     exec(code, names)
     result = names["result"]

@@ -136,9 +136,10 @@ def campaign(  # every option of the verb is an argument
 
     Examples
     --------
+    Many runs of the plan of :func:`meso_robust.plan`'s example:
+
     >>> import tempfile
     >>> from pathlib import Path
-    >>> import meso_robust as mr
     >>> text = '''
     ... schema = "meso-robust/campaign/1"
     ... name = "the paper's plan"
@@ -150,7 +151,7 @@ def campaign(  # every option of the verb is an argument
     ... '''
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = (Path(folder) / "campaign.toml").write_text(text)
-    ...     mr.plan(mr.Task.paper(), samples=20).save(folder)
+    ...     planned.save(folder)
     ...     done = mr.campaign(Path(folder) / "campaign.toml", workers=1)
     >>> print(done)
     MEASURED: the paper's plan

@@ -105,16 +105,16 @@ def check(
 
     Examples
     --------
-    >>> import meso_robust as mr
-    >>> task = mr.Task.paper()
-    >>> certificate = mr.plan(task, samples=20).certificate
-    >>> checked = mr.check(certificate, task)
+    Of the plan of :func:`meso_robust.plan`'s example:
+
+    >>> checked = mr.check(planned.certificate, task)
     >>> checked, checked.verified
     (<Checked VERIFIED: paper, Section IX-E>, True)
 
     A changed number is found out:
 
-    >>> print(mr.check(certificate.model_copy(update={"verdict": "UNKNOWN"}), task))
+    >>> changed = planned.certificate.model_copy(update={"verdict": "UNKNOWN"})
+    >>> print(mr.check(changed, task))
     REJECTED: digest: the SHA-256 of all other values
     stated: ...
     found: ...

@@ -76,12 +76,12 @@ def drive(task: Task | StrPath, plan: StrPath) -> Driver:
 
     Examples
     --------
+    The plan of :func:`meso_robust.plan`'s example:
+
     >>> import tempfile
     >>> from pathlib import Path
-    >>> import meso_robust as mr
-    >>> task = mr.Task.paper()
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     mr.plan(task, samples=20).save(folder)
+    ...     planned.save(folder)
     ...     driver = mr.drive(task, Path(folder) / "plan.json")
     >>> driver.answer(2060.4, -9.2, 90.0)["primitive"]
     'y_translation'

@@ -138,9 +138,9 @@ def identify(  # every option of the verb is an argument
 
     Examples
     --------
-    >>> import meso_robust as mr
-    >>> task = mr.Task.paper()
-    >>> runs = mr.simulate(task, mr.plan(task, samples=20), samples=1)
+    A simulation of the plan of :func:`meso_robust.plan`'s example, as a camera sees it:
+
+    >>> runs = mr.simulate(task, planned, samples=1)
     >>> identified = mr.identify(runs.filmed(1), starts=2)
     >>> identified.determined
     ('rho_um2', 'mu')

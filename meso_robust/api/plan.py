@@ -231,11 +231,9 @@ def certify(
 
     Examples
     --------
-    A push that stops 300 um too early is not proved, and the answer says why:
+    The plan of :func:`plan`'s example with a last push that stops 300 um too early is refuted:
 
-    >>> import meso_robust as mr
-    >>> task = mr.Task.paper()
-    >>> good = mr.plan(task, samples=20).plan
+    >>> good = planned.plan
     >>> last = good.policy[-1]
     >>> early = last.dual_end_x.model_copy(update={"offset_um": last.dual_end_x.offset_um + 300.0})
     >>> bad = good.model_copy(
@@ -244,7 +242,7 @@ def certify(
     >>> print(mr.certify(task, bad, samples=20))
     REFUTED: paper, Section IX-E, 4 moves
     simulated: 0 of 20 runs end in the goal
-    not proved in step 3 (straighten): every final pose lies in the goal
+    not proved in step 4 (straighten): the second tip touches before the probe stops
     what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan
     """
     at_least(1, samples=samples)

@@ -139,10 +139,10 @@ def read_recordings(
 
     Examples
     --------
+    A simulation of the plan of :func:`meso_robust.plan`'s example, as a camera sees it:
+
     >>> import tempfile
-    >>> import meso_robust as mr
-    >>> task = mr.Task.paper()
-    >>> simulated = mr.simulate(task, mr.plan(task, samples=20), samples=1)
+    >>> simulated = mr.simulate(task, planned, samples=1)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     simulated.record(folder, runs=1)
     ...     recordings = mr.read_recordings(folder)

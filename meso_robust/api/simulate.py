@@ -143,9 +143,9 @@ def simulate(
 
     Examples
     --------
-    >>> import meso_robust as mr
-    >>> task = mr.Task.paper()
-    >>> simulated = mr.simulate(task, mr.plan(task, samples=20), samples=50)
+    The plan of :func:`meso_robust.plan`'s example:
+
+    >>> simulated = mr.simulate(task, planned, samples=50)
     >>> print(simulated)
     paper, Section IX-E: 4 moves, feedback
     nominal: in the goal, ... tolerances off the goal's middle

@@ -155,7 +155,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     >>> times, tip = np.arange(3) / 30.0, np.array([[[0.0, 700e-6]]] * 3)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     video = Path(folder) / "push.avi"
-    ...     film(video, scene, times, np.zeros((3, 3)), tip, np.random.default_rng(0))
+    ...     _ = film(video, scene, times, np.zeros((3, 3)), tip, np.random.default_rng(0))
     ...     tracked = mr.track(
     ...         video,
     ...         length_um=1616.0,
@@ -167,7 +167,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     ...     )
     >>> tracked
     <Tracked 1 videos: part found in 3 of 3 frames>
-    >>> bool(np.abs(tracked.recordings.recordings[0].poses[:, :2]).max() < 1e-6)
+    >>> bool(np.abs(tracked.recordings.recordings[0].poses[:, :2]).max() < 5e-6)  # a pixel
     True
     """
     if not 0.0 <= most_lost <= 1.0:

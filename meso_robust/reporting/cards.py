@@ -140,7 +140,7 @@ def identified_card(document: ModelDocument, found: Identification, text: str) -
             figures=(
                 ("recordings", str(len(document.recording))),
                 *(
-                    (key, f"{significant(one.value, 4)} {_interval(one.low, one.high)}")
+                    (key, f"{_plain(one.value)} [{_plain(one.low)}, {_plain(one.high)}]")
                     for key, one in list(document.parameters.items())[:3]
                 ),
                 ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
@@ -158,8 +158,9 @@ def identified_card(document: ModelDocument, found: Identification, text: str) -
     )
 
 
-def _interval(low: float, high: float) -> str:
-    return f"[{significant(low, 4)}, {significant(high, 4)}]"
+def _plain(value: float) -> str:
+    """About four digits, without an exponent."""
+    return f"{value:.0f}" if abs(value) >= 1000.0 else significant(value, 4)
 
 
 def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -> str:

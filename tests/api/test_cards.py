@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 import meso_robust as mr
+from meso_robust.diagnosis.document import Verdict
 from meso_robust.reporting.card import Card, html
 from meso_robust.reporting.cards import diagnosed_card
 from tests.reporting import diagnoses
@@ -84,7 +85,7 @@ def test_a_campaign(campaigned: mr.Campaigned) -> None:
 
 
 @pytest.mark.parametrize("verdict", ["consistent", "named", "ambiguous", "unknown"])
-def test_a_diagnosis(verdict: diagnoses.Verdict) -> None:
+def test_a_diagnosis(verdict: Verdict) -> None:
     document = diagnoses.document(verdict)
     card = diagnosed_card(document, diagnoses.evidence(verdict), "in words")
     shown = " ".join(parsed(card).itertext())

@@ -15,14 +15,12 @@ from meso_robust.recordings import write_set
 
 
 def test_a_diagnosis_by_call_and_by_word(
-    latency_diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    late: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     room = tmp_path / "Prüfung µ"
-    write_set(room / "set", latency_diagnosis.recordings)
+    write_set(room / "set", late.recordings)
     # what is diagnosed is another test's matter, and takes long
-    monkeypatch.setattr(
-        "meso_robust.diagnosis.diagnose.diagnose", lambda *_, **__: latency_diagnosis
-    )
+    monkeypatch.setattr("meso_robust.diagnosis.diagnose.diagnose", lambda *_, **__: late)
 
     found = mr.diagnose(str(room / "set"), quick=True)
     found.save(room / "ours")
