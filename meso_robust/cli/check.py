@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meso_robust.cli.console import NEGATIVE, refuse
+from meso_robust.cli.console import NEGATIVE, Reporter, refuse
 
 if TYPE_CHECKING:
     from meso_robust.checker.verdict import Answer
@@ -37,7 +37,8 @@ def check(
         found, digest = read_certificate(certificate, known)
     except InputError as error:
         refuse(error)
-    answer = verify(found, digest, known, thorough=thorough)
+    with Reporter(quiet or as_json).doing("verifying"):
+        answer = verify(found, digest, known, thorough=thorough)
     if as_json:
         print(json.dumps(_document(answer), indent=2, ensure_ascii=False))
     else:
