@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 from concurrent.futures import ProcessPoolExecutor
 from importlib import import_module
+from multiprocessing import resource_tracker
 from pathlib import Path
 
 import sympy as sp
@@ -97,13 +99,32 @@ def derive_all() -> tuple[Derivation, ...]:
     DerivationError
         If a step does not hold, or two claims share a key.
     """
-    with ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as pool:
-        derivations = tuple(pool.map(derive_one, SOURCES))
+    derivations = _on_all_cores()
     keys = [claim.key for derivation in derivations for claim in derivation.claims]
     twice = sorted({key for key in keys if keys.count(key) > 1})
     if twice:
         raise DerivationError(f"claims share a key: {', '.join(twice)}")
     return derivations
+
+
+def _on_all_cores() -> tuple[Derivation, ...]:
+    """Every derivation; after Ctrl-C or a step that does not hold, no process is left at work."""
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(mp_context=context)
+    resource_tracker.ensure_running()  # starting it later would lift the mask
+    # Ctrl-C in a terminal goes to every process; only this one is to hear it
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        found = pool.map(derive_one, SOURCES)  # starts the processes, which inherit the mask
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        return tuple(found)
+    except BaseException:
+        for process in list((pool._processes or {}).values()):
+            process.kill()
+        raise
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        pool.shutdown(cancel_futures=True)
 
 
 def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from multiprocessing import get_context, parent_process
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process, resource_tracker
 from typing import Protocol, TypeVar
 
 Found = TypeVar("Found")
@@ -65,7 +66,8 @@ class Processes:
     def submit(self, do: Callable[[str, int], Found], part: str, chunk: int) -> Future[Found]:
         """Have a chunk done."""
         try:
-            return self._pool.submit(do, part, chunk)
+            with deaf_to_ctrl_c():
+                return self._pool.submit(do, part, chunk)
         except BrokenExecutor as error:
             raise CrewLostError(str(error)) from error
 
@@ -86,6 +88,20 @@ class Processes:
             process.kill()
         for process in processes:
             process.join()
+
+
+@contextmanager
+def deaf_to_ctrl_c() -> Iterator[None]:
+    """Within the block Ctrl-C waits, and processes that are started in it never hear it.
+
+    A terminal sends it to every process, and one that has only begun would end with a traceback.
+    """
+    resource_tracker.ensure_running()  # starting it later would lift the mask
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def begin_worker() -> None:

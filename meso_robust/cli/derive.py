@@ -26,7 +26,7 @@ def derive(
 
     if not (generate.ROOT / "pyproject.toml").exists():
         refuse("derive: runs in a checkout of the project only, where the derivations are kept")
-    with Reporter(quiet).doing("deriving and proving"):
+    with Reporter(quiet or as_json).doing("deriving and proving"):
         derivations, files = _derived(keep=not check)
     stale = generate.on_disk() - set(files)
     differing = stale | _differing(files)

@@ -28,11 +28,24 @@ def guarded(verb: Callable[_P, _R]) -> Callable[_P, _R]:
             return verb(*args, **kwargs)
         except InputError as error:
             refuse(error)
-        except KeyboardInterrupt:
+        except typer.Exit:
+            raise
+        except (KeyboardInterrupt, Exception) as error:
+            if not _is_interruption(error):
+                raise
             print("meso-robust: interrupted; no result was written", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
 
     return run
+
+
+def _is_interruption(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is at the root of an error: compiled code hands it on as an error of its own."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def escape_what_cannot_be_shown() -> None:
