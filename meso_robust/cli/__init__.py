@@ -17,6 +17,7 @@ from meso_robust.cli.check import check
 from meso_robust.cli.derive import derive
 from meso_robust.cli.diagnose import diagnose
 from meso_robust.cli.drive import drive
+from meso_robust.cli.example import example
 from meso_robust.cli.identify import identify
 from meso_robust.cli.plan import plan
 from meso_robust.cli.recordings import recordings
@@ -33,6 +34,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 _VERBS = (
+    example,
     plan,
     certify,
     check,

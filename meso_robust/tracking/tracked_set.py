@@ -77,7 +77,9 @@ def set_of(
         sensor=sensor_of(tracks),
         recordings=tuple(
             recording_of(track, file, told)
-            for track, file, told in zip(tracks, files, commands or [None] * len(tracks), strict=True)
+            for track, file, told in zip(
+                tracks, files, commands or [None] * len(tracks), strict=True
+            )
         ),
     )
 
