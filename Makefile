@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: demo test check lock benchmark reports campaign clean
+.PHONY: demo test check lock benchmark reports campaign tutorial clean
 
 demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
@@ -46,6 +46,10 @@ reports: $(INSTALLED)
 	$(BIN)/python -m tests.basis.report --out reports/basis
 	$(BIN)/python -m tests.identification.sensitivity_report --out reports/identification
 	$(BIN)/meso-robust reproduce --out reports/reproduction
+
+# The tutorial in a new folder, every command with its time.
+tutorial: $(INSTALLED)
+	$(BIN)/python -m tests.guide.tutorial --out reports/tutorial/times.md
 
 # The full forms of the campaigns: hours on two cores. Those of the verb go on where they stand.
 campaign: $(INSTALLED)

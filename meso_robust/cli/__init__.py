@@ -19,6 +19,7 @@ from meso_robust.cli.check import check
 from meso_robust.cli.derive import derive
 from meso_robust.cli.diagnose import diagnose
 from meso_robust.cli.drive import drive
+from meso_robust.cli.example import example
 from meso_robust.cli.help import Verbs
 from meso_robust.cli.identify import identify
 from meso_robust.cli.plan import plan
@@ -39,6 +40,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 _VERBS = {
+    "To begin with": (example,),
     "From a task to a certified plan": (plan, certify, check, simulate, drive),
     "From video to an identified model": (track, recordings, identify, diagnose),
     "Evidence": (campaign, reproduce, derive),

@@ -22,6 +22,7 @@ _MODELS = {
     "witness": "execution.witness_file:WitnessFile",
     "recordings": "recordings.document:SetDocument",
     "model": "identification.document:ModelDocument",
+    "experiment": "identification.experiment_document:ExperimentDocument",
     "diagnosis": "diagnosis.document:DiagnosisDocument",
     "premises": "premises.document:PremisesDocument",
 }
@@ -46,3 +47,8 @@ def _model(name: str) -> type[BaseModel]:
     found = getattr(import_module(f"meso_robust.{place}"), attribute)
     model: type[BaseModel] = found() if name == "campaign" else found
     return model
+
+
+def documents() -> dict[str, type[BaseModel]]:
+    """Models of all published documents by name."""
+    return {name: _model(name) for name in _MODELS}

@@ -121,6 +121,23 @@ def test_a_set_of_an_earlier_run_does_not_outlive_a_run_without_one(
     assert not (out / "set.toml").exists()
 
 
+def test_a_folder_has_the_commands_of_every_video(filmed: Filmed, tmp_path: Path) -> None:
+    videos = [tmp_path / name for name in ("b.avi", "a.avi")]
+    for k, video in enumerate(videos):
+        shutil.copyfile(filmed.path, video)
+        text = f"time_s,tip_x_um,tip_y_um\n0,{k},2\n1,{k},3\n"
+        video.with_suffix(".csv").write_text(text, encoding="utf-8")
+    words = ("--start", "0,0,0", "--commands", tmp_path, "--no-overlay", "--out", tmp_path / "out")
+
+    result = tracked(*videos, *PART, *CAMERA, *words)
+
+    assert result.exit_code == 0, result.output
+    found = read_set(tmp_path / "out")
+    assert found.position_source == "controller"
+    first = {one.file: one.probes[0, 0, 0] for one in found.recordings}
+    assert first == {"b.csv": pytest.approx(0.0), "a.csv": pytest.approx(1e-6)}
+
+
 def test_a_video_is_never_written_over(filmed: Filmed) -> None:
     before = sorted(filmed.path.parent.iterdir())
 
@@ -145,6 +162,7 @@ def test_a_video_is_never_written_over(filmed: Filmed) -> None:
         (("{v}", *PART, *CAMERA, "--probe", "p:1,2"), "--probe"),
         (("{v}", *PART, *CAMERA, "--probe", "p=9000,2"), "outside the image"),
         (("{v}", *PART, *CAMERA, "--commands", "{none}"), "--commands"),
+        (("{v}", "{v}", *PART, *CAMERA, "--commands", "{text}"), "1 files for 2 videos"),
         (("{none}", *PART, *CAMERA), "no such file"),
         (("{torn}", *PART, *CAMERA), "--allow-truncated"),
         (("{text}", *PART, *CAMERA), "not a video"),

@@ -21,7 +21,7 @@ LENGTH, WIDTH = 1560.0, 800.0
 """The part as its drawing has it, and as a camera sees its upper face."""
 BURR = (0.0, 4.5)
 """By how much each short and each long edge stands out below that face, where the tip touches."""
-RHO_UM2, MU = 336_000.0, 0.285
+RHO_UM2, MU = 332_000.0, 0.285
 """Film ratio and friction coefficient of tip and part."""
 TIP_RADIUS = 12.5
 FRAME_RATE = 20.0

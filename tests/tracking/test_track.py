@@ -115,7 +115,7 @@ def test_commands_keep_their_clock(plain: tuple[Filmed, Track], tmp_path: Path) 
     path = tmp_path / "commands.csv"
     path.write_text("time_s,tip_x_um,tip_y_um\n0,1,2\n0.5,3,4\n0.51,,\n9,5,6\n")
     _, seen = plain
-    made = set_of([seen], ["push.csv"], PART_SHAPE, RADIUS, read_commands(path))
+    made = set_of([seen], ["push.csv"], PART_SHAPE, RADIUS, [read_commands(path)])
     one = made.recordings[0]
 
     assert made.position_source == "controller"
@@ -126,6 +126,20 @@ def test_commands_keep_their_clock(plain: tuple[Filmed, Track], tmp_path: Path) 
     assert one.poses[0] == pytest.approx(seen.poses[0])
     assert one.probes[0, 0] == pytest.approx([1e-6, 2e-6])
     assert np.isnan(one.probes[1]).all()
+
+
+def test_instants_that_differ_by_their_spelling_are_one(
+    plain: tuple[Filmed, Track], tmp_path: Path
+) -> None:
+    path = tmp_path / "commands.csv"
+    path.write_text("time_s,tip_x_um,tip_y_um\n0,1,2\n0.3333333,3,4\n0.33334,5,6\n")
+    made = set_of([plain[1]], ["push.csv"], PART_SHAPE, RADIUS, [read_commands(path)])
+    one = made.recordings[0]
+
+    assert len(one.times) == 60 + 1  # 10 us after frame 10 is another instant
+    assert one.probes[10, 0] == pytest.approx([3e-6, 4e-6])
+    assert one.poses[10] == pytest.approx(plain[1].poses[10])
+    assert np.isnan(one.poses[11]).all()
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,28 @@
+"""``meso-robust example``: the tutorial and everything that it needs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from meso_robust.cli.console import refuse
+
+
+def example(
+    folder: Annotated[
+        Path, typer.Argument(help="New folder, in which nothing is written over.")
+    ] = Path("meso-robust-example"),
+    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing.")] = False,
+) -> None:
+    """Copy the tutorial, its task and videos, and all shipped tasks into a new folder."""
+    from meso_robust.errors import InputError
+    from meso_robust.example import copy_example
+
+    try:
+        copy_example(folder)
+    except InputError as error:
+        refuse(error)
+    if not quiet:
+        print(f"start with {folder / 'tutorial.md'}")

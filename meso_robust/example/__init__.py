@@ -1,0 +1,62 @@
+"""The example of the tutorial: a laboratory's task, its videos of pushes, its calibration grid.
+
+The videos are drawn by the synthetic microscope from motion that a generator of its own makes
+(``tests/example``); what is true of it is not told here.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from meso_robust.errors import InputError
+from meso_robust.guide import TUTORIAL
+from meso_robust.tasks import PAPER
+
+EXAMPLE = Path(__file__).parent
+"""Folder of the shipped files."""
+FILES = ("task.toml", "grid.png", "videos")
+"""What of it is the laboratory's."""
+
+
+def copy_example(folder: Path) -> None:
+    """Copy tutorial, example and all shipped tasks into a new folder, whole or not at all.
+
+    Parameters
+    ----------
+    folder
+        Made; its parents too.
+
+    Raises
+    ------
+    InputError
+        It is there already and not empty, or cannot be written.
+    """
+    try:
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            raise InputError(
+                f"{folder}: is there already; nothing is written over; give a new folder"
+            )
+        target = folder.resolve()
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".", suffix=".part") as scratch:
+            draft = Path(scratch) / "example"
+            _fill(draft)
+            if target.exists():
+                target.rmdir()
+            draft.rename(target)
+    except OSError as error:
+        raise InputError(
+            f"{folder}: cannot be written ({error.strerror}); give a folder that can"
+        ) from error
+
+
+def _fill(folder: Path) -> None:
+    (folder / "tasks").mkdir(parents=True)
+    shutil.copyfile(TUTORIAL, folder / TUTORIAL.name)
+    for name in FILES:
+        source = EXAMPLE / name
+        (shutil.copytree if source.is_dir() else shutil.copyfile)(source, folder / name)
+    for task in sorted(PAPER.parent.glob("*.toml")):
+        shutil.copyfile(task, folder / "tasks" / task.name)
