@@ -82,7 +82,8 @@ def _minus(of: Formula) -> Formula:
 
 
 def _at_least(of: Formula, box: Box, bound: arb) -> bool:
-    return bool(least(lambda at: of(at) - bound, box, above=ZERO) >= 0)
+    # well below nine digits of the lengths of a part of some 100 um
+    return bool(least(lambda at: of(at) - bound, box, above=ZERO, within=1e-15) >= 0)
 
 
 def _bound(stated: ObligationDocument, requirement: Requirement) -> None:
