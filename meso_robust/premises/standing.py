@@ -126,7 +126,7 @@ def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing
         return Standing(name=effect, word="off", said="no size but zero is left")
     line = LINES.get(effect)
     if line is None or line.absorb is None:
-        return _broken(effect, line)
+        return _broken(effect, line, _size(effect, ranges))
     found = line.absorb(ranges, budget)
     if why and found != line.absorb(_anything(effect), budget):
         return _standing(effect, "not identified", line, why)
@@ -155,10 +155,20 @@ def _ranges(document: ModelDocument, effect: str) -> Ranges:
     return found
 
 
-def _broken(name: str, line: Line | None) -> Standing:
+def _size(effect: str, ranges: Ranges) -> str:
+    """How large the model says that an effect is, in words."""
+    sizes = [one for one in CATALOGUE[effect].parameters if one.size]
+    told = (
+        f"{one.key} {ranges[one.key][0]:.3g} … {ranges[one.key][1]:.3g} {one.unit}".rstrip()
+        for one in sizes
+    )
+    return f" ({', '.join(told)})"
+
+
+def _broken(name: str, line: Line | None, size: str = "") -> Standing:
     if line is None:
         return Standing(name=name, word=BREAKS, premise=NO_LINE, said=NO_LINE)
-    return _standing(name, BREAKS, line, line.why)
+    return _standing(name, BREAKS, line, line.why + size)
 
 
 def _standing(

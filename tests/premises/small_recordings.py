@@ -1,8 +1,8 @@
 """Recordings of the 300 um part, simulated: what ``small_model.toml`` was fitted to.
 
-``python -m tests.premises.small_recordings --out DIR``, then ``meso-robust diagnose DIR --quick``: its
-``model.toml`` is the shipped one. Half of the pushes go at 15 um/s, because a pull shows in what a tip
-that backs off does to the part, and it does more the slower the tip is.
+``python -m tests.premises.small_recordings --out DIR`` writes them as a recording set. The pushes are
+slow, because a pull shows in what a tip that backs off does to the part, and it does more the slower the
+tip is.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ UM = 1e-6
 PART = Rectangle(length=300 * UM, width=155.4 * UM)
 RADIUS = 2.3 * UM
 RHO, MU = 12990e-12, 0.33
-PULL_UM_S, RANGE_UM = 12.0, 2.0
+PULL_UM_S, RANGE_UM = 3.0, 2.0
 SIGMA = np.array([0.24 * UM, 0.24 * UM, np.radians(0.08)])  # the paper's 1.2 um at 4X, seen at 20X
 RATE = 30.0
 PUSHES, SEED = 12, 5
-GAP, LENGTH, BACK = 15 * UM, 90 * UM, 45 * UM
-SPEEDS = (75 * UM, 225 * UM)
+GAP, LENGTH, BACK = 5 * UM, 40 * UM, 15 * UM
+SPEEDS = (10 * UM, 20 * UM)
 WAITS = (0.4, 0.8)  # s, before and after
 
 
