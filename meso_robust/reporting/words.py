@@ -41,6 +41,8 @@ QUANTITIES = {
     "dy": Quantity("tip above the centre in y", *LENGTH),
     "p_S": Quantity("passive tip, measured along its edge from the middle", *LENGTH),
     "half": Quantity("half the length of the edge", *LENGTH),
+    "first": Quantity("lower end of the edge, from the foot of the centre", *LENGTH),
+    "last": Quantity("upper end of the edge, from the foot of the centre", *LENGTH),
     "h": Quantity("distance of active and passive tip in x", *LENGTH),
     "V": Quantity("distance of active and passive tip in y", *LENGTH),
     "travel": Quantity("travel of the tip in contact", *LENGTH),

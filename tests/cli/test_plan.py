@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
-from meso_robust.execution.running import rectangle as original
+from meso_robust.execution.running import outline as original
 from meso_robust.job import SimulatorContradictsProofError
 from meso_robust.tasks import PAPER
 
@@ -185,7 +185,7 @@ def test_simulator_that_contradicts_a_proof_is_never_reported_as_proved(
     from meso_robust.execution import running
 
     monkeypatch.setattr(
-        running, "rectangle", lambda setup: 0.9 * original(setup)
+        running, "outline", lambda setup: 0.9 * original(setup)
     )  # a smaller part in the simulator only
     with pytest.raises(SimulatorContradictsProofError, match="breaks a PROVED claim"):
         RUNNER.invoke(
