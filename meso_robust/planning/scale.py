@@ -10,4 +10,4 @@ FULL_UM = 800.0
 
 def fine(setup: Setup) -> float:
     """Factor on such a length: 1 for a part that is at least ``FULL_UM`` wide, less in proportion."""
-    return min(1.0, units.to_um(2.0 * setup.half_width.mid) / FULL_UM)
+    return min(1.0, units.to_um(setup.outline.width) / FULL_UM)

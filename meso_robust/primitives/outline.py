@@ -98,6 +98,11 @@ class Rectangle:
         """About how far a corner is from the centre, m; for choosing, not for proofs."""
         return self.half_length.hi
 
+    @property
+    def width(self) -> float:
+        """The least distance of parallels that hold the part, m; for choosing, not for proofs."""
+        return 2.0 * self.half_width.mid
+
     def mirrored(self) -> Rectangle:
         """The outline with the y axis mirrored: the same."""
         return self
@@ -139,6 +144,15 @@ class Polygon:
     def reach(self) -> float:
         """About how far a corner is from the centre, m; for choosing, not for proofs."""
         return max(math.hypot(x.mid, y.mid) for x, y in self.corners)
+
+    @property
+    def width(self) -> float:
+        """The least distance of parallels that hold the part, m; for choosing, not for proofs."""
+        return min(self._breadth(line) for line in self.lines)
+
+    def _breadth(self, line: Line) -> float:
+        out = (-math.sin(line.turn.mid), -math.cos(line.turn.mid))
+        return line.depth.mid - min(x.mid * out[0] + y.mid * out[1] for x, y in self.hull)
 
     def mirrored(self) -> Polygon:
         """The outline with the y axis mirrored; an edge is run the other way there."""
