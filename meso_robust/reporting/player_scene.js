@@ -181,7 +181,7 @@ function drawTips(draw, to, now) {
 }
 
 function drawScaleBar(draw, seen, width) {
-  const length = scaleStep(180 / seen.scale), wide = length * seen.scale;
+  const length = scaleStep(Math.min(180, width / 3) / seen.scale), wide = length * seen.scale;
   const x = width - 18 - wide, y = seen.height - 18;
   draw.strokeStyle = draw.fillStyle = css("--ink");
   draw.lineWidth = 3;

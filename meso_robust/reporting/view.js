@@ -63,6 +63,18 @@ function show(keep) {
   draw();
 }
 
+// A slider can move more often than frames are drawn: at most one run a frame.
+let waiting = false;
+
+function soon() {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => {
+    waiting = false;
+    show(true);
+  });
+}
+
 // -- knobs ---------------------------------------------------------------------------------------
 
 const WIDTHS = 2.5; // half widths that a slider reaches on either side
@@ -99,7 +111,7 @@ function makeKnob(knob, i) {
     knob.places(which).forEach((k) => knob.set(draw_, Number(input.value), k));
     searching += 1; // a search that still runs is given up
     showKnobs();
-    show(true);
+    soon();
   });
   Object.assign(knob, { row, input, value });
 }
@@ -180,7 +192,7 @@ layers.push((pen, seen) => {
     pen.setLineDash(proved ? [] : [4, 3]);
     pen.strokeRect(x - 1, y - 1, u - x + 2, v - y + 2);
     pen.setLineDash([]);
-    text(pen, String(k + 1), u + 8, y - 3, "left");
+    text(pen, String(k + 1), u + 8, v + 13, "left");
   });
 });
 

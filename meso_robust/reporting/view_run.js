@@ -1,5 +1,5 @@
 // A whole plan for one set of values, from contact mode to contact mode.
-const STEP = 8; // um of travel at most between two instants
+const STEP = 16; // um of travel at most between two instants
 const SHORTEST = 0.5; // um: shorter steps are only taken to meet an event
 const GRAZES = 1; // um: closer to a corner a free tip is not told to hit or to miss
 const MOST_CHANGES = 60; // of the contact mode in a move

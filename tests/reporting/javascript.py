@@ -42,7 +42,7 @@ const told = (task, rules, draw) => {
 
 def runs_script() -> Script:
     """What the page runs, with ``told(task, rules, draw)``: its conditions as an object."""
-    return Script(slim(engine() + TOLD))
+    return Script(slim(str(engine()) + TOLD))
 
 
 def draw_of(draws: Draws, row: int) -> Json:
