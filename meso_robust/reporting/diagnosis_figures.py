@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -67,7 +68,11 @@ def held_out_figure(rows: Sequence[HeldOutRecording], floor: float, extended: bo
     axes = figure.add_axes((0.2, 0.5 / tall, 0.77, 1.0 - 0.8 / tall))
     at = np.arange(len(rows))
     before = [one.baseline_sigma for one in rows]
-    look = {"hatch": "////", "edgecolor": PAPER, "lw": 0.0}  # told apart without their colours
+    look: dict[str, Any] = {
+        "hatch": "////",
+        "edgecolor": PAPER,
+        "lw": 0.0,
+    }  # told apart without their colours
     axes.barh(at - 0.19 * extended, before, 0.36, color=BASELINE, label="plain model", **look)
     if extended:
         after = [one.extended_sigma for one in rows]
