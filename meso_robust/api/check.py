@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from meso_robust.api.given import StrPath, task_of
+from meso_robust.api.progress import SILENT, Progress
 from meso_robust.checker.document import Certificate
 from meso_robust.checker.reading import parse_certificate, read_certificate
 from meso_robust.checker.verdict import Answer, Word, check as verified
@@ -81,6 +82,7 @@ def check(
     task: Task | StrPath,
     *,
     thorough: bool = False,
+    progress: Progress = SILENT,
 ) -> Checked:
     """Verify a certificate without the planner, in exact and ball arithmetic.
 
@@ -92,6 +94,8 @@ def check(
         The task it is about, or the name of its file.
     thorough
         Also prove the margin of each uncertainty alone.
+    progress
+        Shows what is being done.
 
     Returns
     -------
@@ -121,7 +125,8 @@ def check(
     """
     known = task_of(task)
     found, digest = _read(certificate, known)
-    answer = verified(found, digest, known, thorough=thorough)
+    with progress.doing("verifying"):
+        answer = verified(found, digest, known, thorough=thorough)
     return Checked(answer=answer, certificate=found, task=known)
 
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from meso_robust.cli.console import NEGATIVE, refuse
+from meso_robust.cli.console import NEGATIVE, Reporter, refuse
 
 
 def check(
@@ -29,7 +29,9 @@ def check(
     from meso_robust.tasks import PAPER
 
     try:
-        found = checked(certificate, task or PAPER, thorough=thorough)
+        found = checked(
+            certificate, task or PAPER, thorough=thorough, progress=Reporter(quiet or as_json)
+        )
     except InputError as error:
         refuse(error)
     if as_json:
