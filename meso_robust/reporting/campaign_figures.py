@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
@@ -14,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from meso_robust import units
-from meso_robust.campaigns.answer import PartAnswer
 from meso_robust.campaigns.kind import Bars, Coverage, Paths
 from meso_robust.reporting import canvas
 from meso_robust.reporting.canvas import Floats
@@ -31,7 +28,6 @@ SHADES = (
 """Classes of the bins of a strip, from empty to crowded, with what they mean."""
 _STEPS = np.array([0.25, 0.7, 1.4, 4.0])
 _MOST_OUTLINES = 10
-_LONGEST = 34  # letters of a part's name beside its bar
 _CLOSE = 0.06  # of the width of a picture, the room that a number takes
 
 
@@ -229,26 +225,3 @@ def _corners(pose: Floats, body: Floats) -> Floats:
 
 def _outline(axes: Axes, pose: Floats, body: Floats, **look: Any) -> None:
     canvas.outline(axes, _si(pose), body, "", fill=False, **look)
-
-
-def shares_figure(parts: Sequence[PartAnswer]) -> Figure:
-    """A bar for the share of each part's runs that failed, with both numbers beside it."""
-    tall = 0.75 + 0.34 * len(parts)
-    figure = Figure(figsize=(11.6, tall))
-    axes = figure.add_axes((0.24, 0.46 / tall, 0.58, 1.0 - 0.56 / tall))
-    shares = [100.0 * one.failed / max(one.runs, 1) for one in parts]
-    with matplotlib.rc_context({"text.parse_math": False}):  # names of parts are no formulas
-        for row, (one, share) in enumerate(zip(parts, shares, strict=True)):
-            axes.barh(row, share, height=0.6, color=canvas.MISS if one.failed else canvas.GOAL)
-            axes.text(-0.01, row, _short(one.part.name), ha="right", va="center", transform=axes.get_yaxis_transform())  # fmt: skip
-            said = f"{one.failed:,} of {one.runs:,} {one.unit}"
-            axes.text(1.01, row, said, va="center", transform=axes.get_yaxis_transform())
-    axes.set_yticks([])
-    axes.set_ylim(len(parts) - 0.4, -0.6)
-    axes.set_xlim(0.0, max(1.0, *shares) * 1.04)
-    axes.set_xlabel("runs that failed, in %", labelpad=2)
-    return figure
-
-
-def _short(name: str) -> str:
-    return name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"

@@ -22,13 +22,12 @@ from meso_robust.recordings.phases import phases
 from meso_robust.recordings.summary import Checked as CheckedSet
 from meso_robust.reporting import card as cards, diagnosis_words
 from meso_robust.reporting.answer import answer
-from meso_robust.reporting.campaign_figures import shares_figure
 from meso_robust.reporting.card import Card
 from meso_robust.reporting.diagnosis_figures import held_out_figure, map_figure
 from meso_robust.reporting.identification_figures import profile_figure, recording_figure
 from meso_robust.reporting.plan_figures import overview_figure
 from meso_robust.reporting.recording_figures import recording_figure as way_figure
-from meso_robust.reporting.run_figures import certificate_figure, runs_figure
+from meso_robust.reporting.run_figures import certificate_figure, runs_figure, shares_figure
 from meso_robust.reporting.words import significant
 from meso_robust.task import Task
 from meso_robust.tracking.job import Found as Tracked

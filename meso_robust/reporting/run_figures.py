@@ -1,15 +1,18 @@
-"""Small pictures for notebooks: what a certificate states, and how simulated runs end."""
+"""Small pictures for notebooks: what a certificate states, how runs end, how many fail."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from meso_robust import units
+from meso_robust.campaigns.answer import PartAnswer
 from meso_robust.checker.document import BoxDocument, Certificate
 from meso_robust.execution.running import rectangle
 from meso_robust.execution.simulation import Simulated, in_goal
@@ -38,6 +41,7 @@ from meso_robust.reporting.reading import thinned
 from meso_robust.task import Task
 
 WIDE = (11.6, 4.4)  # inches
+_LONGEST = 34  # letters of a part's name beside its bar
 
 
 def certificate_figure(certificate: Certificate, task: Task, *, holds: bool) -> Figure:
@@ -117,3 +121,26 @@ def _goal(axes: Axes, goal: PoseBox, body: Floats) -> None:
     outline(axes, np.array(goal.mid), body, "goal outline", **look)
     face: dict[str, Any] = {"fc": GOAL_FILL, "ec": GOAL, "lw": 1.0, "label": "goal box"}
     axes.add_patch(rectangle_of(goal, "x", "y", **face))
+
+
+def shares_figure(parts: Sequence[PartAnswer]) -> Figure:
+    """A bar for the share of each part's runs that failed, with both numbers beside it."""
+    tall = 0.75 + 0.34 * len(parts)
+    figure = Figure(figsize=(11.6, tall))
+    axes = figure.add_axes((0.24, 0.46 / tall, 0.58, 1.0 - 0.56 / tall))
+    shares = [100.0 * one.failed / max(one.runs, 1) for one in parts]
+    with matplotlib.rc_context({"text.parse_math": False}):  # names of parts are no formulas
+        for row, (one, share) in enumerate(zip(parts, shares, strict=True)):
+            axes.barh(row, share, height=0.6, color=MISS if one.failed else GOAL)
+            axes.text(-0.01, row, _short(one.part.name), ha="right", va="center", transform=axes.get_yaxis_transform())  # fmt: skip
+            said = f"{one.failed:,} of {one.runs:,} {one.unit}"
+            axes.text(1.01, row, said, va="center", transform=axes.get_yaxis_transform())
+    axes.set_yticks([])
+    axes.set_ylim(len(parts) - 0.4, -0.6)
+    axes.set_xlim(0.0, max(1.0, *shares) * 1.04)
+    axes.set_xlabel("runs that failed, in %", labelpad=2)
+    return figure
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"
