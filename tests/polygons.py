@@ -21,7 +21,7 @@ from meso_robust.certificates.document import (
     step_document,
 )
 from meso_robust.certificates.margin import Margin
-from meso_robust.planning.compose import compose
+from meso_robust.planning.compose import robust_at
 from meso_robust.planning.document import goal_document, plan_document
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
@@ -42,9 +42,10 @@ def values_of(path: Path) -> dict[str, Any]:
 
 @cache
 def planned(name: str) -> tuple[Task, tuple[MoveRule, ...], Chain]:
-    """A shipped task of a polygon, the plan that is found for it, and its certified chain."""
+    """A shipped task of a polygon, a plan with something in hand, and its certified chain."""
     task = parse_task(values_of(SHIPPED[name]), name)
-    rules = compose(task).rules
+    rules = robust_at(task, 1.1)
+    assert rules is not None
     return task, rules, certify(rules, setup_of(task))
 
 

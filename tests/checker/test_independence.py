@@ -8,7 +8,7 @@ import pytest
 from pydantic import BaseModel
 
 import meso_robust.checker
-from meso_robust.task import Goal, Part, Pose, Probe, Slot, Uncertainty
+from meso_robust.task import Goal, Part, PolygonPart, Pose, Probe, Slot, Uncertainty
 from tests.test_architecture import imported
 
 FOLDER = Path(meso_robust.checker.__file__).parent
@@ -32,6 +32,7 @@ def test_the_checker_knows_every_value_of_a_task() -> None:
     """A new one must be given a place in the proof before it is listed here."""
     known: dict[type[BaseModel], set[str]] = {
         Part: {"length_um", "width_um"},
+        PolygonPart: {"polygon_um"},
         Pose: {"x_um", "y_um", "theta_deg"},
         Goal: {"x_um", "y_um", "theta_deg", "position_tolerance_um", "orientation_tolerance_deg"},
         Probe: {"tip_spacing_um", "speed_um_s"},

@@ -1,0 +1,187 @@
+"""Certificates of polygons: verified, and rejected for another polygon or a false statement."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from meso_robust.campaigns.mutation.sampled import least
+from meso_robust.checker import outline as own
+from meso_robust.checker.given import given
+from meso_robust.checker.verdict import BITS, Answer
+from meso_robust.checker.walls import apart
+from meso_robust.execution.polygon import distances
+from meso_robust.task import PolygonPart, Task, parse_task
+from tests.checker.test_check import checked
+from tests.polygons import SHIPPED, certificate, planned, values_of
+
+Document = dict[str, Any]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _as_the_checker_computes() -> Iterator[None]:
+    with ctx.workprec(BITS):
+        yield
+
+
+def document_of(name: str) -> Document:
+    return certificate(*planned(name))
+
+
+def moved(name: str, corner: int, by: tuple[float, float]) -> Task:
+    """The shipped task with one corner of the part elsewhere."""
+    values = values_of(SHIPPED[name])
+    corners = values["part"]["polygon_um"]
+    corners[corner] = [value + step for value, step in zip(corners[corner], by, strict=True)]
+    return parse_task(values, "moved")
+
+
+def refusal(found: Answer) -> str:
+    assert found.verdict == "REJECTED"
+    assert found.refused is not None
+    return found.refused.claim
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_certificate_of_a_shipped_task_is_verified(name: str) -> None:
+    assert checked(document_of(name), planned(name)[0]).verdict == "VERIFIED"
+
+
+# the pushed edge of the hexagon runs from corner 0 to corner 1; its other tip passes corner 1 on the
+# side of the edge to corner 2. The L is pushed from corner 0 to corner 1, and its other tip passes
+# corner 0 on the side of the edge from corner 5
+ALTERED = [
+    ("hexagon", 0, (0.5, 0.0)),
+    ("hexagon", 1, (0.0, 0.5)),
+    ("hexagon", 1, (-0.5, 0.0)),
+    ("hexagon", 2, (0.0, 0.5)),
+    ("L-shape", 0, (-0.5, 0.0)),
+    ("L-shape", 1, (0.5, 0.0)),
+    ("L-shape", 5, (-0.5, 0.0)),
+]
+
+
+@pytest.mark.parametrize(("name", "corner", "by"), ALTERED)
+def test_another_polygon_is_rejected(name: str, corner: int, by: tuple[float, float]) -> None:
+    refusal(checked(document_of(name), moved(name, corner, by)))
+
+
+def test_a_corner_that_nothing_rests_on_may_move() -> None:
+    """The notch of the L lies behind its convex hull: the proof holds with another one as well."""
+    assert checked(document_of("L-shape"), moved("L-shape", 3, (-5.0, -5.0))).verdict == "VERIFIED"
+
+
+def obligation(document: Document, move: int, claim: str) -> Document:
+    listed = document["steps"][move]["obligations"]
+    found: Document = next(one for one in listed if one["claim"].startswith(claim))
+    return found
+
+
+def larger_bound(one: Document) -> None:
+    found = least(one)
+    assert found is not None
+    one["lower_bound"] = (found + 1e-9).hex()
+
+
+def narrower(name: str) -> Callable[[Document], None]:
+    def change(one: Document) -> None:
+        low, high = (float.fromhex(end) for end in one["over"][name])
+        one["over"][name] = [low.hex(), (low + 0.6 * (high - low)).hex()]
+
+    return change
+
+
+def of_a_rectangle(one: Document) -> None:
+    half = one["over"].pop("last")
+    del one["over"]["first"]
+    one["over"]["half"] = half
+    one["inequality"] = "half - |d2| > 0"
+
+
+FALSE: list[tuple[str, Callable[[Document], None]]] = [
+    ("the pushing tip touches the edge", larger_bound),
+    ("the pushing tip touches the edge", narrower("d2")),
+    ("the pushing tip touches the edge", of_a_rectangle),
+    ("the other tip passes the part (while it turns)", larger_bound),
+    ("the other tip passes the part (while it turns)", narrower("theta")),
+    ("the other tip passes the part (before the touch)", narrower("dx")),
+    ("the other tip passes the part (on withdrawal)", narrower("dy")),
+]
+
+
+@pytest.mark.parametrize(("claim", "change"), FALSE)
+def test_a_false_statement_is_rejected(claim: str, change: Callable[[Document], None]) -> None:
+    document = copy.deepcopy(document_of("hexagon"))
+    change(obligation(document, 0, claim))
+    listed = {
+        f"{one['inequality']} [{one['derivation']}]": None
+        for step in document["steps"]
+        for one in step["obligations"]
+    }
+    document["claim"]["inequalities"] = list(listed)
+    assert refusal(checked(document, planned("hexagon")[0])).startswith(claim)
+
+
+def test_the_assumption_names_the_polygon() -> None:
+    document = copy.deepcopy(document_of("hexagon"))
+    premise = next(one for one in document["claim"]["assumptions"] if "stated" in one)
+    assert "polygon, its reference point the centre of drag" in premise
+    where = document["claim"]["assumptions"].index(premise)
+    document["claim"]["assumptions"][where] = premise.replace("polygon", "rectangle")
+    assert refusal(checked(document, planned("hexagon")[0])) == "claim.assumptions"
+
+
+# ------------------------------------------------------------------------ its own outline
+
+
+def test_sides_of_the_hull_by_hand() -> None:
+    """An L with sides of 3-4-5 triangles about it."""
+    part = PolygonPart(polygon_um=((-20.0, -20.0), (40.0, -20.0), (0.0, 10.0), (-20.0, 50.0)))
+    found = own.outline(part)
+    assert isinstance(found, own.Polygon)
+    assert found.around == (0, 1, 3)  # (0, 10) lies behind the side from (40, -20) to (-20, 50)
+    first = next(edge for edge in found.every if edge.name == 0)
+    exact = [Fraction(-20, 10**6), Fraction(40, 10**6), Fraction(20, 10**6)]
+    for ball, value in zip((first.first, first.last, first.d1), exact, strict=True):
+        assert abs(ball - arb(value.numerator) / value.denominator) < 1e-20
+    assert abs(first.turn) < 1e-20
+    # pushed by its left side the part stands at 180 deg, whole turns aside
+    for turns in (-1, 0, 1):
+        facing = found.facing(arb.pi() * (1 + 2 * turns))
+        assert facing.name == 3
+        assert abs(facing.turn - arb.pi() * (0.5 + 2 * turns)) < 1e-18
+
+
+def test_what_is_apart_from_a_polygon_has_no_common_point() -> None:
+    values = values_of(SHIPPED["L-shape"])
+    values["slot"] = {
+        "mouth_x_um": 0.0, "mouth_y_um": 0.0, "opens": "+x", "width_um": 900.0, "depth_um": 500.0,
+        "wall_um": 300.0, "friction": 0.3,
+    }  # fmt: skip
+    known, rng, decided = given(parse_task(values, "walled")), np.random.default_rng(1), 0
+    body = 1e-6 * np.array(values["part"]["polygon_um"])
+    grid = np.array(np.meshgrid(*(np.linspace(-0.8e-3, 0.8e-3, 41),) * 2)).reshape(2, -1).T
+    points = np.concatenate([body, grid[distances(grid, body) <= 0.0]])
+    for _ in range(60):
+        x, y, theta = rng.uniform([-2e-3, -2e-3, -3.2], [2e-3, 2e-3, 3.2])
+        block = known.blocks[rng.integers(3)]
+        box = {name: (arb(v), arb(v)) for name, v in (("x", x), ("y", y), ("theta", theta))}
+        c, s = np.cos(theta), np.sin(theta)
+        at = points @ np.array([[c, s], [-s, c]]) + [x, y]
+        gaps = [
+            np.maximum(float(side[0]) - at[:, k], at[:, k] - float(side[1]))
+            for k, side in enumerate(block)
+        ]
+        nearest = np.maximum(*gaps).min()
+        if apart(box, block, known, pieces=8):
+            decided += 1
+            assert nearest > 0.0
+        else:
+            assert nearest < 0.7e-3  # the hull of the L reaches over its notch
+    assert decided > 30
