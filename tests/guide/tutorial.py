@@ -10,6 +10,7 @@ import argparse
 import os
 import platform
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -75,8 +76,22 @@ def missing(shown: tuple[str, ...], printed: str) -> list[str]:
     ]
 
 
-def walked(folder: Path) -> Iterator[tuple[str, float, int, list[str]]]:
-    """Each command with its seconds, its exit status, and what it did not print as shown."""
+@dataclass(frozen=True, slots=True)
+class Walked:
+    """A command that was run."""
+
+    text: str
+    seconds: float
+    """By the clock."""
+    processor: float
+    """Seconds of all cores together."""
+    status: int
+    differs: list[str]
+    """What the page shows and it did not print."""
+
+
+def walked(folder: Path) -> Iterator[Walked]:
+    """Run each command as a reader would."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     where = folder
     for command in commands(TUTORIAL.read_text(encoding="utf-8")):
@@ -85,7 +100,7 @@ def walked(folder: Path) -> Iterator[tuple[str, float, int, list[str]]]:
             continue
         if command.friction:
             edited(where / "task.toml", command.friction)
-        before = time.perf_counter()
+        before, used = time.perf_counter(), _processor()
         done = subprocess.run(
             ["bash", "-c", command.text],
             cwd=where,
@@ -94,8 +109,19 @@ def walked(folder: Path) -> Iterator[tuple[str, float, int, list[str]]]:
             text=True,
             check=False,
         )
-        seconds = time.perf_counter() - before
-        yield command.text, seconds, done.returncode, missing(command.shown, done.stdout)
+        yield Walked(
+            text=command.text,
+            seconds=time.perf_counter() - before,
+            processor=_processor() - used,
+            status=done.returncode,
+            differs=missing(command.shown, done.stdout),
+        )
+
+
+def _processor() -> float:
+    """Processor time of all commands so far, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def main() -> None:
@@ -103,28 +129,29 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("reports/tutorial/times.md"))
     out = parser.parse_args().out
-    rows, whole = [], 0.0
+    load, rows, whole, used = os.getloadavg()[1], [], 0.0, 0.0
     with tempfile.TemporaryDirectory() as name:
-        for text, seconds, status, differs in walked(Path(name)):
-            rows.append(_row(text, seconds, status, differs))
+        for one in walked(Path(name)):
+            rows.append(_row(one))
             sys.stdout.write(rows[-1] + "\n")
             sys.stdout.flush()
-            whole += seconds
+            whole, used = whole + one.seconds, used + one.processor
     head = [
         "# The tutorial, walked",
         "",
         f"`make tutorial`; meso-robust {__version__}, Python {platform.python_version()}, "
-        f"{platform.machine()}, {os.cpu_count()} cores; load before: {os.getloadavg()[2]:.1f} "
-        f"(15 min). In all {whole:.0f} s.",
+        f"{platform.machine()}, {os.cpu_count()} cores; other work on them before: a load of "
+        f"{load:.1f}. In all {whole:.0f} s by the clock, {used:.0f} s of processor time.",
         "",
-        "| command | s | exit status | printed otherwise than the page shows |",
-        "|---|---|---|---|",
+        "| command | s | processor s | exit status | shown on the page and not printed |",
+        "|---|---|---|---|---|",
     ]
     write_all(out.parent, {out.name: "\n".join([*head, *rows, ""])})
 
 
-def _row(text: str, seconds: float, status: int, differs: list[str]) -> str:
-    cells = (f"`{text}`", f"{seconds:.1f}", str(status), "; ".join(differs) or "–")
+def _row(one: Walked) -> str:
+    times = f"{one.seconds:.1f}", f"{one.processor:.1f}"
+    cells = (f"`{one.text}`", *times, str(one.status), "; ".join(one.differs) or "–")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 

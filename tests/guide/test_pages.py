@@ -1,0 +1,135 @@
+"""What the guide names exists, and what is made from the code is what the code says."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+import meso_robust
+from meso_robust.cli import app
+from meso_robust.cli.schema import documents
+from meso_robust.guide import GUIDE
+from meso_robust.reporting.words import QUANTITIES
+from meso_robust.tasks import SLOT
+from tests.guide.pages import FORMATS, GLOSSARY, formats, with_symbols
+from tests.strategies import paper_chain
+
+ROOT = Path(meso_robust.__file__).parent.parent
+PAGES = sorted(GUIDE.glob("*.md"))
+NAMES = [page.name for page in PAGES]
+_TO_MAKE = {"<name>", "two_drags"}
+"""What stands for a file that a reader is to write."""
+
+
+def text(name: str) -> str:
+    return (GUIDE / name).read_text(encoding="utf-8")
+
+
+def anchors(page: str) -> set[str]:
+    """Anchors of a page's headings."""
+    heads = re.findall(r"^#+ (.+)$", page, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+def test_the_guide_is_whole() -> None:
+    whole = ["certificate", "extending", "formats", "glossary", "tutorial", "your_task"]
+
+    assert [page.stem for page in PAGES] == whole
+
+
+def test_formats_are_those_of_the_code() -> None:
+    assert FORMATS.read_text(encoding="utf-8") == formats()
+
+
+def test_formats_have_every_document_and_every_key() -> None:
+    page = text("formats.md")
+    for name, model in documents().items():
+        section = re.split(r"(?m)^## ", page.split(f"\n## {name}\n")[1])[0]
+        for key in model.model_json_schema(by_alias=True)["properties"]:
+            assert f"| `{key}` |" in section, f"{name}.{key}"
+    assert "Sum" not in page
+    assert "The pose as sensed before the first move." in page  # a meaning, from the class
+
+
+def test_symbols_are_those_of_the_reports() -> None:
+    page = GLOSSARY.read_text(encoding="utf-8")
+
+    assert page == with_symbols(page)
+    for name, quantity in QUANTITIES.items():
+        assert f"| `{name}` | {quantity.meaning} |" in page
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_links_lead_somewhere(name: str) -> None:
+    for link in re.findall(r"\]\(([^)\s]+)\)", text(name)):
+        file, _, anchor = link.partition("#")
+        target = GUIDE / file if file else GUIDE / name
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target.read_text(encoding="utf-8")), link
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_that_are_named_exist(name: str) -> None:
+    named = re.findall(r"`((?:meso_robust|derivations|tests)/[\w./<>-]+)`", text(name))
+    for file in named:
+        if not any(one in file for one in _TO_MAKE):
+            assert (ROOT / file).exists(), file
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_commands_have_the_options_that_are_named(name: str) -> None:
+    group: Any = typer.main.get_command(app)
+    for block in re.findall(r"^```\n(.*?)^```", text(name), re.DOTALL | re.MULTILINE):
+        for line in block.splitlines():
+            if "meso-robust" not in line:
+                continue
+            verb, *words = shlex.split(line.split("meso-robust ", 1)[1])
+            known = {one for option in group.commands[verb].params for one in option.opts}
+            assert {word for word in words if word.startswith("--")} <= known, line
+
+
+def test_keys_of_a_task_that_are_explained_are_all_its_keys() -> None:
+    """The slot task has every key that there is."""
+    values = tomllib.loads(SLOT.read_text(encoding="utf-8"))
+    explained = set(re.findall(r"`(\w+\.[\w…]+)`", text("your_task.md")))
+    for section, of in values.items():
+        if isinstance(of, dict):
+            wanted = {f"{section}.{key}" for key in of}
+            assert wanted <= explained or f"{section}.…" in explained, section
+    table = text("your_task.md").split("## Measuring")[0]
+    for key in re.findall(r"^\| `(\w+)\.(\w+)`", table, re.MULTILINE):
+        assert key[1] in values[key[0]], key
+
+
+def test_what_a_verdict_is_said_to_tell_is_told_by_the_code() -> None:
+    claims = {one.claim for step in paper_chain().steps for one in step.obligations}
+    design = (ROOT / "meso_robust/certificates/design.py").read_text(encoding="utf-8")
+    goal = "every final pose lies in the goal"
+    assert goal in (ROOT / "meso_robust/certificates/document.py").read_text(encoding="utf-8")
+    told = re.findall(r"^\| \*([^*]+)\*", text("your_task.md"), re.MULTILINE)
+    assert len(told) >= 6
+    for words in told:
+        of_design = re.split(r" scaled by| with ", words)[0] in design
+        assert of_design or words in {*claims, goal}, words
+
+
+def test_assumptions_that_the_certificate_page_tells_are_all() -> None:
+    from meso_robust.certificates.document import ASSUMPTIONS
+
+    assert len(ASSUMPTIONS) == 7  # one more: tell it in certificate.md
+    page = text("certificate.md")
+    for word in (
+        "inertia",
+        "rigid",
+        "Coulomb",
+        "straight travel",
+        "constant during a move",
+        "rests",
+    ):
+        assert word in page
