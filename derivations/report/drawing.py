@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from meso_robust.reporting.canvas import CERTIFIED, CERTIFIED_FILL, INK, MUTED, TIP
+from meso_robust.reporting.theme import FORCE
 
 Floats = npt.NDArray[np.float64]
 
 HALF_LENGTH, HALF_WIDTH = 808.0, 418.5
 """Half sides of the paper's part."""
-FORCE = "#7a1fa2"
 PANEL = (3.7, 4.0)  # inches
 TIP_RADIUS = 34.0
 LETTERS = 11.0

@@ -18,6 +18,7 @@ from derivations.report.jam import AT_D, AT_S, jam_map
 from meso_robust._generated import one_point_sticking as sticking
 from meso_robust.reporting.canvas import CERTIFIED, GOAL, GOAL_FILL, INK, MISS, MUTED, OPEN
 from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.theme import PURPLE_FILL
 
 Floats = npt.NDArray[np.float64]
 
@@ -32,7 +33,6 @@ SEPARATION = WIDTH + 2.0 * SENSING + 2.0 * CONTROL  # eq. (10) with equality
 PUSH = 1100.0  # of the paper's rotation
 PANEL = (5.6, 4.0)  # inches
 # grid of the jam map, cell centres; h leaves out 0, where both contacts lie on one normal
-JAM_FILL = "#f6c9c4"
 JAM_MU = np.round(np.arange(0.05, 0.605, 0.01), 2)
 JAM_V = np.arange(842.0, 1000.0, 4.0)
 JAM_H = np.arange(395.0, -100.0, -10.0)
@@ -66,7 +66,7 @@ class Picture:
 
 def pictures() -> tuple[Picture, ...]:
     """All pictures: first those of the notation."""
-    with style():
+    with style(formulas=True):
         return (
             _drawn(
                 "sign-one-point",
@@ -211,7 +211,7 @@ def _jam_figure() -> Figure:
     axes.set_facecolor(GOAL_FILL)
     runs = _runs(jam_raster())
     axes.add_collection(
-        PolyCollection(runs, facecolors=JAM_FILL, edgecolors="none", antialiased=False)
+        PolyCollection(runs, facecolors=PURPLE_FILL, edgecolors="none", antialiased=False)
     )
     mu = np.linspace(0.045, 0.605, 113)
     axes.plot(np.round(mu, 4), np.round(jam_limit(mu), 3), color=INK, lw=1.2, zorder=5)

@@ -5,18 +5,16 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-import meso_robust.reporting
 from derivations._claim import Verdict
 from derivations.report import notation
 from derivations.report.figures import Picture
 from derivations.report.formulas import to_html
 from derivations.report.register import MARKS, Chapter, tally
 from derivations.report.witnesses import values
+from meso_robust.reporting.skeleton import Banner, code, environment
 
-FOLDERS = (Path(__file__).parent, Path(meso_robust.reporting.__file__).parent)
 STANDS = (Verdict.CONFIRMED, Verdict.SHARPENED)
 
 
@@ -33,19 +31,23 @@ def page(register: tuple[Chapter, ...], drawn: tuple[Picture, ...]) -> str:
     DerivationError
         Names the claim of a text that cannot be typeset.
     """
-    environment = Environment(
-        loader=FileSystemLoader(FOLDERS),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
+    templates = environment(Path(__file__).parent)
+    templates.filters.update(tex=to_html, values=values, code=_code)
+    banner = Banner(
+        verb="derive",
+        subject="register of claims",
+        word=headline(register),
+        colour="NEUTRAL",
+        meaning=notation.ABOUT_REGISTER,
     )
-    environment.filters.update(tex=to_html, values=values, code=_code)
-    return environment.get_template("register.html.j2").render(
+    return templates.get_template("register.html.j2").render(
+        banner=banner,
+        made=(
+            ("to reproduce", code("meso-robust derive", "; written by it, not to be edited")),
+            ("to check", code("meso-robust derive --check", " fails if anything on disk differs")),
+        ),
         register=register,
         counts=tally(register),
-        headline=headline(register),
         marks=MARKS,
         drawn=drawn,
         notation=notation,

@@ -17,6 +17,7 @@ from meso_robust.execution.running import MoveRun, PlanRun, rectangle
 from meso_robust.execution.simulation import Simulated, in_goal, order
 from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.execution.trajectories import probe_names
+from meso_robust.provenance import commit
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 
 Floats = npt.NDArray[np.float64]
@@ -68,7 +69,7 @@ def _made(answer: SimulationDocument) -> tuple[tuple[str, str], ...]:
         ),
         ("task hash (SHA-256)", code(answer.task_hash)),
         ("plan hash (SHA-256)", code(answer.plan_hash)),
-        versions({**answer.made_with, "seed": str(answer.seed)}),
+        versions({**answer.made_with, "commit": commit(), "seed": str(answer.seed)}),
     )
 
 

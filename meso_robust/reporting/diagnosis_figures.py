@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,7 @@ from meso_robust import units
 from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording, WhereSection
 from meso_robust.diagnosis.evidence import Evidence, Floats
 from meso_robust.reporting.canvas import AXIS_NAME, GRID, INK, MUTED, corners, fit_equal, outline
-from meso_robust.reporting.theme import BAND, BLUE, SHADES, STAGES, VERMILION, WAY
+from meso_robust.reporting.theme import BAND, BLUE, PAPER, SHADES, STAGES, VERMILION, WAY
 
 BASELINE, EXTENDED, TIP_WAY = VERMILION, BLUE, WAY
 LEVELS = (1.25, 1.75, 2.5, 4.0, 7.0, 12.0)
@@ -67,7 +68,12 @@ def held_out_figure(rows: Sequence[HeldOutRecording], floor: float, extended: bo
     axes = figure.add_axes((0.2, 0.5 / tall, 0.77, 1.0 - 0.8 / tall))
     at = np.arange(len(rows))
     before = [one.baseline_sigma for one in rows]
-    axes.barh(at - 0.19 * extended, before, 0.36, color=BASELINE, label="plain model")
+    look: dict[str, Any] = {
+        "hatch": "////",
+        "edgecolor": PAPER,
+        "lw": 0.0,
+    }  # told apart without their colours
+    axes.barh(at - 0.19 * extended, before, 0.36, color=BASELINE, label="plain model", **look)
     if extended:
         after = [one.extended_sigma for one in rows]
         axes.barh(at + 0.19, after, 0.36, color=EXTENDED, label="extended model")
