@@ -20,6 +20,8 @@ from meso_robust.primitives.setup import Block, PoseBox, Setup
 from meso_robust.primitives.tips import HALF
 
 MOST_SPLITS = 400  # of one slice against one wall
+TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point, another careful
+# enclosure of the same distance is a little smaller
 
 
 def part_clear(tube: Iterable[Knot], setup: Setup) -> Obligation:
@@ -108,7 +110,10 @@ def _separation(box: PoseBox, block: Block, setup: Setup) -> float:
 def _apart(box: PoseBox, block: Block, setup: Setup) -> float:
     """Lower bound of the largest of the distances that holds for a whole box, m."""
     if isinstance(setup.outline, Polygon):
-        return max(_beyond_wall(box, block, setup.outline), _beyond_part(box, block, setup.outline))
+        found = max(
+            _beyond_wall(box, block, setup.outline), _beyond_part(box, block, setup.outline)
+        )
+        return found * TOLD if found > 0.0 else found
     a, b, c, s = setup.half_length, setup.half_width, cos(box.theta), sin(box.theta)
     along, across = _size_of(c), _size_of(s)
     reach_x, reach_y = a * along + b * across, a * across + b * along

@@ -11,12 +11,16 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from meso_robust.bounds import Verdict
 from meso_robust.campaigns.mutation.sampled import least
-from meso_robust.checker import outline as own
+from meso_robust.certificates.chain import certify
+from meso_robust.checker import outline as own, words
 from meso_robust.checker.given import given
 from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.checker.walls import apart
 from meso_robust.execution.polygon import distances
+from meso_robust.planning.x_translation import to_goal
+from meso_robust.primitives.setup import setup_of
 from meso_robust.task import PolygonPart, Task, parse_task
 from tests.checker.test_check import checked
 from tests.polygons import SHIPPED, certificate, planned, values_of
@@ -135,6 +139,33 @@ def test_the_assumption_names_the_polygon() -> None:
     where = document["claim"]["assumptions"].index(premise)
     document["claim"]["assumptions"][where] = premise.replace("polygon", "rectangle")
     assert refusal(checked(document, planned("hexagon")[0])) == "claim.assumptions"
+
+
+def walled(width_um: float) -> Task:
+    """The hexagon before a slot, pushed from further away."""
+    values = values_of(SHIPPED["hexagon"])
+    values["start"] |= {"x_um": 1600.0, "y_um": -8.0}
+    values["slot"] = {
+        "mouth_x_um": 100.0, "mouth_y_um": 0.0, "opens": "+x", "width_um": width_um,
+        "depth_um": 620.0, "wall_um": 200.0, "friction": 0.3,
+    }  # fmt: skip
+    return parse_task(values, "walled")
+
+
+def test_a_hexagon_in_a_slot_is_verified_and_not_in_a_narrower_one() -> None:
+    task = walled(1100.0)
+    setup = setup_of(task)
+    pushed = to_goal(setup.start, setup)
+    assert pushed is not None
+    chain = certify([pushed.rule], setup)
+    assert chain.verdict is Verdict.PROVED
+    document = certificate(task, [pushed.rule], chain)
+    assert checked(document, task).verdict == "VERIFIED"
+    # corner to corner the nut is 1039 um wide; 4 um a side leave no room for its errors in y
+    narrow = walled(1046.0)
+    assert certify([pushed.rule], setup_of(narrow)).verdict is not Verdict.PROVED
+    document["claim"]["words"] = words.claim(narrow, 1)
+    assert refusal(checked(document, narrow)) == "the part stays clear of the slot's walls"
 
 
 # ------------------------------------------------------------------------ its own outline
