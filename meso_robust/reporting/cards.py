@@ -42,7 +42,6 @@ _CHECKED = {
     "REJECTED": ("REFUTED", "Something that the certificate states was not confirmed."),
     "NOTHING CLAIMED": ("UNKNOWN", "The certificate claims nothing that could be checked."),
 }
-_DIAGNOSED = {"PROVED": "PROVED", "NAMED": "NEUTRAL", "UNKNOWN": "UNKNOWN", "REFUTED": "REFUTED"}
 _CAMPAIGN = {
     "held": ("PROVED", "What was claimed was tested, and nothing broke it: evidence, not a proof."),
     "broken": ("REFUTED", "Something that was claimed does not hold."),
@@ -185,7 +184,7 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
     return cards.html(
         Card(
             word=document.verdict.upper(),
-            colour=_DIAGNOSED[look.colour],
+            colour="NEUTRAL" if look.colour == "NAMED" else look.colour,
             about=diagnosis_words.answer(document),
             meaning=look.meaning,
             figures=tuple(figures),
