@@ -279,6 +279,21 @@ def test_margins_are_above_what_the_certificate_proves(
     assert closest < 1.5  # some run comes near a bound: the values are of the same thing
 
 
+def test_margins_of_the_nominal_run_are_those_that_are_proved_of_it_alone(
+    script: Script, plan: PlanDocument
+) -> None:
+    """With next to no uncertainty the certificate's bounds close on the values from below."""
+    setup = setup_of(paper_task())
+    chain = certify(rules_of(plan, setup), setup_of(paper_task(), 1e-3))
+    (shown,) = told(script, setup, plan.policy, nominal(setup, 4))
+    for move, step in zip(shown["moves"], chain.steps, strict=True):
+        for item in step.obligations:
+            live = move["conditions"][item.claim]
+            ratio = live["value"] / (item.proof.lower * UNITS[live["unit"]])
+            # a bound over a whole slide is loose: it may take its worst h and its worst sigma
+            assert 1 - 1e-9 < ratio < (1.2 if "late in the turn" not in item.claim else 2.0), item
+
+
 def test_margins_turn_negative_where_a_run_fails(script: Script, plan: PlanDocument) -> None:
     setup, wide = setup_of(paper_task()), setup_of(paper_task(), 2.5)
     draws = draw(wide, 4, 40, np.random.default_rng(3))
