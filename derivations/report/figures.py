@@ -220,7 +220,7 @@ def _jam_figure() -> Figure:
         axes.axvline(end, color=OPEN, lw=1.0, ls=(0, (1, 2)), zorder=4)
     axes.set_xlim(0.045, 0.605)
     axes.set_ylim(840.0, 1000.0)
-    _say(axes, sum(MU_RANGE) / 2, 990.0, r"$\mu$ of the paper", OPEN, ha="center")
+    _say(axes, sum(MU_RANGE) / 2, 990.0, r"$\mu$ of the paper", MUTED, ha="center")
     _say(axes, 0.20, 930.0, "some contact mode\nhas a solution throughout", GOAL, ha="center")
     _say(axes, 0.51, 885.0, "none has one\nsomewhere: jam", MISS, ha="center")
     _say(axes, 0.545, 972.0, "derived limit", INK, ha="right")

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from meso_robust.admissibility import values
 from meso_robust.bounds import HALF_PI
+from meso_robust.reporting.theme import BLUE, ORANGE, PURPLE
 from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.item import Figure
 from meso_robust.reproduction.primitive_runs import YTranslations, turned_deg
@@ -17,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 
 LEVELS_UM = (2.0, 5.0, 11.0, 20.0)
 PRINTED_UM = 11.0
-COLOURS = ("#b42318", "#b7791f", "#1c5fa8")
+COLOURS = (PURPLE, ORANGE, BLUE)
 
 
 def figures(

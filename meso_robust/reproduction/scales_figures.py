@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from meso_robust.reporting.theme import BLUE, GREEN, VERMILION
 from meso_robust.reproduction.item import Figure
 
 if TYPE_CHECKING:
     from meso_robust.reproduction.scales import AtSize
 
-COLOURS = ("#1c5fa8", "#2f855a", "#c05621")
+COLOURS = (BLUE, GREEN, VERMILION)
 CAPTION = (
     "Left: factor on all uncertainties at which the shrunk task is still proved; below the line at 1 "
     "there is no certificate (hollow). Right: share of simulated runs that end in the goal. Lines: "
