@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: demo test check lock benchmark reports campaign tutorial clean
+.PHONY: demo test check lock benchmark reports campaign tutorial nightly package oldest newest clean
 
 demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
@@ -62,6 +62,19 @@ campaign: $(INSTALLED)
 	$(BIN)/python -m tests.identification.design_report --sets 80 --out reports/identification
 	$(BIN)/python -m tests.blind.campaign --workers 2 --quick-diagnosis --out reports/blind/next_trial
 	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
+
+# What takes too long for every change: each verb ended by Ctrl-C in a terminal.
+nightly: $(INSTALLED)
+	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q tests/cli/test_terminal.py
+
+# Wheel and sdist, each in a clean environment of its own: plan, certificate, check.
+package: $(INSTALLED)
+	$(BIN)/python -m tests.packaging.clean
+
+# The fast tests on the oldest and on the newest dependencies; ON names another interpreter.
+ON ?= $(shell $(BIN)/python -c 'import platform; print(platform.python_version())')
+oldest newest: $(INSTALLED)
+	$(BIN)/python -m tests.packaging.compatibility $@ --python $(ON)
 
 lock:
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra dev --generate-hashes \

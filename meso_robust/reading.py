@@ -137,7 +137,7 @@ def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def _check_depth(values: Any) -> None:
     """Refuse values that are nested too deeply, level by level: recursion is what must not happen."""
     level = [values]
-    for _ in range(DEEPEST + 1):
+    for _ in range(DEEPEST):
         level = [inner for value in level for inner in _within(value)]
         if not level:
             return
@@ -145,6 +145,6 @@ def _check_depth(values: Any) -> None:
 
 
 def _within(value: Any) -> Iterable[Any]:
-    if isinstance(value, dict):
-        return value.values()
-    return value if isinstance(value, list) else ()
+    """The lists and sections that lie directly in one."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return (one for one in inner if isinstance(one, dict | list))

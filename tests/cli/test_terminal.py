@@ -31,6 +31,9 @@ MAIN = (
 )
 MOVING = re.compile("[⠋⠙⠹⠸⠼⠴⠦⠧⠇⠏━╸╺]")  # a spinner or a bar
 LONGEST = 120.0  # s
+AT_NIGHT = pytest.mark.skipif(
+    not os.environ.get("MESO_NIGHTLY"), reason="takes long; MESO_NIGHTLY=1 runs it"
+)
 
 
 class Terminal:
@@ -143,10 +146,7 @@ SHORT_ENOUGH = ("check", "campaign", "simulate")
 
 @pytest.mark.parametrize(
     "verb",
-    [
-        name if name in SHORT_ENOUGH else pytest.param(name, marks=pytest.mark.slow)
-        for name in VERBS
-    ],
+    [name if name in SHORT_ENOUGH else pytest.param(name, marks=AT_NIGHT) for name in VERBS],
 )
 def test_a_long_verb_shows_that_it_works_and_ends_by_ctrl_c(
     verb: str, plan: Path, tmp_path: Path
@@ -179,7 +179,7 @@ def test_a_long_verb_shows_that_it_works_and_ends_by_ctrl_c(
         assert {path.name for path in out.iterdir()} <= {"campaign.sqlite", "examples"}
 
 
-@pytest.mark.slow
+@AT_NIGHT
 def test_ctrl_c_while_kernels_are_compiled(tmp_path: Path) -> None:
     cache = tmp_path / "kernels"
     with terminal(["plan", "--out", str(tmp_path / "out")], NUMBA_CACHE_DIR=str(cache)) as shown:
