@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from meso_robust.errors import InputError
-from meso_robust.guide import TUTORIAL
+from meso_robust.guide import FOR_USERS, GUIDE
 from meso_robust.tasks import PAPER
 
 EXAMPLE = Path(__file__).parent
@@ -21,7 +21,7 @@ FILES = ("task.toml", "grid.png", "videos")
 
 
 def copy_example(folder: Path) -> None:
-    """Copy tutorial, example and all shipped tasks into a new folder, whole or not at all.
+    """Copy the guide, the example and all shipped tasks into a new folder, whole or not at all.
 
     Parameters
     ----------
@@ -54,7 +54,8 @@ def copy_example(folder: Path) -> None:
 
 def _fill(folder: Path) -> None:
     (folder / "tasks").mkdir(parents=True)
-    shutil.copyfile(TUTORIAL, folder / TUTORIAL.name)
+    for page in FOR_USERS:
+        shutil.copyfile(GUIDE / page, folder / page)
     for name in FILES:
         source = EXAMPLE / name
         (shutil.copytree if source.is_dir() else shutil.copyfile)(source, folder / name)

@@ -76,10 +76,8 @@ def set_of(
         position_source="camera" if commands is None else "controller",
         sensor=sensor_of(tracks),
         recordings=tuple(
-            recording_of(track, file, told)
-            for track, file, told in zip(
-                tracks, files, commands or [None] * len(tracks), strict=True
-            )
+            recording_of(track, file, None if commands is None else commands[k])
+            for k, (track, file) in enumerate(zip(tracks, files, strict=True))
         ),
     )
 

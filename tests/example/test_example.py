@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.example import EXAMPLE
-from meso_robust.guide import TUTORIAL
+from meso_robust.guide import FOR_USERS, TUTORIAL
 from meso_robust.identification.document import read_model
 from meso_robust.recordings import read_set
 from meso_robust.task import load_task
@@ -22,7 +23,7 @@ from tests.example.make import log
 HERE = Path(__file__).parent
 RUNNER = CliRunner()
 PUSHES = range(len(PLANS))
-FILES = ["grid.png", "task.toml", "tasks", "tutorial.md", "videos"]
+FILES = sorted(["grid.png", "task.toml", "tasks", "videos", *FOR_USERS])
 
 
 def tree(folder: Path) -> dict[str, bytes]:
@@ -44,6 +45,9 @@ def test_the_example_is_copied_whole(tmp_path: Path) -> None:
     videos = {f"videos/push_{k}.{end}" for k in PUSHES for end in ("mp4", "csv")}
     assert {name for name in copied if name.startswith("videos")} == videos
     assert {"tasks/paper.toml", "tasks/slot.toml"} <= set(copied)
+    for page in FOR_USERS:
+        links = re.findall(r"\]\(([^)#\s]+)", (out / page).read_text(encoding="utf-8"))
+        assert all((out / link).exists() for link in links), page
     for task in [out / "task.toml", *(out / "tasks").iterdir()]:
         load_task(task)
 
