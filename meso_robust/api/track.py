@@ -98,7 +98,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     pitch_um: float | None = None,
     start: tuple[float | None, float | None, float | None] | None = None,
     probes: Mapping[str, tuple[float, float]] | None = None,
-    commands: StrPath | None = None,
+    commands: StrPath | Sequence[StrPath] | None = None,
     frame_rate_hz: float | None = None,
     allow_truncated: bool = False,
     most_lost: float = 0.1,
@@ -123,7 +123,8 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     probes
         Tips in the first frame by name, um; found by their motion if left out.
     commands
-        File of commanded positions: ``time_s,<probe>_x_um,<probe>_y_um``.
+        Files of commanded positions (``time_s,<probe>_x_um,<probe>_y_um``), one a video, or their
+        folder, which has one of each video's name.
     frame_rate_hz
         Instead of the file's.
     allow_truncated
@@ -172,11 +173,11 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     """
     if not 0.0 <= most_lost <= 1.0:
         raise InputError(f"most_lost = {most_lost}: must be from 0 to 1; 0.1 is usual")
-    several = [videos] if isinstance(videos, str | PathLike) else list(videos)
+    several = _paths(videos)
     if not several:
         raise InputError("videos: none are given; give a video or a folder of images")
     job = Job(
-        videos=tuple(Path(one) for one in several),
+        videos=several,
         task=path_of(task),
         set_file=path_of(set_file),
         length_um=length_um,
@@ -188,12 +189,17 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
         pitch_um=pitch_um,
         start=None if start is None else _listed(start),
         probes=tuple(f"{name}={_listed(place)}" for name, place in (probes or {}).items()),
-        commands=path_of(commands),
+        commands=() if commands is None else _paths(commands),
         frame_rate_hz=frame_rate_hz,
         allow_truncated=allow_truncated,
         most_lost=most_lost,
     )
     return tracked(job, progress=progress)
+
+
+def _paths(given: StrPath | Sequence[StrPath]) -> tuple[Path, ...]:
+    several = [given] if isinstance(given, str | PathLike) else given
+    return tuple(Path(one) for one in several)
 
 
 def tracked(job: Job, *, progress: Progress = SILENT) -> Tracked:

@@ -184,7 +184,7 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
     return cards.html(
         Card(
             word=document.verdict.upper(),
-            colour="NEUTRAL" if look.colour == "NAMED" else look.colour,
+            colour=look.colour,
             about=diagnosis_words.answer(document),
             meaning=look.meaning,
             figures=tuple(figures),

@@ -112,7 +112,7 @@ CONTENTS: dict[str, Callable[[str], bytes]] = {
 
 
 def ran(line: str, good: dict[str, str], bad: Path, out: Path) -> Any:
-    words = []
+    words: list[str] = []
     for word in line.split():
         groups = {"PART": PART, "CAMERA": CAMERA, "{bad}": (str(bad),)}
         words += groups.get(word, (good.get(word, word),))

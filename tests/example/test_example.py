@@ -124,7 +124,9 @@ def test_the_task_is_too_optimistic_and_its_part_that_of_the_drawing() -> None:
     task = load_task(EXAMPLE / "task.toml")
     known = task.uncertainty
 
-    assert (task.part.length_um, task.part.width_um) == (LENGTH, WIDTH)
+    part = task.rectangle("the example")
+
+    assert (part.length_um, part.width_um) == (LENGTH, WIDTH)
     assert not known.friction[0] <= MU <= known.friction[1]
     assert abs(RHO_UM2 / known.film_ratio_um2 - 1) > 0.01 * known.film_ratio_percent
 

@@ -59,7 +59,7 @@ def page(pulls: Sequence[float], runs: int) -> str:
     good = max((pull for pull, one in found if one.in_goal == runs), default=0.0)
     bad = min((pull for pull, one in found if one.in_goal < runs and pull > good), default=good)
     limit = borne(rules, task, runs, good, bad)
-    size = task.part.length_um / FULL_UM
+    size = task.rectangle("the report").length_um / FULL_UM
     lines = [
         "# A 300 µm part whose tips adhere",
         "",
