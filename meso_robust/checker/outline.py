@@ -7,6 +7,7 @@ on the left. A side ``p q`` of length ``L`` has the direction ``atan2`` of ``q -
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -113,8 +114,14 @@ class Polygon:
         return replace(own[best], turn=own[best].turn + 2 * arb.pi() * turns[best])
 
     def sides(self, edge: Edge) -> tuple[Edge, ...]:
-        """All sides of the hull, ``edge`` first."""
-        return (edge, *(one for one in self.every if one.name != edge.name))
+        """All sides of the hull, ``edge`` first, the others less than a whole turn on from it."""
+        turn = 2 * arb.pi()
+
+        def later(one: Edge) -> Edge:
+            turns = math.floor(float(((edge.turn - one.turn) / turn).mid()))
+            return replace(one, turn=one.turn + turn * turns)
+
+        return (edge, *(later(one) for one in self.every if one.name != edge.name))
 
     @property
     def hull(self) -> tuple[tuple[arb, arb], ...]:

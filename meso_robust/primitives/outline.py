@@ -138,7 +138,9 @@ class Polygon:
         off = [math.remainder(angle, 4.0 * HALF_PI.mid) for angle in upright]
         best = min(range(len(off)), key=lambda k: abs(off[k]))
         edge, turns = self.edges[best], round((upright[best] - off[best]) / (4.0 * HALF_PI.mid))
-        return replace(edge, turn=edge.turn + HALF_PI * Interval.point(4.0 * turns))
+        turn = _whole_turns(edge.turn, turns)
+        ahead = (replace(line, turn=_next_below(line.turn, turn)) for line in edge.beyond)
+        return replace(edge, turn=turn, beyond=tuple(ahead))
 
     @property
     def reach(self) -> float:
@@ -175,6 +177,15 @@ class Polygon:
                 for edge in self.edges
             ),
         )
+
+
+def _whole_turns(angle: Interval, turns: int) -> Interval:
+    return angle + HALF_PI * Interval.point(4.0 * turns)
+
+
+def _next_below(turn: Interval, edge: Interval) -> Interval:
+    """The turn of a line by whole turns less than an edge's: run on from it, the line comes later."""
+    return _whole_turns(turn, math.floor((edge.mid - turn.mid) / (4.0 * HALF_PI.mid)))
 
 
 def _mirrored(line: Line) -> Line:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -20,6 +21,7 @@ from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.checker.walls import apart
 from meso_robust.execution.polygon import distances
 from meso_robust.planning.x_translation import to_goal
+from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import PolygonPart, Task, parse_task
 from tests.checker.test_check import checked
@@ -55,6 +57,28 @@ def refusal(found: Answer) -> str:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_certificate_of_a_shipped_task_is_verified(name: str) -> None:
     assert checked(document_of(name), planned(name)[0]).verdict == "VERIFIED"
+
+
+@pytest.mark.parametrize("frame", [Frame(mirrored=True), Frame(heading="+y", mirrored=True)])
+def test_a_mirrored_and_turned_task_is_verified_as_well(frame: Frame) -> None:
+    """The same plan seen from other axes, told as a task and a policy of its own."""
+    values = values_of(SHIPPED["L-shape"])
+    sign = -1.0 if frame.mirrored else 1.0
+    part, start, goal = values["part"], values["start"], values["goal"]
+    part["polygon_um"] = [[x, sign * y] for x, y in part["polygon_um"][::-1]]
+    for pose in (start, goal):
+        x, y = frame.to_world(np.array([pose["x_um"], pose["y_um"]]))
+        theta = sign * pose["theta_deg"] + 90.0 * frame.quarters
+        pose |= {"x_um": float(x), "y_um": float(y), "theta_deg": theta}
+    task = parse_task(values, "seen from other axes")
+    rules = [replace(rule, frame=frame) for rule in planned("L-shape")[1]]
+    chain = certify(rules, setup_of(task))
+    assert chain.verdict is Verdict.PROVED
+    found = checked(certificate(task, rules, chain), task)
+    assert found.verdict == "VERIFIED", found.refused
+    # the part is not symmetric: seen from axes that are not mirrored another edge faces the probe
+    other = [replace(rule, frame=replace(frame, mirrored=False)) for rule in rules]
+    assert certify(other, setup_of(task)).verdict is not Verdict.PROVED
 
 
 # the pushed edge of the hexagon runs from corner 0 to corner 1; its other tip passes corner 1 on the
