@@ -17,7 +17,7 @@ from meso_robust.cli.schema import documents
 from meso_robust.guide import GUIDE
 from meso_robust.planning.compose import Found
 from meso_robust.reporting.words import QUANTITIES
-from meso_robust.tasks import SLOT
+from meso_robust.tasks import HEXAGON, SLOT, TWO_PROBES
 from tests.guide.pages import FORMATS, GLOSSARY, formats, with_symbols
 from tests.strategies import paper_chain
 
@@ -96,13 +96,15 @@ def test_commands_have_the_options_that_are_named(name: str) -> None:
 
 
 def test_keys_of_a_task_that_are_explained_are_all_its_keys() -> None:
-    """The slot task has every key that there is."""
-    values = tomllib.loads(SLOT.read_text(encoding="utf-8"))
+    """Together these tasks have every key that there is."""
+    values: dict[str, dict[str, object]] = {}
+    for task in (SLOT, TWO_PROBES, HEXAGON):
+        for section, of in tomllib.loads(task.read_text(encoding="utf-8")).items():
+            values.setdefault(section, {}).update(of if isinstance(of, dict) else {})
     explained = set(re.findall(r"`(\w+\.[\w…]+)`", text("your_task.md")))
-    for section, of in values.items():
-        if isinstance(of, dict):
-            wanted = {f"{section}.{key}" for key in of}
-            assert wanted <= explained or f"{section}.…" in explained, section
+    for section, keys in values.items():
+        wanted = {f"{section}.{key}" for key in keys}
+        assert wanted <= explained or f"{section}.…" in explained, section
     table = text("your_task.md").split("## Measuring")[0]
     for key in re.findall(r"^\| `(\w+)\.(\w+)`", table, re.MULTILINE):
         assert key[1] in values[key[0]], key
