@@ -20,6 +20,7 @@ class Script:
     """A script that is loaded once and called."""
 
     def __init__(self, source: str) -> None:
+        self.source = source
         self._racer = MiniRacer()
         self._racer.eval(source)
 
@@ -42,7 +43,7 @@ const told = (task, rules, draw) => {
 
 def runs_script() -> Script:
     """What the page runs, with ``told(task, rules, draw)``: its conditions as an object."""
-    return Script(slim(engine() + TOLD))
+    return Script(slim(str(engine()) + TOLD))
 
 
 def draw_of(draws: Draws, row: int) -> Json:
