@@ -12,7 +12,6 @@ from meso_robust.execution.running import excess
 from meso_robust.job import Planned
 from meso_robust.premises.answer import document
 from meso_robust.premises.promise import Promise
-from meso_robust.primitives.outline import Polygon
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions
@@ -77,7 +76,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         answer=said,
         promise=None if promise is None else document(promise),
         pictures=pictures,
-        view=None if isinstance(result.setup.outline, Polygon) else view(result),
+        view=view(result),
         engine=engine(),
         steps=steps,
         conditions=conditions(item.inequality for step in steps for item in step.obligations),

@@ -1,5 +1,5 @@
 // Time and controls of a player; what is drawn stands in player_scene.js and player_strip.js.
-// The page brings `data` (moves, probes, half, goal, extent) and `run()`, the run that is shown.
+// The page brings `data` (moves, probes, part, arm, goal, extent) and `run()`, the run that is shown.
 const at = (id) => document.getElementById(id);
 const MODES = [
   { name: "separate", color: "--separate" },

@@ -198,7 +198,7 @@ layers.push((pen, seen) => {
 
 // Everything that the nominal run touches, and some room for other runs.
 function extentOf(one) {
-  const reach = Math.hypot(...data.half), xs = [data.goal.x], ys = [data.goal.y], tips = [];
+  const reach = Math.max(...data.part.map(([x, y]) => Math.hypot(x, y))), xs = [data.goal.x], ys = [data.goal.y], tips = [];
   for (const move of one.moves) {
     move.path.forEach(({ pose }) => { xs.push(pose[0]); ys.push(pose[1]); });
     tips.push(...move.tips);

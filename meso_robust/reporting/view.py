@@ -14,9 +14,10 @@ from typing import Any
 from markupsafe import Markup
 
 from meso_robust import units
-from meso_robust.bounds import Interval
+from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.job import Planned
 from meso_robust.planning.document import NAMES, BoxDocument
+from meso_robust.primitives.outline import Edge, Line, Outline, Polygon
 from meso_robust.primitives.setup import Setup
 from meso_robust.reporting.animation import embedded
 
@@ -44,9 +45,10 @@ def data(result: Planned) -> Json:
     What a run is made from (``task``, ``rules``, ``start``) is in um and rad.
     """
     setup, goal, certificate = result.setup, result.task.goal, result.certificate
-    moves = _moves(result)
+    moves, told = _moves(result), task(setup)
     return {
-        "half": list(_half(setup)),
+        "part": told["corners"],
+        "arm": 0.55 * max(y for _, y in told["corners"]),
         "goal": {
             "x": goal.x_um,
             "y": goal.y_um,
@@ -55,7 +57,7 @@ def data(result: Planned) -> Json:
             "dy": goal.position_tolerance_um,
             "dtheta": goal.orientation_tolerance_deg,
         },
-        "task": task(setup),
+        "task": told,
         "rules": [rule.model_dump(mode="json") for rule in certificate.policy],
         "start": [*map(units.to_um, setup.start.mid[:2]), setup.start.mid[2]],
         "ranges": _ranges(setup),
@@ -67,9 +69,10 @@ def data(result: Planned) -> Json:
 
 
 def task(setup: Setup) -> Json:
-    """What a run is made from besides the rules and a draw, um."""
+    """What a run is made from besides the rules and a draw, um and rad."""
     return {
-        "half": list(_half(setup)),
+        "corners": [[units.to_um(end.mid) for end in corner] for corner in setup.outline.corners],
+        "lines": [_line(line) for line in _hull(setup.outline)],
         "spacing": units.to_um(setup.spacing.mid),
         "walls": [
             [units.to_um(end) for end in (block.x.lo, block.x.hi, block.y.lo, block.y.hi)]
@@ -78,8 +81,23 @@ def task(setup: Setup) -> Json:
     }
 
 
-def _half(setup: Setup) -> tuple[float, float]:
-    return units.to_um(setup.half_length.mid), units.to_um(setup.half_width.mid)
+def _hull(outline: Outline) -> tuple[Line, ...]:
+    """The sides of the convex hull; those that are edges of the part as such."""
+    if not isinstance(outline, Polygon):
+        return tuple(outline.edge(k * HALF_PI.mid) for k in (1, 2, 3, 4))
+    edges = {edge.turn: edge for edge in outline.edges}
+    return tuple(edges.get(line.turn, line) for line in outline.lines)
+
+
+def _line(line: Line) -> dict[str, float | None]:
+    """Turn in rad; depth and the ends of an edge in um, no ends where no edge is."""
+    edge = line if isinstance(line, Edge) else None
+    return {
+        "turn": line.turn.mid,
+        "depth": units.to_um(line.depth.mid),
+        "first": None if edge is None else units.to_um(edge.first.mid),
+        "last": None if edge is None else units.to_um(edge.last.mid),
+    }
 
 
 def _ranges(setup: Setup) -> dict[str, list[float]]:

@@ -25,13 +25,15 @@ function watcher(move) {
   return { during: (now, mode) => { clear(now); during(now, mode); }, after: own.after };
 }
 
+// The edge on the side of the part that is away from the active probe.
+const behind = (part, theta) => facing(part, theta + Math.PI);
+
 function freeAtStart({ part, tips, start, found }) {
   const edge = facing(part, start.theta);
   ["upper", "lower", "passive"].forEach((name, i) => {
     if (!tips[i]) return;
-    const seen = name === "passive" ? edgeOf(part, (edge.q + 2) % 4) : edge;
-    const [distance] = sticking.clearance(edgeAngle(start.theta, seen), seen.depth,
-      tips[i].x - start.x, tips[i].y - start.y);
+    const seen = name === "passive" ? behind(part, start.theta) : edge;
+    const distance = clearance(seen, start, [tips[i].x, tips[i].y]);
     found.low(`the ${name} tip is free of contact at the start`, distance, "um");
   });
 }
@@ -53,20 +55,16 @@ function sticks({ part, found }, which, now, edge, offset, side) {
 }
 
 const onEdge = ({ found }, which, edge, offset) =>
-  found.low(`the ${which} tip touches the edge`, edge.half - Math.abs(offset), "um");
+  found.low(`the ${which} tip touches the edge`, room(edge, offset), "um");
 
-// The tip that does not push passes the part: off the edge's line, or beyond its end.
-function passes({ tips, found }, now, when, edge, offset, [pusher, idle], ahead, side) {
-  const dx = tips[idle].x - tips[pusher].x + ahead, dy = tips[idle].y - tips[pusher].y;
-  const both = sticking.beside(edgeAngle(now.theta, edge), offset, edge.half, dx, dy, side);
-  found.low(`the other tip passes the part (${when})`, Math.max(...both), "um");
+// The tip that does not push passes the part: it is off the line of a side of the convex hull.
+function passes({ part, tips, found }, now, when, idle, back = 0) {
+  const point = tipAt(tips[idle], now.s - back);
+  found.low(`the other tip passes the part (${when})`, gap(part, now, point), "um");
 }
 
-function passesBack(move, now, edge, offset, pushers, side) {
-  for (let i = 0; i <= WAYS_BACK; i++) {
-    const back = (now.s * i) / WAYS_BACK;
-    passes(move, now, "on withdrawal", edge, offset, pushers, back, side);
-  }
+function passesBack(move, now, idle) {
+  for (let i = 0; i <= WAYS_BACK; i++) passes(move, now, "on withdrawal", idle, (now.s * i) / WAYS_BACK);
 }
 
 function offsetOf(part, now, tip, edge) {
@@ -75,7 +73,7 @@ function offsetOf(part, now, tip, edge) {
 
 function tiltWatch(move) {
   const { rule, part, tips, length, start, found } = move, { side } = rule;
-  const pushers = side > 0 ? [1, 0] : [0, 1], [pusher] = pushers, tip = tips[pusher];
+  const [pusher, idle] = side > 0 ? [1, 0] : [0, 1], tip = tips[pusher];
   const edge = facing(part, start.theta);
   const offset = offsetOf(part, start, tip, edge);
   const reach = tip.x - start.x
@@ -86,17 +84,17 @@ function tiltWatch(move) {
   return {
     during(now, mode) {
       if (mode.kind === "rest") {
-        passes(move, now, "before the touch", edge, offset, pushers, Math.max(reach - now.s, 0), side);
+        passes(move, now, "before the touch", idle);
       } else if (mode.kind === "single" && mode.pusher === pusher) {
         last = mode.offset(now);
         sticks(move, "pushing", now, edge, last, side);
         onEdge(move, "pushing", edge, last);
-        passes(move, now, "while it turns", edge, last, pushers, 0, side);
+        passes(move, now, "while it turns", idle);
       }
     },
     after(now) {
       withdrawn(found, "the pushing tip comes free of contact on withdrawal", now, edge);
-      if (last !== null) passesBack(move, now, edge, last, pushers, side);
+      if (last !== null) passesBack(move, now, idle);
     },
   };
 }
@@ -146,32 +144,28 @@ function pairWatch(move, now, mode, edge, first) {
 
 function rotateWatch(move) {
   const { part, tips, length, start, found } = move, edge = facing(part, start.theta);
-  const grip = gripOf(part, tips, 1, 2, edge), pushers = [1, 0];
+  const grip = gripOf(tips, 1, 2, edge, behind(part, start.theta)), idle = 0;
   const hEnd = grip.across(length);
-  let touched = null, last = offsetOf(part, start, tips[1], edge);
-  const angle = edgeAngle(start.theta, edge);
-  const reach = tips[1].x - start.x
-    - sticking.contact_reach(angle, edge.depth, tips[1].y - start.y)[0];
+  let touched = null;
   const rests = "the part rests on the passive tip before the push ends";
   found.low("the grasp cannot close: the motion exists (no jam)",
     twoSided.no_jam(grip.V, edge.depth, part.mu)[0] * Math.sign(grip.V), "um²");
   return {
     during(now, mode) {
       if (mode.kind === "rest") {
-        passes(move, now, "before the touch", edge, last, pushers, Math.max(reach - now.s, 0), 1);
+        passes(move, now, "before the touch", idle);
       } else if (mode.kind === "single" && mode.pusher === 1) {
-        last = mode.offset(now);
-        onEdge(move, "active", edge, last);
-        passes(move, now, "early in the turn", edge, last, pushers, 0, 1);
-        if (touched === null) aloneWatch(move, now, edge, last);
+        onEdge(move, "active", edge, mode.offset(now));
+        passes(move, now, "early in the turn", idle);
+        if (touched === null) aloneWatch(move, now, edge, mode.offset(now));
       } else if (mode.kind === "grip") {
         if (touched === null) {
           touched = grip.across(now.s);
           found.low(rests, touched - hEnd, "um");
         }
-        last = gripWatch(move, grip, now);
+        gripWatch(move, grip, now);
         const early = grip.across(now.s) >= touched - 0.15 * (touched - hEnd);
-        passes(move, now, early ? "early in the turn" : "late in the turn", edge, last, pushers, 0, 1);
+        passes(move, now, early ? "early in the turn" : "late in the turn", idle);
       }
     },
     after(now) {
@@ -180,7 +174,7 @@ function rotateWatch(move) {
         found.low(rests, Math.min(h - hEnd, -LOOSE), "um");
       }
       withdrawn(found, "the two tips come free of contact on withdrawal", now, edge);
-      passesBack(move, now, edge, last, pushers, 1);
+      passesBack(move, now, idle);
     },
   };
 }
@@ -201,8 +195,7 @@ function gripWatch({ part, found }, grip, now) {
   found.low("both tips stay in contact: the active one alone would press the part on the other",
     Math.min(...corners), "");
   const [T] = twoSided.pair(h, grip.V, grip.d1);
-  found.low("both tips stay on their edges", grip.edge.half - T / 2 - Math.abs(sigma), "um");
-  return T / 2 - sigma;
+  found.low("both tips stay on their edges", gripRoom(grip, T, sigma), "um");
 }
 
 function regraspWatch({ part, tips, found }) {

@@ -1,8 +1,12 @@
-// A moving tip D and a passive tip S on opposite edges (derivations/two_sided_rotation.py): the
+// A moving tip D and a passive tip S on opposite edges (derivations/two_sided_rotation.py), which are
+// as far from the centre as each other, as those of a rectangle are: the
 // orientation follows from the tips alone; the slide sigma of the centre from the middle of the
 // contacts has a rate of its own in each contact mode.
-function gripOf(part, tips, D, S, edge) {
-  return { D, S, edge, d1: edge.depth, V: tips[D].y - tips[S].y,
+const opposite = (edge, other) => Math.abs(edge.depth - other.depth) < LOOSE
+  && Math.cos(edge.turn - other.turn) < EVEN - 1;
+
+function gripOf(tips, D, S, edge, other) {
+  return { D, S, edge, other, d1: edge.depth, V: tips[D].y - tips[S].y,
     across: (s) => tipAt(tips[D], s)[0] - tips[S].x,
     middle: (s) => [(tipAt(tips[D], s)[0] + tips[S].x) / 2, (tips[D].y + tips[S].y) / 2] };
 }
@@ -51,8 +55,11 @@ function gripModes(part, grip, h, sigma) {
 const bestGripMode = (part, grip, h, sigma) =>
   gripModes(part, grip, h, sigma).reduce((best, mode) => (mode.slack > best.slack ? mode : best));
 
+// How far both contacts are from the ends of their edges.
+const gripRoom = ({ edge, other }, T, sigma) =>
+  Math.min(room(edge, T / 2 - sigma), room(other, T / 2 + sigma));
+
 function gripped(part, tips, grip, mode) {
-  const half = grip.edge.half;
   const code = (name, tau, opposite) => mode.name === name ? STICK : slipCode(tau, opposite);
   return { kind: "grip", grip, edge: grip.edge, pusher: grip.D,
     touching: [[grip.D, code("D sticks", mode.tauD, false)], [grip.S, code("S sticks", mode.tauS, true)]],
@@ -61,7 +68,7 @@ function gripped(part, tips, grip, mode) {
       const h = grip.across(now.s), sigma = slideOf(grip, now);
       const [T] = twoSided.pair(h, grip.V, grip.d1);
       const same = gripModes(part, grip, h, sigma).find((one) => one.name === mode.name);
-      return [[half - Math.abs(sigma) - T / 2, { end: "a tip passes the end of an edge" }],
+      return [[gripRoom(grip, T, sigma), { end: "a tip passes the end of an edge" }],
         [same ? same.slack + EVEN : -1, { change: "another contact mode" }]];
     } };
 }
@@ -77,7 +84,7 @@ function onGrip(part, grip, mode, from, ds) {
   const sigma = mode.name === "D sticks" ? before + grown
     : mode.name === "S sticks" ? before - grown : rungeKutta(rates, [before], ds)[0];
   const [c, s] = twoSided.orientation(h1, V, d1), [x, y] = grip.middle(from.s + ds);
-  const angle = Math.atan2(s, c) + grip.edge.q * QUARTER;
-  const turns = Math.round((from.theta - angle) / (4 * QUARTER));
-  return { s: from.s + ds, x: x + sigma * c, y: y + sigma * s, theta: angle + 4 * QUARTER * turns };
+  const angle = Math.atan2(s, c) + grip.edge.turn;
+  const turns = Math.round((from.theta - angle) / TURN);
+  return { s: from.s + ds, x: x + sigma * c, y: y + sigma * s, theta: angle + TURN * turns };
 }

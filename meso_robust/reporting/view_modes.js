@@ -28,7 +28,7 @@ function turned(start, ds, d1, d2, rho) {
 
 // One tip pushes: it sticks, or slips with the ratio of the friction cone's nearer side.
 function single(part, tips, i, edge, now) {
-  const { depth: d1, half } = edge, { mu, rho } = part;
+  const { depth: d1 } = edge, { mu, rho } = part;
   const offset = (pose, s = pose.s) => sticking.contact_offset(
     edgeAngle(pose.theta, edge), d1, tipAt(tips[i], s)[1] - pose.y)[0];
   const margins = (pose) => onePoint.friction_margin(
@@ -36,11 +36,11 @@ function single(part, tips, i, edge, now) {
   const force = (pose) => onePoint.normal_force(
     edgeAngle(pose.theta, edge), d1, offset(pose), rho)[0];
   const common = (pose) => [
-    [half - Math.abs(offset(pose)), { end: "a tip passes the end of an edge" }],
+    [room(edge, offset(pose)), { end: "a tip passes the end of an edge" }],
     [Math.min(force(pose), ...onePoint.only_solution(d1, offset(pose), rho, mu)),
       { end: "a pushing tip may let go or slip in more than one way" }]];
   const [left, right] = margins(now);
-  const base = { kind: "single", pusher: i, edge, offset, half };
+  const base = { kind: "single", pusher: i, edge, offset };
   if (left >= 0 && right >= 0) {
     const d2 = offset(now);
     return { ...base, tau: 0, touching: [[i, STICK]], offset: () => d2,
@@ -58,7 +58,7 @@ function single(part, tips, i, edge, now) {
 function onSticking(part, tip, edge, d2, from, ds) {
   const angle = turned(edgeAngle(from.theta, edge), ds, edge.depth, d2, part.rho);
   const [x, y] = tipAt(tip, from.s + ds), [dx, dy] = sticking.arm(angle, edge.depth, d2);
-  return { s: from.s + ds, x: x - dx, y: y - dy, theta: angle + edge.q * QUARTER };
+  return { s: from.s + ds, x: x - dx, y: y - dy, theta: angle + edge.turn };
 }
 
 function onSlipping(part, tip, edge, tau, from, ds) {
@@ -70,7 +70,7 @@ function onSlipping(part, tip, edge, tau, from, ds) {
   };
   const [angle, y] = rungeKutta(rates, [edgeAngle(from.theta, edge), from.y], ds);
   const reach = sticking.contact_reach(angle, d1, height - y)[0];
-  return { s: from.s + ds, x: tipAt(tip, from.s + ds)[0] - reach, y, theta: angle + edge.q * QUARTER };
+  return { s: from.s + ds, x: tipAt(tip, from.s + ds)[0] - reach, y, theta: angle + edge.turn };
 }
 
 // Classical fourth-order step; `rates` may also depend on how far the step has come.

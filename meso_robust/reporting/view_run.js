@@ -4,11 +4,13 @@ const SHORTEST = 0.5; // um: shorter steps are only taken to meet an event
 const GRAZES = 1; // um: closer to a corner a free tip is not told to hit or to miss
 const MOST_CHANGES = 60; // of the contact mode in a move
 const LEAVES = "leaves what the closed forms describe: ";
+const IN_NOTCH = "a tip comes between two corners of the part that no edge joins";
 
 // Which mode follows from the tips that touch; what it cannot tell ends the run in words.
 function modeOf(part, tips, touching, now) {
   const active = touching.filter(({ i }) => tips[i].active);
   const passive = touching.filter(({ i }) => !tips[i].active);
+  if (!touching.every(({ edge }) => isEdge(edge))) return { end: LEAVES + IN_NOTCH };
   if (active.length === 0) return rest();
   if (touching.length > 2) return { end: LEAVES + "three tips touch the part" };
   if (active.length === 2) return modeOfPair(part, tips, active, now);
@@ -20,7 +22,7 @@ function modeOf(part, tips, touching, now) {
 function modeOfPair(part, tips, active, now) {
   const [upper, lower] = active.map(({ i }) => i).sort((a, b) => tips[b].y - tips[a].y);
   const { edge } = active[0];
-  if (active[1].edge.q !== edge.q) return { end: LEAVES + "the tips touch two edges" };
+  if (active[1].edge.turn !== edge.turn) return { end: LEAVES + "the tips touch two edges" };
   const offset = single(part, tips, upper, edge, now).offset(now);
   const { beta, forces } = pairForces(tips, upper, lower, edge, now, offset);
   if (forces[0] <= 0) return single(part, tips, lower, edge, now);
@@ -32,8 +34,8 @@ function modeOfPair(part, tips, active, now) {
 }
 
 function modeOfGrip(part, tips, { D, S, edge, other }, alone, now) {
-  if ((other.q + 2) % 4 !== edge.q) return { end: LEAVES + "the tips touch adjacent edges" };
-  const grip = gripOf(part, tips, D, S, edge), angle = edgeAngle(now.theta, edge);
+  if (!opposite(edge, other)) return { end: LEAVES + "the tips touch edges that are not opposite" };
+  const grip = gripOf(tips, D, S, edge, other), angle = edgeAngle(now.theta, edge);
   const h = grip.across(now.s), sigma = slideOf(grip, now);
   const best = bestGripMode(part, grip, h, sigma);
   if (best.slack > -EVEN) return gripped(part, tips, grip, best);
@@ -108,7 +110,7 @@ function runMove(part, tips, length, walls, start, seen) {
     if (change) {
       changes += 1;
       if (change.touch !== undefined) touching.push({ i: change.touch,
-        edge: nearestEdge(part, now, tipAt(tips[change.touch], now.s)) });
+        edge: nearestLine(part, now, tipAt(tips[change.touch], now.s)) });
       mode = modeOf(part, tips, touching, now);
       if (mode.end) return { now, mode: rest(), end: mode.end, jam: mode.jam };
       touching = touching.filter(({ i }) => mode.touching.some(([used]) => used === i));
@@ -134,24 +136,24 @@ function tipsOf(rule, frame, sensed, spacing, draw, k) {
   return { tips, length: middle[0] - aim(rule.dual_end_x, x) };
 }
 
-function wallsOf(task, frame) {
+function wallsOf(task, draw, frame) {
+  const part = partOf(task, draw, false); // the walls stand in the world's axes
   const worldPose = (own) => {
     const [x, y] = frame.toWorld([own.x, own.y]);
     return { x, y, theta: frame.angleToWorld(own.theta) };
   };
   const least = (distance) => Math.min(Infinity, ...task.walls.map(distance));
-  return { part: (own) => least((wall) => wallDistance(task, worldPose(own), wall)),
+  return { part: (own) => least((wall) => wallDistance(part, worldPose(own), wall)),
     tip: (own) => least((wall) => pointToWall(frame.toWorld(own), wall)) };
 }
 
-// The plan: task {half, spacing, walls}, rules as plan.json states them, draw as Draws has it.
+// The plan: task {corners, lines, spacing, walls}, rules as plan.json states them, draw as Draws has it.
 function runPlan(task, rules, draw) {
-  const part = { half: task.half, mu: draw.friction, rho: draw.film_ratio };
   const moves = [];
   let pose = draw.start, end = null;
   for (let k = 0; k < rules.length && !end; k++) {
     const sensed = pose.map((value, i) => value + draw.sensing[k][i]);
-    const move = oneMove(task, part, rules[k], pose, sensed, draw, k);
+    const move = oneMove(task, rules[k], pose, sensed, draw, k);
     moves.push(move);
     end = move.end;
     pose = move.after;
@@ -159,15 +161,24 @@ function runPlan(task, rules, draw) {
   return { moves, final: pose, end };
 }
 
-function oneMove(task, part, rule, pose, sensed, draw, k) {
+// Why the probes cannot start a move where they stand; null if they can.
+function hindrance(part, tips, length, start) {
+  const within = tips.map(({ x, y }) => [x, y]).filter((point) => gap(part, start, point) < 0);
+  if (within.some((point) => inPart(part, start, point))) {
+    return { inside: true, end: "a probe would start inside the part" };
+  }
+  if (within.length > 0) return { end: LEAVES + IN_NOTCH };
+  return length > 0 ? null : { end: LEAVES + "the probe does not push" };
+}
+
+function oneMove(task, rule, pose, sensed, draw, k) {
   const frame = frameOf(rule), { tips, length } = tipsOf(rule, frame, sensed, task.spacing, draw, k);
   const [x, y] = frame.toOwn(pose), start = { x, y, theta: frame.angleToOwn(pose[2]) };
-  const walls = wallsOf(task, frame), path = [], found = conditions();
+  const part = partOf(task, draw, frame.sign < 0);
+  const walls = wallsOf(task, draw, frame), path = [], found = conditions();
   const watch = watcher({ rule, part, tips, length, walls, start, found });
-  const inside = tips.some((tip) => gap(part, start, [tip.x, tip.y]) < 0);
-  const done = inside || !(length > 0)
-    ? { now: { s: 0, ...start }, mode: rest(),
-      end: inside ? "a probe would start inside the part" : LEAVES + "the probe does not push" }
+  const hindered = hindrance(part, tips, length, start);
+  const done = hindered ? { now: { s: 0, ...start }, mode: rest(), ...hindered }
     : runMove(part, tips, length, walls, start, (now, mode) => {
       path.push({ ...now, codes: codes(tips, mode, frame) });
       watch.during(now, mode);
@@ -176,7 +187,7 @@ function oneMove(task, part, rule, pose, sensed, draw, k) {
   watch.after(done.now, done.mode, done.end);
   const world = (own) => [...frame.toWorld([own.x, own.y]), frame.angleToWorld(own.theta)];
   return {
-    end: done.end, jam: Boolean(done.jam), inside, share: length > 0 ? done.now.s / length : 0,
+    end: done.end, jam: Boolean(done.jam), inside: Boolean(done.inside), share: length > 0 ? done.now.s / length : 0,
     path: path.map((now) => ({ s: now.s / length, pose: world(now), codes: now.codes })),
     after: world(done.now), conditions: found.all,
     tips: tips.map((tip) => frame.toWorld([tip.x, tip.y])),

@@ -20,6 +20,7 @@ class Script:
     """A script that is loaded once and called."""
 
     def __init__(self, source: str) -> None:
+        self.source = source
         self._racer = MiniRacer()
         self._racer.eval(source)
 
