@@ -186,6 +186,7 @@ function drawLegend() {
   at("legend").replaceChildren(...MODES.map((mode, k) => {
     const item = document.createElement("li"), swatch = document.createElement("canvas");
     const dense = window.devicePixelRatio || 1;
+    swatch.setAttribute("aria-hidden", "true"); // its name stands beside it
     swatch.width = 34 * dense;
     swatch.height = 16 * dense;
     const pen = swatch.getContext("2d");

@@ -32,6 +32,7 @@ function makeCard(move, k) {
   const worst = makeRow(element(head, "div", "cond worst"));
   const landing = element(head, "canvas", "landing");
   landing.setAttribute("role", "img");
+  landing.setAttribute("aria-label", `End of move ${k + 1}`);
   const where = element(head, "span", "where muted");
   const list = element(card, "div", "conds");
   const bounds = new Map(move.obligations);
