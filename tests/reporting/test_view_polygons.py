@@ -184,7 +184,7 @@ def test_distance_from_a_wall_is_that_along_the_best_normal(script: Script, name
     block = np.array([[x, y] for x in wall[:2] for y in wall[2:]])
     angles = np.linspace(0.0, 2.0 * np.pi, 20001)
     normals = np.stack([np.cos(angles), np.sin(angles)])
-    for x, y, theta in rng.uniform([-300, -600, -4], [900, 600, 4], (12, 3)):
+    for x, y, theta in rng.uniform([-300, -1500, -4], [1700, 600, 4], (40, 3)):
         c, s = np.cos(theta), np.sin(theta)
         placed = corners @ np.array([[c, s], [-s, c]]) + [x, y]
         apart = (block @ normals).min(axis=0) - (placed @ normals).max(axis=0)
@@ -208,9 +208,10 @@ def test_the_page_plays_the_simulated_run(page: Page, name: str, tmp_path: Path)
     page.open(path)
     page.slide("#position", 1000)
 
-    x, y, theta = result.check.nominal.final[0] * [1e6, 1e6, 180 / np.pi]
+    runs = run(result.found.rules, result.setup, nominal(result.setup, 3), engine="events")
+    x, y, theta = runs.final[0] * [1e6, 1e6, 180 / np.pi]
     shown = [number(page, f"now-{axis}") for axis in ("x", "y", "theta")]
-    assert shown == pytest.approx([x, y, theta], abs=0.06)
+    assert shown == pytest.approx([x, y, theta], abs=0.051)  # as it is rounded
     assert said(page, "box-tag") == "inside: proved"
     page.click("#corner")
     assert said(page, "end-tag") == "✓ ends in the goal"
