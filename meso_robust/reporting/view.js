@@ -3,6 +3,7 @@ const INSTANTS = 160; // of a move that are drawn
 const WORST_OF = 200, SLICE = 24; // random runs, and milliseconds before the page is let breathe
 let draw_ = nominalDraw(), which = "all", shown = null, searching = 0;
 const run = () => shown;
+data.part = data.task.corners;
 
 function inGoal(one) {
   if (one.end) return false;

@@ -47,7 +47,6 @@ def data(result: Planned) -> Json:
     setup, goal, certificate = result.setup, result.task.goal, result.certificate
     moves, told = _moves(result), task(setup)
     return {
-        "part": told["corners"],
         "arm": 0.55 * max(y for _, y in told["corners"]),
         "goal": {
             "x": goal.x_um,
@@ -71,7 +70,7 @@ def data(result: Planned) -> Json:
 def task(setup: Setup) -> Json:
     """What a run is made from besides the rules and a draw, um and rad."""
     return {
-        "corners": [[units.to_um(end.mid) for end in corner] for corner in setup.outline.corners],
+        "corners": [[_um(end) for end in corner] for corner in setup.outline.corners],
         "lines": [_line(line) for line in _hull(setup.outline)],
         "spacing": units.to_um(setup.spacing.mid),
         "walls": [
@@ -89,14 +88,19 @@ def _hull(outline: Outline) -> tuple[Line, ...]:
     return tuple(edges.get(line.turn, line) for line in outline.lines)
 
 
+def _um(length: Interval) -> float:
+    """The middle in um, to 1e-9 um: a page is short without the digits that units leave."""
+    return round(units.to_um(length.mid), 9)
+
+
 def _line(line: Line) -> dict[str, float | None]:
     """Turn in rad; depth and the ends of an edge in um, no ends where no edge is."""
     edge = line if isinstance(line, Edge) else None
     return {
         "turn": line.turn.mid,
-        "depth": units.to_um(line.depth.mid),
-        "first": None if edge is None else units.to_um(edge.first.mid),
-        "last": None if edge is None else units.to_um(edge.last.mid),
+        "depth": _um(line.depth),
+        "first": None if edge is None else _um(edge.first),
+        "last": None if edge is None else _um(edge.last),
     }
 
 

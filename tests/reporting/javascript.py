@@ -20,7 +20,6 @@ class Script:
     """A script that is loaded once and called."""
 
     def __init__(self, source: str) -> None:
-        self.source = source
         self._racer = MiniRacer()
         self._racer.eval(source)
 
@@ -41,9 +40,9 @@ const told = (task, rules, draw) => {
 """
 
 
-def runs_script() -> Script:
+def runs_script(more: str = "") -> Script:
     """What the page runs, with ``told(task, rules, draw)``: its conditions as an object."""
-    return Script(slim(str(engine()) + TOLD))
+    return Script(slim(str(engine()) + TOLD + more))
 
 
 def draw_of(draws: Draws, row: int) -> Json:

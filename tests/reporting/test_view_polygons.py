@@ -30,6 +30,7 @@ from tests.reporting.test_view_runs import PLAN, UNITS, how, how_simulated, larg
 
 AGREES_UM = 1e-3
 AGREES_RAD = 1e-6
+TOUCHING_UM = 1e-6  # the script takes a tip to touch 1e-7 um late
 NAMES = tuple(SHIPPED)
 Json = dict[str, Any]
 
@@ -115,7 +116,8 @@ def test_margins_are_above_what_the_certificate_proves(script: Script, name: str
                     continue
                 proved = item.proof.lower * UNITS[found["unit"]]
                 if math.isfinite(proved):
-                    assert found["value"] >= proved - 1e-9 * max(1.0, abs(proved)), item.claim
+                    slack = TOUCHING_UM if found["unit"] == "um" else 1e-9 * max(1.0, abs(proved))
+                    assert found["value"] >= proved - slack, item.claim
                     closest = min(closest, found["value"] / max(proved, 1e-12))
     assert closest < 1.5
 
@@ -169,7 +171,7 @@ def test_a_tip_that_enters_the_notch_is_declined(script: Script) -> None:
     const entered = (part, tips) => runMove(part, tips, 700,
       { part: () => Infinity, tip: () => Infinity }, { x: 0, y: 0, theta: 0 }, () => {});
     """
-    end = Script(source + script.source).call("entered", part, tips)
+    end = runs_script(source).call("entered", part, tips)
     assert end["now"]["s"] == pytest.approx(900.0 - 520.0)  # where x + 200 um = 720 um
     assert end["end"].endswith("a tip comes between two corners of the part that no edge joins")
 
@@ -182,7 +184,7 @@ def test_distance_from_a_wall_is_that_along_the_best_normal(script: Script, name
     block = np.array([[x, y] for x in wall[:2] for y in wall[2:]])
     angles = np.linspace(0.0, 2.0 * np.pi, 20001)
     normals = np.stack([np.cos(angles), np.sin(angles)])
-    for x, y, theta in rng.uniform([-300, -600, -4], [900, 600, 4], (12, 3)):
+    for x, y, theta in rng.uniform([-300, -1500, -4], [1700, 600, 4], (40, 3)):
         c, s = np.cos(theta), np.sin(theta)
         placed = corners @ np.array([[c, s], [-s, c]]) + [x, y]
         apart = (block @ normals).min(axis=0) - (placed @ normals).max(axis=0)
@@ -206,9 +208,10 @@ def test_the_page_plays_the_simulated_run(page: Page, name: str, tmp_path: Path)
     page.open(path)
     page.slide("#position", 1000)
 
-    x, y, theta = result.check.nominal.final[0] * [1e6, 1e6, 180 / np.pi]
+    runs = run(result.found.rules, result.setup, nominal(result.setup, 3), engine="events")
+    x, y, theta = runs.final[0] * [1e6, 1e6, 180 / np.pi]
     shown = [number(page, f"now-{axis}") for axis in ("x", "y", "theta")]
-    assert shown == pytest.approx([x, y, theta], abs=0.06)
+    assert shown == pytest.approx([x, y, theta], abs=0.051)  # as it is rounded
     assert said(page, "box-tag") == "inside: proved"
     page.click("#corner")
     assert said(page, "end-tag") == "✓ ends in the goal"
