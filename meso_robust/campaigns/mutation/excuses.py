@@ -146,12 +146,18 @@ def _name(accepted: Accepted, one: Difference) -> str | None:
 
 
 def _margin(accepted: Accepted, one: Difference) -> str | None:
-    """A smaller margin says less; a larger one must be proved by the planner."""
+    """A smaller margin says less; a larger one must be proved by the planner, or be kept by runs.
+
+    The checker's bounds are closer than the planner's: it verifies factors that the planner cannot prove.
+    """
     if 1.0 <= one.new <= accepted.original.document["margin"]["factor"]:
         return "a smaller margin"
     wider = setup_of(accepted.original.task, one.new)
     chain = accepted.original.certified(accepted.document["policy"], wider)
-    return "a factor that the planner proves too" if chain.verdict is Verdict.PROVED else None
+    if chain.verdict is Verdict.PROVED:
+        return "a factor that the planner proves too"
+    kept = accepted.original.keeps(accepted.document["policy"], wider)
+    return f"a factor at which {RUNS} runs keep every claim" if kept else None
 
 
 def _box(accepted: Accepted, one: Difference) -> str | None:

@@ -11,11 +11,14 @@ import numpy as np
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import CertificateDocument
+from meso_robust.execution.claims import Accuracy, broken, only_motions
 from meso_robust.execution.draws import Draws, draw
+from meso_robust.execution.judging import EXACT_SLIP, INSTANTS, ROUNDING
 from meso_robust.execution.running import PlanRun, run
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import rules_of
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task
 
@@ -59,6 +62,16 @@ class Original:
         """The same by the event-driven engine: where moves end, to the rounding of doubles."""
         return self._own_ends if policy == self.document["policy"] else self._ends(policy)
 
+    def keeps(self, policy: Any, setup: Setup) -> bool:
+        """Whether all simulated runs under other uncertainties keep what is claimed of the motions."""
+        if not isinstance(setup.outline, Rectangle):
+            return False
+        rules = self.rules(policy)
+        runs = run(rules, setup, self._draws(len(rules), setup), record=INSTANTS, engine="events")
+        exact = Accuracy(slip=EXACT_SLIP, pose=(np.full((1, 3), ROUNDING),) * len(rules))
+        flags = broken(runs, only_motions(rules, setup), exact).values()
+        return bool(runs.completed.all()) and not any(flag.any() for flag in flags)
+
     @cached_property
     def _own_paths(self) -> tuple[PlanRun, Draws]:
         return self._paths(self.document["policy"])
@@ -76,5 +89,5 @@ class Original:
         rules = self.rules(policy)
         return run(rules, self.setup, self._draws(len(rules)), engine="events")
 
-    def _draws(self, moves: int) -> Draws:
-        return draw(self.setup, moves, RUNS, np.random.default_rng(0))
+    def _draws(self, moves: int, setup: Setup | None = None) -> Draws:
+        return draw(setup or self.setup, moves, RUNS, np.random.default_rng(0))
