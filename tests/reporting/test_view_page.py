@@ -257,5 +257,5 @@ def test_data_states_ranges_in_the_task_s_units(proved: Planned) -> None:
     assert told["ranges"]["film_ratio"] == pytest.approx([376900 * 0.95, 376900 * 1.05])
     assert told["ranges"]["misalignment"] == pytest.approx([-0.25, 0.25])
     assert told["ranges"]["sensed_position"] == pytest.approx([-5, 5])
-    assert np.abs(told["task"]["corners"]).tolist() == pytest.approx([[808, 418.5]] * 4)
+    assert np.abs(told["task"]["corners"]) == pytest.approx(np.array([[808, 418.5]] * 4))
     assert [move["proved"] for move in told["moves"]] == [True] * 4
