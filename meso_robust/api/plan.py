@@ -177,7 +177,7 @@ def plan(  # every option of the verb is an argument
     at_least(1, samples=samples)
     at_least(0, seed=seed)
     known = task_of(task)
-    for asked, use in ((policy, "policy"), (maps, "maps"), (model, "model")):
+    for asked, use in ((policy, "--policy"), (maps, "--maps"), (model, "--model")):
         if asked:
             known.rectangle(use)
     if model is not None:
