@@ -108,6 +108,7 @@ def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -
     x, y, theta = metres(start.x_um), metres(start.y_um), quarters(start.theta_deg)
     off = metres(goal.position_tolerance_um)
     turn, to = quarters(goal.orientation_tolerance_deg), quarters(goal.theta_deg)
+    theta += 4 * round((to - theta) / 4)  # the same pose, at most half a turn from the goal
     shift = bounds["sensed_position"]
     return Given(
         outline=outline(task.part),

@@ -59,6 +59,16 @@ def test_the_certificate_of_a_shipped_task_is_verified(name: str) -> None:
     assert checked(document_of(name), planned(name)[0]).verdict == "VERIFIED"
 
 
+def test_a_start_that_is_told_whole_turns_away_is_the_same_start() -> None:
+    values = values_of(SHIPPED["hexagon"])
+    values["start"]["theta_deg"] -= 360.0
+    task, rules = parse_task(values, "a turn away"), planned("hexagon")[1]
+    chain = certify(rules, setup_of(task))
+    assert chain.verdict is Verdict.PROVED
+    found = checked(certificate(task, rules, chain), task)
+    assert found.verdict == "VERIFIED", found.refused
+
+
 @pytest.mark.parametrize("frame", [Frame(mirrored=True), Frame(heading="+y", mirrored=True)])
 def test_a_mirrored_and_turned_task_is_verified_as_well(frame: Frame) -> None:
     """The same plan seen from other axes, told as a task and a policy of its own."""
