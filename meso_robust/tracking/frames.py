@@ -164,13 +164,14 @@ def _video(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
 def _capture(path: Path) -> cv2.VideoCapture:
     # FFmpeg and OpenCV print of their own; what matters is said by our errors
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    level = cv2.utils.logging.getLogLevel()
-    cv2.utils.logging.setLogLevel(0)
+    log = getattr(cv2.utils, "logging", cv2)  # where the two functions are since 4.13, and before
+    level = log.getLogLevel()
+    log.setLogLevel(0)
     try:
         # by name: another back end would take digits in the name for a numbered sequence
         capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     finally:
-        cv2.utils.logging.setLogLevel(level)
+        log.setLogLevel(level)
     if path.suffix.lower() in SUFFIXES:
         raise InputError(f"{path}: is a single image; give the folder that holds the images")
     if path.stat().st_size == 0:
