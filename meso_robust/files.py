@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from meso_robust.errors import InputError
@@ -16,8 +16,9 @@ def write_all(folder: Path, contents: Mapping[str, str]) -> None:
     Raises
     ------
     InputError
-        If the folder or a file cannot be written.
+        If the folder or a file cannot be written; then none is.
     """
+    check_folder(folder, contents)
     drafts: dict[str, str] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -49,27 +50,85 @@ def _draft(folder: Path, text: str) -> str:
     return file.name
 
 
-def check_folder(folder: Path) -> None:
+def check_folder(
+    folder: Path,
+    written: Iterable[str] = (),
+    inputs: Iterable[Path | None] = (),
+    option: str = "--out ",
+) -> None:
     """Refuse a result folder that cannot be one, before any work is done.
+
+    Parameters
+    ----------
+    folder
+        For the results; it need not be there.
+    written
+        Names of the files that will be written into it.
+    inputs
+        Files that the results come from.
+    option
+        What the folder is given by, for messages.
 
     Raises
     ------
     InputError
-        If ``folder`` exists and is not a folder, or cannot be written to.
+        If ``folder`` is not a folder, or cannot be one, or cannot be written to; if a result would
+        replace an input, or has the name of a folder.
     """
-    nearest = next(path for path in (folder, *folder.resolve().parents) if _exists(path))
+    try:
+        nearest = _nearest(folder)
+    except (OSError, ValueError) as error:  # too long, or with a NUL
+        raise InputError(
+            f"{option}{folder}: cannot be a folder ({why(error)}); give another one"
+        ) from error
     try:
         # tried, not asked: for an administrator every folder is said to be writable
         with tempfile.TemporaryDirectory(prefix=".", dir=nearest):
-            return
+            pass
     except OSError as error:
         raise InputError(
-            f"--out {folder}: {nearest} is not a writable folder ({error.strerror}); give another one"
+            f"{option}{folder}: {nearest} is not a writable folder ({error.strerror}); "
+            "give another one"
         ) from error
+    sources = [source for source in inputs if source is not None]
+    for name in written:
+        _check_target(folder, name, sources)
 
 
-def _exists(path: Path) -> bool:
+def _nearest(folder: Path) -> Path:
+    """The folder, or the first above it that is there."""
+    way = (folder, *folder.absolute().parents)
+    known = next(k for k, path in enumerate(way) if _is_there(path))
+    for path in way[:known]:  # each name below must be one that a folder can have
+        _is_there(way[known] / path.name)
+    return way[known]
+
+
+def _is_there(path: Path) -> bool:
+    """Whether there is anything of this name, be it a link that leads nowhere."""
     try:
-        return path.exists()
-    except OSError:  # may not be looked at
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
         return False
+    return True
+
+
+def _check_target(folder: Path, name: str, inputs: Iterable[Path]) -> None:
+    """Refuse a result that would replace an input, or a folder."""
+    target = folder / name
+    if os.path.isdir(target) and not target.is_symlink():
+        raise InputError(
+            f"--out {folder}: {name} is a folder there, and a file of that name is to be written; "
+            "give another folder"
+        )
+    for source in inputs:
+        if os.path.exists(target) and os.path.exists(source) and target.samefile(source):
+            raise InputError(
+                f"--out {folder}: {name} would replace {source}, which must not be written over; "
+                "give another folder"
+            )
+
+
+def why(error: Exception) -> str:
+    """The reason in an error, without the name of the file."""
+    return getattr(error, "strerror", None) or str(error)

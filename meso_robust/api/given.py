@@ -28,6 +28,11 @@ def path_of(path: StrPath | None) -> Path | None:
     return None if path is None else Path(path)
 
 
+def files_of(*given: object) -> tuple[Path, ...]:
+    """Those of what is given that are files by their names."""
+    return tuple(Path(one) for one in given if isinstance(one, str | PathLike))
+
+
 def at_least(least: int, **numbers: int) -> None:
     """Refuse a number below ``least``.
 

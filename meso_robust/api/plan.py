@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from meso_robust import job
-from meso_robust.api.given import StrPath, at_least, task_of
+from meso_robust.api.given import StrPath, at_least, files_of, task_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument
 from meso_robust.certificates.margin import Margin
 from meso_robust.errors import InputError, NotApplicableError
-from meso_robust.files import write_all
+from meso_robust.files import check_folder, write_all
 from meso_robust.identification.layout import toml_of
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
@@ -41,11 +41,14 @@ class Planned:
         What a fitted model made of the task; None if there was none.
     more
         Texts of further files by name: those that were asked for, and those of a promise.
+    inputs
+        Files that it was made from, which ``save`` never replaces.
     """
 
     result: job.Planned
     promise: Promise | None = None
     more: Mapping[str, str] = field(default_factory=dict)
+    inputs: tuple[Path, ...] = ()
 
     @property
     def verdict(self) -> VerdictWord:
@@ -106,10 +109,11 @@ class Planned:
         Raises
         ------
         InputError
-            They cannot be written.
+            They cannot be written, or one would replace a file that the plan was made from.
         """
         with progress.doing("writing the report"):
             files = self.files()
+        check_folder(Path(folder), files, self.inputs)
         write_all(Path(folder), files)
 
 
@@ -186,7 +190,8 @@ def plan(  # every option of the verb is an argument
                 "model: goes with none of widest, policy, maps, which are about a task alone; plan "
                 "with the model first, then for the task of the result"
             )
-        return _promised(promise(known, read(Path(model), known), samples, seed, progress.doing))
+        made = promise(known, read(Path(model), known), samples, seed, progress.doing)
+        return _promised(made, files_of(task, model))
     result = (job.make_best if widest else job.make)(known, samples, seed, progress.doing)
     more = {}
     if widest:
@@ -198,7 +203,7 @@ def plan(  # every option of the verb is an argument
         from meso_robust.reporting.admissible import map_files
 
         more |= map_files(result.task, progress.doing)
-    return Planned(result=result, more=more)
+    return Planned(result=result, more=more, inputs=files_of(task))
 
 
 def certify(
@@ -255,7 +260,8 @@ def certify(
         scale=1.0,
         advice="change the move that is not proved, or let `meso-robust plan` find a plan",
     )
-    return Planned(result=job.judge(known, found, samples, seed, progress.doing))
+    result = job.judge(known, found, samples, seed, progress.doing)
+    return Planned(result=result, inputs=files_of(task, plan))
 
 
 def plan_of(plan: PlanDocument | Planned | StrPath, task: Task) -> PlanDocument:
@@ -272,14 +278,14 @@ def plan_of(plan: PlanDocument | Planned | StrPath, task: Task) -> PlanDocument:
     return read_plan(Path(stated), task)
 
 
-def _promised(made: Promise) -> Planned:
+def _promised(made: Promise, inputs: tuple[Path, ...]) -> Planned:
     """The plan for the task as a fitted model says it is, with that task and its premises."""
     document = promised.document(made)
     more = {
         "task.toml": toml_of(made.changed.task),
         "premises.json": document.model_dump_json(by_alias=True, indent=2) + "\n",
     }
-    return Planned(result=made.planned, promise=made, more=more)
+    return Planned(result=made.planned, promise=made, more=more, inputs=inputs)
 
 
 def _policy(task: Task, progress: Progress) -> dict[str, str]:

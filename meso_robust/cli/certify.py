@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from meso_robust.cli.console import Reporter, negative, refuse
-from meso_robust.cli.plan import tell
+from meso_robust.cli.plan import RESULTS, tell
 
 if TYPE_CHECKING:
     from meso_robust.api.plan import Planned
@@ -48,7 +48,7 @@ def _found(task: Path, plan: Path, out: Path, say: Reporter, **asked: int) -> Pl
 
     known = load_task(task)
     stated = read_plan(plan, known)
-    check_folder(out)
+    check_folder(out, RESULTS, (task, plan))
 
     from meso_robust.api.plan import certify as certified
 

@@ -12,6 +12,9 @@ from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
 if TYPE_CHECKING:
     from meso_robust.api.plan import Planned
 
+RESULTS = ("plan.json", "certificate.json", "report.html")
+"""Files that are always written."""
+
 
 def plan(  # noqa: PLR0913  # every option of the verb is an argument
     task: Annotated[
@@ -72,6 +75,15 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     tell(found, out, as_json, quiet)
 
 
+def written(*, model: object, widest: bool, policy: bool, maps: bool, **_: object) -> list[str]:
+    """Names of the files that will be written (but the drawings of the maps)."""
+    names = [*RESULTS]
+    names += ["task.toml"] if widest or model is not None else []
+    names += ["premises.json"] if model is not None else []
+    names += ["policy.json", "policy.md", "region.svg"] if policy else []
+    return [*names, "admissible.json"] if maps else names
+
+
 def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned:
     """The judged plan, written into ``out``."""
     from meso_robust.files import check_folder
@@ -80,7 +92,7 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
 
     file = task or PAPER
     known = load_task(file)  # before the imports that take seconds
-    check_folder(out)
+    check_folder(out, written(**asked), (task, asked["model"]))
 
     from meso_robust.api.plan import plan as planned
 

@@ -12,6 +12,9 @@ from meso_robust.cli.console import NEGATIVE, Reporter, refuse
 if TYPE_CHECKING:
     from meso_robust.api.simulate import Simulated
 
+RESULTS = ("simulation.json", "trajectories.csv", "animation.html")
+"""Files that are written beside the recordings."""
+
 
 def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     task: Annotated[Path, typer.Argument(help="Task file (TOML).")],
@@ -81,7 +84,7 @@ def _found(
     task_file, plan_file, out = paths
     task = load_task(task_file)
     plan = read_plan(plan_file, task)
-    check_folder(out)
+    check_folder(out, RESULTS, (task_file, plan_file, runs["witness"]))
 
     from meso_robust.api.simulate import camera_of, simulate as simulated
 

@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 from meso_robust.errors import InputError
+from meso_robust.files import check_folder, why
 from meso_robust.guide import FOR_USERS, GUIDE
 from meso_robust.tasks import PAPER
 
@@ -39,6 +40,7 @@ def copy_example(folder: Path) -> None:
                 f"{folder}: is there already; nothing is written over; give a new folder"
             )
         target = folder.resolve()
+        check_folder(target, option="")
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=".", suffix=".part") as scratch:
             draft = Path(scratch) / "example"
@@ -46,9 +48,11 @@ def copy_example(folder: Path) -> None:
             if target.exists():
                 target.rmdir()
             draft.rename(target)
-    except OSError as error:
+    except InputError:
+        raise
+    except (OSError, ValueError, RuntimeError) as error:  # a name with a NUL, a link to itself
         raise InputError(
-            f"{folder}: cannot be written ({error.strerror}); give a folder that can"
+            f"{folder}: cannot be written ({why(error)}); give a folder that can"
         ) from error
 
 
