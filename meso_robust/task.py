@@ -114,8 +114,11 @@ class Pose(_Section):
     """Position of the part's centre in um and orientation in deg, world frame."""
 
     x_um: Coordinate
+    """x of the part's reference point, um, world frame."""
     y_um: Coordinate
+    """y of the part's reference point, um, world frame."""
     theta_deg: Annotated[FiniteFloat, Field(ge=-360, le=360)]
+    """Orientation, deg, counter-clockwise; 0: the part's axes lie along the world's."""
 
 
 class Goal(Pose):
@@ -188,6 +191,7 @@ class Slot(_Section):
     """The hole of the peg-in-the-hole task (Fig. 1): two side walls and an end, at rest."""
 
     mouth_x_um: Coordinate
+    """x of the middle of the mouth, um, world frame."""
     mouth_y_um: Coordinate
     """Middle of the mouth, um."""
     opens: Literal["+x", "+y", "-x", "-y"]
@@ -228,15 +232,21 @@ class Task(_Section):
     """One assembly task."""
 
     schema_: Annotated[Literal["meso-robust/task/1"], Field(alias="schema")]
+    """Name and version of the format."""
     name: str
+    """What the task is called in answers and reports."""
     part: Outline
     """A rectangle (length_um and width_um) or a polygon (polygon_um)."""
     start: Pose
     """The pose as sensed before the first move."""
     goal: Goal
+    """The box of poses in which the part must end."""
     probe: Probe
+    """The probes that push."""
     uncertainty: Uncertainty
+    """Bounds of all errors, sensing, probes, friction and film."""
     plan: Plan
+    """What is demanded of the plan."""
     slot: Slot | None = None
     """What the part is inserted into, if it is not the bare goal."""
 

@@ -26,7 +26,9 @@ class Stated(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     schema_: Annotated[Literal["meso-robust/campaign/1"], Field(alias="schema")]
+    """Name and version of the format."""
     name: Annotated[str, Field(min_length=1, max_length=200)]
+    """What the campaign is called in answers and reports."""
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
     """Everything random follows from it."""
     confidence: Annotated[float, Field(gt=0.5, lt=1)] = 0.95

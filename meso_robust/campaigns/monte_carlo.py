@@ -54,7 +54,9 @@ class MonteCarloSection(PlanSection):
     """The keys of a part of this kind."""
 
     kind: Literal["monte-carlo"]
+    """The kind: the success rate of a plan with its interval."""
     executions: Annotated[int, Field(ge=1, le=10**12)]
+    """Runs in all."""
     engine: Literal["events", "stepper"] = "events"
     """Event-driven, or LCP stepper; bare moves are run by the stepper."""
     draws: Literal["uniform", "corners"] = "uniform"

@@ -52,12 +52,17 @@ class ObligationDocument(_Model):
     """One inequality over one box."""
 
     claim: str
+    """What is to hold, in words."""
     inequality: str
+    """The same as an inequality in the field's symbols."""
     derivation: str
+    """File in which it is derived, or what it follows from."""
     verdict: VerdictWord
+    """Of this inequality."""
     lower_bound: str | None
     """Smallest proved value of the left side in its SI unit, hexadecimal; null if not proved."""
     boxes: int
+    """Boxes that branch and bound looked at."""
     over: dict[str, HexPair]
     """PROVED: the box it holds on; else the witness, or the widest undecided box."""
 
@@ -66,31 +71,47 @@ class ExactBox(_Model):
     """A box of poses, exactly."""
 
     x_m: HexPair
+    """[low, high] of the reference point's x, m."""
     y_m: HexPair
+    """[low, high] of the reference point's y, m."""
     theta_rad: HexPair
+    """[low, high] of the orientation, rad."""
 
 
 class StepDocument(_Model):
     """One certified move."""
 
     step: int
+    """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
     primitive: str
+    """The primitive: y_translation, rotation or x_translation."""
     action: str
+    """Which certified motion the move is: tilt, straighten, rotate or regrasp."""
     property: str
+    """What the move is claimed to do, in words."""
     verdict: VerdictWord
+    """Of the move: the worst of its inequalities."""
     pre: BoxDocument
+    """True poses before the move, for reading, rounded outward."""
     pre_exact: ExactBox
+    """True poses before the move, exactly."""
     post: BoxDocument | None
+    """True poses after the move, rounded outward; null if not proved."""
     post_exact: ExactBox | None
+    """The same box, exactly; null if not proved."""
     obligations: tuple[ObligationDocument, ...]
+    """The inequalities that the move was reduced to."""
 
 
 class ClaimDocument(_Model):
     """What the certificate is about."""
 
     words: str
+    """The claim in words."""
     assumptions: tuple[str, ...]
+    """What the proof assumes, a sentence each."""
     inequalities: tuple[str, ...]
+    """All inequalities of all moves, each once, with its derivation."""
 
 
 class UndecidedDocument(_Model):
@@ -99,47 +120,73 @@ class UndecidedDocument(_Model):
     move: int
     """Which move of the plan, from 1."""
     step: int
+    """Step of the paper's algorithm, 1 to 4, that it belongs to."""
     action: str
+    """Which motion the move is: tilt, straighten, rotate or regrasp."""
     claim: str
+    """What is not proved, in words."""
     inequality: str
+    """The same as an inequality."""
     fails: bool
     """True: it is proved to fail at the point ``over``; false: it is undecided on that box."""
     over: dict[str, HexPair]
+    """The point or box by variable, [low, high], SI, hexadecimal."""
     settled_by: str
+    """What would settle it, in words."""
 
 
 class WitnessDocument(_Model):
     """A run that breaks the claim, as the simulator replays it; SI units, hexadecimal."""
 
     outcome: str
+    """How the run ends."""
     start: tuple[str, str, str]
+    """True pose at the start: x and y, m; theta, rad."""
     friction: str
+    """Friction coefficient between tips and part."""
     film_ratio_m2: str
+    """rho = e_theta / e_x of the film, m^2."""
     misalignment_rad: str
+    """Angle of the line through the two active tips, rad."""
     sensing: tuple[tuple[str, str, str], ...]
+    """Sensing error before each move: x and y, m; theta, rad."""
     dual_probe: tuple[HexPair, ...]
+    """Position error of the dual-tip probe in each move, [x, y], m."""
     single_probe: tuple[HexPair, ...]
+    """Position error of the single tip in each move, [x, y], m."""
 
 
 class MarginDocument(_Model):
     """How much more uncertainty the plan could bear; see ``meso_robust.certificates.margin``."""
 
     factor: float
+    """Largest factor of all uncertainties at once that was certified; 0 if the plan is not
+    proved."""
     refused_at: float | None
+    """Smallest factor tried that was not certified; null if the largest tried was certified."""
     binds_first: str | None
+    """Uncertainty that bears the least when it is scaled alone."""
     each_alone: dict[str, float]
+    """Largest certified factor of each uncertainty, scaled alone."""
     limit: str | None
+    """First inequality that fails at `refused_at`."""
 
 
 class SimulationDocument(_Model):
     """The cross-check by the simulator: evidence beside the proof, not part of it."""
 
     samples: int
+    """Random runs."""
     seed: int
+    """From which all draws follow."""
     step_um: float
+    """Longest travel of a probe in a step of the simulator, um."""
     completed: int
+    """Runs that carried out all moves."""
     in_goal: int
+    """Runs that ended in the goal."""
     in_certified_box: int | None
+    """Runs that kept to every certified box; null if a move has none."""
     largest_excess_um_um_deg: tuple[tuple[float, float, float], ...]
     """Largest distance outside the certified box after each move."""
     simulator_error_um_um_deg: tuple[float, float, float]
@@ -152,19 +199,33 @@ class CertificateDocument(_Model):
     schema_: Annotated[Literal["meso-robust/certificate/1"], Field(alias="schema")] = (
         "meso-robust/certificate/1"
     )
+    """Name and version of the format."""
     verdict: VerdictWord
+    """Of the whole claim."""
     task: str
+    """Name of the task."""
     task_hash: str
+    """SHA-256 of the task's values, independent of the layout of its file."""
     claim: ClaimDocument
+    """What is claimed, and what it rests on."""
     goal: BoxDocument
+    """The goal, for reading."""
     goal_exact: ExactBox
+    """The goal, exactly."""
     policy: tuple[RuleDocument, ...]
+    """The plan: its moves as functions of the sensed pose."""
     steps: tuple[StepDocument, ...]
+    """What was proved of each move."""
     undecided: UndecidedDocument | None
+    """The first open inequality; null if PROVED."""
     witness: WitnessDocument | None
+    """A run that fails; null unless one was found."""
     margin: MarginDocument
+    """How much more uncertainty the plan would bear."""
     simulation: SimulationDocument
+    """The cross-check by the simulator."""
     made_with: dict[str, str]
+    """Versions of what the certificate was made with."""
     digest: str = ""
     """SHA-256 of everything else; see :func:`sealed`."""
 

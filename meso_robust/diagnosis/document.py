@@ -31,28 +31,39 @@ class ValueSection(_Section):
     """A number with its interval."""
 
     value: FiniteFloat
+    """Best value."""
     low: FiniteFloat
+    """Lower end of the interval."""
     high: FiniteFloat
+    """Upper end of the interval."""
     unit: str = ""
+    """Unit of the three; empty if there is none."""
 
 
 class BaselineSection(_Section):
     """The plain model, fitted to the training recordings."""
 
     model: Key
+    """The plain model: viscous or three_points."""
     parameters: dict[Key, ValueSection]
+    """Its parameters by name."""
 
 
 class WhereSection(_Section):
     """A span of a recording in which the plain model fails."""
 
     recording: Key
+    """CSV file of the recording."""
     start_s: FiniteFloat
+    """Start of the span, s, on the clock of the recording."""
     end_s: FiniteFloat
+    """End of the span, s."""
     phase: PhaseName
+    """What probes and part do in the span."""
     channel: Channel
     """Stage whose hidden input explains the span best."""
     component: Component
+    """Component of the motion that fails most."""
     sigma: NotNegative
     """Size of the misfit, in standard deviations of its distribution without a mismatch."""
     grows_with: str
@@ -63,7 +74,9 @@ class LocalTestSection(_Section):
     """One of the local tests behind the p-value."""
 
     name: Key
+    """What was tested: a recording, a phase of it, or the signature of an effect."""
     kind: Literal["recording", "phase", "signature"]
+    """Which of the three."""
     sigma: FiniteFloat
     """Standardised by the simulated recordings without a mismatch."""
 
@@ -72,34 +85,45 @@ class MismatchSection(_Section):
     """Whether and where the plain model fails."""
 
     detected: bool
+    """Whether the p-value is at most the threshold."""
     p_value: Probability
     """Of the largest of all local tests, under recordings simulated without a mismatch."""
     threshold: Probability
+    """p-value from which on a mismatch counts as detected."""
     nulls: Count
     """Recording sets that were simulated and refitted for the p-value."""
     tests: tuple[LocalTestSection, ...] = ()
     """The largest ones."""
     where: tuple[WhereSection, ...] = ()
+    """Spans in which the plain model fails."""
 
 
 class EffectSection(_Section):
     """An effect of the extended model."""
 
     name: Key
+    """Name in the catalogue."""
     probability: Probability
+    """That the effect is part of the answer."""
     parameters: dict[Key, ValueSection]
+    """Its size, by parameter."""
     stage: Channel
+    """Stage of the experiment's chain that the effect belongs to."""
     equation: Key
+    """The effect's equation in the field's symbols."""
 
 
 class CandidateSection(_Section):
     """A set of effects that was refitted."""
 
     effects: tuple[Key, ...]
+    """Names in the catalogue; empty: the plain model."""
     gain: FiniteFloat
     """Log density of left-out training recordings, over that of the plain model."""
     chi2: NotNegative
+    """Sum of the squared residuals over the noise, on the training recordings."""
     probability: Probability
+    """Of this set among all that were refitted."""
     adequate: bool | None
     """Whether nothing is left that the detector sees; None where that was not asked."""
     rejected: str
@@ -112,9 +136,13 @@ class PairSection(_Section):
     invariance: Key
     """What should make no difference: speed, place, heading, time, mirror …"""
     first: Key
+    """One recording."""
     second: Key
+    """The other."""
     difference_um: NotNegative
+    """Distance of the two displacements, um."""
     difference_deg: NotNegative
+    """Difference of the two turns, deg."""
     sigma: NotNegative
     """Difference over what noise and unequal starts explain."""
     predicted_sigma: FiniteFloat | None
@@ -125,9 +153,13 @@ class CovariateSection(_Section):
     """A quantity that the misfit follows."""
 
     component: Component
+    """Component of the misfit."""
     frame: Literal["stage", "part"]
+    """Frame of the component."""
     covariate: Key
+    """The quantity; `constant` if the misfit has a mean of its own."""
     correlation: FiniteFloat
+    """-1 to 1, weighted with the accuracy; of a constant: mean over root mean square."""
     p_value: Probability
     """Corrected for all pairs of components and covariates (permuted recordings)."""
 
@@ -136,125 +168,176 @@ class ChannelSection(_Section):
     """How much of the misfit a hidden input at one stage explains."""
 
     channel: Channel
+    """The stage."""
     share: FiniteFloat
     """Of what a hidden input at every stage explains."""
     sigma: FiniteFloat
+    """Size of what it explains, in standard deviations."""
 
 
 class NotIdentifiableSection(_Section):
     """An effect that these recordings could not show, and the push that would."""
 
     effect: Key
+    """Name in the catalogue."""
     detectability: NotNegative
     """Standard deviations by which an effect of relevant size would show."""
     alike: tuple[Key, ...]
     """Effects that would look the same in these recordings."""
     push: str
+    """The push that would show it, in words; empty if none would."""
 
 
 class HeldOutRecording(_Section):
     """Errors of one recording that no fit has seen."""
 
     recording: Key
+    """CSV file of the recording."""
     split: Literal["held_out", "extrapolation"]
+    """Which split held it out."""
     baseline_sigma: NotNegative
+    """Error of the plain model: root mean square over the noise."""
     extended_sigma: NotNegative
+    """The same of the extended model."""
     baseline_um: NotNegative
+    """Error of the plain model: root mean square, um."""
     extended_um: NotNegative
+    """The same of the extended model, um."""
 
 
 class HeldOutSection(_Section):
     """Errors on recordings that no fit has seen, before and after."""
 
     recordings: tuple[Key, ...]
+    """CSV files that were held out."""
     baseline_sigma: NotNegative
     """Root mean square over the noise."""
     extended_sigma: NotNegative
+    """The same of the extended model."""
     noise_floor_sigma: NotNegative
+    """What a perfect model would leave."""
     baseline_um: NotNegative
+    """Error of the plain model: root mean square, um."""
     extended_um: NotNegative
+    """The same of the extended model, um."""
     improvement_low: FiniteFloat
     """Of the relative fall of the error, 90 % bootstrap over recordings."""
     improvement_high: FiniteFloat
+    """Upper end, likewise."""
     extrapolation: str = ""
     """What the extrapolation split holds out; empty if the recordings do not offer one."""
     extrapolation_recordings: tuple[Key, ...] = ()
+    """CSV files of the extrapolation split."""
     extrapolation_baseline_sigma: NotNegative | None = None
+    """Error of the plain model on them, over the noise."""
     extrapolation_extended_sigma: NotNegative | None = None
+    """The same of the extended model."""
     black_box_sigma: NotNegative | None = None
     """What a regression with as many numbers reaches on the same recordings."""
     each: tuple[HeldOutRecording, ...] = ()
+    """The errors recording by recording."""
 
 
 class ControlSection(_Section):
     """Spans in which both models predict the same, so that the effects should not help, nor do."""
 
     spans: Annotated[int, Field(ge=1)]
+    """Number of the spans."""
     within_sigma: NotNegative
     """Predictions that differ by less in every frame count as the same."""
     sigma_before: NotNegative
     """Root mean square over the noise; 1 where the plain model is right."""
     sigma_after: NotNegative
+    """The same of the extended model."""
 
 
 class PushSection(_Section):
     """A push to make next, in the frame of the part."""
 
     edge: int | None = None
+    """The edge after this corner of the outline; null if it does not matter."""
     place: FiniteFloat | None = None
     """Along the edge, −1 … 1."""
     slant_deg: FiniteFloat | None = None
+    """Turn of the push from the edge's inward normal, counter-clockwise, deg."""
     speed_um_s: FiniteFloat | None = None
+    """Speed of the probe, um/s."""
     travel_um: FiniteFloat | None = None
+    """Travel of the probe, um."""
     what: str = ""
+    """The push in words."""
 
 
 class NextExperiment(_Section):
     """What to record next, and why."""
 
     why: str
+    """What the push would tell."""
     push: PushSection
+    """The push."""
 
 
 class NoiseSection(_Section):
     """Noise of the sensor that the tests assume."""
 
     position_sigma_um: NotNegative
+    """Standard deviation of x and y, um."""
     orientation_sigma_deg: NotNegative
+    """Standard deviation of theta, deg."""
     correlation: FiniteFloat
     """Of neighbouring frames."""
     source: Key
+    """Where they are from, in words."""
 
 
 class ProvenanceSection(_Section):
     """What the diagnosis was made from."""
 
     recordings_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    """Of the values of the recording set, independent of layout."""
     seed: Count
+    """From which everything random follows."""
     quick: bool
+    """Whether less was tried, by `--quick`."""
     meso_robust: Key
+    """Version of the package."""
     notes: tuple[str, ...] = ()
+    """What of the recordings was left out, interpolated or shifted."""
 
 
 class DiagnosisDocument(_Section):
     """What recordings say of a model, file diagnosis.json."""
 
     schema_: Annotated[Literal["meso-robust/diagnosis/1"], Field(alias="schema")]
+    """Name and version of the format."""
     verdict: Verdict
+    """Whether the plain model holds, and if not, whether an explanation was found."""
     why: str
     """The verdict's reason in one sentence."""
     baseline: BaselineSection
+    """The plain model."""
     noise: NoiseSection
+    """The sensor's noise."""
     training: tuple[Key, ...]
+    """CSV files that models were fitted to."""
     mismatch: MismatchSection
+    """Whether and where the plain model fails."""
     effects: tuple[EffectSection, ...]
+    """The best answer; empty if the recordings are consistent with the plain model."""
     ambiguous_with: tuple[tuple[Key, ...], ...]
+    """Sets of effects that explain the recordings as well."""
     not_identifiable: tuple[Key, ...]
+    """Effects that these recordings could not have shown."""
     not_identifiable_why: tuple[NotIdentifiableSection, ...] = ()
+    """For each of them, how far from showing it is."""
     candidates: tuple[CandidateSection, ...] = ()
+    """Sets of effects that were refitted, the best first."""
     channels: tuple[ChannelSection, ...] = ()
+    """What hidden inputs explain, stage by stage."""
     invariances: tuple[PairSection, ...] = ()
+    """Pushes that should coincide."""
     covariates: tuple[CovariateSection, ...] = ()
+    """What the misfit grows with."""
     catch_all_sigma: NotNegative | None = None
     """Error on held-out recordings that a free hidden input leaves."""
     decoys: Count = 0
@@ -262,6 +345,10 @@ class DiagnosisDocument(_Section):
     decoy_share: Probability | None = None
     """Of them, that explain as much as the signature where it belongs; None without decoys."""
     control: ControlSection | None = None
+    """Spans that must not improve; null if there are none."""
     held_out: HeldOutSection
+    """Errors before and after on recordings that no fit has seen."""
     next_experiment: NextExperiment
+    """What to record next."""
     provenance: ProvenanceSection
+    """What the diagnosis was made from."""

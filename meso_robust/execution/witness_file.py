@@ -28,12 +28,15 @@ class WitnessFile(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     schema_: Annotated[Literal["meso-robust/witness/1"], Field(alias="schema")] = SCHEMA
+    """Name and version of the format."""
     task_hash: str
+    """SHA-256 of the task's values."""
     plan_hash: str
     """SHA-256 of the plan's values."""
     factor: Annotated[float, Field(gt=0, le=10)]
     """Of all uncertainties about their middles: the bounds that the run keeps."""
     engine: Literal["events", "stepper"]
+    """Engine of the simulator that made the run: from event to event, or in LCP steps."""
     breaks: tuple[str, ...]
     """What the run breaks, in words."""
     row: dict[str, str]

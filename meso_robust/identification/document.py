@@ -33,8 +33,11 @@ class PartSection(_Section):
     """The outline that was pushed: a rectangle (length_um and width_um) or a polygon (polygon_um)."""
 
     length_um: Positive | None = None
+    """Side along the part's x axis at theta = 0, the long one, um."""
     width_um: Positive | None = None
+    """Side across it, um."""
     polygon_um: tuple[tuple[FiniteFloat, FiniteFloat], ...] | None = None
+    """Corners [x, y] about the reference point, counter-clockwise, um."""
 
     @model_validator(mode="after")
     def _one_outline(self) -> Self:
@@ -48,6 +51,7 @@ class ParameterSection(_Section):
     """A parameter in the unit that its name ends in."""
 
     value: FiniteFloat
+    """Best value."""
     low: FiniteFloat
     """Lower end of the interval; of the range where the recordings give no bound."""
     high: FiniteFloat
@@ -68,7 +72,9 @@ class NotIdentifiableSection(_Section):
     """Something that the recordings do not determine."""
 
     name: Key
+    """What is not determined: a parameter or a combination of them."""
     why: Key
+    """The reason, in words."""
 
 
 class MinimumSection(_Section):
@@ -79,19 +85,24 @@ class MinimumSection(_Section):
     cost: NotNegative
     """What was minimised: χ² of "likelihood", F in um of "printed"."""
     x_um: NotNegative
+    """Root mean square of the residuals in x over all recordings, um."""
     y_um: NotNegative
+    """The same in y, um."""
     theta_deg: NotNegative
     """Root mean squares over all recordings."""
     found: Count
     """Number of random starts that led there."""
     parameters: dict[Key, FiniteFloat]
+    """The parameters there, each in the unit that its name ends in."""
 
 
 class QualitySection(_Section):
     """How well the best fit of the likelihood explains the recordings."""
 
     chi2: NotNegative
+    """Sum of the squared residuals over the noise."""
     freedom: int
+    """Degrees of freedom: residuals less fitted values."""
     p_value: Annotated[FiniteFloat, Field(ge=0, le=1)]
     """Probability of such a χ² if model and noise are right."""
     correlation: FiniteFloat
@@ -106,10 +117,15 @@ class RecordingSection(_Section):
     """Root mean squares of the residuals of one recording."""
 
     file: Key
+    """CSV file of the recording."""
     frames: Count
+    """Frames that were compared."""
     x_um: NotNegative
+    """Of x, um."""
     y_um: NotNegative
+    """Of y, um."""
     theta_deg: NotNegative
+    """Of the orientation, deg."""
     outcome: Key
     """How the simulated push ended: completed, jam …"""
 
@@ -118,9 +134,13 @@ class SensorSection(_Section):
     """Noise that was assumed."""
 
     position_sigma_um: Positive
+    """Standard deviation of x and y, um."""
     orientation_sigma_deg: Positive
+    """Standard deviation of theta, deg."""
     position_source: Literal["stated", "estimated", "fitted"]
+    """Where that of x and y is from: the set, still frames, or the fit."""
     orientation_source: Literal["stated", "estimated", "fitted"]
+    """Where that of theta is from, likewise."""
 
 
 class ProvenanceSection(_Section):
@@ -129,8 +149,11 @@ class ProvenanceSection(_Section):
     recordings_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
     """Of the values of the recording set, independent of layout."""
     seed: Count
+    """From which the random starts follow."""
     starts: Annotated[int, Field(ge=1)]
+    """Random starts of the search."""
     meso_robust: Key
+    """Version of the package."""
     notes: tuple[str, ...]
     """What of the recordings was left out, interpolated or shifted."""
 
@@ -139,26 +162,37 @@ class ModelDocument(_Section):
     """A fitted model, file model.toml."""
 
     schema_: Annotated[Literal["meso-robust/model/1"], Field(alias="schema")]
+    """Name and version of the format."""
     model: Key
     """One of `MODELS`, or such a base with effects of the catalogue: ``base+effect+effect``."""
     diagnosis: Literal["consistent", "named", "ambiguous", "unknown"] | None = None
     """Verdict of the diagnosis that the model is from; None of an identification."""
     objective: Literal["printed", "likelihood"]
+    """What was minimised: the paper's eq. (4), or the negative log likelihood."""
     interval: Literal["profile likelihood", "curvature", "last simplex"]
     """What the intervals are: of a profile or the curvature of the likelihood, with a probability; or the
     width of a search, without one."""
     confidence: Share | None = None
+    """Probability of each interval, by itself; absent where intervals have none."""
     part: PartSection
+    """The outline that was pushed."""
     parameters: dict[Key, ParameterSection]
+    """The fitted parameters by name."""
     held: dict[Key, FiniteFloat] = {}
     """Parameters that no motion shows, as they were simulated (any other value does as well), and
     parameters of effects that were not fitted."""
     not_identifiable: tuple[NotIdentifiableSection, ...]
+    """What the recordings do not determine."""
     quality: QualitySection | None = None
+    """How well the fit explains the recordings; of the likelihood only."""
     sensor: SensorSection | None = None
+    """The noise that was assumed."""
     minima: Annotated[tuple[MinimumSection, ...], Field(min_length=1)]
+    """All minima that were found, the best first."""
     recording: tuple[RecordingSection, ...]
+    """Residuals of each recording."""
     provenance: ProvenanceSection
+    """What the model was made from."""
 
     @model_validator(mode="after")
     def _keys_of_model(self) -> Self:

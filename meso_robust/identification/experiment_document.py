@@ -33,38 +33,54 @@ class OutlineDocument(_Model):
     """The part, as in a ``set.toml``."""
 
     length_um: float | None = None
+    """Side along the part's x axis at theta = 0, the long one, um; null of a polygon."""
     width_um: float | None = None
+    """Side across it, um; null of a polygon."""
     polygon_um: tuple[Pair, ...] | None = None
+    """Corners [x, y] about the reference point, counter-clockwise, um; null of a rectangle."""
 
 
 class PoseDocument(_Model):
     """Where the part is to be laid down."""
 
     x_um: float
+    """x of the reference point, um, world frame."""
     y_um: float
+    """y of the reference point, um, world frame."""
     theta_deg: float
+    """Orientation, deg."""
 
 
 class TipDocument(_Model):
     """The probe at the start of a move, free of contact."""
 
     name: str
+    """The probe, as in the columns of the recording."""
     start_um: Pair
+    """[x, y] of the tip's centre before the move, um, world frame."""
     passive: bool = False
+    """Never: the only tip travels."""
 
 
 class TestDocument(_Model):
     """A move in the shape of those of ``plan.json``, with what an experiment needs beside it."""
 
     step: int
+    """Number of the push, from 1."""
     primitive: Literal["identification_push"] = "identification_push"
+    """The move is a push to identify by."""
     probes: tuple[TipDocument, ...]
+    """The one tip that pushes."""
     travel_um: Pair
+    """[x, y] by which the tip travels, um, world frame."""
     speed_um_s: float
+    """Speed of the travel, um/s."""
     expect: None = None
     """Never certified: the model is what is to be found."""
     test: str
+    """Name of the push: A to H of the paper, or that of a design."""
     part: PoseDocument
+    """Pose in which the part is to be laid down."""
     edge: int
     """The pushed edge: that after this corner of the outline."""
     asked_um: float
@@ -81,13 +97,16 @@ class LeftOutDocument(_Model):
     """A push of the rule that cannot be made."""
 
     test: str
+    """Name of the push."""
     why: str
+    """The reason, in words."""
 
 
 class ExpectedDocument(_Model):
     """What a designed experiment is expected to tell of a parameter, in the unit of its key; 90 %."""
 
     parameter: str
+    """Name of the parameter."""
     value: float
     """Taken for the truth."""
     before: Pair | None
@@ -102,13 +121,21 @@ class ExperimentDocument(_Model):
     schema_: Annotated[Literal["meso-robust/experiment/1"], Field(alias="schema")] = (
         "meso-robust/experiment/1"
     )
+    """Name and version of the format."""
     outline: OutlineDocument
+    """The part."""
     tip_radius_um: float
+    """Radius of the tip, um; 0: a point."""
     corner_margin_um: float
+    """Least distance of a pushed place from a corner, um."""
     field_um: Pair
+    """[width, height] of the field of view about the world's origin, um."""
     trials: int
+    """Times that each push is made."""
     moves: tuple[TestDocument, ...]
+    """The pushes."""
     left_out: tuple[LeftOutDocument, ...]
+    """Pushes that cannot be made."""
     expected: tuple[ExpectedDocument, ...] = ()
     """Of a design, if the model is right; empty for the standard tests."""
 

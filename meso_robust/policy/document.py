@@ -49,10 +49,13 @@ class CellDocument(_Model):
     rule: Annotated[int, Field(ge=0)]
     """Index into ``rules``."""
     sensed: BoxDocument
+    """Sensed poses for which the move is made, for reading."""
     sensed_exact: ExactBox
+    """The same box, exactly."""
     post: BoxDocument
     """All true poses after the move, rounded outward."""
     post_exact: ExactBox
+    """The box after the move, exactly."""
     ends: bool
     """Whether the move ends in the goal from all of the cell."""
 
@@ -61,7 +64,9 @@ class RegionDocument(_Model):
     """How far the certified starts reach near one orientation of the part."""
 
     near_deg: float
+    """The orientation, deg."""
     cells: int
+    """Number of its cells."""
     moves: int
     """Bound of the moves from here."""
     extent: BoxDocument
@@ -74,23 +79,32 @@ class PolicyClaim(_Model):
     """What is proved."""
 
     words: str
+    """The claim in words."""
     assumptions: tuple[str, ...]
+    """What the proof assumes, a sentence each."""
 
 
 class PolicyDocument(_Model):
     """A certified feedback policy."""
 
     schema_: Annotated[Literal["meso-robust/policy/1"], Field(alias="schema")] = SCHEMA
+    """Name and version of the format."""
     task: str
+    """Name of the task."""
     task_hash: str
+    """SHA-256 of the task's values, independent of the layout of its file."""
     claim: PolicyClaim
+    """What is proved."""
     most_moves: int
     """N."""
     region: tuple[RegionDocument, ...]
+    """Extent of the certified starts, an entry for each orientation."""
     rest: BoxDocument | None
     """Sensed poses that prove that the part is in the goal; the policy is done there."""
     rest_exact: ExactBox | None
+    """The same box, exactly; null if sensing cannot prove the goal."""
     rules: tuple[RuleDocument, ...]
+    """All moves that cells name."""
     cells: tuple[CellDocument, ...]
     """Fewest moves first; the first one that holds the sensed pose decides."""
 

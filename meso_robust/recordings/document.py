@@ -119,10 +119,15 @@ class SetDocument(_Section):
     """A recording set, file set.toml."""
 
     schema_: Annotated[Literal["meso-robust/recordings/1"], Field(alias="schema")]
+    """Name and version of the format."""
     part: PartSection
+    """The outline that was pushed."""
     probe: ProbeSection
+    """The probes."""
     sensor: SensorSection
+    """Camera and tracker."""
     recording: Annotated[tuple[RecordingSection, ...], Field(min_length=1)]
+    """The recordings, one a CSV file."""
 
     @model_validator(mode="after")
     def _files_differ(self) -> Self:

@@ -30,17 +30,24 @@ class IntervalSection(_Section):
     """Half widths of the 95 % intervals; a key that is absent was not identifiable."""
 
     pixel_um: HalfWidth
+    """Of `pixel_um`."""
     rotation_deg: HalfWidth
+    """Of `rotation_deg`."""
     k1: HalfWidth | None = None
+    """Of `k1`."""
     k1_centre_px: tuple[HalfWidth, HalfWidth] | None = None
+    """Of `k1_centre_px`, (u, v)."""
 
 
 class CalibrationDocument(_Section):
     """A calibration, file calibration.toml."""
 
     schema_: Annotated[Literal["meso-robust/calibration/1"], Field(alias="schema")]
+    """Name and version of the format."""
     width_px: Count
+    """Width of the image, px."""
     height_px: Count
+    """Height of the image, px."""
     pixel_um: Positive
     """um a pixel."""
     rotation_deg: Annotated[FiniteFloat, Field(ge=-180, le=180)] = 0.0
@@ -52,6 +59,7 @@ class CalibrationDocument(_Section):
     k1_centre_px: tuple[Pixel, Pixel] | None = None
     """Its centre (u, v); the middle of the image if absent."""
     interval: IntervalSection | None = None
+    """How well it is known; absent if it was stated."""
 
 
 def load_calibration(path: Path) -> Calibration:

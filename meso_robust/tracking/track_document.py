@@ -30,16 +30,22 @@ class LostDocument(_Section):
     """Frames in a row without a pose."""
 
     first: int
+    """First frame, from 0."""
     last: int
+    """Last frame."""
     state: str
+    """What became of the part in them."""
     reason: str
+    """Why, in words."""
 
 
 class ProbeDocument(_Section):
     """A probe in a video, as seen."""
 
     name: str
+    """The probe, as in the columns of the recording."""
     found: int
+    """Frames in which it was found."""
     sigma_px: float | None
     """Root mean square standard deviation of a coordinate."""
     lost: dict[str, int]
@@ -50,26 +56,41 @@ class VideoDocument(_Section):
     """One video."""
 
     video: str
+    """Path of the video or folder as it was given."""
     sha256: str | None
     """Of the file; null for a folder."""
     file: str | None
     """The recording made of it; null if the part was never found."""
     frames: int
+    """Frames that were read."""
     promised: int | None
+    """Frames that the file's header states; null if it states none."""
     frame_rate_hz: float
+    """Frames a second."""
     width_px: int
+    """Width of the image, px."""
     height_px: int
+    """Height of the image, px."""
     found: int
+    """Frames with a pose of the part."""
     lost_share: float
+    """Share of the frames without one."""
     states: dict[str, int]
+    """Frames by what became of the part."""
     lost: list[LostDocument]
+    """Frames without a pose."""
     rms_px: float | None
     """Root mean square standard deviation of the part's x and y, px."""
     rms_um: float | None
+    """The same, um."""
     rms_deg: float | None
+    """The same of theta, deg."""
     mean_score: float | None
+    """Mean score of the match over the frames with a pose."""
     probes: list[ProbeDocument]
+    """The probes as seen."""
     notes: list[str]
+    """What else was noticed."""
 
 
 class TrackDocument(_Section):
@@ -78,16 +99,21 @@ class TrackDocument(_Section):
     schema_: Literal["meso-robust/track/1"] = Field(
         default="meso-robust/track/1", serialization_alias="schema"
     )
+    """Name and version of the format."""
     tracked: bool
     """Whether in every video part and probes were found, in all frames but the stated share."""
     commanded: bool
     """Whether the positions of the probes are the controller's; then none need be seen."""
     most_lost: float
+    """Share of frames that may be lost."""
     videos: list[VideoDocument]
+    """The videos, in the order given."""
     calibration: dict[str, Any]
+    """Content of `calibration.toml`."""
     grid: dict[str, Any] | None
     """What the calibration was fitted to, if it was."""
     provenance: dict[str, Any]
+    """Versions, and what was asked."""
 
 
 def track_document(

@@ -22,6 +22,7 @@ class BlindSection(Section):
     """A corpus of recording sets in which something is concealed, each diagnosed once."""
 
     kind: Literal["blind"]
+    """The kind: recordings are diagnosed whose labels are opened afterwards."""
     corpus: Annotated[str, Field(min_length=1)]
     """Folder of the corpus, relative to the campaign file; every worker must reach it."""
     quick: bool = False

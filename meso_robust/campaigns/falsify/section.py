@@ -38,6 +38,7 @@ class FalsifySection(PlanSection):
     """The keys of a part that tries to break what is claimed of a plan."""
 
     kind: Literal["falsify"]
+    """The kind: a search for runs that break what a certificate claims."""
     engine: Literal["events", "stepper"] = "events"
     """Event-driven, or in steps."""
     methods: Annotated[tuple[Method, ...], Field(min_length=1)] = METHODS

@@ -30,6 +30,7 @@ class MutationSection(PlanSection):
     """Certificates that are tampered with: what the checker accepts must still be true."""
 
     kind: Literal["mutation"]
+    """The kind: changed certificates are given to the checker."""
     factor: Annotated[float, Field(ge=1, le=1)] = 1.0
     """A certificate is about the task's own uncertainties: 1."""
     certificate: str | None = None

@@ -21,6 +21,7 @@ class PropertySection(Section):
     """The keys of a part of this kind."""
 
     kind: Literal["property"]
+    """The kind: laws of the package are tried on random examples."""
     properties: Annotated[tuple[str, ...], Field(min_length=1)] = tuple(PROPERTIES)
     """Names of the laws; all if absent."""
     examples: Annotated[int, Field(ge=1, le=10**9)]
