@@ -121,7 +121,7 @@ class CandidateSection(_Section):
     gain: FiniteFloat
     """Log density of left-out training recordings, over that of the plain model."""
     chi2: NotNegative
-    """Sum of the squared residuals over the noise, on the training recordings."""
+    """Squared residuals over the noise, added up over the training recordings."""
     probability: Probability
     """Of this set among all that were refitted."""
     adequate: bool | None
