@@ -85,7 +85,7 @@ class MismatchSection(_Section):
     """Whether and where the plain model fails."""
 
     detected: bool
-    """Whether the p-value is at most the threshold."""
+    """Whether the p-value is at most the threshold, or with few `nulls` the least that they allow."""
     p_value: Probability
     """Of the largest of all local tests, under recordings simulated without a mismatch."""
     threshold: Probability
