@@ -1,6 +1,6 @@
 """Symbolic-analytic verification of pushing plans for mesoscale assembly.
 
-Everything that the command line does, in calls that return plain values:
+What the verbs of the command line do, in calls that return plain values:
 
 >>> import meso_robust as mr
 >>> task = mr.Task.paper()
@@ -13,7 +13,8 @@ Everything that the command line does, in calls that return plain values:
 ``Task.load``, ``plan``, ``certify``, ``check``, ``simulate``, ``drive`` make and keep the promise;
 ``standard_tests``, ``track``, ``read_recordings``, ``identify`` and ``diagnose`` go from the
 laboratory back to the task; ``campaign`` and ``reproduce`` do much at once. A call is silent unless it
-is given ``progress=Reporter()``, and writes nothing: a result is written by its ``save``.
+is given ``progress=Reporter()``, and writes nothing: a result is written by its ``save``. Three verbs
+have no call: ``derive`` works on a checkout, ``schema`` prints and ``example`` copies files.
 """
 
 from __future__ import annotations

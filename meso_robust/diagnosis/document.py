@@ -85,7 +85,7 @@ class MismatchSection(_Section):
     """Whether and where the plain model fails."""
 
     detected: bool
-    """Whether the p-value is at most the threshold."""
+    """Whether the p-value is at most the threshold, or with few `nulls` the least that they allow."""
     p_value: Probability
     """Of the largest of all local tests, under recordings simulated without a mismatch."""
     threshold: Probability
@@ -121,7 +121,7 @@ class CandidateSection(_Section):
     gain: FiniteFloat
     """Log density of left-out training recordings, over that of the plain model."""
     chi2: NotNegative
-    """Sum of the squared residuals over the noise, on the training recordings."""
+    """Squared residuals over the noise, added up over the training recordings."""
     probability: Probability
     """Of this set among all that were refitted."""
     adequate: bool | None

@@ -100,7 +100,7 @@ class QualitySection(_Section):
     """How well the best fit of the likelihood explains the recordings."""
 
     chi2: NotNegative
-    """Sum of the squared residuals over the noise."""
+    """Squared residuals over the noise, added up."""
     freedom: int
     """Degrees of freedom: residuals less fitted values."""
     p_value: Annotated[FiniteFloat, Field(ge=0, le=1)]

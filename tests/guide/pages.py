@@ -17,9 +17,21 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from meso_robust.cli.schema import documents
+from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.files import write_all
 from meso_robust.guide import GUIDE
 from meso_robust.reporting.words import QUANTITIES
+from meso_robust.tracking.calibration_document import CalibrationDocument
+from meso_robust.tracking.track_document import TrackDocument
+from tests.guide.columns import (
+    CAMPAIGN,
+    CHECK,
+    COMMANDS,
+    COVARIANCE,
+    RECORDING,
+    TRAJECTORIES,
+    table,
+)
 
 FORMATS, GLOSSARY = GUIDE / "formats.md", GUIDE / "glossary.md"
 MARKS = "<!-- symbols: made from the code -->\n", "<!-- end of symbols -->\n"
@@ -35,27 +47,30 @@ _FILES = {
     "experiment": "`experiment.json`, written by `identify --plan` and `--design`",
     "diagnosis": "`diagnosis.json`, written by `diagnose`",
     "premises": "`premises.json`, written by `plan --model`",
+    "calibration": "`calibration.toml`, written by `track --grid`, read by `track --calibration`",
+    "track": "`track.json`, written by `track`, printed by `track --json`",
+    "simulation": "`simulation.json`, written by `simulate`, printed by `simulate --json`",
 }
+OTHERS: dict[str, type[BaseModel]] = {
+    "calibration": CalibrationDocument,
+    "track": TrackDocument,
+    "simulation": SimulationDocument,
+}
+"""Models of the documents without a published schema."""
+_BESIDE = {"recordings": (RECORDING, COMMANDS, COVARIANCE)}
+_ALONE = (TRAJECTORIES, CAMPAIGN, CHECK)
+_OTHERS = """# Other files
+
+`meso-robust schema` does not know these: they are answers, and may gain keys.
+
+"""
 _HEAD = """# File formats
 
 Made from the models that read and write the files (`python -m tests.guide.pages`). `meso-robust schema NAME` prints
-each as JSON Schema. A key's unit is its ending: `_um`, `_deg`, `_s`, `_hz`, `_un`, `_um2`; `_m`, `_rad` and `_m2` belong
-to exact numbers, doubles in hexadecimal. Keys that are not listed
-are refused in files that you write. "=" gives the value of a key that may be
-left out; a named type has a table of its own below.
-
-"""
-_TABLE_OF_RECORDINGS = """### Columns of a recording (CSV)
-
-One row a frame; rows may be missing, an empty cell is "not seen", angles may wrap.
-
-| column | is |
-|---|---|
-| `time_s` | of the frame; strictly increasing |
-| `part_x_um`, `part_y_um` | the part's reference point, world frame |
-| `part_theta_deg` | its orientation |
-| `<probe>_x_um`, `<probe>_y_um` | centre of the tip of each probe, as seen or as commanded (`position_source`) |
-| `<probe>_fx_un`, `<probe>_fy_un` | force on the part; may be left out |
+each as JSON Schema, but for the [other files](#other-files) at the end. A key's unit is its ending: `_um`, `_deg`,
+`_s`, `_hz`, `_un`, `_um2`; `_m`, `_rad` and `_m2` belong to exact numbers, doubles in hexadecimal. Keys that are not
+listed are refused in files that you write. "=" gives the value of a key that may be left out; a named type has a
+table of its own below.
 
 """
 
@@ -64,15 +79,24 @@ def formats() -> str:
     """The text of ``formats.md``."""
     parts = [_HEAD]
     for name, model in documents().items():
-        parts.append(f"## {name}\n\n{_FILES[name]}.\n\n")
-        classes = _classes(model)
-        schema = model.model_json_schema(by_alias=True)
-        tables = {model.__name__: schema, **schema.get("$defs", {})}
-        for title, table in tables.items():
-            parts += _table(title, table, classes.get(title), title == model.__name__)
-        if name == "recordings":
-            parts.append(_TABLE_OF_RECORDINGS)
+        parts.append(_section(name, model, model.model_json_schema(by_alias=True)))
+        parts += [table(one) for one in _BESIDE.get(name, ())]
+    parts.append(_OTHERS)
+    for name, model in OTHERS.items():
+        written = model.model_json_schema(by_alias=True, mode="serialization")
+        parts.append(_section(name, model, written))
+    parts += [table(one).removeprefix("#") for one in _ALONE]
     return "".join(parts).rstrip() + "\n"
+
+
+def _section(name: str, model: type[BaseModel], schema: dict[str, Any]) -> str:
+    """A document with all its tables."""
+    parts = [f"## {name}\n\n{_FILES[name]}.\n\n"]
+    classes = _classes(model)
+    tables = {model.__name__: schema, **schema.get("$defs", {})}
+    for title, one in tables.items():
+        parts += _table(title, one, classes.get(title), title == model.__name__)
+    return "".join(parts)
 
 
 def symbols() -> str:
@@ -188,7 +212,7 @@ def _told(model: type[BaseModel], name: str, after: ast.stmt) -> dict[str, str]:
     if not (isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)):
         return {}
     field = model.model_fields.get(name)
-    key = field.alias if field is not None and field.alias else name
+    key = (field and (field.alias or field.serialization_alias)) or name
     return {key: str(after.value.value)}
 
 

@@ -18,7 +18,7 @@ from meso_robust.guide import GUIDE
 from meso_robust.planning.compose import Found
 from meso_robust.reporting.words import QUANTITIES
 from meso_robust.tasks import HEXAGON, SLOT, TWO_PROBES
-from tests.guide.pages import FORMATS, GLOSSARY, formats, with_symbols
+from tests.guide.pages import FORMATS, GLOSSARY, OTHERS, formats, with_symbols
 from tests.strategies import paper_chain
 
 ROOT = Path(meso_robust.__file__).parent.parent
@@ -56,6 +56,18 @@ def test_formats_have_every_document_and_every_key() -> None:
             assert f"| `{key}` |" in section, f"{name}.{key}"
     assert "Sum" not in page
     assert "The pose as sensed before the first move." in page  # a meaning, from the class
+
+
+def test_every_key_of_every_document_has_a_meaning() -> None:
+    rows = re.findall(r"^\| `[^`]+` \|.*$", text("formats.md"), re.MULTILINE)
+
+    assert len(rows) > 500
+    for row in rows:
+        assert re.split(r"(?<!\\)\|", row)[-2].strip(), row
+    for name, model in OTHERS.items():
+        section = re.split(r"(?m)^## ", text("formats.md").split(f"\n## {name}\n")[1])[0]
+        for key, field in model.model_fields.items():
+            assert f"| `{field.serialization_alias or key}` |" in section, f"{name}.{key}"
 
 
 def test_symbols_are_those_of_the_reports() -> None:
