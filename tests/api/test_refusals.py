@@ -31,6 +31,16 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.Task.load("no such.toml"), "no such.toml: cannot be read"),
         (lambda: mr.plan("no such.toml"), "no such.toml: cannot be read"),
         (lambda: mr.plan(mr.Task.paper(), samples=0), "samples = 0: must be at least 1"),
+        (lambda: mr.plan(PAPER, samples=1_000_001), "samples = 1000001: must be at most 1,000,000"),
+        (lambda: mr.plan(PAPER, samples="20"), "samples = '20': must be a whole number"),  # type: ignore[arg-type]
+        (lambda: mr.certify(PAPER, PLAN, samples=10**7), "samples = 10000000: must be at most"),
+        (lambda: mr.simulate(PAPER, PLAN, samples=10**7), "samples = 10000000: must be at most"),
+        (lambda: mr.camera_of(latency_ms=-500.0), "latency_ms = -500.0: must be from 0 to 1000"),
+        (lambda: mr.camera_of(latency_ms=1001.0), "latency_ms = 1001.0: must be from 0 to 1000"),
+        (lambda: mr.track("x", start=",,0"), "start = ',,0': must be 3 numbers"),  # type: ignore[arg-type]
+        (lambda: mr.track("x", start=(0.0, 1.0)), "start = (0.0, 1.0): must be 3 numbers"),  # type: ignore[arg-type]
+        (lambda: mr.track("x", probes={"p": (1.0, "a")}), "probes['p'] = (1.0, 'a'): must be 2"),  # type: ignore[dict-item]
+        (lambda: mr.campaign("x", workers=1025), "workers = 1025: must be at most 1,024"),
         (lambda: mr.plan(mr.Task.paper(), seed=-1), "seed = -1: must be at least 0"),
         (lambda: mr.plan(PAPER, model="m", maps=True), "model: goes with none of widest"),
         (lambda: mr.plan(PAPER, model="no such model"), "no such model"),
