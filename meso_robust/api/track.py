@@ -150,7 +150,6 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     --------
     >>> import tempfile
     >>> from pathlib import Path
-from typing import Any
     >>> import numpy as np
     >>> import meso_robust as mr
     >>> from meso_robust.microscope import Part, Probe, Scene, film
