@@ -164,6 +164,8 @@ def campaign(  # every option of the verb is an argument
     kept = path_of(examples)
     with progress.doing("reading the campaign and what it names"):
         stated = read_campaign(Path(campaign), seed)
+    if folder is not None:
+        check_folder(Path(folder), ("campaign.json", "report.html"), (Path(campaign),))
     with _stored(path_of(folder), resume, stated) as store:
         with progress.doing("trying kept examples again"):
             replayed = _replayed(stated, kept)

@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import meso_robust as mr
@@ -108,3 +109,10 @@ def test_bad_recordings_are_a_value_and_no_ground_for_a_fit() -> None:
     jumping[120, :2] += 1e-3
     with pytest.raises(mr.InputError, match="meso-robust recordings"):
         mr.identify(planted(poses=jumping))
+
+
+def test_a_pose_may_come_from_numpy() -> None:
+    driver = mr.drive(PAPER, PLAN)
+    seen: list[Any] = [np.float32(2060.4), np.float64(-9.2), np.int64(90)]
+    assert driver.answer(*map(float, seen)) == driver.answer(*seen)
+    assert driver.answer(*seen)["primitive"] == "y_translation"
