@@ -349,8 +349,19 @@ def load_task(path: Path) -> Task:
         The file cannot be read, is not TOML, or a value breaks a rule; the message names file, key,
         value and rule.
     """
-    text = text_of(path, "give a task file", "a TOML file", LARGEST_STATED)
+    text = task_text(path)
     return parse_task(toml_values(text, str(path)), str(path))
+
+
+def task_text(path: Path) -> str:
+    """The text of a task file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is too large, or is not in UTF-8.
+    """
+    return text_of(path, "give a task file", "a TOML file", LARGEST_STATED)
 
 
 def with_spacing(text: str, spacing_um: float) -> str:

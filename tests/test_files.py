@@ -33,8 +33,10 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "m.toml": MODEL,
     }.items():
         shutil.copy(source, tmp_path / name)
+    for name in ("set.toml", "push.csv", "calibration.toml"):
+        (tmp_path / name).write_text("mine", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    for call in ("plan.plan", "plan.certify", "simulate.simulate"):
+    for call in ("plan.plan", "plan.certify", "simulate.simulate", "track.tracked"):
         monkeypatch.setattr(f"meso_robust.api.{call}", _never)
     return tmp_path
 
@@ -54,6 +56,9 @@ def contents(folder: Path) -> dict[str, bytes]:
         ("plan task.toml --widest --out .", "task.toml"),
         ("plan linked.toml --widest --out .", "task.toml"),
         ("certify task.toml plan.json --out .", "plan.json"),
+        ("track v/push.avi --set set.toml --pixel-um 5 --out .", "set.toml"),
+        ("track v/push.avi --task task.toml --commands . --out .", "push.csv"),
+        ("track v/push.avi --calibration calibration.toml --out .", "calibration.toml"),
         ("simulate task.toml plan.json --witness simulation.json --out .", "simulation.json"),
     ],
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from meso_robust.api.given import StrPath, at_least, path_of
+from meso_robust.api.given import StrPath, at_least, path_of, within
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.campaigns.answer import Answer, answered, document, summary
 from meso_robust.campaigns.crew import Crew, Processes
@@ -24,9 +24,9 @@ from meso_robust.campaigns.store import NAME, Store
 from meso_robust.campaigns.work import carry_out, missing
 from meso_robust.errors import InputError
 from meso_robust.files import check_folder, write_all
+from meso_robust.limits import MOST_WORKERS
 
 NEGATIVE = ("broken", "incomplete", "open")
-MOST_WORKERS = 1024
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -159,11 +159,13 @@ def campaign(  # every option of the verb is an argument
     """
     if workers is not None and scheduler is not None:
         raise InputError("--workers, --scheduler: give one of them; a cluster has its own workers")
-    at_least(1, workers=1 if workers is None else workers)
+    within(1, MOST_WORKERS, workers=1 if workers is None else workers)
     at_least(0, seed=0 if seed is None else seed)
     kept = path_of(examples)
     with progress.doing("reading the campaign and what it names"):
         stated = read_campaign(Path(campaign), seed)
+    if folder is not None:
+        check_folder(Path(folder), ("campaign.json", "report.html"), (Path(campaign),))
     with _stored(path_of(folder), resume, stated) as store:
         with progress.doing("trying kept examples again"):
             replayed = _replayed(stated, kept)
@@ -241,6 +243,9 @@ def _work(
     units = {part.name: kind_of(part.kind).unit for part in stated.parts}
     done = {name: len(store.done(name)) for name in planned}
     with progress.rating() as rated:
+        for name, count in planned.items():
+            if done[name] < count:  # the first step is long in coming: kernels are compiled
+                rated(name, (done[name], count), None)
         for step in carry_out(stated, store, _crew(workers, scheduler)):
             done[step.part] += 1
             rated(

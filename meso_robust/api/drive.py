@@ -39,7 +39,7 @@ class Driver:
 
     def answer(self, x_um: float, y_um: float, theta_deg: float) -> dict[str, Any]:
         """What to do from a pose that is sensed now; see :meth:`answer_line`."""
-        values = {"x_um": x_um, "y_um": y_um, "theta_deg": theta_deg}
+        values = {"x_um": float(x_um), "y_um": float(y_um), "theta_deg": float(theta_deg)}
         return self.answer_line(json.dumps(values))
 
     def answer_line(self, line: str) -> dict[str, Any]:

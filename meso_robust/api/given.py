@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Integral
 from os import PathLike
 from pathlib import Path
 from typing import TypeAlias
@@ -39,11 +40,27 @@ def at_least(least: int, **numbers: int) -> None:
     Raises
     ------
     InputError
-        There is one.
+        There is one, or it is no whole number.
     """
     for name, value in numbers.items():
+        if not isinstance(value, Integral):
+            raise InputError(f"{name} = {value!r}: must be a whole number; give {least} or more")
         if value < least:
             raise InputError(f"{name} = {value}: must be at least {least}; give a larger number")
+
+
+def within(least: int, most: int, **numbers: int) -> None:
+    """Refuse a number below ``least`` or above ``most``.
+
+    Raises
+    ------
+    InputError
+        There is one, or it is no whole number.
+    """
+    at_least(least, **numbers)
+    for name, value in numbers.items():
+        if value > most:
+            raise InputError(f"{name} = {value}: must be at most {most:,}; give a smaller number")
 
 
 def keep_apart(folder: Path, source: Path | None) -> None:

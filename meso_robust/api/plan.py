@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from meso_robust import job
-from meso_robust.api.given import StrPath, at_least, files_of, task_of
+from meso_robust.api.given import StrPath, at_least, files_of, task_of, within
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument
@@ -16,6 +16,7 @@ from meso_robust.certificates.margin import Margin
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.files import check_folder, write_all
 from meso_robust.identification.layout import toml_of
+from meso_robust.limits import MOST_SAMPLES
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.inference import inferred
@@ -26,7 +27,7 @@ from meso_robust.policy.region import sensed_start, tube
 from meso_robust.premises import answer as promised
 from meso_robust.premises.promise import Promise, promise, read
 from meso_robust.primitives.setup import setup_of
-from meso_robust.task import Task, with_spacing
+from meso_robust.task import Task, task_text, with_spacing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -178,7 +179,7 @@ def plan(  # every option of the verb is an argument
     >>> [move.primitive for move in planned.plan.moves]
     ['y_translation', 'y_translation', 'rotation', 'x_translation']
     """
-    at_least(1, samples=samples)
+    within(1, MOST_SAMPLES, samples=samples)
     at_least(0, seed=seed)
     known = task_of(task)
     for asked, use in ((policy, "--policy"), (maps, "--maps"), (model, "--model")):
@@ -195,7 +196,7 @@ def plan(  # every option of the verb is an argument
     result = (job.make_best if widest else job.make)(known, samples, seed, progress.doing)
     more = {}
     if widest:
-        text = toml_of(task) if isinstance(task, Task) else Path(task).read_text(encoding="utf-8")
+        text = toml_of(task) if isinstance(task, Task) else task_text(Path(task))
         more["task.toml"] = with_spacing(text, result.task.probe.tip_spacing_um)
     if policy:
         more |= _policy(result.task, progress)
@@ -250,7 +251,7 @@ def certify(
     not proved in step 4 (straighten): the second tip touches before the probe stops
     what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan
     """
-    at_least(1, samples=samples)
+    within(1, MOST_SAMPLES, samples=samples)
     at_least(0, seed=seed)
     known = task_of(task)
     stated = plan_of(plan, known)

@@ -6,8 +6,10 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Protocol, TypeAlias
 
-Rated: TypeAlias = Callable[[str, tuple[int, int], tuple[int, int, str]], None]
-"""Called with a part, its chunks done and planned, and the runs, failures and unit of a step."""
+Step: TypeAlias = tuple[int, int, str]
+"""Runs and failures of a step of a campaign, and what a run is called."""
+Rated: TypeAlias = Callable[[str, tuple[int, int], Step | None], None]
+"""Called with a part, its chunks done and planned, and a step of it; None as the part begins."""
 Told: TypeAlias = Callable[[str, int, int], None]
 """Called with a stage of the work, how much of it is done, and how much there is."""
 

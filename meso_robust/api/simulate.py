@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meso_robust.api.given import StrPath, at_least, task_of
+from meso_robust.api.given import StrPath, at_least, task_of, within
 from meso_robust.api.plan import Planned, plan_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
@@ -18,6 +18,7 @@ from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.execution.trajectories import trajectories
 from meso_robust.execution.witness import read_witness
 from meso_robust.files import write_all
+from meso_robust.limits import LONGEST_LATENCY_MS, MOST_SAMPLES
 from meso_robust.planning.document import PlanDocument
 from meso_robust.primitives.setup import setup_of
 from meso_robust.recordings import RecordingSet, write_set
@@ -154,7 +155,7 @@ def simulate(
     >>> [one.file for one in filmed.recordings][0]
     'run_00_move_1.csv'
     """
-    at_least(1, samples=samples)
+    within(1, MOST_SAMPLES, samples=samples)
     at_least(0, seed=seed)
     known = task_of(task)
     stated = plan_of(plan, known)
@@ -197,6 +198,10 @@ def camera_of(
     >>> mr.camera_of(noise_um=0.5, dropout=0.1).sensor.dropout
     0.1
     """
+    if not 0.0 <= latency_ms <= LONGEST_LATENCY_MS:
+        raise InputError(
+            f"latency_ms = {latency_ms}: must be from 0 to {LONGEST_LATENCY_MS:.0f}; give such a delay"
+        )
     try:
         return Camera(
             sensor=Sensor(

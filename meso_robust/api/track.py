@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from meso_robust.api.given import StrPath, path_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
+from meso_robust.reading import shown
 from meso_robust.recordings import RecordingSet
 from meso_robust.tracking.job import Found, Job, prepared, run, write
 from meso_robust.tracking.track_document import TrackDocument
@@ -187,8 +189,10 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
         pixel_um=pixel_um,
         grid=path_of(grid),
         pitch_um=pitch_um,
-        start=None if start is None else _listed(start),
-        probes=tuple(f"{name}={_listed(place)}" for name, place in (probes or {}).items()),
+        start=None if start is None else _listed("start", start, 3),
+        probes=tuple(
+            f"{name}={_listed(f'probes[{name!r}]', at, 2)}" for name, at in (probes or {}).items()
+        ),
         commands=() if commands is None else _paths(commands),
         frame_rate_hz=frame_rate_hz,
         allow_truncated=allow_truncated,
@@ -223,6 +227,14 @@ def keep_videos(folder: Path, job: Job) -> None:
             )
 
 
-def _listed(values: Sequence[float | None]) -> str:
+def _listed(name: str, values: Any, count: int) -> str:
     """Values as on the command line; what is not known is left empty."""
-    return ",".join("" if value is None else repr(float(value)) for value in values)
+    try:
+        if isinstance(values, str) or len(values) != count:
+            raise ValueError
+        return ",".join("" if value is None else repr(float(value)) for value in values)
+    except (TypeError, ValueError) as error:
+        like = "(None, None, 90.0)" if name == "start" else "(0.0, 700.0)"
+        raise InputError(
+            f"{name} = {shown(values)}: must be {count} numbers; give a tuple such as {like}"
+        ) from error

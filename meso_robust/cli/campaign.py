@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from meso_robust.cli.console import INTERRUPTED, NEGATIVE, Reporter, refuse
+from meso_robust.limits import MOST_WORKERS
 
 if TYPE_CHECKING:
     from meso_robust.api.campaign import Campaigned
@@ -30,7 +31,8 @@ def campaign(  # noqa: PLR0913  # every option of the verb is an argument
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, max=1024, help="Processes; one for each core by default.")
+        int | None,
+        typer.Option(min=1, max=MOST_WORKERS, help="Processes; one for each core by default."),
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Dask scheduler to use instead, such as tcp://host:8786.")

@@ -9,6 +9,7 @@ import typer
 
 from meso_robust.cli.console import Reporter, negative, refuse
 from meso_robust.cli.plan import RESULTS, tell
+from meso_robust.limits import MOST_SAMPLES
 
 if TYPE_CHECKING:
     from meso_robust.api.plan import Planned
@@ -21,7 +22,7 @@ def certify(
         "meso-robust-certify"
     ),
     samples: Annotated[
-        int, typer.Option(min=1, max=1_000_000, help="Random runs in the simulator.")
+        int, typer.Option(min=1, max=MOST_SAMPLES, help="Random runs in the simulator.")
     ] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print certificate.json only.")] = False,

@@ -10,7 +10,7 @@ from typing import NoReturn
 
 import typer
 
-from meso_robust.api.progress import Rated, Told
+from meso_robust.api.progress import Rated, Step, Told
 
 POSITIVE, NEGATIVE, BAD_INPUT = 0, 1, 2
 INTERRUPTED = 130
@@ -34,7 +34,9 @@ class Reporter:
             self._console.print(f"{what} ...", markup=False, highlight=False)
             yield
             return
-        with self._console.status(what):
+        from rich.markup import escape
+
+        with self._console.status(escape(what)):
             yield
 
     @contextmanager
@@ -44,10 +46,11 @@ class Reporter:
             self._console.print(f"{what} ...", markup=False, highlight=False)
             yield lambda: None
             return
+        from rich.markup import escape
         from rich.progress import Progress
 
         with Progress(console=self._console, transient=True) as progress:
-            task = progress.add_task(what, total=total)
+            task = progress.add_task(escape(what), total=total)
             yield lambda: progress.advance(task)
 
     @contextmanager
@@ -93,9 +96,13 @@ class Reporter:
         if not self._console.is_terminal:
             last = [time.monotonic()]
 
-            def line(part: str, chunks: tuple[int, int], step: tuple[int, int, str]) -> None:
+            def line(part: str, chunks: tuple[int, int], step: Step | None) -> None:
                 text = paces.setdefault(part, Pace()).told(chunks, step)
-                if chunks[0] == chunks[1] or time.monotonic() - last[0] > LINE_EVERY:
+                if (
+                    step is None
+                    or chunks[0] == chunks[1]
+                    or time.monotonic() - last[0] > LINE_EVERY
+                ):
                     last[0] = time.monotonic()
                     self._console.print(f"{part}: {text}", markup=False, highlight=False)
 
@@ -107,10 +114,10 @@ class Reporter:
         with Progress(console=self._console, transient=True) as progress:
             bars: dict[str, TaskID] = {}
 
-            def bar(part: str, chunks: tuple[int, int], step: tuple[int, int, str]) -> None:
+            def bar(part: str, chunks: tuple[int, int], step: Step | None) -> None:
                 text = paces.setdefault(part, Pace()).told(chunks, step)
                 if part not in bars:
-                    bars[part] = progress.add_task(part, total=chunks[1])
+                    bars[part] = progress.add_task(escape(part), total=chunks[1])
                 shown = escape(f"{part}: {text}")
                 progress.update(bars[part], completed=chunks[0], description=shown)
 
@@ -124,23 +131,27 @@ class Pace:
         self._begun = time.monotonic()
         self._steps = self._runs = self._failed = 0
 
-    def told(self, chunks: tuple[int, int], step: tuple[int, int, str]) -> str:
-        """The state in a line after a further step.
+    def told(self, chunks: tuple[int, int], step: Step | None) -> str:
+        """The state in a line before the first step, or after a further one.
 
         Parameters
         ----------
         chunks
             Done and planned, of the part.
         step
-            Runs of the step, how many of them failed, and what a run is called.
+            Runs of the step, how many of them failed, and what a run is called; None before the first.
         """
+        if step is None:
+            return f"{chunks[0]:,} of {chunks[1]:,} chunks, begins"
+        if self._steps == 0:
+            self._begun = time.monotonic()
         self._steps += 1
         self._runs += step[0]
         self._failed += step[1]
         text = f"{chunks[0]:,} of {chunks[1]:,} chunks"
         seconds = time.monotonic() - self._begun
         if self._steps > 1 and seconds > 0.0:
-            # the first step was begun before this was made: neither it nor its runs are counted
+            # the first step waited for workers and kernels: neither it nor its runs are counted
             each = seconds / (self._steps - 1)
             rate = self._runs * (self._steps - 1) / self._steps / seconds
             shown = f"{rate:,.0f}" if rate >= 10.0 else f"{rate:.2g}"

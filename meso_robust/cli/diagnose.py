@@ -13,7 +13,7 @@ from meso_robust.cli.console import INTERRUPTED, NEGATIVE, Reporter, refuse
 if TYPE_CHECKING:
     from meso_robust.api.diagnose import Diagnosed
 
-STATE = ".state"
+STATE = ".meso-robust-diagnose"
 """Folder in that of the results, for what a run that was interrupted has done."""
 
 
@@ -54,15 +54,14 @@ def diagnose(
 
 def _found(recordings: Path, out: Path, say: Reporter, **asked: Any) -> Diagnosed:
     """The diagnosis, written into ``out``."""
-    import shutil
-
     from meso_robust.api.diagnose import diagnose as diagnosed
     from meso_robust.api.given import keep_apart
+    from meso_robust.diagnosis.store import Store
     from meso_robust.files import check_folder
 
     check_folder(out)
     keep_apart(out, recordings)
     found = diagnosed(recordings, store=out / STATE, progress=say, **asked)
     found.save(out, progress=say)
-    shutil.rmtree(out / STATE, ignore_errors=True)
+    Store(out / STATE, "").clear()
     return found

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
+from meso_robust.limits import MOST_SAMPLES
 
 if TYPE_CHECKING:
     from meso_robust.api.plan import Planned
@@ -29,7 +30,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("meso-robust-plan"),
     samples: Annotated[
-        int, typer.Option(min=1, max=1_000_000, help="Random runs in the simulator.")
+        int, typer.Option(min=1, max=MOST_SAMPLES, help="Random runs in the simulator.")
     ] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     widest: Annotated[

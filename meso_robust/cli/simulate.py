@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from meso_robust.cli.console import NEGATIVE, Reporter, refuse
+from meso_robust.limits import LONGEST_LATENCY_MS, MOST_SAMPLES
 
 if TYPE_CHECKING:
     from meso_robust.api.simulate import Simulated
@@ -22,7 +23,7 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
         "meso-robust-simulate"
     ),
-    samples: Annotated[int, typer.Option(min=1, max=1_000_000, help="Random runs.")] = 200,
+    samples: Annotated[int, typer.Option(min=1, max=MOST_SAMPLES, help="Random runs.")] = 200,
     adversarial: Annotated[
         bool, typer.Option("--adversarial", help="Search the uncertainties for the worst run.")
     ] = False,
@@ -41,7 +42,9 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     noise_um: Annotated[float, typer.Option(min=0, help="Noise of recorded positions.")] = 1.2,
     noise_deg: Annotated[float, typer.Option(min=0, help="Noise of recorded angles.")] = 0.08,
     dropout: Annotated[float, typer.Option(min=0, max=0.99, help="Share of lost frames.")] = 0.0,
-    latency_ms: Annotated[float, typer.Option(min=0, max=1000, help="Delay of the camera.")] = 0.0,
+    latency_ms: Annotated[
+        float, typer.Option(min=0, max=LONGEST_LATENCY_MS, help="Delay of the camera.")
+    ] = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print simulation.json only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,

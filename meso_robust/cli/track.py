@@ -102,8 +102,16 @@ def _found(job: Job, out: Path, overlay: bool, say: Reporter) -> Tracked:
     from meso_robust.api.track import keep_videos, tracked
     from meso_robust.files import check_folder
 
-    check_folder(out)
+    check_folder(out, *_written_and_read(job))
     keep_videos(out, job)
     found = tracked(job, progress=say)
     found.save(out, overlay=overlay, progress=say)
     return found
+
+
+def _written_and_read(job: Job) -> tuple[list[str], list[Path | None]]:
+    """Names of files that will be written, and the files beside the videos that are read."""
+    tables = [f"{video.stem}.csv" for video in job.videos]
+    names = ["set.toml", "calibration.toml", "track.json", "report.html", "overlay.avi", *tables]
+    logs = [one / table for one in job.commands for table in tables if one.is_dir()]
+    return names, [job.task, job.set_file, job.calibration, job.grid, *job.commands, *logs]

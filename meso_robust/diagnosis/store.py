@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
+import re
 import zipfile
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+_OWN = re.compile(r"[0-9a-f]{32}(\.part)?\.npz")
 Array = npt.NDArray[np.float64]
 
 
@@ -52,9 +54,14 @@ class Store:
         return made
 
     def clear(self) -> None:
-        """Remove what was kept."""
-        if self.folder is not None:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        """Remove what was kept, of any diagnosis, and the folder unless it holds something else."""
+        if self.folder is None or not self.folder.is_dir():
+            return
+        with suppress(OSError):
+            for path in self.folder.iterdir():
+                if _OWN.fullmatch(path.name):
+                    path.unlink()
+            self.folder.rmdir()
 
 
 NOWHERE = Store(None, "")

@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import meso_robust as mr
@@ -31,6 +32,16 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.Task.load("no such.toml"), "no such.toml: cannot be read"),
         (lambda: mr.plan("no such.toml"), "no such.toml: cannot be read"),
         (lambda: mr.plan(mr.Task.paper(), samples=0), "samples = 0: must be at least 1"),
+        (lambda: mr.plan(PAPER, samples=1_000_001), "samples = 1000001: must be at most 1,000,000"),
+        (lambda: mr.plan(PAPER, samples="20"), "samples = '20': must be a whole number"),  # type: ignore[arg-type]
+        (lambda: mr.certify(PAPER, PLAN, samples=10**7), "samples = 10000000: must be at most"),
+        (lambda: mr.simulate(PAPER, PLAN, samples=10**7), "samples = 10000000: must be at most"),
+        (lambda: mr.camera_of(latency_ms=-500.0), "latency_ms = -500.0: must be from 0 to 1000"),
+        (lambda: mr.camera_of(latency_ms=1001.0), "latency_ms = 1001.0: must be from 0 to 1000"),
+        (lambda: mr.track("x", start=",,0"), "start = ',,0': must be 3 numbers"),  # type: ignore[arg-type]
+        (lambda: mr.track("x", start=(0.0, 1.0)), "start = (0.0, 1.0): must be 3 numbers"),  # type: ignore[arg-type]
+        (lambda: mr.track("x", probes={"p": (1.0, "a")}), "probes['p'] = (1.0, 'a'): must be 2"),  # type: ignore[dict-item]
+        (lambda: mr.campaign("x", workers=1025), "workers = 1025: must be at most 1,024"),
         (lambda: mr.plan(mr.Task.paper(), seed=-1), "seed = -1: must be at least 0"),
         (lambda: mr.plan(PAPER, model="m", maps=True), "model: goes with none of widest"),
         (lambda: mr.plan(PAPER, model="no such model"), "no such model"),
@@ -98,3 +109,10 @@ def test_bad_recordings_are_a_value_and_no_ground_for_a_fit() -> None:
     jumping[120, :2] += 1e-3
     with pytest.raises(mr.InputError, match="meso-robust recordings"):
         mr.identify(planted(poses=jumping))
+
+
+def test_a_pose_may_come_from_numpy() -> None:
+    driver = mr.drive(PAPER, PLAN)
+    seen: list[Any] = [np.float32(2060.4), np.float64(-9.2), np.int64(90)]
+    assert driver.answer(*map(float, seen)) == driver.answer(*seen)
+    assert driver.answer(*seen)["primitive"] == "y_translation"

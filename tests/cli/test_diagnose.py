@@ -17,6 +17,7 @@ from typer.testing import CliRunner, Result
 
 from meso_robust.cli import app
 from meso_robust.cli.console import Reporter
+from meso_robust.cli.diagnose import STATE
 from meso_robust.diagnosis.document import DiagnosisDocument, Verdict
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.errors import InputError
@@ -24,6 +25,7 @@ from meso_robust.recordings import RecordingSet, write_set
 from tests.recordings.planted import clean, planted, poses
 from tests.reporting import diagnoses
 
+KEPT = f"{7:032x}.npz"
 RESULTS = ["diagnosis.json", "model.toml", "report.html"]
 
 
@@ -70,7 +72,7 @@ def given(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[dict[str, Any]]
             options["told"]("refitting [viscous]", 2, 3)
             options["told"]("simulating", 0, 1)
             options["store"].mkdir(parents=True, exist_ok=True)
-            (options["store"] / "nulls.npz").write_text("half", encoding="utf-8")
+            (options["store"] / KEPT).write_text("half", encoding="utf-8")
             if raises is not None:
                 raise raises
             return Made(verdict)
@@ -155,7 +157,7 @@ def test_options_and_remarks_reach_the_diagnosis(
 
     (one,) = asked
     assert (one["model"], one["quick"], one["seed"]) == ("three_point", True, 7)
-    assert one["store"] == tmp_path / "out" / ".state"
+    assert one["store"] == tmp_path / "out" / STATE
     assert len(one["recordings"].recordings) == 3
     notes = json.loads((tmp_path / "out" / "diagnosis.json").read_text())["provenance"]["notes"]
     assert notes[1:] == ["push_00.csv: odd"]
@@ -175,6 +177,20 @@ def test_stages_are_said_once_where_there_is_no_terminal(
     ]
 
 
+def test_what_somebody_else_keeps_there_stays(given: Any, folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for name in (".state", STATE):
+        (out / name).mkdir(parents=True)
+        (out / name / "mine.npz").write_text("mine", encoding="utf-8")
+    given("named")
+
+    assert run(folder, "--out", out).exit_code == 0
+
+    assert sorted(path.name for path in out.iterdir()) == sorted([".state", STATE, *RESULTS])
+    for name in (".state", STATE):
+        assert [path.name for path in (out / name).iterdir()] == ["mine.npz"]
+
+
 def test_an_interrupted_run_goes_on_with_what_it_kept(
     given: Any, folder: Path, tmp_path: Path
 ) -> None:
@@ -186,8 +202,8 @@ def test_an_interrupted_run_goes_on_with_what_it_kept(
     assert done.exit_code == 130
     assert done.stderr.splitlines()[-1] == "meso-robust: interrupted; run again to go on"
     assert "Traceback" not in done.output
-    assert [path.name for path in out.iterdir()] == [".state"]
-    assert (out / ".state" / "nulls.npz").read_text() == "half"
+    assert [path.name for path in out.iterdir()] == [STATE]
+    assert (out / STATE / KEPT).read_text() == "half"
 
     second = given("named")
     assert run(folder, "--out", out).exit_code == 0

@@ -13,6 +13,9 @@ def test_rate_and_time_left_are_those_of_the_steps_that_were_timed(
     clock = [100.0]
     monkeypatch.setattr("meso_robust.cli.console.time.monotonic", lambda: clock[0])
     pace = Pace()
+    clock[0] = 40.0  # the workers start and compile for a minute: no part of the rate
+    assert pace.told((0, 11), None) == "0 of 11 chunks, begins"
+    clock[0] = 100.0
     assert pace.told((1, 11), (50, 0, "executions")) == "1 of 11 chunks, 0 failed"
     clock[0] = 102.0
     assert (
