@@ -76,7 +76,7 @@ def test_an_empty_folder_is_filled_and_a_barred_one_told(tmp_path: Path) -> None
 
     assert sorted(path.name for path in (tmp_path / "empty").iterdir()) == FILES
     assert barred.exit_code == 2
-    assert "cannot be written" in barred.stderr
+    assert "is not a writable folder" in barred.stderr
 
 
 def test_it_is_small_enough_for_a_wheel() -> None:

@@ -87,7 +87,7 @@ def test_every_command_is_one_of_ours_and_most_are_walked(
 
     assert verbs == [
         *("example", "plan", "track", "recordings", "identify", "diagnose"),
-        *("plan", "plan", "check last", "drive"),
+        *("plan", "plan", "check", "drive"),
     ]
     assert len(PAGE) == len(walk) + 4
 

@@ -16,7 +16,7 @@ from tests.browser import Page
 from tests.reporting.javascript import Script
 
 HERE = Path(__file__).parents[2] / "meso_robust" / "reporting"
-MOST_BYTES = 80_000  # of the page, for the view
+MOST_BYTES = 80 * 1024
 
 
 @pytest.fixture(scope="module")
