@@ -48,9 +48,9 @@ reports: $(INSTALLED)
 	$(BIN)/python -m tests.identification.sensitivity_report --out reports/identification
 	$(BIN)/meso-robust reproduce --out reports/reproduction
 
-# The tutorial in a new folder, every command with its time.
+# A new clone, its demo and the tutorial in a new folder, every command with its time.
 tutorial: $(INSTALLED)
-	$(BIN)/python -m tests.guide.tutorial --out reports/tutorial/times.md
+	$(BIN)/python -m tests.guide.tutorial --clone . --out reports/tutorial/times.md
 
 # The full forms of the campaigns: hours on two cores. Those of the verb go on where they stand.
 campaign: $(INSTALLED)

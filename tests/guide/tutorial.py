@@ -11,12 +11,13 @@ import os
 import platform
 import re
 import resource
+import shlex
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from meso_robust import __version__
@@ -90,9 +91,19 @@ class Walked:
     """What the page shows and it did not print."""
 
 
-def walked(folder: Path) -> Iterator[Walked]:
-    """Run each command as a reader would."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+def installed(source: Path, folder: Path) -> Iterator[Walked]:
+    """Clone a checkout and run ``make demo`` in it, as a new user would."""
+    for text, where in (
+        (f"git clone {shlex.quote(str(source.resolve()))} clone", folder),
+        ("make demo", folder / "clone"),
+    ):
+        done, _ = _run(text, where, os.environ["PATH"])
+        yield replace(done, text=text.replace(shlex.quote(str(source.resolve())), "REPOSITORY"))
+
+
+def walked(folder: Path, programs: Path) -> Iterator[Walked]:
+    """Run each command of the tutorial as a reader would, with the programs of a folder."""
+    path = f"{programs}{os.pathsep}{os.environ['PATH']}"
     where = folder
     for command in commands(TUTORIAL.read_text(encoding="utf-8")):
         if command.text.startswith("cd "):
@@ -100,22 +111,29 @@ def walked(folder: Path) -> Iterator[Walked]:
             continue
         if command.friction:
             edited(where / "task.toml", command.friction)
-        before, used = time.perf_counter(), _processor()
-        done = subprocess.run(
-            ["bash", "-c", command.text],
-            cwd=where,
-            env={**os.environ, "PATH": path},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        yield Walked(
-            text=command.text,
-            seconds=time.perf_counter() - before,
-            processor=_processor() - used,
-            status=done.returncode,
-            differs=missing(command.shown, done.stdout),
-        )
+        done, printed = _run(command.text, where, path)
+        yield replace(done, differs=missing(command.shown, printed))
+
+
+def _run(text: str, where: Path, path: str) -> tuple[Walked, str]:
+    """A command that was run, and what it printed."""
+    before, used = time.perf_counter(), _processor()
+    done = subprocess.run(
+        ["bash", "-c", text],
+        cwd=where,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    found = Walked(
+        text=text,
+        seconds=time.perf_counter() - before,
+        processor=_processor() - used,
+        status=done.returncode,
+        differs=[],
+    )
+    return found, done.stdout
 
 
 def _processor() -> float:
@@ -128,10 +146,11 @@ def main() -> None:
     """Walk and write the times."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("reports/tutorial/times.md"))
-    out = parser.parse_args().out
-    load, rows, whole, used = os.getloadavg()[1], [], 0.0, 0.0
+    parser.add_argument("--clone", type=Path, help="checkout to clone and install first")
+    asked = parser.parse_args()
+    out, load, rows, whole, used = asked.out, os.getloadavg()[1], [], 0.0, 0.0
     with tempfile.TemporaryDirectory() as name:
-        for one in walked(Path(name)):
+        for one in _all(Path(name), asked.clone):
             rows.append(_row(one))
             sys.stdout.write(rows[-1] + "\n")
             sys.stdout.flush()
@@ -147,6 +166,14 @@ def main() -> None:
         "|---|---|---|---|---|",
     ]
     write_all(out.parent, {out.name: "\n".join([*head, *rows, ""])})
+
+
+def _all(folder: Path, source: Path | None) -> Iterator[Walked]:
+    programs = Path(sys.executable).parent
+    if source is not None:
+        yield from installed(source, folder)
+        programs = folder / "clone" / ".venv" / "bin"
+    yield from walked(folder, programs)
 
 
 def _row(one: Walked) -> str:
