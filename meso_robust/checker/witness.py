@@ -12,8 +12,9 @@ from meso_robust.checker.numbers import double
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
 
-ROUNDING = arb(1e-15)
-"""m, rad and m^2: bounds of the task are decimals, the numbers of a run the nearest doubles."""
+ROUNDING = arb(4e-15)
+"""m, rad and m^2: bounds of the task are decimals, the numbers of a run doubles close to them. Of an
+orientation up to a whole turn, start and sensing error are four roundings of at most 1e-15 away."""
 
 
 def check_witness(certificate: Certificate, given: Given) -> None:
