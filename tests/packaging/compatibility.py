@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 REPORTS = ROOT / "reports" / "release"
 RESOLUTIONS = {"oldest": "lowest-direct", "newest": "highest"}
 EXTRAS = ("cluster", "derive")
-TOOLS = ("pytest", "pytest-xdist", "hatchling", "editables", "uv")
+TOOLS = ("pytest", "pytest-xdist", "mini-racer", "hatchling", "editables", "uv")
 
 TESTS = {
     "numpy, casadi, numba": ("tests/admissibility", "tests/bounds/test_interval.py"),
