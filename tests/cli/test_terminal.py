@@ -18,6 +18,7 @@ import pytest
 
 from meso_robust.planning.document import plan_document
 from meso_robust.tasks import PAPER
+from tests.nightly import at_night
 from tests.recordings.examples import folder_of
 from tests.strategies import paper_chain, paper_task
 
@@ -31,9 +32,6 @@ MAIN = (
 )
 MOVING = re.compile("[⠋⠙⠹⠸⠼⠴⠦⠧⠇⠏━╸╺]")  # a spinner or a bar
 LONGEST = 120.0  # s
-AT_NIGHT = pytest.mark.skipif(
-    not os.environ.get("MESO_NIGHTLY"), reason="takes long; MESO_NIGHTLY=1 runs it"
-)
 
 
 class Terminal:
@@ -146,7 +144,7 @@ SHORT_ENOUGH = ("check", "campaign", "simulate")
 
 @pytest.mark.parametrize(
     "verb",
-    [name if name in SHORT_ENOUGH else pytest.param(name, marks=AT_NIGHT) for name in VERBS],
+    [name if name in SHORT_ENOUGH else pytest.param(name, marks=at_night) for name in VERBS],
 )
 def test_a_long_verb_shows_that_it_works_and_ends_by_ctrl_c(
     verb: str, plan: Path, tmp_path: Path
@@ -179,7 +177,7 @@ def test_a_long_verb_shows_that_it_works_and_ends_by_ctrl_c(
         assert {path.name for path in out.iterdir()} <= {"campaign.sqlite", "examples"}
 
 
-@AT_NIGHT
+@at_night
 def test_ctrl_c_while_kernels_are_compiled(tmp_path: Path) -> None:
     cache = tmp_path / "kernels"
     with terminal(["plan", "--out", str(tmp_path / "out")], NUMBA_CACHE_DIR=str(cache)) as shown:

@@ -175,5 +175,5 @@ def test_what_could_not_be_read_is_not_written(
 
 def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="is not a writable folder"):
         write_set(tmp_path / "file", example())
