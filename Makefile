@@ -66,7 +66,8 @@ campaign: $(INSTALLED)
 
 # What takes too long for every change: each verb ended by Ctrl-C in a terminal.
 nightly: $(INSTALLED)
-	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q tests/cli/test_terminal.py tests/cli/test_manners.py tests/guide/test_tutorial.py
+	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q tests/cli/test_terminal.py tests/cli/test_manners.py tests/guide/test_tutorial.py \
+	  tests/derivations/test_derive.py
 
 # Wheel and sdist, each in a clean environment of its own: plan, certificate, check.
 package: $(INSTALLED)
