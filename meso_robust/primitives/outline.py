@@ -20,6 +20,7 @@ from meso_robust.task import Part, PolygonPart
 from meso_robust.units import metres
 
 PI = HALF_PI + HALF_PI
+ANYWHERE = Interval(-math.inf, math.inf)
 Point = tuple[Interval, Interval]
 """x and y in the part's own frame, m."""
 
@@ -240,7 +241,14 @@ def _side(corners: Sequence[Point], first: int, last: int) -> Edge:
 
 
 def _direction(c: Interval, s: Interval) -> Interval:
-    """The angle with cosine ``c`` and sine ``s``, by the one that is far from +-1."""
+    """The angle with cosine ``c`` and sine ``s``, by the one that is far from +-1.
+
+    The whole line if the sign of the other one, which tells the half of the circle, is not certain.
+    """
     if abs(s.mid) < abs(c.mid):
+        if not (c.lo > 0.0 or c.hi < 0.0):
+            return ANYWHERE
         return arcsin(s) if c.lo > 0.0 else PI - arcsin(s)
+    if not (s.lo > 0.0 or s.hi < 0.0):
+        return ANYWHERE
     return HALF_PI - arcsin(c) if s.lo > 0.0 else arcsin(c) - HALF_PI

@@ -10,7 +10,7 @@ from flint import arb, ctx, fmpq
 
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.errors import NotApplicableError
-from meso_robust.primitives.outline import Edge, Polygon, outline_of
+from meso_robust.primitives.outline import Edge, Polygon, _direction, outline_of
 from meso_robust.task import PolygonPart
 
 Corners = list[tuple[float, float]]
@@ -124,3 +124,22 @@ def test_a_mirrored_outline_is_that_of_mirrored_corners() -> None:
         }
     assert [x.mid for x, _ in found.corners] == [x.mid for x, _ in wanted.corners]
     assert [y.mid for _, y in found.corners] == [y.mid for _, y in wanted.corners]
+
+
+@pytest.mark.parametrize("width", [1e-12, 1e-3, 0.3, 2.0])
+def test_a_direction_is_enclosed_however_wide_its_cosine_and_sine(width: float) -> None:
+    """Also where a wide enclosure reaches across an axis, off its middle."""
+    rng = np.random.default_rng(5)
+    found = []
+    for angle in rng.uniform(-np.pi, np.pi, 2000):
+        c, s = (
+            Interval(value - low, value + high)
+            for value, low, high in zip(
+                (np.cos(angle), np.sin(angle)), *rng.uniform(1e-15, width, (2, 2)), strict=True
+            )
+        )
+        direction = _direction(c, s)
+        ends = direction.lo - 1e-12, direction.hi + 1e-12
+        assert any(ends[0] <= angle + turn <= ends[1] for turn in (-2 * np.pi, 0.0, 2 * np.pi))
+        found.append(direction.width < 1.0)
+    assert np.mean(found) > 0.99 or width > 0.1
