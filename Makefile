@@ -40,6 +40,8 @@ reports: $(INSTALLED)
 	$(BIN)/meso-robust derive
 	$(BIN)/meso-robust plan --maps --out reports/paper_task
 	$(BIN)/python -m tests.reporting.picture reports/paper_task/report.html --out reports/paper_task/report.png
+	$(BIN)/python -m tests.planning.start_sweep --out reports/tasks
+	$(BIN)/python -m tests.premises.adhesion --out reports/tasks
 	$(BIN)/python -m tests.policy.campaign --runs 2000
 	$(BIN)/python -m tests.simulator.convergence --out reports/simulator/convergence.md
 	$(BIN)/python -m tests.simulator.inertia_report --out reports/simulator
