@@ -66,9 +66,9 @@ campaign: $(INSTALLED)
 	$(BIN)/python -m tests.blind.campaign --workers 2 --quick-diagnosis --out reports/blind/next_trial
 	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
 
-# What takes too long for every change: each verb ended by Ctrl-C in a terminal.
+# What takes too long for every change.
 nightly: $(INSTALLED)
-	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q tests/cli/test_terminal.py tests/cli/test_manners.py tests/guide/test_tutorial.py \
+	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q tests/cli/test_terminal.py tests/cli/test_manners.py \
 	  tests/derivations/test_derive.py
 
 # Wheel and sdist, each in a clean environment of its own: plan, certificate, check.

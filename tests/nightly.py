@@ -6,6 +6,6 @@ import os
 
 import pytest
 
-NIGHT = bool(os.environ.get("MESO_NIGHTLY"))
-REASON = "takes long; make nightly runs it"
-at_night = pytest.mark.skipif(not NIGHT, reason=REASON)
+at_night = pytest.mark.skipif(
+    not os.environ.get("MESO_NIGHTLY"), reason="takes long; make nightly runs it"
+)

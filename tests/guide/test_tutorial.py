@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 from meso_robust.cli import app
 from meso_robust.guide import TUTORIAL
 from tests.guide.tutorial import Command, commands, edited, missing
-from tests.nightly import NIGHT, REASON
 
 SET = Path(__file__).parent.parent / "example" / "set"
 PAGE = commands(TUTORIAL.read_text(encoding="utf-8"))
@@ -39,8 +38,6 @@ def words_of(command: Command, folder: Path) -> list[str]:
 @pytest.fixture(scope="module")
 def walk(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Command, Any]]:
     """What each command printed, by its text; the videos but one are tracked already."""
-    if not NIGHT:
-        pytest.skip(REASON)
     folder = tmp_path_factory.mktemp("walk with spaces µ")
     results: dict[str, tuple[Command, Any]] = {}
     with pytest.MonkeyPatch.context() as patched:
