@@ -92,7 +92,7 @@ def json_values(text: str, source: str) -> Any:
         The text is not JSON, gives a key twice in one place, or is nested too deeply.
     """
     try:
-        values = json.loads(text, object_pairs_hook=_each_once)
+        values = json.loads(text, object_pairs_hook=each_once)
         _check_depth(values)
     except (ValueError, RecursionError) as error:
         raise InputError(
@@ -125,7 +125,14 @@ def shown(value: object) -> str:
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
 
 
-def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """The section that JSON gives as pairs.
+
+    Raises
+    ------
+    ValueError
+        A key is given twice.
+    """
     found = dict(pairs)
     if len(found) < len(pairs):
         names = [name for name, _ in pairs]

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from meso_robust.checker.document import Certificate
 from meso_robust.errors import InputError
-from meso_robust.reading import text_of
+from meso_robust.reading import each_once, text_of
 from meso_robust.task import Task
 
 
@@ -35,7 +35,7 @@ def read_certificate(path: Path, task: Task) -> tuple[Certificate, str]:
 def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, str]:
     """The same for a text; ``source`` names it in messages."""
     try:
-        values = json.loads(text, object_pairs_hook=_each_once, parse_constant=_no_constant)
+        values = json.loads(text, object_pairs_hook=each_once, parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
         raise InputError(
             f"{source}: is not a JSON file in UTF-8 ({error}); give a certificate"
@@ -57,15 +57,6 @@ def digest(values: dict[str, Any]) -> str:
     rest = {key: value for key, value in values.items() if key != "digest"}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"key {twice} is given twice; give it once")
-    return found
 
 
 def _no_constant(name: str) -> float:
