@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import graphlib
 import re
 from collections.abc import Iterator
@@ -77,9 +78,20 @@ def part_of(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def imported(path: Path) -> Iterator[str]:
+@functools.cache
+def tree(path: Path) -> ast.Module:
+    """A file as a syntax tree, read once for all tests."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def imported(path: Path) -> tuple[str, ...]:
     """Dotted names of everything that a file imports, wherever in the file."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    return tuple(_imported(path))
+
+
+def _imported(path: Path) -> Iterator[str]:
+    for node in ast.walk(tree(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -129,11 +141,10 @@ def test_packages_form_no_cycle() -> None:
     assert order.index("bounds") < order.index("motion") < order.index("planning")
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=names)
-def test_nothing_below_reaches_the_reports_the_command_line_or_the_derivations(path: Path) -> None:
-    if part_of(path) not in ABOVE:
-        assert not parts_imported(path) & ABOVE
-        assert not any(name.split(".")[0] == "derivations" for name in imported(path))
+def test_nothing_below_reaches_the_reports_the_command_line_or_the_derivations() -> None:
+    for path in (path for path in SOURCES if part_of(path) not in ABOVE):
+        assert not parts_imported(path) & ABOVE, names(path)
+        assert not any(name.split(".")[0] == "derivations" for name in imported(path)), names(path)
 
 
 def test_campaigns_reach_nothing_that_tells_of_them() -> None:
@@ -146,20 +157,18 @@ def test_derivations_know_nothing_of_the_package() -> None:
         assert not any(name.split(".")[0] == "meso_robust" for name in imported(path)), path.name
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=names)
-def test_only_reports_draw(path: Path) -> None:
-    if part_of(path) not in {"reporting", "reproduction"}:
-        assert not any(name.split(".")[0] == "matplotlib" for name in imported(path))
+def test_only_reports_draw() -> None:
+    for path in (path for path in SOURCES if part_of(path) not in {"reporting", "reproduction"}):
+        assert not any(name.split(".")[0] == "matplotlib" for name in imported(path)), names(path)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=names)
-def test_no_print_and_no_assert_in_the_library(path: Path) -> None:
-    if part_of(path) in {"cli", "reporting"}:
-        return
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        assert not isinstance(node, ast.Assert), f"line {node.lineno}"
-        called = node.func if isinstance(node, ast.Call) else None
-        assert not (isinstance(called, ast.Name) and called.id == "print")
+def test_no_print_and_no_assert_in_the_library() -> None:
+    for path in (path for path in SOURCES if part_of(path) not in {"cli", "reporting"}):
+        for node in ast.walk(tree(path)):
+            assert not isinstance(node, ast.Assert), f"{names(path)}:{node.lineno}"
+            called = node.func if isinstance(node, ast.Call) else None
+            printed = isinstance(called, ast.Name) and called.id == "print"
+            assert not printed, f"{names(path)}:{getattr(node, 'lineno', 0)}"
 
 
 def test_derivations_named_in_obligations_exist() -> None:

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from meso_robust.simulator.catalogue import CATALOGUE, stage_of
-from meso_robust.simulator.effects import Effect
+from meso_robust.simulator.stage import Effect
 
 HEAD = """# Effects of the simulator
 

@@ -24,7 +24,7 @@ from meso_robust.simulator import (
     simulate,
 )
 from meso_robust.simulator.catalogue import CATALOGUE, STAGES, stage_of
-from meso_robust.simulator.effects import SLOTS
+from meso_robust.simulator.stage import SLOTS
 from tests.simulator.effects_report import page
 from tests.simulator.problems import HALF_LONG, HALF_SHORT, MU, RHO, UM, rectangle
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from meso_robust.simulator.effects import SLOTS, Effects
+from meso_robust.simulator.effects import Effects
 from meso_robust.simulator.observation import (
     CAMERA_DRIFT_X,
     CAMERA_DRIFT_Y,
@@ -26,6 +26,7 @@ from meso_robust.simulator.observation import (
     sense,
     unseen,
 )
+from meso_robust.simulator.stage import SLOTS
 
 Floats = npt.NDArray[np.float64]
 
