@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from typing import TYPE_CHECKING
 
 from flint import arb
 
@@ -31,6 +30,7 @@ from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, off_line, place_on_edge
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.grip import Grip
+from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Pose, Sweep
 from meso_robust.checker.pushing import UNIT, constant
 from meso_robust.checker.ranges import ZERO, Box, Side, positive, span
@@ -38,10 +38,6 @@ from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
 from meso_robust.checker.scene import Scene, direction
 
-if TYPE_CHECKING:
-    from meso_robust.checker.rotate import Pair
-
-ACTIVE = -1
 NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 20.0, 1e-2, 1e-2
 """How closely the rates are bounded: 1/m, 1 and 1."""
 GUESSES = 12

@@ -12,7 +12,6 @@ vanishes nowhere (``V^2 > w^2 (1 + mu^2)``).
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 
 from flint import arb
@@ -23,6 +22,7 @@ from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
 from meso_robust.checker.grip import Grip
 from meso_robust.checker.outline import Rectangle
+from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     UNIT,
@@ -39,34 +39,14 @@ from meso_robust.checker.requirement import Part, Requirement, Variables, prove
 from meso_robust.checker.scene import Scene
 from meso_robust.checker.slide import Piece, enclose
 
-ACTIVE, IDLE = -1, 1
-"""The lower tip pushes, the upper one is idle."""
+IDLE = 1
+"""The upper tip of the active probe touches nothing; the lower one pushes."""
 NEAR = 2e-7
 """How closely the touch is bounded, m."""
 SAYS = (
     "both tips stay in contact and the part turns to nearly horizontal without jamming; its slide "
     "stays in the tube although the motion need not be unique"
 )
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class Pair:
-    """The active and the passive tip as functions of the variables of the move."""
-
-    scene: Scene
-
-    def V(self, at: Point) -> Dual:
-        """Active minus passive tip, y."""
-        return self.scene.apart(self.scene.rule.dual_y, at, "y") - self.scene.spacing / 2
-
-    def middle(self, at: Point) -> Dual:
-        """Middle of both minus the part before the move, y."""
-        return self.scene.passive_rise(at) + self.V(at) / 2
-
-    def h_end(self, at: Point) -> Dual:
-        """Active tip at the end of its travel minus the passive one, x."""
-        between = self.scene.apart(self.scene.rule.dual_end_x, at, "x")
-        return between - self.scene.lag(at, ACTIVE)
 
 
 def check_rotate(scene: Scene) -> Passage:

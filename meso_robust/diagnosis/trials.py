@@ -17,7 +17,7 @@ import numpy.typing as npt
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.simulator.catalogue import CATALOGUE
-from meso_robust.simulator.effects import REFERENCE_SPEED
+from meso_robust.simulator.stage import REFERENCE_SPEED
 
 Floats = npt.NDArray[np.float64]
 

@@ -15,7 +15,6 @@ from meso_robust.identification.models.model import Floats, Model, Physics
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import freed
 from meso_robust.simulator import Outcome, Push, simulate
-from meso_robust.simulator.effects import SLOTS
 from meso_robust.simulator.geometry import outlines, radii, reference_of_tracked
 from meso_robust.simulator.observation import (
     CAMERA_LATENCY_TIME,
@@ -23,6 +22,7 @@ from meso_robust.simulator.observation import (
     observe,
     unseen,
 )
+from meso_robust.simulator.stage import SLOTS
 
 _AT_ONCE = 400_000  # instants recorded in one call of the simulator: about 50 MB
 _CAUGHT = 0.04  # steps of overlap that count as touching; the simulator refuses 0.05

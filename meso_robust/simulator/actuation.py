@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.effects import Effect, Parameter, Stage
+from meso_robust.simulator.stage import Effect, Parameter, Stage
 
 _F = npt.NDArray[np.float64]
 

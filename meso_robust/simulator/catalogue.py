@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator.actuation import ACTUATION
-from meso_robust.simulator.effects import SLOTS, Effect, Parameter, Stage
 from meso_robust.simulator.environment import ENVIRONMENT
 from meso_robust.simulator.geometry import GEOMETRY
 from meso_robust.simulator.observation import OBSERVATION
+from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
 from meso_robust.simulator.support import SUPPORT
 from meso_robust.simulator.touch import CONTACT
 

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator.environment import FLOW_SLOTS
+from meso_robust.simulator.fixture import Fixture
 from meso_robust.simulator.geometry import radii, reference_of_tracked, stretch
-from meso_robust.simulator.motion_model import FirstOrder
+from meso_robust.simulator.motion_model import FirstOrder, MotionModel
 from meso_robust.simulator.outline import edge_table, refuse, thickness
 from meso_robust.simulator.support import FILM_SLOTS, LAYS, THINNING
-from meso_robust.simulator.tips import Flat
+from meso_robust.simulator.tips import Flat, Tip
 from meso_robust.simulator.touch import EDGE
 
 if TYPE_CHECKING:
     from meso_robust.simulator.effects import Effects
-    from meso_robust.simulator.push import Push
     from meso_robust.simulator.support_models import Tables
 
 _F = npt.NDArray[np.float64]
@@ -135,8 +135,8 @@ def check_tables(tables: Tables, effects: Effects, runs: int) -> None:
         refuse("effects", on, "need a film where they change its drag", "give a Film or a Mixture")
 
 
-def check_effects(push: Push) -> None:
-    """Refuse effects that have no meaning for this push.
+def check_effects(effects: Effects, corners: int, motion: MotionModel) -> None:
+    """Refuse effects that have no meaning for a part of so many corners that moves so.
 
     Raises
     ------
@@ -144,8 +144,8 @@ def check_effects(push: Push) -> None:
         If an edge does not exist, if the lays of stage and part add up to a drag that is not
         positive, or if the support is changed although the motion model has none.
     """
-    table = push.effects.table
-    edge, corners = table[:, EDGE], len(push.vertices)
+    table = effects.table
+    edge = table[:, EDGE]
     for run in np.flatnonzero((edge != np.floor(edge)) | (edge >= corners)):
         refuse(
             "effects.edge_dependent_friction.edge",
@@ -160,57 +160,92 @@ def check_effects(push: Push) -> None:
             "must leave a positive drag in every direction",
             "lower anisotropic_drag or part_anisotropic_drag",
         )
-    if isinstance(push.motion, FirstOrder) and push.effects.is_on(*range(32), *FLOW_SLOTS):
-        on = ", ".join(push.effects.values)
+    if isinstance(motion, FirstOrder) and effects.is_on(*range(32), *FLOW_SLOTS):
+        on = ", ".join(effects.values)
         refuse("effects", on, "need a support, and FirstOrder has none", "use Dynamic")
 
 
-def check_steps(push: Push) -> None:
-    """Refuse steps so short that the move would not end, or longer than what they meet is thick.
+def check_steps(*, step: float, longest: float, time_step: float, steps: int, lasts: float) -> None:
+    """Refuse steps so short that the move would not end.
+
+    Parameters
+    ----------
+    step, longest
+        Longest step and longest displacement of a tip between two waypoints, m.
+    time_step, lasts
+        Longest step and duration of the move, s.
+    steps
+        Steps of the move by both.
 
     Raises
     ------
     ValueError
         Naming the argument and the limit.
     """
-    longest, count = push.longest_leg, push.longest_leg / push.step
-    if not count <= MAX_STEPS:
+    if not longest / step <= MAX_STEPS:
         refuse(
             "step",
-            f"{push.step:g} m for a travel of {longest:g} m",
+            f"{step:g} m for a travel of {longest:g} m",
             f"must give at most {MAX_STEPS:g} steps",
             "give lengths in m and a longer step",
         )
-    if not push.steps <= MAX_STEPS:
+    if not steps <= MAX_STEPS:
         refuse(
             "time_step",
-            f"{push.time_step:g} s for {np.ptp(push.times):g} s",
+            f"{time_step:g} s for {lasts:g} s",
             f"must give at most {MAX_STEPS:g} steps",
             "give times in s and a longer time step",
         )
-    solids = [("vertices", push.vertices)]
-    solids += [
-        (f"shapes[{p}]", s.corners) for p, s in enumerate(push.shapes) if isinstance(s, Flat)
-    ]
-    solids += [(f"fixture.outlines[{k}]", o) for k, o in enumerate(push.fixture.outlines)]
+
+
+def check_thickness(step: float, vertices: _F, shapes: Sequence[Tip], fixture: Fixture) -> None:
+    """Refuse steps that could carry a tip, or the part, through what they meet.
+
+    Parameters
+    ----------
+    step
+        Longest displacement of a tip in one step, m.
+    vertices, shapes, fixture
+        What they meet, as in `Push`.
+
+    Raises
+    ------
+    ValueError
+        Naming what is too thin, and the longest step that it allows.
+    """
+    solids = [("vertices", vertices)]
+    solids += [(f"shapes[{p}]", s.corners) for p, s in enumerate(shapes) if isinstance(s, Flat)]
+    solids += [(f"fixture.outlines[{k}]", o) for k, o in enumerate(fixture.outlines)]
     for name, corners in solids:
         thin = thickness(corners)
-        if push.step > THICK * thin:
+        if step > THICK * thin:
             refuse(
                 "step",
-                f"{push.step:g} m where {name} is {thin:g} m thick",
+                f"{step:g} m where {name} is {thin:g} m thick",
                 f"must be at most {THICK:g} of it",
                 f"give at most {THICK * thin:.3g} m",
             )
 
 
-def check_start(push: Push) -> None:
+def check_start(
+    poses: _F,
+    vertices: _F,
+    starts: _F,
+    shapes: Sequence[Tip],
+    fixture: Fixture,
+    effects: Effects,
+    limit: float,
+) -> None:
     """Refuse a part that starts inside a tip or inside the fixture.
 
     Parameters
     ----------
-    push
-        The move, its other fields being checked.
+    poses, vertices, shapes, fixture, effects
+        As in `Push`, checked.
+    starts
+        (1|N, P, 2) tips at the start, m, world frame.
+    limit
+        Depth in m up to which the part counts as touching.
 
     Raises
     ------
@@ -218,24 +253,21 @@ def check_start(push: Push) -> None:
         Naming the run, the probe or solid, and the depth.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # lengths that overflow end out of range
-        _check_start(push)
-
-
-def _check_start(push: Push) -> None:
-    limit, table = START_DEPTH * push.step, push.effects.table
-    poses = reference_of_tracked(push.poses, table)
-    scale = stretch(push.vertices, table)
-    for p, shape in enumerate(push.shapes):
-        start = np.broadcast_to(push.waypoints[:, 0, p], (len(poses), 2))
-        if isinstance(shape, Flat):
-            depth = _overlap(push.vertices, scale, poses, shape.corners, start)
-        else:
-            radius = radii(np.array([shape.radius]), table)[:, 0]
-            depth = _depth(push.vertices, scale, in_body(poses, start)) + radius
-        _refuse_overlap("waypoints", f"probe {p}", depth, limit, "the part")
-    for k, outline in enumerate(push.fixture.outlines):
-        depth = _overlap(push.vertices, scale, poses, outline, np.zeros_like(poses[:, :2]))
-        _refuse_overlap("poses", "the part", depth, limit, f"fixture.outlines[{k}]")
+        reference, scale = (
+            reference_of_tracked(poses, effects.table),
+            stretch(vertices, effects.table),
+        )
+        for p, shape in enumerate(shapes):
+            start = np.broadcast_to(starts[:, p], (len(poses), 2))
+            if isinstance(shape, Flat):
+                depth = _overlap(vertices, scale, reference, shape.corners, start)
+            else:
+                radius = radii(np.array([shape.radius]), effects.table)[:, 0]
+                depth = _depth(vertices, scale, in_body(reference, start)) + radius
+            _refuse_overlap("waypoints", f"probe {p}", depth, limit, "the part")
+        for k, outline in enumerate(fixture.outlines):
+            depth = _overlap(vertices, scale, reference, outline, np.zeros_like(reference[:, :2]))
+            _refuse_overlap("poses", "the part", depth, limit, f"fixture.outlines[{k}]")
 
 
 def _refuse_overlap(argument: str, what: str, depth: _F, limit: float, other: str) -> None:

@@ -1,13 +1,4 @@
-"""What physics may be left out: named effects, each with its stage, equation and parameters.
-
-The simulator is a chain of stages, as the experiment is: command, actuation, contact, support and
-environment, pose, observation. Every effect belongs to the stage that it changes and is declared in
-the file of that stage. Its parameters are numbers of a flat table, one row a run, which the
-kernels read; a table of zeros is the plain model, exactly.
-
-Forces are divided by the translational drag e_x of the film, and so are speeds: the speed at which
-the force would drag the part along. Nothing else can be seen in motion alone.
-"""
+"""The physics that a simulated run has beyond the plain model: values for named effects."""
 
 from __future__ import annotations
 
@@ -17,73 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.simulator.catalogue import table_of
+
 Floats = npt.NDArray[np.float64]
-
-SLOTS = 96
-"""Columns of the table of effects."""
-REFERENCE_SPEED = 75e-6
-"""m/s, the middle one of the three speeds of the paper's Section V; drag ratios refer to it."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter:
-    """A number of an effect, as users give it."""
-
-    key: str
-    """Name with its unit, such as ``width_um``."""
-    unit: str
-    """Unit for display, such as ``µm``; empty for a plain number."""
-    to_si: float
-    """Factor from the unit to SI."""
-    meaning: str
-    default: float = 0.0
-    """Value, in the unit, where none is given."""
-    low: float = -np.inf
-    """Least value that makes physical sense, in the unit."""
-    high: float = np.inf
-    """Largest value that makes physical sense, in the unit."""
-    size: bool = True
-    """Whether the effect is off where this parameter (and every other size) is zero."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effect:
-    """A piece of physics that the plain model leaves out."""
-
-    name: str
-    """Name in `diagnosis.json`."""
-    equation: str
-    """The law, in plain text."""
-    source: str
-    """Where the law is from."""
-    parameters: tuple[Parameter, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Stage:
-    """A stage of the chain, with its effects and its block of columns in the table."""
-
-    name: str
-    base: int
-    """First column of the block."""
-    effects: tuple[Effect, ...]
-    slots: int = 16
-    """Columns of the block."""
-
-    def slot(self, effect: str, key: str) -> int:
-        """Column of a parameter; the numbers are compiled into the kernels.
-
-        Raises
-        ------
-        KeyError
-            If the stage has no such parameter.
-        """
-        pairs = [(one.name, parameter.key) for one in self.effects for parameter in one.parameters]
-        if len(pairs) > self.slots:
-            raise KeyError(f"stage {self.name}: {len(pairs)} parameters exceed {self.slots} slots")
-        if (effect, key) not in pairs:
-            raise KeyError(f"stage {self.name} has no parameter {key} of {effect}")
-        return self.base + pairs.index((effect, key))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,8 +36,6 @@ class Effects:
 
     def __post_init__(self) -> None:
         """Check the values and write the table."""
-        from meso_robust.simulator.catalogue import table_of
-
         table = table_of(self.values)
         table.flags.writeable = False
         object.__setattr__(self, "table", table)

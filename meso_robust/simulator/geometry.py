@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.simulator.effects import Effect, Parameter, Stage
 from meso_robust.simulator.outline import refuse
+from meso_robust.simulator.stage import Effect, Parameter, Stage
 
 _F = npt.NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.simulator.effects import SLOTS, Effect, Parameter, Stage
+from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
 
 Floats = npt.NDArray[np.float64]
 

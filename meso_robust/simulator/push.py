@@ -9,17 +9,20 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator.checks import (
+    START_DEPTH,
     check_arrays,
     check_effects,
     check_numbers,
     check_start,
     check_steps,
     check_tables,
+    check_thickness,
 )
-from meso_robust.simulator.effects import REFERENCE_SPEED, Effects
+from meso_robust.simulator.effects import Effects
 from meso_robust.simulator.fixture import Fixture
 from meso_robust.simulator.motion_model import MotionModel, QuasiStatic
 from meso_robust.simulator.outline import check_part, refuse
+from meso_robust.simulator.stage import REFERENCE_SPEED
 from meso_robust.simulator.support_models import Film, Support
 from meso_robust.simulator.tips import Point, Tip
 
@@ -105,11 +108,26 @@ class Push:
         check_part(self.vertices)
         check_numbers(self.friction, self.times, self.step, self.time_step)
         check_tables(self.support.tables(), self.effects, len(self.poses))
-        check_effects(self)
+        check_effects(self.effects, len(self.vertices), self.motion)
         if self.frame not in ("middle", "start"):
             refuse("frame", repr(self.frame), 'must be "middle" or "start"', "leave it out")
-        check_steps(self)
-        check_start(self)
+        check_steps(
+            step=self.step,
+            longest=self.longest_leg,
+            time_step=self.time_step,
+            steps=self.steps,
+            lasts=float(np.ptp(self.times)),
+        )
+        check_thickness(self.step, self.vertices, self.shapes, self.fixture)
+        check_start(
+            self.poses,
+            self.vertices,
+            self.waypoints[:, 0],
+            self.shapes,
+            self.fixture,
+            self.effects,
+            START_DEPTH * self.step,
+        )
 
     @classmethod
     def straight(

@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.effects import REFERENCE_SPEED, Effect, Parameter, Stage
+from meso_robust.simulator.stage import REFERENCE_SPEED, Effect, Parameter, Stage
 from meso_robust.simulator.tables import FACTOR
 
 _F = npt.NDArray[np.float64]

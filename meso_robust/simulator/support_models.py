@@ -13,8 +13,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.simulator.effects import REFERENCE_SPEED
 from meso_robust.simulator.outline import quadrature, refuse
+from meso_robust.simulator.stage import REFERENCE_SPEED
 
 _F = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.contact import PER_CORNER
-from meso_robust.simulator.effects import Effect, Parameter, Stage
+from meso_robust.simulator.stage import Effect, Parameter, Stage
 from meso_robust.simulator.tables import FEATURE, FRICTION, GAP, MU, PULL, WET, WHO
 
 _F = npt.NDArray[np.float64]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from meso_robust.identification.models.model import Model, Parameter, Physics
 from meso_robust.simulator import Effects
 from meso_robust.simulator.catalogue import CATALOGUE
-from meso_robust.simulator.effects import Parameter as EffectParameter
+from meso_robust.simulator.stage import Parameter as EffectParameter
 
 Floats = npt.NDArray[np.float64]
 Scales = Mapping[str, Mapping[str, float]]
