@@ -28,9 +28,9 @@ from meso_robust.checker.approach import Approach, approach
 from meso_robust.checker.dual import Dual
 from meso_robust.checker.given import SCALED, given
 from meso_robust.checker.moves import verify_move
+from meso_robust.checker.pair import Pair
 from meso_robust.checker.passage import Sweep
 from meso_robust.checker.ranges import Box
-from meso_robust.checker.rotate import Pair
 from meso_robust.checker.scene import Scene
 from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.checker.walls import apart
