@@ -144,7 +144,7 @@ def _why_unknown(best: Candidate | None, catch_all: float | None) -> str:
     why = "no effect of the catalogue helps on recordings held out"
     if best is not None:
         names = " + ".join(best.effects)
-        why = f"no set of effects is enough: {names} {best.rejected or 'leaves a mismatch'}"
+        why = f"no set of effects is enough: {names} {best.rejected.words if best.rejected else 'leaves a mismatch'}"
     reach = "" if catch_all is None else f"; a free hidden input would leave {catch_all:.3g} σ"
     return why + reach
 
@@ -255,7 +255,8 @@ def _candidates(found: Diagnosis) -> tuple[dict[str, object], ...]:
             "chi2": one.refit.chi2,
             "probability": one.probability,
             "adequate": one.adequate,
-            "rejected": one.rejected,
+            "rejected": one.rejected.words if one.rejected else "",
+            "ground": one.rejected.ground if one.rejected else None,
         }
         for one in found.naming.candidates[:_LISTED]
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.simulator.catalogue import CATALOGUE
 
 _PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
@@ -14,7 +15,6 @@ _DOUBT = 0.05  # of the probability may be outside the set that is given
 _TRUST = 0.005  # of what the best set explains: how well scores can be known
 _MORE = 2.0  # nats by which another set must be better to count as such
 _SAME = 4.0  # σ, root of the sum of squares: motions that no recording here tells apart
-_SAME_MOTION = "the same motion as"
 _BEHIND = 5.0  # nats behind a set that is not enough, at which an adequate one is so by chance
 _SLIGHT = 40.0  # nats, as of 9 σ, that every effect of a set must explain
 
@@ -37,7 +37,7 @@ class Candidate:
     p_value
         Of the largest local test of what is left; NaN if not asked.
     rejected
-        Why it is no answer; empty if it may be.
+        Why it is no answer; None if it may be.
     """
 
     refit: Refit
@@ -45,12 +45,17 @@ class Candidate:
     probability: float = 0.0
     adequate: bool | None = None
     p_value: float = np.nan
-    rejected: str = ""
+    rejected: Rejection | None = None
 
     @property
     def effects(self) -> tuple[str, ...]:
         """Names."""
         return self.refit.effects
+
+    @property
+    def duplicate(self) -> bool:
+        """Whether it was set aside for making the motion of a simpler set."""
+        return self.rejected is not None and self.rejected.ground is Ground.SAME_MOTION
 
     @property
     def score(self) -> float:
@@ -82,21 +87,20 @@ def supported(one: Candidate, field: list[Candidate]) -> Candidate:
     """An adequate set, unless another law would do as well.
 
     A set that is beaten by one that is not enough is adequate by chance. And a further effect that
-    mends little is what any law could mend: among so many pairs some always does.
+    explains little is what any law could explain: among so many pairs some always does.
     """
     if not one.adequate or one.rejected:
         return one
-    top = max((o for o in field if not o.rejected.startswith(_SAME_MOTION)), key=lambda o: o.score)
+    top = max((o for o in field if not o.duplicate), key=lambda o: o.score)
     if one.score < top.score - _BEHIND * max(1.0, _TRUST * top.score):
         ahead = top.score - one.score
-        names = " + ".join(top.effects)
-        return replace(one, rejected=f"{names} is {ahead:.0f} nats likelier, and not enough")
-    parts = [o.score for o in field if set(o.effects) < set(one.effects)]
-    mended = one.score - max(parts, default=0.0)
-    if len(one.effects) > 1 and mended < max(_SLIGHT, _TRUST * one.score):
         return replace(
-            one, rejected=f"one of them mends {mended:.0f} nats only, as another law might"
+            one, rejected=Rejection(ground=Ground.OUTSCORED, names=top.effects, amount=ahead)
         )
+    parts = [o.score for o in field if set(o.effects) < set(one.effects)]
+    explained = one.score - max(parts, default=0.0)
+    if len(one.effects) > 1 and explained < max(_SLIGHT, _TRUST * one.score):
+        return replace(one, rejected=Rejection(ground=Ground.SLIGHT_MEMBER, amount=explained))
     return one
 
 
@@ -145,15 +149,20 @@ def without_duplicates(field: list[Candidate]) -> list[Candidate]:
             and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME
         ]
         if same and not one.rejected:
-            one = replace(one, rejected=f"{_SAME_MOTION} {' + '.join(same[0].effects)}")
+            one = replace(one, rejected=Rejection(ground=Ground.SAME_MOTION, names=same[0].effects))
         kept.append(one)
     return ranked(kept)
 
 
 def freed(field: list[Candidate]) -> list[Candidate]:
     """Duplicates of a set that turned out not to be enough may yet answer."""
-    short = {f"{_SAME_MOTION} {' + '.join(one.effects)}" for one in field if one.adequate is False}
-    return [replace(one, rejected="") if one.rejected in short else one for one in field]
+    short = {one.effects for one in field if one.adequate is False}
+    return [
+        replace(one, rejected=None)
+        if one.duplicate and one.rejected is not None and one.rejected.names in short
+        else one
+        for one in field
+    ]
 
 
 def answers_of(field: list[Candidate]) -> tuple[Candidate, ...]:
@@ -180,6 +189,8 @@ def pruned(field: list[Candidate]) -> list[Candidate]:
             if set(other.effects) < set(one.effects) and other.score > one.score - _MORE
         ]
         if smaller and not one.rejected:
-            one = replace(one, rejected=f"{' + '.join(smaller[0].effects)} is enough")
+            one = replace(
+                one, rejected=Rejection(ground=Ground.SUBSET_SUFFICES, names=smaller[0].effects)
+            )
         kept.append(one)
     return kept

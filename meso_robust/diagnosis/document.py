@@ -6,6 +6,8 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from meso_robust.diagnosis.rejection import Ground
+
 SCHEMA = "meso-robust/diagnosis/1"
 FILE = "diagnosis.json"
 
@@ -128,6 +130,8 @@ class CandidateSection(_Section):
     """Whether nothing is left that the detector sees; None where that was not asked."""
     rejected: str
     """Why it is not the answer; empty for those that may be."""
+    ground: Ground | None = None
+    """The same as an id; null for those that may be."""
 
 
 class PairSection(_Section):

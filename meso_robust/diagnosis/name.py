@@ -28,6 +28,7 @@ from meso_robust.diagnosis.candidates import (
 )
 from meso_robust.diagnosis.detect import Span, detector
 from meso_robust.diagnosis.refit import Refit, refined, refitted
+from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, estimate
 from meso_robust.diagnosis.store import NOWHERE, Store
 
@@ -208,10 +209,12 @@ class Contest:
         if one.adequate is not None:
             return one
         if one.score <= 0.0:
-            return replace(one, adequate=False, rejected="no better than the plain model")
+            return replace(one, adequate=False, rejected=Rejection(ground=Ground.NO_GAIN))
         files = self.baseline.prepared.files
         tests = detector(one.refit.tangent, self.signatures, self.spans, files)
         found = tests.detection(one.refit.rows, self.nulls)
         adequate = not found.detected
-        why = "" if adequate else f"leaves a mismatch ({found.tests[0].name})"
-        return replace(one, adequate=adequate, p_value=found.p_value, rejected=why)
+        left = Rejection(ground=Ground.MISMATCH_LEFT, names=(found.tests[0].name,))
+        return replace(
+            one, adequate=adequate, p_value=found.p_value, rejected=None if adequate else left
+        )

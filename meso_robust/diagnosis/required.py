@@ -10,6 +10,7 @@ from scipy.stats import chi2 as chi2_law
 
 from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.invariances import Pair
+from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.show import Errors
 
 _WORSE = 5.0  # nats by which held-out recordings refute an answer
@@ -63,35 +64,35 @@ def judged(naming: Naming, told: Witnesses) -> Naming:
     )
 
 
-def _against(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> str:
-    """Why a set is no answer; empty if it may be."""
+def _against(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> Rejection | None:
+    """Why a set is no answer; None if it may be."""
     reasons = (
-        _refuted(one, answers, told) if told.unseen else "",
-        _idle(one, told) if told.unseen else "",
+        _refuted(one, answers, told) if told.unseen else None,
+        _idle(one, told) if told.unseen else None,
         _far(one, told),
         _unlike(one, told),
     )
-    return next(filter(None, reasons), "")
+    return next(filter(None, reasons), None)
 
 
-def _refuted(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> str:
+def _refuted(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> Rejection | None:
     rivals = [(), *(other.effects for other in answers)]
     behind = max(_likelihood(told.errors[names]) for names in rivals) - _likelihood(
         told.errors[one.effects]
     )
-    return f"held-out recordings are {behind:.1f} nats likelier without it" * (behind > _WORSE)
+    return Rejection(ground=Ground.HELD_OUT_WORSE, amount=behind) if behind > _WORSE else None
 
 
-def _idle(one: Candidate, told: Witnesses) -> str:
+def _idle(one: Candidate, told: Witnesses) -> Rejection | None:
     """A part of a set that does as well as the whole where neither was fitted."""
     own = _likelihood(told.errors[one.effects])
     for names, errors in told.errors.items():
         if names and set(names) < set(one.effects) and _likelihood(errors) >= own:
-            return f"held-out recordings are as likely with {' + '.join(names)} alone"
-    return ""
+            return Rejection(ground=Ground.IDLE_MEMBER, names=names)
+    return None
 
 
-def _far(one: Candidate, told: Witnesses) -> str:
+def _far(one: Candidate, told: Witnesses) -> Rejection | None:
     """More left of most recordings than any law must leave.
 
     Of a few it may be the numbers, not the law: a tip at the edge of its friction cone makes much of
@@ -99,19 +100,22 @@ def _far(one: Candidate, told: Witnesses) -> str:
     """
     left = float(np.median(told.errors[one.effects].sigma))
     if left <= _NEAR * told.reach:
-        return ""
-    return f"leaves {left:.2f} σ of most recordings, where any law could leave {told.reach:.2f} σ"
+        return None
+    return Rejection(ground=Ground.ABOVE_FLOOR, amount=left, limit=told.reach)
 
 
-def _unlike(one: Candidate, told: Witnesses) -> str:
+def _unlike(one: Candidate, told: Witnesses) -> Rejection | None:
     """An invariance that the set does not break as the recordings do."""
     predicted = told.pairs.get(one.effects, ())
     chances = [_chance(seen, own) for seen, own in zip(told.seen, predicted, strict=True)]
     if not chances or min(chances) * len(chances) >= _CHANCE:
-        return ""
+        return None
     pair = predicted[int(np.argmin(chances))]
-    where = " and ".join(dict.fromkeys((pair.first, pair.second)))
-    return f"does not break the invariance {pair.invariance!r} as {where} do"
+    return Rejection(
+        ground=Ground.INVARIANCE,
+        invariance=pair.invariance,
+        names=tuple(dict.fromkeys((pair.first, pair.second))),
+    )
 
 
 def _chance(seen: Pair, own: Pair) -> float:

@@ -55,7 +55,7 @@ def section(name: str, found: DiagnosisDocument, count: int, seconds: float) -> 
         for one in found.effects
     )
     rows = "".join(
-        f"| {' + '.join(one.effects)} | {one.gain:.0f} | {one.rejected or '–'} |\n"
+        f"| {' + '.join(one.effects)} | {one.gain:.0f} | {one.rejected or 'none: it may be the answer'} |\n"
         for one in found.candidates[:6]
     )
     plain = ", ".join(

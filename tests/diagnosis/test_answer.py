@@ -12,6 +12,7 @@ import pytest
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import DiagnosisDocument
+from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.simulator.catalogue import CATALOGUE
 
 PROMISED: dict[str, Any] = {
@@ -137,11 +138,8 @@ def test_a_named_effect_has_its_number(named: dict[str, Any]) -> None:
     assert named["mismatch"]["nulls"] == 199
     assert "camera_latency leaves nothing that the detector sees" in named["why"]
     first = named["candidates"][0]
-    assert (first["effects"], first["adequate"], first["rejected"]) == (
-        ["camera_latency"],
-        True,
-        "",
-    )
+    assert (first["effects"], first["adequate"]) == (["camera_latency"], True)
+    assert (first["rejected"], first["ground"]) == ("", None)
 
 
 def test_held_out_errors_are_those_of_the_recordings(
@@ -186,12 +184,14 @@ def test_several_answers_are_all_given(late: Diagnosis) -> None:
 
 def test_without_an_answer_nothing_is_claimed_of_the_best(late: Diagnosis) -> None:
     assert late.naming is not None
-    best = replace(late.naming.candidates[0], rejected="leaves a mismatch (push_03.csv)")
+    left = Rejection(ground=Ground.MISMATCH_LEFT, names=("push_03.csv",))
+    best = replace(late.naming.candidates[0], rejected=left)
     values = written(replace(late, naming=replace(late.naming, answers=(), best=best)))
     assert values["verdict"] == "unknown"
     assert values["effects"][0]["probability"] == 0.0
     assert "no set of effects is enough" in values["why"]
-    assert "leaves a mismatch (push_03.csv)" in values["why"]
+    assert left.words in values["why"]
+    assert "push_03.csv" in left.words
     assert values["mismatch"]["where"]
     assert values["next_experiment"]["push"]["what"]
 

@@ -26,6 +26,7 @@ from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.name import Contest
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.required import Witnesses, judged, partial
 from meso_robust.diagnosis.show import Errors
 from meso_robust.diagnosis.signatures import signatures
@@ -34,6 +35,11 @@ from meso_robust.simulator.catalogue import CATALOGUE
 
 EACH = np.log(len(CATALOGUE))
 """What an effect costs before any recording: one of so many."""
+LEFT = Rejection(ground=Ground.MISMATCH_LEFT, names=("the largest test",))
+
+
+def same_as(*effects: str) -> Rejection:
+    return Rejection(ground=Ground.SAME_MOTION, names=effects)
 
 
 def candidate(
@@ -86,7 +92,7 @@ def test_an_answer_holds_nearly_all_of_the_probability() -> None:
             [
                 candidate("body_force", score=20.0, adequate=True),
                 candidate("backlash", score=second, adequate=True),
-                candidate("tip_radius", score=19.0, adequate=False, rejected="leaves a mismatch"),
+                candidate("tip_radius", score=19.0, adequate=False, rejected=LEFT),
                 candidate("probe_drift", score=19.0),
             ]
         )
@@ -102,21 +108,21 @@ def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
     other = candidate("breakaway_friction", score=9.0, numbers=2, rows=9.0)
     better = candidate("shear_thinning", score=10.5, numbers=2, rows=2.0)
     found = {one.effects[0]: one for one in without_duplicates([simple, same, other, better])}
-    assert found["stribeck_friction"].rejected == "the same motion as dry_friction"
+    assert found["stribeck_friction"].rejected == same_as("dry_friction")
     assert [name for name, one in found.items() if one.rejected] == ["stribeck_friction"]
 
 
 def test_a_duplicate_of_what_is_not_enough_may_yet_answer() -> None:
-    short = candidate("dry_friction", adequate=False, rejected="leaves a mismatch")
-    same = candidate("stribeck_friction", rejected="the same motion as dry_friction")
+    short = candidate("dry_friction", adequate=False, rejected=LEFT)
+    same = candidate("stribeck_friction", rejected=same_as("dry_friction"))
     enough = candidate("body_force", adequate=True)
-    other = candidate("backlash", rejected="the same motion as body_force")
+    other = candidate("backlash", rejected=same_as("body_force"))
     found = {one.effects[0]: one.rejected for one in freed([short, same, enough, other])}
     assert found == {
-        "dry_friction": "leaves a mismatch",
-        "stribeck_friction": "",
-        "body_force": "",
-        "backlash": "the same motion as body_force",
+        "dry_friction": LEFT,
+        "stribeck_friction": None,
+        "body_force": None,
+        "backlash": same_as("body_force"),
     }
 
 
@@ -157,8 +163,10 @@ def test_held_out_recordings_refute_answers() -> None:
     assert [one.effects for one in kept.answers] == [("body_force",), ("backlash",)]
     found = judged(both, told(500.0, body_force=errors(106.0), backlash=errors(100.0)))
     assert [one.effects for one in found.answers] == [("backlash",)]
-    assert "6.0 nats" in found.candidates[0].rejected
-    assert found.candidates[1].rejected == ""
+    against = found.candidates[0].rejected
+    assert against is not None
+    assert (against.ground, against.amount) == (Ground.HELD_OUT_WORSE, pytest.approx(6.0))
+    assert found.candidates[1].rejected is None
     worse = told(90.0, body_force=errors(96.0), backlash=errors(97.0))
     assert judged(both, worse).answers == ()
     fitted = replace(worse, unseen=False)  # a fit that is no worse than another refutes nothing
@@ -169,12 +177,12 @@ def test_every_effect_of_a_set_must_help_where_nothing_was_fitted() -> None:
     one = candidate("backlash", "body_force", score=9.0, adequate=True)
     found = Naming(answers=(one,), best=one, candidates=(one,))
 
-    def against(part: float) -> str:
+    def against(part: float) -> Rejection | None:
         witnesses = told(500.0, body_force=errors(part), backlash__body_force=errors(50.0))
         return judged(found, witnesses).candidates[0].rejected
 
-    assert against(50.1) == ""
-    assert against(49.9) == "held-out recordings are as likely with body_force alone"
+    assert against(50.1) is None
+    assert against(49.9) == Rejection(ground=Ground.IDLE_MEMBER, names=("body_force",))
 
 
 def test_an_answer_must_come_near_what_any_law_could_reach() -> None:
@@ -183,8 +191,9 @@ def test_an_answer_must_come_near_what_any_law_could_reach() -> None:
     assert judged(one, told(500.0, reach=1.1, body_force=near)).answers
     found = judged(one, told(500.0, reach=1.1, body_force=errors(9.0, 1.0, 1.33, 1.4)))
     assert found.answers == ()
-    why = found.candidates[0].rejected
-    assert why == "leaves 1.33 σ of most recordings, where any law could leave 1.10 σ"
+    assert found.candidates[0].rejected == Rejection(
+        ground=Ground.ABOVE_FLOOR, amount=1.33, limit=1.1
+    )
 
 
 def test_invariances_must_be_broken_as_they_are_seen_to_be() -> None:
@@ -241,7 +250,8 @@ def test_without_the_true_effect_there_is_no_answer(pulled: Baseline) -> None:
     assert found.answers == ()
     assert found.best is not None
     assert found.best.adequate is False
-    assert found.best.rejected.startswith("leaves a mismatch")
+    assert found.best.rejected is not None
+    assert found.best.rejected.ground is Ground.MISMATCH_LEFT
 
 
 def test_what_is_enough_by_itself_is_not_given_with_more() -> None:
@@ -249,26 +259,29 @@ def test_what_is_enough_by_itself_is_not_given_with_more() -> None:
     more = candidate("body_force", "tip_radius", score=31.5, adequate=True)
     needed = candidate("body_force", "camera_rotation", score=32.5, adequate=True)
     found = {one.effects: one.rejected for one in pruned([needed, more, one])}
-    assert found[more.effects] == "body_force is enough"
-    assert found[needed.effects] == ""
-    assert found[one.effects] == ""
+    enough = Rejection(ground=Ground.SUBSET_SUFFICES, names=("body_force",))
+    assert found == {more.effects: enough, needed.effects: None, one.effects: None}
 
 
 def test_an_answer_that_is_beaten_by_what_is_not_enough_is_none() -> None:
-    ahead = candidate("stribeck_friction", score=20.0, adequate=False, rejected="leaves a mismatch")
+    ahead = candidate("stribeck_friction", score=20.0, adequate=False, rejected=LEFT)
     behind = candidate("body_force", score=14.0, adequate=True)
     close = candidate("backlash", score=16.0, adequate=True)
     field = [ahead, behind, close]
-    assert "6 nats likelier" in supported(behind, field).rejected
-    assert supported(close, field).rejected == ""
+    beaten = supported(behind, field).rejected
+    assert beaten is not None
+    assert (beaten.ground, beaten.names) == (Ground.OUTSCORED, ("stribeck_friction",))
+    assert beaten.amount == pytest.approx(6.0)
+    assert supported(close, field).rejected is None
 
 
 def test_a_further_effect_must_explain_much() -> None:
-    single = candidate("body_force", score=50.0, adequate=False, rejected="leaves a mismatch")
+    single = candidate("body_force", score=50.0, adequate=False, rejected=LEFT)
     slight = candidate("body_force", "tip_radius", score=89.0, adequate=True)
     much = candidate("body_force", "backlash", score=91.0, adequate=True)
-    assert "mends 39 nats only" in supported(slight, [single, slight]).rejected
-    assert supported(much, [single, much]).rejected == ""
+    too_little = Rejection(ground=Ground.SLIGHT_MEMBER, amount=39.0)
+    assert supported(slight, [single, slight]).rejected == too_little
+    assert supported(much, [single, much]).rejected is None
 
 
 def test_of_what_is_not_explained_the_part_is_given_that_carries_over() -> None:
