@@ -1,4 +1,4 @@
-"""TOML files that users write: read, and checked against a pydantic model, with one message."""
+"""TOML files: read and checked against a pydantic model with one message, and written."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+import tomlkit
 from pydantic import BaseModel, ValidationError
 
 from meso_robust.errors import InputError
@@ -80,23 +81,10 @@ def _path(keys: Sequence[str | int]) -> str:
 
 
 def toml_text(values: Mapping[str, Any]) -> str:
-    """Plain values and sections of them as TOML.
-
-    Raises
-    ------
-    TypeError
-        A section holds a section: no file of ours does.
-    """
-    plain = {key: value for key, value in values.items() if not isinstance(value, Mapping)}
-    lines = [_line(key, value) for key, value in plain.items()]
-    for name, section in values.items():
-        if isinstance(section, Mapping):
-            lines += ["", f"[{name}]", *(_line(key, value) for key, value in section.items())]
-    return "\n".join(lines) + "\n"
+    """Values as a TOML file."""
+    return tomlkit.dumps(values)
 
 
-def _line(key: str, value: object) -> str:
-    if isinstance(value, Mapping):
-        raise TypeError(f"{key}: a section within a section")
-    # a JSON string, number, flag or list of these is the same in TOML
-    return f"{key} = {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
+def toml_of(document: BaseModel) -> str:
+    """A document as a TOML file, without what is None."""
+    return toml_text(document.model_dump(mode="json", by_alias=True, exclude_none=True))

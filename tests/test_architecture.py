@@ -48,6 +48,7 @@ MAY_IMPORT = {
     },
     "diagnosis": {
         "errors",
+        "toml_files",
         "simulator",
         "recordings",
         "identification",

@@ -21,11 +21,11 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.experiment import Bench, Experiment, standard_tests as tests_of
 from meso_robust.identification.experiment_document import experiment_files
 from meso_robust.identification.identify import Identification
-from meso_robust.identification.layout import toml_of
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.usable import pathological_of, warnings_of
 from meso_robust.recordings import RecordingSet, read_set
 from meso_robust.task import Task
+from meso_robust.toml_files import toml_of
 
 Objective = Literal["likelihood", "printed"]
 

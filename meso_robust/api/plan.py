@@ -15,7 +15,6 @@ from meso_robust.certificates.document import CertificateDocument
 from meso_robust.certificates.margin import Margin
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.files import check_folder, write_all
-from meso_robust.identification.layout import toml_of
 from meso_robust.limits import MOST_SAMPLES
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
@@ -28,6 +27,7 @@ from meso_robust.premises import answer as promised
 from meso_robust.premises.promise import Promise, promise, read
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, task_text, with_spacing
+from meso_robust.toml_files import toml_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

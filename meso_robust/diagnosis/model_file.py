@@ -13,7 +13,7 @@ from meso_robust.diagnosis.intervals import CONFIDENCE, Interval, intervals
 from meso_robust.diagnosis.show import Errors
 from meso_robust.identification.answer import document as identified
 from meso_robust.identification.document import ModelDocument
-from meso_robust.identification.layout import toml_of
+from meso_robust.toml_files import toml_of
 
 UM, DEG = 1e6, 180.0 / np.pi
 

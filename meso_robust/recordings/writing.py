@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.table import table_text
 from meso_robust.recordings.values import RecordingSet
+from meso_robust.toml_files import toml_text
 
 
 def write_set(folder: Path, recordings: RecordingSet) -> None:
@@ -32,7 +32,7 @@ def write_set(folder: Path, recordings: RecordingSet) -> None:
     values = _values(recordings)
     parse_document(values, str(folder / SET_FILE))
     tables = {recording.file: table_text(recording) for recording in recordings.recordings}
-    write_all(folder, {**tables, SET_FILE: _toml(values)})
+    write_all(folder, {**tables, SET_FILE: toml_text(values)})
 
 
 def _values(recordings: RecordingSet) -> dict[str, Any]:
@@ -69,22 +69,3 @@ def _outline(part: Rectangle | Polygon) -> dict[str, Any]:
 def _in(value: float | None, unit: float) -> float | None:
     """A value in the unit, to twelve digits: 12.5e-6 m is 12.5 um, not 12.500000000000002."""
     return None if value is None else float(f"{value / unit:.12g}")
-
-
-def _toml(values: dict[str, Any]) -> str:
-    """Lay out the content as TOML."""
-    lines = [f"schema = {_literal(values['schema'])}"]
-    for section in ("part", "probe", "sensor"):
-        lines += [f"[{section}]", *_keys(values[section])]
-    for recording in values["recording"]:
-        lines += ["[[recording]]", *_keys(recording)]
-    return "\n".join(lines) + "\n"
-
-
-def _keys(section: dict[str, Any]) -> list[str]:
-    return [f"{key} = {_literal(value)}" for key, value in section.items()]
-
-
-def _literal(value: str | float | list[Any]) -> str:
-    # numbers, arrays and strings without control characters look the same in JSON and in TOML
-    return json.dumps(value, ensure_ascii=False)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from meso_robust.toml_files import checked, read_toml
+from meso_robust.toml_files import checked, read_toml, toml_text
 from meso_robust.tracking.calibration import MOST_K1, Calibration, Interval
 
 SCHEMA = "meso-robust/calibration/1"
@@ -78,13 +77,7 @@ def load_calibration(path: Path) -> Calibration:
 
 def calibration_text(calibration: Calibration) -> str:
     """Text of the ``calibration.toml`` from which `load_calibration` returns the calibration."""
-    values = _values(calibration)
-    interval = values.pop("interval", None)
-    lines = [f"{key} = {json.dumps(value)}" for key, value in values.items()]
-    if interval:
-        lines += ["", "[interval] # half widths, 95 %"]
-        lines += [f"{key} = {json.dumps(value)}" for key, value in interval.items()]
-    return "\n".join(lines) + "\n"
+    return toml_text(_values(calibration))
 
 
 def calibration_values(calibration: Calibration) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from meso_robust.errors import InputError
 from meso_robust.identification.answer import document, set_hash, summary
 from meso_robust.identification.document import ModelDocument, read_model
 from meso_robust.identification.identify import Identification
-from meso_robust.identification.layout import toml_of
 from meso_robust.recordings import RecordingSet
+from meso_robust.toml_files import toml_of
 from tests.identification.sets import first
 
 

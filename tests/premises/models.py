@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from meso_robust.identification.document import ModelDocument, parse_model
-from meso_robust.identification.layout import toml_of
+from meso_robust.toml_files import toml_of
 
 Ends = tuple[float, float]
 PLAIN: Mapping[str, Ends] = {"rho_um2": (372_000.0, 381_000.0), "mu": (0.32, 0.34)}

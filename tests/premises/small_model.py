@@ -16,8 +16,8 @@ from meso_robust import __version__
 from meso_robust.files import write_all
 from meso_robust.identification.answer import document
 from meso_robust.identification.identify import identify
-from meso_robust.identification.layout import toml_of
 from meso_robust.identification.models import MODELS, viscous, with_effects
+from meso_robust.toml_files import toml_of
 from tests.premises.small_recordings import RANGE_UM, recordings
 
 NAME = "viscous+tip_adhesion"

@@ -9,12 +9,11 @@ from hypothesis import given, strategies as st
 
 from meso_robust.bounds import Interval
 from meso_robust.errors import InputError
-from meso_robust.identification.layout import toml_of
 from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.changing import Changed, about_middle, changed, check_part
 from meso_robust.premises.standing import standings
 from meso_robust.task import Part, load_task, parse_task
-from meso_robust.toml_files import read_toml
+from meso_robust.toml_files import read_toml, toml_of
 from tests.conftest import paper_task
 from tests.premises.models import model
 from tests.strategies import REPEATABLE
