@@ -147,7 +147,8 @@ class WitnessDocument(_Model):
     film_ratio_m2: str
     """rho = e_theta / e_x of the film, m^2."""
     misalignment_rad: str
-    """Angle of the line through the two active tips, rad."""
+    """Angle of the line through the two active tips, rad; its sign is that of the task's
+    `tip_misalignment_deg`."""
     sensing: tuple[tuple[str, str, str], ...]
     """Sensing error before each move: x and y, m; theta, rad."""
     dual_probe: tuple[HexPair, ...]

@@ -20,6 +20,8 @@ from meso_robust.task import Task
 Floats = npt.NDArray[np.float64]
 Pair = tuple[float, float]
 NAMES = ("dtp_top", "dtp_bottom", "stp")
+"""Tips: the one on the right of the dual-tip probe, seen along the push, the one on the left, and the
+single one. A name stays with its tip whether the axes of a move are mirrored or not."""
 
 
 class _Model(BaseModel):
@@ -66,7 +68,9 @@ class ProbeDocument(_Model):
     """A probe of a move; an active one travels and is lifted out of the plane afterwards."""
 
     name: str
-    """The tip: dtp_top and dtp_bottom are the two of the dual-tip probe, stp is the single one."""
+    """The tip: of the dual-tip probe dtp_top is the one on the right and dtp_bottom the one on the left,
+    seen along the push, stp is the single one. So dtp_top has the larger y of the two in a push along
+    -x, the smaller y along +x, the smaller x along -y and the larger x along +y."""
     start_um: Pair
     """[x, y] of the tip before the move, free of contact, um, world frame."""
     passive: bool = False
@@ -174,17 +178,26 @@ def _rule(rule: MoveRule) -> RuleDocument:
 def _move(task: Task, rule: MoveRule, pose: Floats, post: PoseBox | None) -> MoveDocument:
     spacing = task.probe.tip_spacing_um * units.UM
     commands = rule.commands(pose[None], spacing, np.zeros(1))
+    places = dict(zip(names_of(rule), commands.tips[0], strict=True))
     return MoveDocument(
         step=rule.step,
         primitive=rule.primitive,
         probes=tuple(
-            ProbeDocument(name=name, start_um=_um(point), passive=name == "stp")
-            for name, point in zip(NAMES, commands.tips[0], strict=False)
+            ProbeDocument(name=name, start_um=_um(places[name]), passive=name == "stp")
+            for name in NAMES
+            if name in places
         ),
         travel_um=_um(commands.travel[0, 0]),
         speed_um_s=task.probe.speed_um_s,
         expect=None if post is None else box_document(post),
     )
+
+
+def names_of(rule: MoveRule) -> tuple[str, ...]:
+    """Names of a move's tips in the order of ``MoveRule.commands``: upper, lower, passive."""
+    right, left, single = NAMES
+    pair = (left, right) if rule.frame.mirrored else (right, left)
+    return pair if rule.single is None else (*pair, single)
 
 
 def _um(point: Floats) -> Pair:
