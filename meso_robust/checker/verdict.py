@@ -10,6 +10,7 @@ from flint import arb, ctx
 from meso_robust.checker import margin as margins, words
 from meso_robust.checker.chain import holds_side, passages, within
 from meso_robust.checker.document import Certificate, StepDocument
+from meso_robust.checker.evidence import check_evidence
 from meso_robust.checker.given import Given, PoseBox, given
 from meso_robust.checker.moves import check_rule
 from meso_robust.checker.numbers import box, check_reading
@@ -88,6 +89,7 @@ def _check(
 ) -> Answer:
     if certificate.digest != digest:
         raise Refused("digest: the SHA-256 of all other values", certificate.digest, digest)
+    check_evidence(certificate)
     known = given(task)
     _check_text(certificate, task)
     _check_goal(certificate, known)

@@ -9,16 +9,17 @@ from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from meso_robust import units
 from meso_robust.primitives.frame import Heading
 from meso_robust.primitives.move import Action, Aim, MoveRule
 from meso_robust.primitives.setup import PoseBox
+from meso_robust.reading import Deg, PaperStep, Um
 from meso_robust.task import Task
 
 Floats = npt.NDArray[np.float64]
-Pair = tuple[float, float]
+Pair = tuple[Um, Um]
 NAMES = ("dtp_top", "dtp_bottom", "stp")
 """Tips: the one on the right of the dual-tip probe, seen along the push, the one on the left, and the
 single one. A name stays with its tip whether the axes of a move are mirrored or not."""
@@ -33,20 +34,20 @@ class AimDocument(_Model):
 
     relative_to: Literal["sensed part", "world"]
     """What the offset is added to: the coordinate sensed before the move, or the world's zero."""
-    offset_um: float
+    offset_um: Um
     """The offset, um, along the axis that the key names."""
 
 
 class RuleDocument(_Model):
     """A move as a function of the pose sensed before it."""
 
-    step: int
+    step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
     primitive: str
     """The primitive: y_translation, rotation or x_translation."""
     action: Action
     """Which certified motion the move is."""
-    side: int
+    side: Annotated[int, Field(json_schema_extra={"minimum": -1, "maximum": 1})]
     """Of a tilt or a rotation: 1 turns the part counter-clockwise in these axes, -1 clockwise; else 0."""
     dual_x: AimDocument
     """x of the middle of the two active tips at the start; the push goes along -x of the axes of `heading`."""
@@ -80,18 +81,18 @@ class ProbeDocument(_Model):
 class BoxDocument(_Model):
     """A box of poses."""
 
-    x_um: Pair
+    x_um: tuple[Um, Um]
     """[low, high] of the reference point's x, um."""
-    y_um: Pair
+    y_um: tuple[Um, Um]
     """[low, high] of the reference point's y, um."""
-    theta_deg: Pair
+    theta_deg: tuple[Deg, Deg]
     """[low, high] of the orientation, deg."""
 
 
 class MoveDocument(_Model):
     """What the hardware does."""
 
-    step: int
+    step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
     primitive: str
     """The primitive: y_translation, rotation or x_translation."""
@@ -99,7 +100,7 @@ class MoveDocument(_Model):
     """Every tip in the plane."""
     travel_um: Pair
     """[x, y] by which every active tip travels, um, world frame."""
-    speed_um_s: float
+    speed_um_s: Annotated[FiniteFloat, Field(ge=0, le=1e6)]
     """Speed of the travel, um/s."""
     expect: BoxDocument | None
     """Certified box of the part's pose after the move, rounded outward; null if not certified."""
