@@ -132,6 +132,7 @@ def test_a_part_that_exceeds_its_whole_is_rejected(key: str, value: int) -> None
         ("moves.0.speed_um_s", 1e300),
         ("policy.0.step", 0),
         ("policy.0.dual_x.offset_um", 1e300),
+        ("moves.0.travel_um.0", -1e300),
     ],
 )
 def test_an_absurd_number_is_no_plan(key: str, value: Any, tmp_path: Path) -> None:

@@ -19,7 +19,9 @@ from meso_robust.reading import Deg, PaperStep, Um
 from meso_robust.task import Task
 
 Floats = npt.NDArray[np.float64]
-Pair = tuple[Um, Um]
+Commanded = Annotated[float, Field(json_schema_extra={"minimum": -1e6, "maximum": 1e6})]
+"""um; ``reading`` keeps the limits, with an advice about the unit."""
+Pair = tuple[Commanded, Commanded]
 NAMES = ("dtp_top", "dtp_bottom", "stp")
 """Tips: the one on the right of the dual-tip probe, seen along the push, the one on the left, and the
 single one. A name stays with its tip whether the axes of a move are mirrored or not."""
@@ -34,7 +36,7 @@ class AimDocument(_Model):
 
     relative_to: Literal["sensed part", "world"]
     """What the offset is added to: the coordinate sensed before the move, or the world's zero."""
-    offset_um: Um
+    offset_um: Commanded
     """The offset, um, along the axis that the key names."""
 
 

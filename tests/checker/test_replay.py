@@ -118,7 +118,7 @@ def of_another_goal(document: Document, task: Task) -> Document:
 def test_a_run_that_slips_is_undecided_and_says_what_it_rests_on(
     wide_friction_plan: Planned,
 ) -> None:
-    found = mr_check(wide_friction_plan, wide_friction_plan.task)
+    found = mr_check(wide_friction_plan.certificate, wide_friction_plan.task)
     assert (found.verdict, found.verified) == ("WITNESS UNDECIDED", False)
     assert "move 1: the pushing tip sticks" in str(found)
     assert "simulate" in str(found)
