@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from meso_robust.reading import Count, Deg, Distance, Factor, MoveNumber, PaperStep, Seed, Um
+
 HexPair = tuple[str, str]
-Pair = tuple[FiniteFloat, FiniteFloat]
 Word = Literal["PROVED", "REFUTED", "UNKNOWN"]
 Over = dict[str, HexPair]
 
@@ -26,7 +27,7 @@ class AimDocument(_Model):
 class RuleDocument(_Model):
     """A move of the policy."""
 
-    step: int
+    step: PaperStep
     primitive: str
     action: str
     side: Literal[-1, 0, 1]
@@ -42,9 +43,9 @@ class RuleDocument(_Model):
 class BoxDocument(_Model):
     """A box of poses for reading."""
 
-    x_um: Pair
-    y_um: Pair
-    theta_deg: Pair
+    x_um: tuple[Um, Um]
+    y_um: tuple[Um, Um]
+    theta_deg: tuple[Deg, Deg]
 
 
 class ExactBox(_Model):
@@ -63,14 +64,14 @@ class ObligationDocument(_Model):
     derivation: str
     verdict: Word
     lower_bound: str | None
-    boxes: int
+    boxes: Count
     over: Over
 
 
 class StepDocument(_Model):
     """One certified move."""
 
-    step: int
+    step: PaperStep
     primitive: str
     action: str
     property: str
@@ -93,8 +94,8 @@ class ClaimDocument(_Model):
 class UndecidedDocument(_Model):
     """Why the verdict is UNKNOWN."""
 
-    move: int
-    step: int
+    move: MoveNumber
+    step: PaperStep
     action: str
     claim: str
     inequality: str
@@ -119,24 +120,24 @@ class WitnessDocument(_Model):
 class MarginDocument(_Model):
     """How much more uncertainty the plan could bear."""
 
-    factor: FiniteFloat
-    refused_at: FiniteFloat | None
+    factor: Factor
+    refused_at: Factor | None
     binds_first: str | None
-    each_alone: dict[str, FiniteFloat]
+    each_alone: dict[str, Factor]
     limit: str | None
 
 
 class SimulationDocument(_Model):
     """Runs of the simulator: evidence beside the proof."""
 
-    samples: int
-    seed: int
-    step_um: FiniteFloat
-    completed: int
-    in_goal: int
-    in_certified_box: int | None
-    largest_excess_um_um_deg: tuple[tuple[FiniteFloat, FiniteFloat, FiniteFloat], ...]
-    simulator_error_um_um_deg: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+    samples: Count
+    seed: Seed
+    step_um: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
+    completed: Count
+    in_goal: Count
+    in_certified_box: Count | None
+    largest_excess_um_um_deg: tuple[tuple[Distance, Distance, Distance], ...]
+    simulator_error_um_um_deg: tuple[Distance, Distance, Distance]
 
 
 class Certificate(_Model):

@@ -34,6 +34,18 @@ def check_words(margin: MarginDocument) -> None:
         raise Refused("margin.refused_at: above factor", margin.refused_at, margin.factor)
 
 
+def check_none(margin: MarginDocument) -> None:
+    """A plan that is not proved bears nothing.
+
+    Raises
+    ------
+    Refused
+        A factor is stated.
+    """
+    if margin.factor != 0.0 or any(margin.each_alone.values()):
+        raise Refused("margin: 0 of a plan that is not proved", margin.factor, 0.0)
+
+
 def check_factor(
     certificate: Certificate, task: Task, *, alone: bool, prover: Prover = PLAIN
 ) -> None:

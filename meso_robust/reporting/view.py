@@ -16,7 +16,7 @@ from markupsafe import Markup
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.job import Planned
-from meso_robust.planning.document import NAMES, BoxDocument
+from meso_robust.planning.document import BoxDocument, names_of
 from meso_robust.primitives.outline import Edge, Line, Outline, Polygon
 from meso_robust.primitives.setup import Setup
 from meso_robust.reporting.animation import embedded
@@ -132,7 +132,7 @@ def _moves(result: Planned) -> list[Json]:
         found.append(
             {
                 "name": f"{move.primitive.replace('_', ' ')} · {rule.action}",
-                "probes": list(NAMES[: len(move.probes)]),
+                "probes": list(names_of(result.found.rules[k])),
                 "passive": [probe.passive for probe in move.probes],
                 "seconds": max(round(math.hypot(*move.travel_um) / move.speed_um_s, 3), 0.001),
                 "box": None if step is None else _box(step.post),

@@ -121,7 +121,11 @@ CHECK = Table(
     "Printed, not written to a file.",
     (
         Column("schema", "`meso-robust/check/1`"),
-        Column("verdict", "VERIFIED, REJECTED or NOTHING CLAIMED (the certificate is not PROVED)"),
+        Column(
+            "verdict",
+            "VERIFIED; REJECTED; WITNESS CONFIRMED or WITNESS UNDECIDED (the certificate is REFUTED); "
+            "NOTHING CLAIMED (it is UNKNOWN)",
+        ),
         Column("claims", "what the certificate claims, in words"),
         Column("rejected", "the first thing that is not so: `claim`, `stated`, `found`; else null"),
         Column("not_checked", "what the checker takes no position on, a sentence each"),

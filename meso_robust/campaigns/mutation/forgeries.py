@@ -190,7 +190,10 @@ def _another_task(document: Document, original: Original, rng: random.Random) ->
 
 
 def _invented_witness(document: Document, original: Original, rng: random.Random) -> Document:
-    """REFUTED, by a run that does not fail; in half of the cases it leaves the bounds besides."""
+    """REFUTED, by a run that does not fail, and told as such a certificate would tell it.
+
+    In half of the cases the run leaves the bounds besides.
+    """
     setup, moves = original.setup, len(document["policy"])
     wide = setup.uncertainty.scaled(1.0 if rng.random() < 0.5 else 1.5)
 
@@ -204,7 +207,7 @@ def _invented_witness(document: Document, original: Original, rng: random.Random
     start = [side.mid for side in (setup.start.x, setup.start.y, setup.start.theta)]
     document["verdict"] = "REFUTED"
     document["witness"] = {
-        "outcome": "jam",
+        "outcome": "the last pose misses the goal",
         "start": [end.hex() for end in start],
         "friction": drawn(wide.friction.lo, wide.friction.hi).hex(),
         "film_ratio_m2": drawn(wide.film_ratio.lo, wide.film_ratio.hi).hex(),
@@ -212,6 +215,16 @@ def _invented_witness(document: Document, original: Original, rng: random.Random
         "sensing": [[(0.0).hex()] * 3 for _ in range(moves)],
         "dual_probe": pairs(),
         "single_probe": pairs(),
+    }
+    last, margin = document["steps"][-1], document["margin"]
+    last.update(verdict="UNKNOWN", post=None, post_exact=None)
+    margin.update(factor=0.0, refused_at=1.0, binds_first=None)
+    margin["each_alone"] = dict.fromkeys(margin["each_alone"], 0.0)
+    margin["limit"] = last["obligations"][0]["claim"]
+    document["undecided"] = {
+        **{key: last["obligations"][0][key] for key in ("claim", "inequality", "over")},
+        **{key: last[key] for key in ("step", "action")},
+        **{"move": moves, "fails": False, "settled_by": "nothing that was tried"},
     }
     return document
 
