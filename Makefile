@@ -49,6 +49,7 @@ reports: $(INSTALLED)
 	$(BIN)/python -m reports.basis.report --out reports/basis
 	$(BIN)/python -m reports.identification.sensitivity_report --out reports/identification
 	$(BIN)/meso-robust reproduce --out reports/reproduction
+	$(BIN)/python -m reports.reproduction.table
 
 # A new clone, its demo and the tutorial in a new folder, every command with its time.
 tutorial: $(INSTALLED)

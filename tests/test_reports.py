@@ -12,6 +12,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 PROGRAMS = sorted((ROOT / "reports").rglob("*.py"))
 TEXTS = ("*.md", "*.py", "*.txt", "Makefile", "*.toml")
 _COMMAND = re.compile(r"python -m ((?:tests|reports)[\w.]*\w)")
+_LINK = re.compile(r"\]\(([^)#\s:]+)\)")
 _ELSEWHERE = {".venv", ".git"}
 
 
@@ -74,3 +75,20 @@ def test_every_command_that_a_text_names_is_a_program() -> None:
         program = path / "__main__.py" if path.is_dir() else path.with_suffix(".py")
         assert program.is_file(), f"{text}: python -m {module}"
         assert guarded(program), f"{text}: python -m {module} does nothing"
+
+
+def test_every_folder_says_what_it_asks() -> None:
+    index = (ROOT / "reports" / "README.md").read_text(encoding="utf-8")
+    rooms = {path.parent for path in PROGRAMS if path.parents[1] == ROOT / "reports"}
+    for room in rooms:
+        assert (room / "README.md").is_file(), room.name
+        assert f"({room.name}/README.md)" in index, room.name
+
+
+def test_every_link_of_a_report_leads_to_what_is_kept() -> None:
+    """On a new clone; elsewhere a page that was built there may stand in."""
+    pages = sorted((ROOT / "reports").rglob("*.md"))
+    links = [(page, link) for page in pages for link in _LINK.findall(page.read_text("utf-8"))]
+    assert len(links) > 100
+    for page, link in links:
+        assert (page.parent / link).exists(), f"{page.relative_to(ROOT)}: {link}"

@@ -46,7 +46,7 @@ not complete. The *arm* is the closed form: the distance from the centre of drag
 lines through the contact, that of the push and the two edges of the friction cone (voting theorem). Its sign
 is the turning sense; where the box reaches zero, the part may turn either way.
 
-![Test C from starts within 5 µm and 0.005°](sensitivity.svg)
+The command also draws `sensitivity.svg`: the paths of Test C from starts within 5 µm and 0.005°.
 
 ## The eight tests, starts within 5 µm and 0.005°
 
