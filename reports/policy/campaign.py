@@ -20,10 +20,10 @@ from meso_robust.policy.build import make_policy
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.document import policy_document
 from meso_robust.policy.region import sensed_start, tube
-from meso_robust.policy.runs import draw_starts, run_policy
 from meso_robust.reporting.policy import draw, summary
 from meso_robust.task import load_task
 from meso_robust.tasks import PAPER
+from reports.policy.runs import draw_starts, run_policy
 
 REPORT = Path(__file__).parents[2] / "reports" / "policy"
 
