@@ -21,11 +21,11 @@ check: $(INSTALLED)
 benchmark: PEERS := .venv/peers
 benchmark: $(INSTALLED)
 	test -d $(PEERS)/codac || $(BIN)/uv pip install --quiet --no-deps --require-hashes \
-	  --python $(BIN)/python --target $(PEERS) --requirement tests/benchmarks/requirements.lock
-	PYTHONPATH=$(PEERS) $(BIN)/python -m tests.benchmarks --peers --out reports/simulator/speed.md
-	PYTHONPATH=$(PEERS) $(BIN)/python -m tests.benchmarks.bounds --out reports/bounds/speed.md
-	$(BIN)/python -m tests.benchmarks.executions --out reports/campaigns/speed.md
-	$(BIN)/python -m tests.benchmarks.campaigns --out reports/campaigns/scale.md
+	  --python $(BIN)/python --target $(PEERS) --requirement reports/benchmarks/requirements.lock
+	PYTHONPATH=$(PEERS) $(BIN)/python -m reports.benchmarks --peers --out reports/benchmarks/simulator.md
+	PYTHONPATH=$(PEERS) $(BIN)/python -m reports.benchmarks.bounds --out reports/benchmarks/bounds.md
+	$(BIN)/python -m reports.benchmarks.executions --out reports/benchmarks/executions.md
+	$(BIN)/python -m reports.benchmarks.campaigns --out reports/benchmarks/campaigns.md
 
 $(INSTALLED): pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -39,32 +39,33 @@ $(INSTALLED): pyproject.toml requirements.lock
 reports: $(INSTALLED)
 	$(BIN)/meso-robust derive
 	$(BIN)/meso-robust plan --maps --out reports/paper_task
-	$(BIN)/python -m tests.reporting.picture reports/paper_task/report.html --out reports/paper_task/report.png
-	$(BIN)/python -m tests.planning.start_sweep --out reports/tasks
-	$(BIN)/python -m tests.premises.adhesion --out reports/tasks
-	$(BIN)/python -m tests.policy.campaign --runs 2000
-	$(BIN)/python -m tests.simulator.convergence --out reports/simulator/convergence.md
-	$(BIN)/python -m tests.simulator.inertia_report --out reports/simulator
-	$(BIN)/python -m tests.simulator.effects_report --out reports/simulator/effects.md
-	$(BIN)/python -m tests.basis.report --out reports/basis
-	$(BIN)/python -m tests.identification.sensitivity_report --out reports/identification
+	$(BIN)/python -m reports.paper_task.picture reports/paper_task/report.html --out reports/paper_task/report.png
+	$(BIN)/python -m reports.tasks.start_sweep --out reports/tasks
+	$(BIN)/python -m reports.tasks.adhesion --out reports/tasks
+	$(BIN)/python -m reports.policy.campaign --runs 2000
+	$(BIN)/python -m reports.simulator.convergence --out reports/simulator/convergence.md
+	$(BIN)/python -m reports.simulator.inertia_report --out reports/simulator
+	$(BIN)/python -m reports.simulator.effects_report --out reports/simulator/effects.md
+	$(BIN)/python -m reports.basis.report --out reports/basis
+	$(BIN)/python -m reports.identification.sensitivity_report --out reports/identification
 	$(BIN)/meso-robust reproduce --out reports/reproduction
+	$(BIN)/python -m reports.reproduction.table
 
 # A new clone, its demo and the tutorial in a new folder, every command with its time.
 tutorial: $(INSTALLED)
-	$(BIN)/python -m tests.guide.tutorial --clone . --out reports/tutorial/times.md
+	$(BIN)/python -m reports.tutorial.walk --clone . --out reports/tutorial/times.md
 
 # The full forms of the campaigns: hours on two cores. Those of the verb go on where they stand.
 campaign: $(INSTALLED)
-	$(BIN)/python -m tests.execution.refuted
+	$(BIN)/python -m reports.campaigns.refuted
 	for name in falsify mutation properties; do \
 	  $(BIN)/meso-robust campaign reports/campaigns/$$name.toml --out reports/campaigns/$$name --resume || exit 1; \
 	done
-	$(BIN)/python -m tests.tracking.accuracy --frames 10000 --seed 2 --out reports/tracking/accuracy.md
-	$(BIN)/python -m tests.identification.recovery
-	$(BIN)/python -m tests.identification.design_report --sets 80 --out reports/identification
-	$(BIN)/python -m tests.blind.campaign --workers 2 --quick-diagnosis --out reports/blind/next_trial
-	$(BIN)/python -m tests.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
+	$(BIN)/python -m reports.tracking.accuracy --frames 10000 --seed 2 --out reports/tracking/accuracy.md
+	$(BIN)/python -m reports.identification.recovery
+	$(BIN)/python -m reports.identification.design_report --sets 80 --out reports/identification
+	$(BIN)/python -m reports.blind.campaign --workers 2 --quick-diagnosis --out reports/blind/next_trial
+	$(BIN)/python -m reports.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
 
 # What takes too long for every change.
 nightly: $(INSTALLED)
@@ -73,12 +74,12 @@ nightly: $(INSTALLED)
 
 # Wheel and sdist, each in a clean environment of its own: plan, certificate, check.
 package: $(INSTALLED)
-	$(BIN)/python -m tests.packaging.clean
+	$(BIN)/python -m reports.release.clean
 
 # The fast tests on the oldest and on the newest dependencies; ON names another interpreter.
 ON ?= $(shell $(BIN)/python -c 'import platform; print(platform.python_version())')
 oldest newest: $(INSTALLED)
-	$(BIN)/python -m tests.packaging.compatibility $@ --python $(ON)
+	$(BIN)/python -m reports.release.compatibility $@ --python $(ON)
 
 lock:
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra dev --generate-hashes \

@@ -3,27 +3,13 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
 from meso_robust.job import Planned, make
-from meso_robust.task import Task, parse_task
-from meso_robust.tasks import PAPER
 from tests.browser import REQUIRED, Browser, Page, browser as started, executable, tab
-
-Values = dict[str, Any]
-
-
-def paper_task(**changes: Any) -> Task:
-    """The paper's task with changes, each given as ``section__key=value``."""
-    values: Values = tomllib.loads(PAPER.read_text(encoding="utf-8"))
-    for name, value in changes.items():
-        section, key = name.split("__")
-        values[section][key] = value
-    return parse_task(values, "changed paper task")
+from tests.paper import paper_task as paper_task  # read from here by many tests
 
 
 @pytest.fixture(scope="session")

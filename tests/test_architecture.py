@@ -31,7 +31,7 @@ MAY_IMPORT = {
     "planning": BELOW_PLANNING,
     "admissible": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
-    "policy": {*BELOW_PLANNING, "planning", "certificates", "execution", "simulator"},
+    "policy": {*BELOW_PLANNING, "planning", "certificates"},
     "checker": {"errors", "reading", "task"},
     "simulator": {"errors", "kernels"},
     "recordings": {"errors", "reading", "toml_files", "files"},

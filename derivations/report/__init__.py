@@ -7,6 +7,8 @@ from pathlib import Path
 from derivations._derivation import Derivation
 
 FOLDER = Path(__file__).resolve().parents[2] / "reports" / "derivations"
+PAGE = FOLDER / "index.html"
+"""Not kept with the sources, as everything on it is in the other files too."""
 
 
 def render(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
@@ -30,7 +32,7 @@ def render(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
 
     register, drawn = chapters(derivations), pictures()
     files = {
-        "index.html": page(register, drawn),
+        PAGE.name: page(register, drawn),
         "README.md": markdown(register, drawn),
         "register.json": as_json(register),
         **proof_files(register),

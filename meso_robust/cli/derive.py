@@ -30,6 +30,8 @@ def derive(
         derivations, files = _derived(keep=not check)
     stale = generate.on_disk() - set(files)
     differing = stale | _differing(files)
+    if not report.PAGE.exists():
+        differing.discard(report.PAGE)  # a fresh checkout has none, and need not
     if not check:
         _write(files)
         for path in stale:

@@ -22,11 +22,11 @@ from meso_robust.campaigns.blind.sealing import (
     read_results,
     whole_lines,
 )
-from tests.blind.blind_report import write_report
-from tests.blind.campaign import run
-from tests.blind.committing import Setting, commit, sources
-from tests.blind.corpus import EFFECTS, QUICK, Corpus, Entry, entries
-from tests.blind.serve import ROOT, Command, NoAnswerError, Service
+from reports.blind.blind_report import write_report
+from reports.blind.campaign import run
+from reports.blind.committing import Setting, commit, sources
+from reports.blind.corpus import EFFECTS, QUICK, Corpus, Entry, entries
+from reports.blind.serve import ROOT, Command, NoAnswerError, Service
 
 OUTSIDE = tuple(f"kind_{k}" for k in range(9))
 HIDDEN = (("backlash", "camera_latency"), ("drag_drift",))

@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.blind.corpus import EFFECTS as PUBLISHED, STAGE
-from tests.blind.detectable import just_detectable, nuisance
-from tests.blind.effects import EFFECTS
-from tests.blind.generator import UNIDENTIFIABLE, Case, Made, make, write
-from tests.blind.laws import Laws
-from tests.blind.outside import OUTSIDE
-from tests.blind.posts import CLEAR, STAGGER, TOUCHING, distance, laid, paths
-from tests.blind.pushes import DESIGNS, SPEEDS, commanded
-from tests.blind.world import World, filmed, run
+from reports.blind.corpus import EFFECTS as PUBLISHED, STAGE
+from reports.blind.detectable import just_detectable, nuisance
+from reports.blind.effects import EFFECTS
+from reports.blind.generator import UNIDENTIFIABLE, Case, Made, make, write
+from reports.blind.laws import Laws
+from reports.blind.outside import OUTSIDE
+from reports.blind.posts import CLEAR, STAGGER, TOUCHING, distance, laid, paths
+from reports.blind.pushes import DESIGNS, SPEEDS, commanded
+from reports.blind.world import World, filmed, run
 
 NULL = Case(seed=3)
 FEW = 4

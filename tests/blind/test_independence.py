@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-HERE = Path(__file__).parent
+from reports import blind
+
+HERE = Path(blind.__file__).parent
 ALLOWED = {"numpy", "numba", "scipy", *sys.stdlib_module_names} - {
     "importlib",
     "runpy",
@@ -40,7 +42,7 @@ def foreign(source: str) -> set[str]:
     return {
         name
         for name in imported(source)
-        if name.split(".")[0] not in ALLOWED and not name.startswith("tests.blind.")
+        if name.split(".")[0] not in ALLOWED and not name.startswith("reports.blind.")
     }
 
 
@@ -53,7 +55,7 @@ def reached(start: str) -> dict[str, str]:
         if name in found:
             continue
         found[name] = (HERE / f"{name}.py").read_text(encoding="utf-8")
-        local = [other for other in imported(found[name]) if other.startswith("tests.blind.")]
+        local = [other for other in imported(found[name]) if other.startswith("reports.blind.")]
         waiting += [other.split(".")[2] for other in local]
     return found
 
@@ -73,6 +75,7 @@ def test_the_generator_reaches_its_own_physics_only() -> None:
         "def f():\n    import meso_robust.units as u",
         "from importlib import import_module",
         "from tests.recordings import planted",
+        "from reports.simulator import jam",
         "from . import corpus",
     ],
 )

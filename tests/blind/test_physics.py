@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from tests.blind.camera import Camera, Sensor, coloured
-from tests.blind.laws import Laws
-from tests.blind.pushes import Plan, commanded, turned
-from tests.blind.world import LENGTH, STEP, TIP_RADIUS, WIDTH, World, filmed, footprint, rho, run
+from reports.blind.camera import Camera, Sensor, coloured
+from reports.blind.laws import Laws
+from reports.blind.pushes import Plan, commanded, turned
+from reports.blind.world import LENGTH, STEP, TIP_RADIUS, WIDTH, World, filmed, footprint, rho, run
 
 Floats = npt.NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from meso_robust.diagnosis.answer import diagnosed
-from tests.blind.generator import Case, make, write
+from reports.blind.generator import Case, make, write
 
 NULL = Case(kind="null", seed=31)
 SUPPORT = Case(kind="effect", names=("drag_centre_offset",), multiples=(8.0,), seed=32)

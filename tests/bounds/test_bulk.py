@@ -24,8 +24,8 @@ from meso_robust.bounds import (
     prove_positive,
 )
 from meso_robust.bounds.tape import BLOCK
-from tests.benchmarks.bounds import ratio
-from tests.benchmarks.ratio import BOX as RATIO_BOX, NAMES as RATIO_NAMES, random_boxes
+from reports.benchmarks.bounds import ratio
+from reports.benchmarks.ratio import BOX as RATIO_BOX, NAMES as RATIO_NAMES, random_boxes
 from tests.bounds.formulas import NAMES, Formula, corner, formulas, together
 from tests.strategies import REPEATABLE, intervals
 

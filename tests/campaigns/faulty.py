@@ -1,4 +1,4 @@
-"""A campaign of chunks that go wrong on demand: ``python -m tests.campaigns.faulty FOLDER CHUNKS``."""
+"""A campaign of chunks that go wrong on demand, and the process that a test kills."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def campaign(
 
 
 def main() -> None:
-    """Carry it out and print each chunk that is kept."""
+    """Carry it out in the folder, of so many chunks, that the command line names; print each kept one."""
     folder, chunks = Path(sys.argv[1]), int(sys.argv[2])
     asked = campaign(chunks, {"seconds": 0.02})
     store = Store(folder / NAME, asked.values, code())
@@ -43,7 +43,3 @@ def main() -> None:
         sys.stdout.write(f"{step.chunk}\n")
         sys.stdout.flush()
     store.close()
-
-
-if __name__ == "__main__":
-    main()

@@ -116,7 +116,8 @@ def test_what_was_given_up_is_tried_again_by_the_next_session(tmp_path: Path) ->
 
 
 def started(folder: Path, chunks: int) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "tests.campaigns.faulty", str(folder), str(chunks)]
+    code = "from tests.campaigns.faulty import main; main()"
+    command = [sys.executable, "-c", code, str(folder), str(chunks)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 

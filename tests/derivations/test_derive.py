@@ -25,7 +25,7 @@ from derivations._statement import (
     there_is,
     together,
 )
-from tests.derivations.mutants import Mutant, caught
+from reports.flipped_signs.mutants import Mutant, caught
 from tests.nightly import at_night
 
 VERDICTS = {
@@ -137,7 +137,7 @@ def test_the_same_bytes_whatever_the_hash_seed() -> None:
     assert len(outputs) == 1
 
 
-# -- a flipped sign is noticed (all of them: python -m tests.derivations.mutants) -------------------
+# -- a flipped sign is noticed (all of them: python -m reports.flipped_signs.mutants) -------------------
 
 FLIPS = [
     Mutant("mechanics", 0, 0, "p[0] * q[1] - p[1] * q[0]"),

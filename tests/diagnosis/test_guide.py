@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from tests.diagnosis.guide import TOY, followed, run, steps
+from reports.guide.adding_an_effect import TOY, followed, run, steps
 
 _LOOK = """
 import json

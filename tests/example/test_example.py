@@ -18,8 +18,8 @@ from meso_robust.identification.document import read_model
 from meso_robust.recordings import read_set
 from meso_robust.task import load_task
 from meso_robust.tasks import SMALL_MODEL
-from tests.example.experiment import BURR, LENGTH, MU, PLANS, RHO_UM2, WIDTH, moved
-from tests.example.make import log
+from reports.example.experiment import BURR, LENGTH, MU, PLANS, RHO_UM2, WIDTH, moved
+from reports.example.make import log
 
 HERE = Path(__file__).parent
 RUNNER = CliRunner()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -11,11 +12,24 @@ import numpy.typing as npt
 from meso_robust.certificates.chain import certify
 from meso_robust.execution.claims import Claims, claims_of
 from meso_robust.execution.replay import Feedback
+from meso_robust.execution.simulation import player_of
+from meso_robust.planning.document import PlanDocument
 from meso_robust.primitives.setup import setup_of
-from tests.conftest import paper_task
-from tests.execution.test_replay import paper_player
+from tests.paper import paper_task
 
 Floats = npt.NDArray[np.float64]
+
+REPORT = Path(__file__).parents[2] / "reports" / "paper_task"
+
+
+def paper_plan_document() -> PlanDocument:
+    return PlanDocument.model_validate_json((REPORT / "plan.json").read_text(encoding="utf-8"))
+
+
+def paper_player() -> Feedback:
+    player = player_of(paper_plan_document(), setup_of(paper_task()))
+    assert isinstance(player, Feedback)
+    return player
 
 
 @cache

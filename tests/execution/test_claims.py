@@ -15,8 +15,7 @@ from meso_robust.execution.endings import gaps_to
 from meso_robust.execution.meetings import crosses, meets, stick_ratio
 from meso_robust.execution.replay import nominal_row
 from meso_robust.execution.running import PlanRun
-from tests.execution.paper import exactly
-from tests.execution.test_replay import paper_player
+from tests.execution.paper import exactly, paper_player
 
 Floats = npt.NDArray[np.float64]
 HALF = np.array([808e-6, 418.5e-6])

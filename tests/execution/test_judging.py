@@ -17,8 +17,7 @@ from meso_robust.execution.running import STEP, PlanRun
 from meso_robust.primitives.setup import setup_of
 from meso_robust.simulator import Outcome
 from tests.conftest import paper_task
-from tests.execution.paper import exactly, paper_claims, shrunk
-from tests.execution.test_replay import paper_player
+from tests.execution.paper import exactly, paper_claims, paper_player, shrunk
 
 Floats = npt.NDArray[np.float64]
 JUST_OUTSIDE = """

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from meso_robust.job import Planned
-from tests.execution.refuted import replayed
+from reports.campaigns.refuted import replayed
 
 
 def test_the_witness_of_a_refuted_certificate_fails_again_by_both_engines(

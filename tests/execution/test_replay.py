@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,8 +21,8 @@ from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Outcome
 from tests.conftest import paper_task
+from tests.execution.paper import paper_player
 
-REPORT = Path(__file__).parents[2] / "reports" / "paper_task"
 SCALE = np.array([1e6, 1e6, 180.0 / math.pi])
 
 
@@ -334,16 +333,6 @@ def test_trajectory_of_a_jam_stops_at_it_and_leaves_no_cell_for_an_absent_probe(
         ending(player, found.nominal.runs, 0).share, abs=1e-5
     )
     assert float(nominal_lines[-1][2]) < 1.0
-
-
-def paper_plan_document() -> PlanDocument:
-    return PlanDocument.model_validate_json((REPORT / "plan.json").read_text(encoding="utf-8"))
-
-
-def paper_player() -> Feedback:
-    player = player_of(paper_plan_document(), setup_of(paper_task()))
-    assert isinstance(player, Feedback)
-    return player
 
 
 def test_paper_plan_stays_in_the_goal_under_attack() -> None:

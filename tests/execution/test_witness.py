@@ -14,7 +14,7 @@ from meso_robust.execution.draws import draw
 from meso_robust.execution.running import run
 from meso_robust.execution.witness import read_witness
 from tests.conftest import paper_task
-from tests.execution.test_replay import REPORT, paper_plan_document, paper_player
+from tests.execution.paper import REPORT, paper_plan_document, paper_player
 
 
 def certificate(folder: Path, **changes: Any) -> Path:

@@ -18,7 +18,7 @@ from meso_robust.planning.reading import read_plan
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import load_task
 from tests.conftest import paper_task
-from tests.execution.test_replay import paper_plan_document, paper_player
+from tests.execution.paper import paper_plan_document, paper_player
 
 
 def written(folder: Path, scale: float = 2.0, **changes: Any) -> Path:

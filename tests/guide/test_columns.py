@@ -17,7 +17,7 @@ from meso_robust.tracking.commands import read_commands
 from meso_robust.tracking.frames import Frames
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.tracked_set import covariance_text
-from tests.guide.columns import CAMPAIGN, CHECK, COMMANDS, COVARIANCE, RECORDING, TRAJECTORIES
+from reports.guide.columns import CAMPAIGN, CHECK, COMMANDS, COVARIANCE, RECORDING, TRAJECTORIES
 
 REPORT = Path(mr.__file__).parents[1] / "reports" / "paper_task"
 PROBES = ("left", "right")

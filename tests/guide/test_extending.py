@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from meso_robust.guide import GUIDE
-from tests.diagnosis.guide import PACKAGE, run
+from reports.guide.adding_an_effect import PACKAGE, run
 
 _PAGE = (GUIDE / "extending.md").read_text(encoding="utf-8")
 _NEW = re.compile(r"New file `([^`]+)`:\n\n```python\n(.*?)^```", re.DOTALL | re.MULTILINE)

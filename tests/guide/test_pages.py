@@ -18,7 +18,7 @@ from meso_robust.guide import GUIDE
 from meso_robust.planning.compose import Found
 from meso_robust.reporting.words import QUANTITIES
 from meso_robust.tasks import HEXAGON, SLOT, TWO_PROBES
-from tests.guide.pages import FORMATS, GLOSSARY, OTHERS, formats, with_symbols
+from reports.guide.pages import FORMATS, GLOSSARY, OTHERS, formats, with_symbols
 from tests.strategies import paper_chain
 
 ROOT = Path(meso_robust.__file__).parent.parent

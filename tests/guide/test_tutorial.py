@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.guide import TUTORIAL
-from tests.guide.tutorial import Command, commands, edited, missing
+from reports.tutorial.walk import Command, commands, edited, missing
 
 SET = Path(__file__).parent.parent / "example" / "set"
 PAGE = commands(TUTORIAL.read_text(encoding="utf-8"))

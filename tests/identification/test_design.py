@@ -21,8 +21,8 @@ from meso_robust.identification.sensitivity import StartBox
 from meso_robust.recordings import SensorInfo
 from meso_robust.recordings.rules import DEG
 from meso_robust.reporting.experiment import experiment_page
-from tests.identification.design_report import FINER, SENSOR, compare
-from tests.identification.refit import RATE, _slopes, refit
+from reports.identification.design_report import FINER, SENSOR, compare
+from reports.identification.refit import RATE, _slopes, refit
 from tests.identification.table_one import FILM, P1, POINTS, TESTS, VISCOUS
 
 F = npt.NDArray[np.float64]

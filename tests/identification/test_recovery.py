@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import chi2
 
-from tests.identification.recovery import Result, campaign, case, clopper
+from reports.identification.recovery import Result, campaign, case, clopper
 
 
 def test_errors_on_the_film_are_as_large_as_their_intervals_say() -> None:

@@ -26,7 +26,7 @@ from meso_robust.identification.voting import arms, centre_of_drag
 from meso_robust.recordings import Polygon, RecordingSet, SensorInfo, from_simulation
 from meso_robust.recordings.rules import DEG
 from meso_robust.simulator import Film, Mixture, ThreePoints
-from tests.identification.sensitivity_report import inside, surface_difference, table_rows
+from reports.identification.sensitivity_report import inside, surface_difference, table_rows
 from tests.identification.table_one import (
     BENCH,
     CASES,

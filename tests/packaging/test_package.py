@@ -75,7 +75,13 @@ def test_the_sdist_holds_what_one_needs_to_build_and_test(built: Path) -> None:
     for file in ("pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff"):
         assert file in names
     assert {"SECURITY.md", "Makefile", "requirements.lock"} <= names
-    for unwanted in ("reports/", ".hypothesis/", ".git/", ".venv/", ".ci/"):
+    programs = {name for name in names if name.startswith("reports/")}
+    assert programs == {
+        *(name for name in tracked("reports") if name.endswith(".py")),
+        "reports/benchmarks/requirements.txt",
+        "reports/benchmarks/requirements.lock",
+    }  # and nothing that they wrote
+    for unwanted in (".hypothesis/", ".git/", ".venv/", ".ci/"):
         assert not any(name.startswith(unwanted) for name in names)
     assert not any(name.endswith((".pyc", ".nbi", ".nbc")) for name in names)
 

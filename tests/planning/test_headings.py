@@ -32,9 +32,9 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.task import Heading, Task, load_task
 from meso_robust.tasks import TWO_PROBES
+from reports.tasks import start_sweep
+from reports.tasks.start_sweep import table, task_at
 from tests.conftest import paper_task
-from tests.planning import start_sweep
-from tests.planning.start_sweep import table, task_at
 from tests.planning.test_compose import near
 
 SHIPPED = Path(__file__).parents[2] / "reports" / "paper_task"

@@ -13,9 +13,9 @@ from meso_robust.policy.cover import ends_of
 from meso_robust.policy.follow import expected, follows
 from meso_robust.policy.proof import NotProvedError, recertified
 from meso_robust.policy.region import region_of, sensed_start, tube
-from meso_robust.policy.runs import draw_starts, run_policy
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.setup import PoseBox, setup_of
+from reports.policy.runs import draw_starts, run_policy
 
 
 def with_cell(policy: Policy, number: int, cell: Cell) -> Policy:

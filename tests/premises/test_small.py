@@ -26,8 +26,8 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.simulator import simulate
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import SMALL, SMALL_MODEL
+from reports.tasks.adhesion import adhering, at, page
 from tests.conftest import paper_task
-from tests.premises.adhesion import adhering, at, page
 
 UM = 1e-6
 
@@ -152,7 +152,7 @@ def test_a_small_pull_is_borne_in_simulation_and_a_large_one_is_not() -> None:
 
 
 def test_the_report_says_what_was_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tests.premises.adhesion.HALVINGS", 1)
+    monkeypatch.setattr("reports.tasks.adhesion.HALVINGS", 1)
 
     text = page((1.0, 45.0), 4)
 

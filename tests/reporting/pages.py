@@ -10,6 +10,10 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure as Drawn
 
+from derivations.generate import derive_one
+from derivations.report.figures import pictures
+from derivations.report.page import page
+from derivations.report.register import chapters
 from meso_robust import __version__
 from meso_robust.execution.simulation import player_of, simulated
 from meso_robust.execution.simulation_answer import document as simulation_document
@@ -39,9 +43,9 @@ from meso_robust.tracking.track_document import (
     TrackDocument,
     VideoDocument,
 )
-from tests.conftest import paper_task
 from tests.identification.sets import random_pushes, recorded
 from tests.identification.table_one import TESTS
+from tests.paper import paper_task
 from tests.recordings.planted import clean, one, planted, poses
 from tests.reporting import test_campaign as campaigns
 from tests.reporting.diagnoses import document as diagnosis_document, evidence
@@ -57,7 +61,8 @@ EVIL = (
 word longer than a line."""
 FILE = f"a' onload=alert(1) & $x_1$ \u05e9\u05dc\u05d5\u05dd \U0001f52c {MARK * 20}.csv"
 """The same as a name of a file."""
-REGISTER = ROOT / "reports" / "derivations" / "index.html"
+DERIVED = ("printed_numbers", "one_point_sticking", "final_orientation")
+"""Files of the register that is shown: quick ones, with every verdict."""
 
 
 def plan_page(result: Planned) -> str:
@@ -187,6 +192,11 @@ def simulation_page() -> str:
     return animation(found, simulation_document(found))
 
 
+def register_page() -> str:
+    derived = tuple(derive_one(name) for name in DERIVED)
+    return page(chapters(derived), pictures())
+
+
 MAKERS: Mapping[str, Callable[[], str]] = {
     "campaign": campaign_page,
     "diagnosis": diagnosis_page,
@@ -196,5 +206,6 @@ MAKERS: Mapping[str, Callable[[], str]] = {
     "reproduction": reproduction_page,
     "tracking": tracking_page,
     "simulation": simulation_page,
+    "register": register_page,
 }
 """Those that need no plan."""

@@ -12,9 +12,9 @@ import pytest
 
 from meso_robust.job import Planned
 from tests.browser import Browser, Page, tab
-from tests.reporting.pages import EVIL, MAKERS, REGISTER, plan_page
+from tests.reporting.pages import EVIL, MAKERS, plan_page
 
-KINDS = ("proved", "refuted", *MAKERS, "register")
+KINDS = ("proved", "refuted", *MAKERS)
 PHONE = 380
 A4 = 680  # CSS pixels between margins of 15 mm
 
@@ -67,8 +67,6 @@ def file(
     kind: str, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Path:
     """One page of every kind, each made once."""
-    if kind == "register":
-        return REGISTER
     path = tmp_path_factory.mktemp("pages") / f"{kind} ä.html"
     make: Callable[[], str] = MAKERS.get(kind) or (lambda: plan_page(request.getfixturevalue(kind)))
     path.write_text(make(), encoding="utf-8")

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from meso_robust.simulator import Outcome, simulate
-from tests.simulator import campaign, draws
-from tests.simulator.jam import jam_is_real
+from reports.simulator import campaign
+from reports.simulator.jam import jam_is_real
+from tests.simulator import draws
 from tests.simulator.problems import UM, one_point, two_sided
 
 WRONG = ("FALSE", "close")

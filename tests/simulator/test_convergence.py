@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.simulator.convergence import FLOOR, cases, errors, order
+from reports.simulator.convergence import FLOOR, cases, errors, order
 from tests.simulator.problems import UM
 
 CASES = cases()

@@ -25,7 +25,7 @@ from meso_robust.simulator import (
 )
 from meso_robust.simulator.catalogue import CATALOGUE, STAGES, stage_of
 from meso_robust.simulator.stage import SLOTS
-from tests.simulator.effects_report import page
+from reports.simulator.effects_report import page
 from tests.simulator.problems import HALF_LONG, HALF_SHORT, MU, RHO, UM, rectangle
 
 F = npt.NDArray[np.float64]

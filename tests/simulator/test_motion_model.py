@@ -19,7 +19,7 @@ from meso_robust.simulator import (
     QuasiStatic,
     simulate,
 )
-from tests.simulator import inertia
+from reports.simulator import inertia
 from tests.simulator.problems import HALF_LONG, HALF_SHORT, MU, RHO, UM, rectangle
 
 F = npt.NDArray[np.float64]

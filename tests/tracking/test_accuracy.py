@@ -1,4 +1,4 @@
-"""The quick form of the accuracy campaign (the full one: ``python -m tests.tracking.accuracy``)."""
+"""The quick form of the accuracy campaign (the full one: ``python -m reports.tracking.accuracy``)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.tracking.accuracy import Result, measured, row, together
+from reports.tracking.accuracy import Result, measured, row, together
 
 
 @pytest.fixture(scope="session")

@@ -21,7 +21,7 @@ from meso_robust.campaigns.blind.sealing import (
     sha256,
 )
 from meso_robust.errors import InputError
-from tests.blind.corpus import STAGE as PUBLISHED
+from reports.blind.corpus import STAGE as PUBLISHED
 
 NULL: dict[str, Any] = {
     "kind": "null",

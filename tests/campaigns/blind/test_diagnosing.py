@@ -17,7 +17,7 @@ from meso_robust.campaigns.blind.kind import BLIND, BlindSection
 from meso_robust.campaigns.encoding import part_text, result_text
 from meso_robust.campaigns.kind import Part, Result
 from meso_robust.errors import InputError
-from tests.blind.generator import Case, make, write
+from reports.blind.generator import Case, make, write
 
 CASES = {
     "00": Case(kind="null", seed=31),

@@ -12,7 +12,7 @@ from meso_robust.identification.prepared import prepare
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import Film
 from meso_robust.simulator.observation import Sensor
-from tests.identification.real.fitting import (
+from reports.identification.real.fitting import (
     Problem,
     difference,
     errors,

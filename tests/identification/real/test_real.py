@@ -10,12 +10,12 @@ import pytest
 
 from meso_robust.recordings.importers import FORMATS
 from meso_robust.recordings.importers.support_point_log import support_points
-from tests.identification.real.fitting import errors, fitted, root_mean_square
-from tests.identification.real.ladders import DELAY, problem_of, start_of
-from tests.identification.real.push_tables import GUESS
-from tests.identification.real.support_tables import LENGTH, held_by
-from tests.identification.real.supports import usable
-from tests.identification.real.wrenches import friction_at, pairs_of
+from reports.identification.real.fitting import errors, fitted, root_mean_square
+from reports.identification.real.ladders import DELAY, problem_of, start_of
+from reports.identification.real.push_tables import GUESS
+from reports.identification.real.support_tables import LENGTH, held_by
+from reports.identification.real.supports import usable
+from reports.identification.real.wrenches import friction_at, pairs_of
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "recordings"
 real = pytest.mark.skipif(not REAL.is_dir(), reason="no recordings of others beside it")

@@ -9,7 +9,7 @@ import pytest
 
 from meso_robust.recordings import Recording, RecordingSet, SensorInfo
 from meso_robust.recordings.importers.support_point_log import PART
-from tests.identification.real.wrenches import (
+from reports.identification.real.wrenches import (
     Pairs,
     apart,
     friction_at,

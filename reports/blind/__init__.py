@@ -1,0 +1,1 @@
+"""The blind benchmark: physics concealed in recordings that the diagnoser has never seen."""
