@@ -24,7 +24,7 @@ from pydantic import (
 
 from meso_robust.corners import Corner, fault, hull
 from meso_robust.errors import InputError
-from meso_robust.reading import LARGEST_STATED, shown, text_of, toml_values
+from meso_robust.reading import LARGEST_STATED, first_fault, text_of, toml_values
 from meso_robust.tasks import PAPER
 
 # Limits far beyond the mesoscale: they catch a slip of the unit before it becomes a long search.
@@ -394,23 +394,5 @@ def parse_task(values: dict[str, Any], source: str) -> Task:
     except TypeError as error:
         raise InputError(f"{source}: dates and times have no place in a task ({error})") from error
     except ValidationError as error:
-        raise InputError(f"{source}: {_first_of(error)}") from error
-
-
-def _first_of(error: ValidationError) -> str:
-    first = error.errors(include_url=False)[0]
-    loc = first["loc"]
-    if loc[:1] == ("part",) and loc[1:2] in (("rectangle",), ("polygon",)):
-        loc = (loc[0], *loc[2:])  # the tag of the outline is no key
-    key = ".".join(str(part) for part in loc) or "task"
-    rule = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "missing":
-        return f"key {key} is missing; `meso-robust schema task` lists all keys"
-    if first["type"] == "extra_forbidden":
-        return f"key {key} is unknown; `meso-robust schema task` lists all keys"
-    if first["type"] == "value_error":
-        return f"key {key}: {rule}"
-    return (
-        f"key {key} = {shown(first['input'])}: {rule}; mend it, `meso-robust schema task` tells what it "
-        "may be"
-    )
+        fault = first_fault(error, Task, whole="task", keys="`meso-robust schema task`")
+        raise InputError(f"{source}: {fault}") from error

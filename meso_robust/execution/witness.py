@@ -68,7 +68,7 @@ def _of_a_file(text: str, path: str, task: Task, plan: PlanDocument, player: Pla
     try:
         found = WitnessFile.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise InputError(f"{path}: {first_of(error, 'witness')}") from error
+        raise InputError(f"{path}: {first_of(error, WitnessFile, 'witness')}") from error
     _check_task(found.task_hash, path, task, "witness")
     if found.plan_hash != plan.hash:
         raise InputError(
@@ -98,7 +98,9 @@ def _of_a_certificate(
     try:
         found = CertificateDocument.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise InputError(f"{path}: {first_of(error, 'certificate')}") from error
+        raise InputError(
+            f"{path}: {first_of(error, CertificateDocument, 'certificate')}"
+        ) from error
     _check_task(found.task_hash, path, task, "certificate")
     if found.policy != plan.policy or not isinstance(player, Feedback):
         raise InputError(

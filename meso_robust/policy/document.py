@@ -167,7 +167,7 @@ def read_policy(path: Path, task: Task) -> Policy:
     try:
         document = PolicyDocument.model_validate_json(read_text(path), strict=True)
     except ValidationError as error:
-        raise InputError(f"{path}: {first_of(error, 'policy')}") from error
+        raise InputError(f"{path}: {first_of(error, PolicyDocument, 'policy')}") from error
     if document.task_hash != task.hash:
         raise InputError(
             f"{path}: key task_hash = {document.task_hash!r}: must be the hash {task.hash!r} of the "
