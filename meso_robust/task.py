@@ -331,6 +331,11 @@ class Task(_Section):
         """The values as a task file has them, to be changed and given to :meth:`from_dict`."""
         return self.model_dump(mode="json", by_alias=True, exclude_none=True)
 
+    def _repr_html_(self) -> str:
+        from meso_robust.reporting.task_card import task_card
+
+        return task_card(self, str(self))
+
     def __str__(self) -> str:
         start, goal = self.start, self.goal
         return (
