@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from meso_robust import job
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, at_least, files_of, task_of, within
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.bounds import VerdictWord
@@ -104,6 +105,7 @@ class Planned:
         }
         return {**texts, "report.html": report(self.result, self.promise), **self.more}
 
+    @call
     def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
         """Write the result files into a folder, which is made if needed; all of them or none.
 
@@ -118,6 +120,7 @@ class Planned:
         write_all(Path(folder), files)
 
 
+@call
 def plan(  # every option of the verb is an argument
     task: Task | StrPath,
     *,
@@ -207,6 +210,7 @@ def plan(  # every option of the verb is an argument
     return Planned(result=result, more=more, inputs=files_of(task))
 
 
+@call
 def certify(
     task: Task | StrPath,
     plan: PlanDocument | Planned | StrPath,

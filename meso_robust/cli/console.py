@@ -11,6 +11,7 @@ from typing import NoReturn
 import typer
 
 from meso_robust.api.progress import Rated, Step, Told
+from meso_robust.errors import ArgumentError
 
 POSITIVE, NEGATIVE, BAD_INPUT = 0, 1, 2
 INTERRUPTED = 130
@@ -167,7 +168,8 @@ def _duration(seconds: float) -> str:
 
 def refuse(message: object) -> NoReturn:
     """End with exit status 2 and one message."""
-    print(f"meso-robust: {one_line(message)}", file=sys.stderr)
+    said = message.__cause__ if isinstance(message, ArgumentError) else message
+    print(f"meso-robust: {one_line(said)}", file=sys.stderr)
     raise typer.Exit(BAD_INPUT)
 
 
