@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -55,7 +56,7 @@ def policy() -> str:
     return json.dumps({**known, "rules": [rule]})
 
 
-TOLD = {
+TOLD: dict[str, tuple[Any, str, str, str, Callable[[Path], object]]] = {
     "task": (PAPER, "friction", "frction", "uncertainty.frction", load_task),
     "section of a task": (PAPER, "[uncertainty]", "[uncertanty]", "uncertanty", load_task),
     "part of a task": (PAPER, "length_um", "lenght_um", "part.lenght_um", load_task),

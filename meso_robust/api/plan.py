@@ -15,6 +15,7 @@ from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument
 from meso_robust.certificates.margin import Margin
 from meso_robust.errors import InputError, NotApplicableError
+from meso_robust.even_film import remarks
 from meso_robust.files import check_folder, write_all
 from meso_robust.identification.layout import toml_of
 from meso_robust.limits import MOST_SAMPLES
@@ -81,6 +82,11 @@ class Planned:
     def margin(self) -> Margin:
         """How much more uncertainty the plan would bear, and which one binds first."""
         return self.result.margin
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the stated part and film differ in from an even film; not part of the verdict."""
+        return remarks(self.task)
 
     def __str__(self) -> str:
         """The answer in a few lines, as the command line prints it."""

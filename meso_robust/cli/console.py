@@ -166,6 +166,11 @@ def _duration(seconds: float) -> str:
     return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
 
 
+def note(message: object) -> None:
+    """Say what is no fault, but should be known; not on stdout, which is for the answer."""
+    print(f"meso-robust: note: {one_line(message)}", file=sys.stderr)
+
+
 def refuse(message: object) -> NoReturn:
     """End with exit status 2 and one message."""
     said = message.__cause__ if isinstance(message, ArgumentError) else message

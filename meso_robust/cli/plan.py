@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
+from meso_robust.cli.console import NEGATIVE, Reporter, negative, note, refuse
 from meso_robust.limits import MOST_SAMPLES
 
 if TYPE_CHECKING:
@@ -105,6 +105,9 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
 
 def tell(found: Planned, out: Path, as_json: bool, quiet: bool) -> None:
     """Print the answer; ends with exit status 1 unless PROVED."""
+    if not quiet:
+        for remark in found.remarks:
+            note(remark)
     if as_json:
         print(found.certificate.model_dump_json(by_alias=True, indent=2))
     elif not quiet:
