@@ -132,8 +132,7 @@ def test_packages_form_no_cycle() -> None:
 @pytest.mark.parametrize("path", SOURCES, ids=names)
 def test_nothing_below_reaches_the_reports_the_command_line_or_the_derivations(path: Path) -> None:
     if part_of(path) not in ABOVE:
-        shows_itself = {"reporting"} if names(path) == "task.py" else set()  # in a notebook
-        assert not (parts_imported(path) & ABOVE) - shows_itself
+        assert not parts_imported(path) & ABOVE
         assert not any(name.split(".")[0] == "derivations" for name in imported(path))
 
 

@@ -22,7 +22,8 @@ from meso_robust.limits import MOST_SAMPLES
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.inference import inferred
-from meso_robust.planning.reading import parse_plan, read_plan, rules_of
+from meso_robust.planning.reading import parse_plan, read_plan
+from meso_robust.planning.rules import rules_of
 from meso_robust.policy.build import make_policy
 from meso_robust.policy.document import policy_document
 from meso_robust.policy.region import sensed_start, tube

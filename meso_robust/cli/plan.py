@@ -90,9 +90,12 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
     from meso_robust.files import check_folder
     from meso_robust.task import load_task
     from meso_robust.tasks import PAPER
+    from meso_robust.toml_files import read_toml
 
     file = task or PAPER
     known = load_task(file)  # before the imports that take seconds
+    if asked["model"] is not None:
+        read_toml(asked["model"], "give a model.toml")
     check_folder(out, written(**asked), (task, asked["model"]))
 
     from meso_robust.api.plan import plan as planned

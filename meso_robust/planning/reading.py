@@ -1,4 +1,4 @@
-"""``plan.json`` read back: checked against the task it was made for, and turned into rules."""
+"""``plan.json`` read back, checked against the task it was made for."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from meso_robust.errors import InputError
-from meso_robust.planning.document import AimDocument, MoveDocument, PlanDocument, RuleDocument
-from meso_robust.primitives.frame import Frame
-from meso_robust.primitives.move import Aim, Anchor, MoveRule, Point
+from meso_robust.planning.plan_file import MoveDocument, PlanDocument, RuleDocument
 from meso_robust.reading import first_fault, json_values, text_of
 from meso_robust.task import Task
 
@@ -53,11 +51,6 @@ def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
     if wrong is not None:
         raise InputError(f"{source}: key {wrong}")
     return plan
-
-
-def rules_of(plan: PlanDocument) -> tuple[MoveRule, ...]:
-    """The policy of a plan as rules; empty for an open-loop plan."""
-    return tuple(_rule(rule) for rule in plan.policy)
 
 
 def read_text(path: Path) -> str:
@@ -184,23 +177,3 @@ def _wrong_move(move: MoveDocument, key: str) -> Iterator[str]:
         for name, (low, high) in move.expect.model_dump().items():
             if not low <= high:
                 yield f"{key}.expect.{name} = {[low, high]}: the lower end must not exceed the upper"
-
-
-def _rule(rule: RuleDocument) -> MoveRule:
-    single = None
-    if rule.single_x is not None and rule.single_y is not None:
-        single = Point(x=_aim(rule.single_x), y=_aim(rule.single_y))
-    return MoveRule(
-        step=rule.step,
-        primitive=rule.primitive,
-        action=rule.action,
-        side=rule.side,
-        dual=Point(x=_aim(rule.dual_x), y=_aim(rule.dual_y)),
-        dual_end=_aim(rule.dual_end_x),
-        single=single,
-        frame=Frame(heading=rule.heading, mirrored=rule.mirrored),
-    )
-
-
-def _aim(aim: AimDocument) -> Aim:
-    return Aim(anchor=Anchor(aim.relative_to), offset_um=aim.offset_um)

@@ -25,7 +25,8 @@ from meso_robust.planning.document import (
     box_document,
     plan_document,
 )
-from meso_robust.planning.reading import first_of, read_text, rules_of, wrong_headings, wrong_rules
+from meso_robust.planning.reading import first_of, read_text, wrong_headings, wrong_rules
+from meso_robust.planning.rules import rules_of
 from meso_robust.policy.cells import Cell, Policy, resting
 from meso_robust.policy.proof import NotProvedError, recertified
 from meso_robust.policy.region import Region, region_of

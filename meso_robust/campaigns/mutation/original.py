@@ -16,7 +16,7 @@ from meso_robust.execution.draws import Draws, draw
 from meso_robust.execution.judging import EXACT_SLIP, INSTANTS, ROUNDING
 from meso_robust.execution.running import PlanRun, run
 from meso_robust.planning.document import PlanDocument
-from meso_robust.planning.reading import rules_of
+from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import Setup, setup_of
