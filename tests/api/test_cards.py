@@ -74,7 +74,7 @@ SHAPES = {
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_task_with_the_outline_at_start_and_goal(name: str) -> None:
     task = mr.Task.load(PAPER.with_name(f"{name}.toml"))
-    root = parsed(card := task._repr_html_())
+    root = parsed(card := task._repr_html_() or "")
     shown = " ".join(root.itertext())
     assert task.name in shown
     assert SHAPES[name] in shown
