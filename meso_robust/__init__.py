@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from meso_robust.api.recordings import Recordings, read_recordings
     from meso_robust.api.reproduce import Reproduced, reproduce
     from meso_robust.api.simulate import Simulated, camera_of, simulate
+    from meso_robust.api.task import Task
     from meso_robust.api.track import Tracked, track
     from meso_robust.cli.console import Reporter
     from meso_robust.errors import InputError, NotApplicableError
-    from meso_robust.task import Task
 
 __version__ = "0.1.0"
 
@@ -83,10 +83,10 @@ _MODULES = {
     "api.recordings": ("Recordings", "read_recordings"),
     "api.reproduce": ("Reproduced", "reproduce"),
     "api.simulate": ("Simulated", "camera_of", "simulate"),
+    "api.task": ("Task",),
     "api.track": ("Tracked", "track"),
     "cli.console": ("Reporter",),
     "errors": ("InputError", "NotApplicableError"),
-    "task": ("Task",),
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 """Module of every public name: it is loaded when the name is first used, which takes seconds."""

@@ -9,3 +9,7 @@ class InputError(ValueError):
 
 class NotApplicableError(ValueError):
     """No primitive can handle the pose; the message says which and why."""
+
+
+class ArgumentError(InputError):
+    """The same of a call, in the names of its arguments; the cause has those of the command line."""

@@ -6,14 +6,15 @@ or nested too deeply is refused before it can fill the memory or the stack.
 
 from __future__ import annotations
 
+import difflib
 import json
 import stat
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, FiniteFloat
+from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 
 from meso_robust.errors import InputError
 
@@ -26,6 +27,7 @@ DEEPEST = 64
 """Lists and sections within each other."""
 LONGEST_SHOWN = 60
 """Characters of a wrong value in a message."""
+_ALIKE = 0.7  # share of letters in common
 
 
 # Numbers of documents that programs write. A limit is far beyond all that is written in earnest; it
@@ -141,6 +143,99 @@ def shown(value: object) -> str:
     """A wrong value as a message shows it, cut where it is long."""
     text = repr(value)
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
+
+
+def like(name: str, names: Iterable[str]) -> str:
+    """The question whether the one of ``names`` that ``name`` resembles was meant; empty if none does."""
+    known = sorted(names)
+    found = [one for one in known if one.startswith(f"{name}_")]  # its unit was left out
+    found = found or difflib.get_close_matches(name, known, n=1, cutoff=_ALIKE)
+    return f"did you mean {found[0]!r}? " if found else ""
+
+
+def first_fault(
+    error: ValidationError, model: type[BaseModel], *, whole: str, keys: str, index: str = ".{}"
+) -> str:
+    """What is wrong with a file first: key, value, rule and advice.
+
+    A misspelt key goes before all else: what is wrong first otherwise is that the right one is missing.
+
+    Parameters
+    ----------
+    error
+        Everything that is wrong.
+    model
+        What the file was checked against.
+    whole
+        What a fault of no single key is a fault of.
+    keys
+        Where all keys are listed.
+    index
+        How a place in a list is written in a key.
+    """
+    faults = error.errors(include_url=False)
+    schema = model.model_json_schema()
+    for fault in faults:
+        if fault["type"] == "extra_forbidden":
+            *section, name = fault["loc"]
+            steps, known = _walked(schema, section)
+            meant = like(str(name), known)
+            if meant or fault is faults[0]:
+                return f"key {_key([*steps, name], index)} is unknown; {meant}{keys} lists all keys"
+    first = faults[0]
+    key = _key(_walked(schema, first["loc"])[0], index) or whole
+    if first["type"] == "union_tag_not_found":
+        tag = first["ctx"]["discriminator"].strip("'")
+        wrong = next((name for name in first["input"] if like(name, [tag])), None)
+        if wrong is not None:
+            return f"key {key}.{wrong} is unknown; {like(wrong, [tag])}{keys} lists all keys"
+        return f"key {key}.{tag} is missing; {keys} lists all keys"
+    rule = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "missing":
+        return f"key {key} is missing; {keys} lists all keys"
+    if first["type"] == "value_error":
+        return f"key {key}: {rule}"
+    return f"key {key} = {shown(first['input'])}: {rule}; mend it, {keys} tells what it may be"
+
+
+def _key(steps: Iterable[str | int], index: str) -> str:
+    """Key as in ``recording[0].file`` or ``policy.0.side``."""
+    text = "".join(index.format(step) if isinstance(step, int) else f".{step}" for step in steps)
+    return text.removeprefix(".")
+
+
+def _walked(
+    schema: Mapping[str, Any], place: Iterable[str | int]
+) -> tuple[list[str | int], set[str]]:
+    """The steps to a place that are keys, not the tag of a form, and the keys that may stand there."""
+    steps, forms = [], list(_forms(schema, schema))
+    for step in place:
+        inner = [form for one in forms for form in _below(one, step, schema)]
+        steps += [step] if inner or isinstance(step, int) else []
+        forms = inner or forms
+    return steps, {key for form in forms for key in form.get("properties", {})}
+
+
+def _below(form: Mapping[str, Any], step: str | int, schema: Mapping[str, Any]) -> Iterable[Any]:
+    """Forms of the value of a key, or of an item of a list."""
+    if isinstance(step, int):
+        for items in (form.get("items"), *form.get("prefixItems", ())):
+            yield from _forms(items or {}, schema)
+    elif step in form.get("properties", {}):
+        yield from _forms(form["properties"][step], schema)
+    elif isinstance(form.get("additionalProperties"), Mapping):
+        yield from _forms(form["additionalProperties"], schema)
+
+
+def _forms(node: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterable[Mapping[str, Any]]:
+    """The plain schemas that a schema offers."""
+    if "$ref" in node:
+        yield from _forms(schema["$defs"][node["$ref"].rsplit("/", 1)[1]], schema)
+    elif offered := node.get("anyOf") or node.get("oneOf") or node.get("allOf"):
+        for one in offered:
+            yield from _forms(one, schema)
+    else:
+        yield node
 
 
 def each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -24,7 +24,7 @@ from pydantic import (
 
 from meso_robust.corners import Corner, fault, hull
 from meso_robust.errors import InputError
-from meso_robust.reading import LARGEST_STATED, shown, text_of, toml_values
+from meso_robust.reading import LARGEST_STATED, first_fault, text_of, toml_values
 from meso_robust.tasks import PAPER
 
 # Limits far beyond the mesoscale: they catch a slip of the unit before it becomes a long search.
@@ -251,6 +251,9 @@ class Task(_Section):
     slot: Slot | None = None
     """What the part is inserted into, if it is not the bare goal."""
 
+    card: ClassVar[Callable[[Task], str] | None] = None
+    """Shows a task in a notebook; put here by the calls, since what draws lies above."""
+
     @property
     def hash(self) -> str:
         """SHA-256 of the task's values, independent of layout and comments."""
@@ -332,6 +335,9 @@ class Task(_Section):
         """The values as a task file has them, to be changed and given to :meth:`from_dict`."""
         return self.model_dump(mode="json", by_alias=True, exclude_none=True)
 
+    def _repr_html_(self) -> str | None:
+        return None if Task.card is None else Task.card(self)
+
     def __str__(self) -> str:
         start, goal = self.start, self.goal
         return (
@@ -395,23 +401,5 @@ def parse_task(values: dict[str, Any], source: str) -> Task:
     except TypeError as error:
         raise InputError(f"{source}: dates and times have no place in a task ({error})") from error
     except ValidationError as error:
-        raise InputError(f"{source}: {_first_of(error)}") from error
-
-
-def _first_of(error: ValidationError) -> str:
-    first = error.errors(include_url=False)[0]
-    loc = first["loc"]
-    if loc[:1] == ("part",) and loc[1:2] in (("rectangle",), ("polygon",)):
-        loc = (loc[0], *loc[2:])  # the tag of the outline is no key
-    key = ".".join(str(part) for part in loc) or "task"
-    rule = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "missing":
-        return f"key {key} is missing; `meso-robust schema task` lists all keys"
-    if first["type"] == "extra_forbidden":
-        return f"key {key} is unknown; `meso-robust schema task` lists all keys"
-    if first["type"] == "value_error":
-        return f"key {key}: {rule}"
-    return (
-        f"key {key} = {shown(first['input'])}: {rule}; mend it, `meso-robust schema task` tells what it "
-        "may be"
-    )
+        fault = first_fault(error, Task, whole="task", keys="`meso-robust schema task`")
+        raise InputError(f"{source}: {fault}") from error

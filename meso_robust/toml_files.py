@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -11,7 +11,7 @@ import tomlkit
 from pydantic import BaseModel, ValidationError
 
 from meso_robust.errors import InputError
-from meso_robust.reading import LARGEST_STATED, shown, text_of, toml_values
+from meso_robust.reading import LARGEST_STATED, first_fault, text_of, toml_values
 
 _Document = TypeVar("_Document", bound=BaseModel)
 
@@ -55,29 +55,12 @@ def checked(
         # through JSON, because strict checking of a TOML array as a tuple would refuse the list
         return document.model_validate_json(json.dumps(values, allow_nan=True))
     except ValidationError as error:
-        raise InputError(f"{source}: {_first_of(error, whole, keys)}") from error
+        fault = first_fault(error, document, whole=whole, keys=keys, index="[{}]")
+        raise InputError(f"{source}: {fault}") from error
     except (TypeError, ValueError) as error:
         raise InputError(
             f"{source}: has a date, a time or an endless number ({error}); give plain values"
         ) from error
-
-
-def _first_of(error: ValidationError, whole: str, keys: str) -> str:
-    first = error.errors(include_url=False)[0]
-    key = _path(first["loc"]) or whole
-    rule = first["msg"].removeprefix("Value error, ")
-    if first["type"] in ("missing", "extra_forbidden"):
-        what = "missing" if first["type"] == "missing" else "unknown"
-        return f"key {key} is {what}; {keys} lists all keys"
-    if first["type"] == "value_error":
-        return f"key {key}: {rule}"
-    return f"key {key} = {shown(first['input'])}: {rule}; mend it, {keys} tells what it may be"
-
-
-def _path(keys: Sequence[str | int]) -> str:
-    """Key as in ``recording[0].file``."""
-    text = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
-    return text.removeprefix(".")
 
 
 def toml_text(values: Mapping[str, Any]) -> str:

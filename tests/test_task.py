@@ -33,7 +33,14 @@ def refused(tmp_path: Path, text: str) -> str:
 
 BAD = {
     "missing key": ("speed_um_s = 75.0", "", ("probe.speed_um_s", "is missing")),
-    "missing section": ("[plan]", "[plans]", ("key plan", "is missing")),
+    "misspelt section": ("[plan]", "[plans]", ("key plans", "is unknown", "mean 'plan'?")),
+    "missing section": (
+        """[plan]
+least_y_translations = 1          # Section X-C: "one robust Y motion followed by one robust rotation"
+""",
+        "",
+        ("key plan", "is missing"),
+    ),
     "unknown key": ("[plan]\n", "[plan]\nspeed = 3\n", ("plan.speed", "is unknown")),
     "unknown section": ("[plan]", "[extra]\n[plan]", ("extra", "is unknown")),
     "text as number": (

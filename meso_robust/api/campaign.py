@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, at_least, path_of, within
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.campaigns.answer import Answer, answered, document, summary
@@ -73,6 +74,7 @@ class Campaigned:
         """The text of ``campaign.json``."""
         return json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
+    @call
     def save(self, folder: StrPath) -> None:
         """Write failures, ``campaign.json`` and ``report.html`` into a folder.
 
@@ -95,6 +97,7 @@ class Campaigned:
                     yield shown.folder, dict(shown.failure.files)
 
 
+@call
 def campaign(  # every option of the verb is an argument
     campaign: StrPath,
     folder: StrPath | None = None,

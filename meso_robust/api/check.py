@@ -7,11 +7,14 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, task_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.checker.document import Certificate
 from meso_robust.checker.reading import parse_certificate, read_certificate
 from meso_robust.checker.verdict import Answer, Word, check as verified
+from meso_robust.errors import InputError
+from meso_robust.reading import shown
 from meso_robust.task import Task
 
 if TYPE_CHECKING:  # nothing of what is checked is imported: a check shares no code with it
@@ -77,6 +80,7 @@ class Checked:
         return checked_card(self.answer, self.certificate, self.task, str(self))
 
 
+@call
 def check(
     certificate: CertificateDocument | Planned | StrPath,
     task: Task | StrPath,
@@ -137,4 +141,8 @@ def _read(
         return read_certificate(Path(certificate), task)
     held: Any = certificate  # a document, or a plan that has one
     document: CertificateDocument = getattr(held, "certificate", held)
+    if not hasattr(document, "model_dump_json"):
+        raise InputError(
+            f"certificate = {shown(certificate)}: must be a certificate, a plan or a path; give one"
+        )
     return parse_certificate(document.model_dump_json(by_alias=True), "certificate", task)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from meso_robust import __version__
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, at_least, keep_apart, path_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import Recordings, name_of, set_of
@@ -86,6 +87,7 @@ class Diagnosed:
             "report.html": page.diagnosis_report(self.document, evidence, name_of(self.source)),
         }
 
+    @call
     def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
         """Write the result files into a folder, which is made if needed; all of them or none.
 
@@ -99,6 +101,7 @@ class Diagnosed:
             write_all(Path(folder), self.files())
 
 
+@call
 def diagnose(
     recordings: RecordingSet | Recordings | StrPath,
     *,

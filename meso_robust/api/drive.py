@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, task_of
 from meso_robust.planning.document import box_document
 from meso_robust.policy.controller import (
@@ -57,6 +58,7 @@ class Driver:
             return {"error": str(error)}
 
 
+@call
 def drive(task: Task | StrPath, plan: StrPath) -> Driver:
     """Prove a plan before anything is moved, and make ready what answers sensed poses.
 

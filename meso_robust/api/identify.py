@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from meso_robust import __version__
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, at_least, keep_apart
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import Recordings, name_of, set_of
@@ -85,6 +86,7 @@ class Identified:
             **self.more,
         }
 
+    @call
     def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
         """Write the result files into a folder, which is made if needed; all of them or none.
 
@@ -99,6 +101,7 @@ class Identified:
         write_all(Path(folder), files)
 
 
+@call
 def identify(  # every option of the verb is an argument
     recordings: RecordingSet | Recordings | StrPath,
     *,
@@ -267,6 +270,7 @@ class StandardTests:
         files = experiment_files(self.experiment)
         return {**files, "experiment.html": experiment_page(self.experiment)}
 
+    @call
     def save(self, folder: StrPath) -> None:
         """Write the result files into a folder, which is made if needed; all of them or none.
 
@@ -279,6 +283,7 @@ class StandardTests:
         write_all(Path(folder), self.files())
 
 
+@call
 def standard_tests(source: Task | StrPath) -> StandardTests:
     """The paper's tests A-H for the part of a task or of a recording set.
 

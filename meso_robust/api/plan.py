@@ -8,18 +8,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from meso_robust import job
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, at_least, files_of, task_of, within
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument
 from meso_robust.certificates.margin import Margin
 from meso_robust.errors import InputError, NotApplicableError
+from meso_robust.even_film import remarks
 from meso_robust.files import check_folder, write_all
 from meso_robust.limits import MOST_SAMPLES
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.inference import inferred
-from meso_robust.planning.reading import parse_plan, read_plan, rules_of
+from meso_robust.planning.reading import parse_plan, read_plan
+from meso_robust.planning.rules import rules_of
 from meso_robust.policy.build import make_policy
 from meso_robust.policy.document import policy_document
 from meso_robust.policy.region import sensed_start, tube
@@ -81,6 +84,11 @@ class Planned:
         """How much more uncertainty the plan would bear, and which one binds first."""
         return self.result.margin
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the stated part and film differ in from an even film; not part of the verdict."""
+        return remarks(self.task)
+
     def __str__(self) -> str:
         """The answer in a few lines, as the command line prints it."""
         return self.result.summary if self.promise is None else promised.summary(self.promise)
@@ -104,6 +112,7 @@ class Planned:
         }
         return {**texts, "report.html": report(self.result, self.promise), **self.more}
 
+    @call
     def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
         """Write the result files into a folder, which is made if needed; all of them or none.
 
@@ -118,6 +127,7 @@ class Planned:
         write_all(Path(folder), files)
 
 
+@call
 def plan(  # every option of the verb is an argument
     task: Task | StrPath,
     *,
@@ -207,6 +217,7 @@ def plan(  # every option of the verb is an argument
     return Planned(result=result, more=more, inputs=files_of(task))
 
 
+@call
 def certify(
     task: Task | StrPath,
     plan: PlanDocument | Planned | StrPath,

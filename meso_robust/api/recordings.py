@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
@@ -81,6 +82,7 @@ class Recordings:
         text = json.dumps(self.document, indent=2, allow_nan=False) + "\n"
         return {"summary.json": text, "report.html": recordings_report(self.checked)}
 
+    @call
     def check_save(self, folder: StrPath) -> None:
         """Refuse a folder in which ``save`` would write over the recordings as they were made.
 
@@ -96,6 +98,7 @@ class Recordings:
                 "they were made; give another folder"
             )
 
+    @call
     def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
         """Write summary, report, and in ``recordings`` the set if it was repaired or imported.
 
@@ -112,6 +115,7 @@ class Recordings:
             write_all(Path(folder), files)
 
 
+@call
 def read_recordings(
     path: StrPath,
     *,

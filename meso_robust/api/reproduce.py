@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, at_least
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.files import write_all
@@ -61,6 +62,7 @@ class Reproduced:
             "index.html": reproduction_report(dict(self.items), self.setting),
         }
 
+    @call
     def save(self, folder: StrPath) -> None:
         """Write the result files into a folder, which is made if needed; all of them or none.
 
@@ -72,6 +74,7 @@ class Reproduced:
         write_all(Path(folder), self.files())
 
 
+@call
 def reproduce(
     item: str | None = None,
     *,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, at_least, task_of, within
 from meso_robust.api.plan import Planned, plan_of
 from meso_robust.api.progress import SILENT, Progress
@@ -72,6 +73,7 @@ class Simulated:
             "animation.html": animation(self.runs, self.document),
         }
 
+    @call
     def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
         """Write the result files into a folder, which is made if needed; all of them or none.
 
@@ -112,6 +114,7 @@ class Simulated:
         write_set(Path(folder), self.filmed(runs, camera, seed))
 
 
+@call
 def simulate(
     task: Task | StrPath,
     plan: PlanDocument | Planned | StrPath,
@@ -173,6 +176,7 @@ def simulate(
     return Simulated(runs=found, document=document(found))
 
 
+@call
 def camera_of(
     noise_um: float = 1.2, noise_deg: float = 0.08, dropout: float = 0.0, latency_ms: float = 0.0
 ) -> Camera:

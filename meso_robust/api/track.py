@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from meso_robust.api.call import call
 from meso_robust.api.given import StrPath, path_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
@@ -62,6 +63,7 @@ class Tracked:
 
         return tracked_card(self.found, str(self))
 
+    @call
     def save(self, folder: StrPath, *, overlay: bool = True, progress: Progress = SILENT) -> None:
         """Write the recording set, covariances, camera, report, and overlay videos.
 
@@ -86,6 +88,7 @@ class Tracked:
         write(Path(folder), self.found, page, progress.counting if overlay else None)
 
 
+@call
 def track(  # noqa: PLR0913  # everything that can be stated about videos is an argument
     videos: StrPath | Sequence[StrPath],
     *,

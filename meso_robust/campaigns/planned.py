@@ -21,7 +21,8 @@ from meso_robust.execution.running import run
 from meso_robust.execution.simulation import player_of
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import PlanDocument, plan_document
-from meso_robust.planning.reading import read_plan, rules_of
+from meso_robust.planning.reading import read_plan
+from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER

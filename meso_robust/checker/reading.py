@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from meso_robust.checker.document import Certificate
 from meso_robust.errors import InputError
-from meso_robust.reading import each_once, text_of
+from meso_robust.reading import each_once, first_fault, text_of
 from meso_robust.task import Task
 
 
@@ -43,7 +43,9 @@ def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, 
     try:
         found = Certificate.model_validate_json(text)
     except ValidationError as error:
-        raise InputError(f"{source}: {_first_of(error)}") from error
+        keys = "`meso-robust schema certificate`"
+        fault = first_fault(error, Certificate, whole="certificate", keys=keys)
+        raise InputError(f"{source}: {fault}; give a certificate") from error
     if found.task_hash != task.hash:
         raise InputError(
             f"{source}: key task_hash = {found.task_hash!r}: must be the hash {task.hash!r} of the "
@@ -61,16 +63,3 @@ def digest(values: dict[str, Any]) -> str:
 
 def _no_constant(name: str) -> float:
     raise ValueError(f"{name} is not a number of JSON")
-
-
-def _first_of(error: ValidationError) -> str:
-    first = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in first["loc"]) or "certificate"
-    if first["type"] == "missing":
-        return f"key {key} is missing; `meso-robust schema certificate` lists all keys"
-    if first["type"] == "extra_forbidden":
-        return f"key {key} is unknown; `meso-robust schema certificate` lists all keys"
-    return (
-        f"key {key} = {str(first['input'])[:80]!r}: {first['msg']}; give a certificate, "
-        "`meso-robust schema certificate` tells what it holds"
-    )

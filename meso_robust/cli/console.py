@@ -11,6 +11,7 @@ from typing import NoReturn
 import typer
 
 from meso_robust.api.progress import Rated, Step, Told
+from meso_robust.errors import ArgumentError
 
 POSITIVE, NEGATIVE, BAD_INPUT = 0, 1, 2
 INTERRUPTED = 130
@@ -165,9 +166,15 @@ def _duration(seconds: float) -> str:
     return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
 
 
+def note(message: object) -> None:
+    """Say what is no fault, but should be known; not on stdout, which is for the answer."""
+    print(f"meso-robust: note: {one_line(message)}", file=sys.stderr)
+
+
 def refuse(message: object) -> NoReturn:
     """End with exit status 2 and one message."""
-    print(f"meso-robust: {one_line(message)}", file=sys.stderr)
+    said = message.__cause__ if isinstance(message, ArgumentError) else message
+    print(f"meso-robust: {one_line(said)}", file=sys.stderr)
     raise typer.Exit(BAD_INPUT)
 
 

@@ -54,13 +54,17 @@ def diagnose(
 
 def _found(recordings: Path, out: Path, say: Reporter, **asked: Any) -> Diagnosed:
     """The diagnosis, written into ``out``."""
-    from meso_robust.api.diagnose import diagnose as diagnosed
     from meso_robust.api.given import keep_apart
-    from meso_robust.diagnosis.store import Store
     from meso_robust.files import check_folder
+    from meso_robust.recordings import read_set
 
     check_folder(out)
     keep_apart(out, recordings)
+    read_set(recordings)  # before the imports that take seconds
+
+    from meso_robust.api.diagnose import diagnose as diagnosed
+    from meso_robust.diagnosis.store import Store
+
     found = diagnosed(recordings, store=out / STATE, progress=say, **asked)
     found.save(out, progress=say)
     Store(out / STATE, "").clear()

@@ -36,9 +36,12 @@ def drive(
 
 
 def _drive(task_file: Path, plan_file: Path, say: Reporter) -> None:
+    from meso_robust.planning.reading import read_plan, read_text
     from meso_robust.task import load_task
 
     task = load_task(task_file)
+    if '"meso-robust/policy/' not in read_text(plan_file):
+        read_plan(plan_file, task)  # before the imports that take seconds
 
     from meso_robust.api.drive import drive as made_ready
 

@@ -74,11 +74,15 @@ def identify(  # noqa: PLR0913  # every option of the verb is an argument
 def _found(recordings: Path, out: Path, say: Reporter, **asked: Any) -> Identified:
     """The fitted model, written into ``out``."""
     from meso_robust.api.given import keep_apart
-    from meso_robust.api.identify import identify as identified
     from meso_robust.files import check_folder
+    from meso_robust.recordings import read_set
 
     check_folder(out)
     keep_apart(out, recordings)
+    read_set(recordings)  # before the imports that take seconds
+
+    from meso_robust.api.identify import identify as identified
+
     found = identified(recordings, progress=say, **asked)
     found.save(out, progress=say)
     return found
@@ -87,11 +91,16 @@ def _found(recordings: Path, out: Path, say: Reporter, **asked: Any) -> Identifi
 def _planned(source: Path, out: Path, say: Reporter) -> StandardTests:
     """The tests A-H, written into ``out``."""
     from meso_robust.api.given import keep_apart
-    from meso_robust.api.identify import standard_tests
     from meso_robust.files import check_folder
+    from meso_robust.recordings import read_set
+    from meso_robust.task import load_task
 
     check_folder(out)
     keep_apart(out, source)
+    (read_set if source.is_dir() else load_task)(source)  # before the imports that take seconds
+
+    from meso_robust.api.identify import standard_tests
+
     with say.doing("planning the tests"):
         found = standard_tests(source)
         found.save(out)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meso_robust.cli.console import NEGATIVE, Reporter, negative, refuse
+from meso_robust.cli.console import NEGATIVE, Reporter, negative, note, refuse
 from meso_robust.limits import MOST_SAMPLES
 
 if TYPE_CHECKING:
@@ -90,9 +90,12 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
     from meso_robust.files import check_folder
     from meso_robust.task import load_task
     from meso_robust.tasks import PAPER
+    from meso_robust.toml_files import read_toml
 
     file = task or PAPER
     known = load_task(file)  # before the imports that take seconds
+    if asked["model"] is not None:
+        read_toml(asked["model"], "give a model.toml")
     check_folder(out, written(**asked), (task, asked["model"]))
 
     from meso_robust.api.plan import plan as planned
@@ -105,6 +108,9 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
 
 def tell(found: Planned, out: Path, as_json: bool, quiet: bool) -> None:
     """Print the answer; ends with exit status 1 unless PROVED."""
+    if not quiet:
+        for remark in found.remarks:
+            note(remark)
     if as_json:
         print(found.certificate.model_dump_json(by_alias=True, indent=2))
     elif not quiet:

@@ -80,6 +80,7 @@ def _found(
     say: Reporter,
 ) -> Simulated:
     """The runs, written into the last of ``paths``, some of them as ``recorded`` too."""
+    from meso_robust.execution.witness_form import check_form
     from meso_robust.files import check_folder
     from meso_robust.planning.reading import read_plan
     from meso_robust.task import load_task
@@ -87,6 +88,8 @@ def _found(
     task_file, plan_file, out = paths
     task = load_task(task_file)
     plan = read_plan(plan_file, task)
+    if runs["witness"] is not None:
+        check_form(runs["witness"])
     check_folder(out, RESULTS, (task_file, plan_file, runs["witness"]))
 
     from meso_robust.api.simulate import camera_of, simulate as simulated

@@ -15,7 +15,7 @@ from meso_robust.execution.replay import Feedback, Player, miss, nominal_row
 from meso_robust.execution.running import PlanRun, excess
 from meso_robust.execution.witness import Witness
 from meso_robust.planning.document import PlanDocument
-from meso_robust.planning.reading import rules_of
+from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +15,8 @@ from meso_robust.errors import InputError
 from meso_robust.execution.draws import Draws
 from meso_robust.execution.engines import Engine
 from meso_robust.execution.replay import Feedback, Player, limits
-from meso_robust.execution.witness_file import SCHEMA, WitnessFile, hex_double, row_of
+from meso_robust.execution.witness_file import hex_double, row_of
+from meso_robust.execution.witness_form import WitnessFile, parse_witness
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import first_of, read_text
 from meso_robust.primitives.setup import setup_of
@@ -58,17 +58,15 @@ def read_witness(path: Path, task: Task, plan: PlanDocument, player: Player) -> 
         is not REFUTED, or its run lies outside the bounds it must keep.
     """
     text = read_text(path)
-    values = json.loads(text)
-    if isinstance(values, dict) and values.get("schema") == SCHEMA:
-        return _of_a_file(text, str(path), task, plan, player)
+    found = parse_witness(text, str(path))
+    if found is not None:
+        return _of_a_file(found, str(path), task, plan, player)
     return _of_a_certificate(text, str(path), task, plan, player)
 
 
-def _of_a_file(text: str, path: str, task: Task, plan: PlanDocument, player: Player) -> Witness:
-    try:
-        found = WitnessFile.model_validate_json(text, strict=True)
-    except ValidationError as error:
-        raise InputError(f"{path}: {first_of(error, 'witness')}") from error
+def _of_a_file(
+    found: WitnessFile, path: str, task: Task, plan: PlanDocument, player: Player
+) -> Witness:
     _check_task(found.task_hash, path, task, "witness")
     if found.plan_hash != plan.hash:
         raise InputError(
@@ -98,7 +96,9 @@ def _of_a_certificate(
     try:
         found = CertificateDocument.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise InputError(f"{path}: {first_of(error, 'certificate')}") from error
+        raise InputError(
+            f"{path}: {first_of(error, CertificateDocument, 'certificate')}"
+        ) from error
     _check_task(found.task_hash, path, task, "certificate")
     if found.policy != plan.policy or not isinstance(player, Feedback):
         raise InputError(

@@ -4,43 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust.errors import InputError
 from meso_robust.execution.engines import Engine
 from meso_robust.execution.replay import Player, limits
+from meso_robust.execution.witness_form import SCHEMA as SCHEMA, WitnessFile as WitnessFile
 from meso_robust.planning.document import PlanDocument
 from meso_robust.task import Task
 from meso_robust.toml_files import toml_text
 
 Floats = npt.NDArray[np.float64]
-
-SCHEMA: Literal["meso-robust/witness/1"] = "meso-robust/witness/1"
-
-
-class WitnessFile(BaseModel):
-    """``witness.json``."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-    schema_: Annotated[Literal["meso-robust/witness/1"], Field(alias="schema")] = SCHEMA
-    """Name and version of the format."""
-    task_hash: str
-    """SHA-256 of the task's values."""
-    plan_hash: str
-    """SHA-256 of the plan's values."""
-    factor: Annotated[float, Field(gt=0, le=10)]
-    """Of all uncertainties about their middles: the bounds that the run keeps."""
-    engine: Literal["events", "stepper"]
-    """Engine of the simulator that made the run: from event to event, or in LCP steps."""
-    breaks: tuple[str, ...]
-    """What the run breaks, in words."""
-    row: dict[str, str]
-    """Everything uncertain by its name, hexadecimal doubles in SI units."""
 
 
 def witness_file(

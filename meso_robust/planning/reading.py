@@ -1,4 +1,4 @@
-"""``plan.json`` read back: checked against the task it was made for, and turned into rules."""
+"""``plan.json`` read back, checked against the task it was made for."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from meso_robust.errors import InputError
-from meso_robust.planning.document import AimDocument, MoveDocument, PlanDocument, RuleDocument
-from meso_robust.primitives.frame import Frame
-from meso_robust.primitives.move import Aim, Anchor, MoveRule, Point
-from meso_robust.reading import json_values, shown, text_of
+from meso_robust.planning.plan_file import MoveDocument, PlanDocument, RuleDocument
+from meso_robust.reading import first_fault, json_values, text_of
 from meso_robust.task import Task
 
 LARGEST_UM = 1e6  # as for the coordinates of a task: catches a slip of the unit
@@ -55,11 +53,6 @@ def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
     return plan
 
 
-def rules_of(plan: PlanDocument) -> tuple[MoveRule, ...]:
-    """The policy of a plan as rules; empty for an open-loop plan."""
-    return tuple(_rule(rule) for rule in plan.policy)
-
-
 def read_text(path: Path) -> str:
     """Text of a JSON file in UTF-8, refused if a key is given twice in one place.
 
@@ -73,30 +66,22 @@ def read_text(path: Path) -> str:
     return text
 
 
-def first_of(error: ValidationError, document: str) -> str:
+def first_of(error: ValidationError, model: type[BaseModel], document: str) -> str:
     """The first thing that is wrong: key, value and rule."""
-    first = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in first["loc"]) or document
-    if first["type"] == "missing":
-        return f"key {key} is missing; `meso-robust schema {document}` lists all keys"
-    if first["type"] == "extra_forbidden":
-        return f"key {key} is unknown; `meso-robust schema {document}` lists all keys"
-    return (
-        f"key {key} = {shown(first['input'])}: {first['msg']}; mend it, `meso-robust schema {document}` "
-        "tells what it may be"
-    )
+    keys = f"`meso-robust schema {document}`"
+    return first_fault(error, model, whole=document, keys=keys)
 
 
 def _parse(text: str, source: str) -> PlanDocument:
     values = json.loads(text)
-    if isinstance(values, dict) and "schema" not in values:
-        raise InputError(
-            f"{source}: key schema is missing; `meso-robust schema plan` lists all keys"
-        )
     try:
         plan = PlanDocument.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise InputError(f"{source}: {first_of(error, 'plan')}") from error
+        raise InputError(f"{source}: {first_of(error, PlanDocument, 'plan')}") from error
+    if "schema" not in values:
+        raise InputError(
+            f"{source}: key schema is missing; `meso-robust schema plan` lists all keys"
+        )
     wrong = next(_wrong(plan), None)
     if wrong is not None:
         raise InputError(f"{source}: key {wrong}")
@@ -192,23 +177,3 @@ def _wrong_move(move: MoveDocument, key: str) -> Iterator[str]:
         for name, (low, high) in move.expect.model_dump().items():
             if not low <= high:
                 yield f"{key}.expect.{name} = {[low, high]}: the lower end must not exceed the upper"
-
-
-def _rule(rule: RuleDocument) -> MoveRule:
-    single = None
-    if rule.single_x is not None and rule.single_y is not None:
-        single = Point(x=_aim(rule.single_x), y=_aim(rule.single_y))
-    return MoveRule(
-        step=rule.step,
-        primitive=rule.primitive,
-        action=rule.action,
-        side=rule.side,
-        dual=Point(x=_aim(rule.dual_x), y=_aim(rule.dual_y)),
-        dual_end=_aim(rule.dual_end_x),
-        single=single,
-        frame=Frame(heading=rule.heading, mirrored=rule.mirrored),
-    )
-
-
-def _aim(aim: AimDocument) -> Aim:
-    return Aim(anchor=Anchor(aim.relative_to), offset_um=aim.offset_um)

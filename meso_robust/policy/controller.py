@@ -21,7 +21,8 @@ from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.document import MoveDocument, plan_document
-from meso_robust.planning.reading import read_plan, read_text, rules_of
+from meso_robust.planning.reading import read_plan, read_text
+from meso_robust.planning.rules import rules_of
 from meso_robust.policy.cells import (
     Cell,
     Policy,

@@ -25,7 +25,8 @@ from meso_robust.planning.document import (
     box_document,
     plan_document,
 )
-from meso_robust.planning.reading import first_of, read_text, rules_of, wrong_headings, wrong_rules
+from meso_robust.planning.reading import first_of, read_text, wrong_headings, wrong_rules
+from meso_robust.planning.rules import rules_of
 from meso_robust.policy.cells import Cell, Policy, resting
 from meso_robust.policy.proof import NotProvedError, recertified
 from meso_robust.policy.region import Region, region_of
@@ -168,7 +169,7 @@ def read_policy(path: Path, task: Task) -> Policy:
     try:
         document = PolicyDocument.model_validate_json(read_text(path), strict=True)
     except ValidationError as error:
-        raise InputError(f"{path}: {first_of(error, 'policy')}") from error
+        raise InputError(f"{path}: {first_of(error, PolicyDocument, 'policy')}") from error
     if document.task_hash != task.hash:
         raise InputError(
             f"{path}: key task_hash = {document.task_hash!r}: must be the hash {task.hash!r} of the "

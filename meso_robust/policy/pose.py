@@ -16,6 +16,7 @@ from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.policy.cover import ends_of
 from meso_robust.primitives.setup import PoseBox
+from meso_robust.reading import like
 
 Floats = npt.NDArray[np.float64]
 
@@ -66,12 +67,12 @@ def parse(line: str) -> Sensed:
         raise PoseError(f"not a JSON object ({error}); send {_example()}") from error
     if not isinstance(value, dict):
         raise PoseError(f"a JSON object is needed, got {type(value).__name__}; send {_example()}")
+    for key in value:
+        if key not in KEYS:
+            raise PoseError(f"key {key} is unknown; {like(key, KEYS)}send {_example()}")
     for key in KEYS:
         if key not in value:
             raise PoseError(f"key {key} is missing; send {_example()}")
-    for key in value:
-        if key not in KEYS:
-            raise PoseError(f"key {key} is unknown; send {_example()}")
     return Sensed(**{key: _number(key, value[key]) for key in KEYS})
 
 

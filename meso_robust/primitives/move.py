@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval
+from meso_robust.primitives.action import Action as Action
 from meso_robust.primitives.frame import WORLD, Frame
 
 Floats = npt.NDArray[np.float64]
-
-
-Action = Literal["tilt", "straighten", "rotate", "regrasp"]
 
 
 class Anchor(Enum):

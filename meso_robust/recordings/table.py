@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.reading import text_of
+from meso_robust.reading import like, text_of
 from meso_robust.recordings.clock import forward
 from meso_robust.recordings.rules import CLOCK_RULE, DEG, UM
 from meso_robust.recordings.values import Recording
@@ -206,7 +206,7 @@ def _check_header(path: Path, header: Sequence[str], probes: Sequence[str]) -> N
         if name not in known:
             rule = f"must be one of {', '.join(needed)}"
             raise InputError(
-                f"{path}: column {name!r} is unknown; {rule}; mend the name or set.toml"
+                f"{path}: column {name!r} is unknown; {rule}; {like(name, known)}mend the name or set.toml"
             )
     for name in needed:
         if name not in header:

@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.document import CertificateDocument
+from meso_robust.even_film import remarks
 from meso_robust.execution.running import excess
 from meso_robust.job import Planned
 from meso_robust.premises.answer import document
@@ -74,6 +75,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         task=result.task,
         certificate=certificate,
         answer=said,
+        remarks=remarks(result.task),
         promise=None if promise is None else document(promise),
         pictures=pictures,
         view=view(result),

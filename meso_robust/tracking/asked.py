@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +17,11 @@ from meso_robust.recordings.rules import probe_fault
 from meso_robust.task import PolygonPart, load_task
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import load_calibration
-from meso_robust.tracking.grid_fit import GridFit, calibrate
 from meso_robust.tracking.pixels import Grey, decoded
-from meso_robust.tracking.track import Start
+from meso_robust.tracking.scene import Start
+
+if TYPE_CHECKING:
+    from meso_robust.tracking.grid_fit import GridFit
 
 Floats = npt.NDArray[np.float64]
 UM, DEG = 1e-6, math.pi / 180.0
@@ -86,6 +89,8 @@ def stated_camera(
     if calibration is not None:
         found = load_calibration(calibration)
     elif grid is not None and pitch_um is not None:
+        from meso_robust.tracking.grid_fit import calibrate  # statistics take a second to import
+
         image = decoded(grid)
         fit = calibrate(Grey.of(grid, image).eight_bits(grid, image), pitch_um * UM)
         found = fit.calibration

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
@@ -21,11 +21,14 @@ from meso_robust.tracking.asked import stated_camera, stated_part, stated_pose, 
 from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
 from meso_robust.tracking.frames import Frames, open_frames
-from meso_robust.tracking.grid_fit import GridFit
 from meso_robust.tracking.overlay import write_overlay
-from meso_robust.tracking.track import Scene, Track, track
+from meso_robust.tracking.scene import Scene
 from meso_robust.tracking.track_document import TrackDocument, track_document
 from meso_robust.tracking.tracked_set import covariance_file, covariance_text, set_of
+
+if TYPE_CHECKING:
+    from meso_robust.tracking.grid_fit import GridFit
+    from meso_robust.tracking.track import Track
 
 Counting: TypeAlias = Callable[[str, int | None], AbstractContextManager[Callable[[], object]]]
 """What shows progress: made of a text and a number of steps, called after each step."""
@@ -154,6 +157,10 @@ def run(ready: Ready, counting: Counting) -> Found:
     InputError
         A video breaks a rule.
     """
+    from meso_robust.tracking.track import (
+        track,  # not needed to refuse a bad file, and slow to import
+    )
+
     tracks = []
     for video in ready.videos:
         with counting(f"tracking {video.path.name}", video.promised) as each:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -12,7 +13,9 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.tracking.calibration import Calibration
-from meso_robust.tracking.track import Track
+
+if TYPE_CHECKING:
+    from meso_robust.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
 Colours = npt.NDArray[np.uint8]

@@ -1,4 +1,4 @@
-"""Grey values between the pixels."""
+"""Grey values between the pixels; the compiled code is imported by the first of them."""
 
 from __future__ import annotations
 
@@ -7,9 +7,6 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import numpy.typing as npt
-from numba import njit
-
-from meso_robust.kernels import inner
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -59,47 +56,12 @@ def patch(frame: Bytes, mask: Bytes | None, points: Floats, margin: float) -> Pa
     return Patch(np.asarray(smooth, dtype=np.float32), covered, np.array([u0, v0], dtype=float))
 
 
-@inner
-def _bilinear(grey: Singles, hidden: Bytes, u: float, v: float) -> float:
-    """Grey value at (u, v) of the piece; NaN outside it and where it is hidden."""
-    height, width = grey.shape
-    if not (0.0 <= u <= width - 1.0 and 0.0 <= v <= height - 1.0):
-        return np.nan
-    i, j = min(int(v), height - 2), min(int(u), width - 2)
-    if i < 0 or j < 0 or hidden[i, j] or hidden[i + 1, j + 1]:
-        return np.nan
-    a, b = u - j, v - i
-    top = (1.0 - a) * grey[i, j] + a * grey[i, j + 1]
-    bottom = (1.0 - a) * grey[i + 1, j] + a * grey[i + 1, j + 1]
-    return (1.0 - b) * top + b * bottom
-
-
-@njit(cache=True, error_model="numpy")
-def _sample(grey: Singles, hidden: Bytes, points: Floats, out: Floats) -> None:
-    for n in range(len(points)):
-        out[n] = _bilinear(grey, hidden, points[n, 0], points[n, 1])
-
-
-@njit(cache=True, error_model="numpy")
-def _profiles(
-    grey: Singles, hidden: Bytes, points: Floats, normals: Floats, step: float, out: Floats
-) -> None:
-    half = 0.5 * (out.shape[1] - 1)
-    for n in range(len(points)):
-        nu, nv = normals[n, 0], normals[n, 1]
-        for k in range(out.shape[1]):
-            u = points[n, 0] + (k - half) * step * nu
-            v = points[n, 1] + (k - half) * step * nv
-            total = 0.0
-            for side in range(-1, 2):  # along the edge: thrice the light
-                total += _bilinear(grey, hidden, u - side * nv, v + side * nu)
-            out[n, k] = total / 3.0
-
-
 def sample(of: Patch, points: Floats) -> Floats:
     """(N,) grey values at ``points`` (N, 2) in px of the frame; NaN where not visible."""
+    from meso_robust.tracking.sampling_kernels import sample as fill
+
     values = np.empty(len(points))
-    _sample(of.grey, of.hidden, points - of.corner, values)
+    fill(of.grey, of.hidden, points - of.corner, values)
     return values
 
 
@@ -120,6 +82,8 @@ def profiles(of: Patch, points: Floats, normals: Floats, half: int, step: float)
     Floats
         (N, 2 half + 1), NaN where a sample is hidden or outside the frame.
     """
+    from meso_robust.tracking.sampling_kernels import profiles as fill
+
     values = np.empty((len(points), 2 * half + 1))
-    _profiles(of.grey, of.hidden, points - of.corner, normals, step, values)
+    fill(of.grey, of.hidden, points - of.corner, normals, step, values)
     return values

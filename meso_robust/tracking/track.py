@@ -17,6 +17,7 @@ from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.pose import Lens, PartTracker, Sighting
 from meso_robust.tracking.probe_search import SPREAD, moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker
+from meso_robust.tracking.scene import Scene as Scene, Start as Start
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -24,47 +25,6 @@ Image = npt.NDArray[np.uint8]
 _MOTION_FRAMES = 300  # searched for moving probes
 _SIDES = 8  # pieces of an edge, so that its image may bend
 _MOVED = 5.0  # standard deviations between the frames around a repeated one
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Start:
-    """A probe where it is in the first frame.
-
-    Attributes
-    ----------
-    name
-        As in the recording.
-    tip
-        (x, y) of its tip in m, world, right to about five pixels.
-    """
-
-    name: str
-    tip: tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scene:
-    """What is known before the first frame.
-
-    Attributes
-    ----------
-    outline
-        (V, 2) corners of the part in m, body frame, counter-clockwise.
-    tip_radius
-        Of the probes, m.
-    calibration
-        Of the camera.
-    pose
-        (3,) x, y in m, θ in rad of the part in the first frame; parts may be NaN; None: unknown.
-    probes
-        Probes and where they start; None: whatever moves in from the border is a probe.
-    """
-
-    outline: Floats
-    tip_radius: float
-    calibration: Calibration
-    pose: Floats | None = None
-    probes: tuple[Start, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

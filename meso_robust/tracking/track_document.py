@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -16,7 +16,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from meso_robust import __version__
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_values
-from meso_robust.tracking.track import Track
+
+if TYPE_CHECKING:
+    from meso_robust.tracking.track import Track
 
 UM, DEG = 1e-6, math.pi / 180.0
 _CHUNK = 1 << 20

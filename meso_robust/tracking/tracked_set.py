@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.recordings import Polygon, Recording, RecordingSet, Rectangle, SensorInfo
 from meso_robust.tracking.commands import Commands
-from meso_robust.tracking.track import Track
+
+if TYPE_CHECKING:
+    from meso_robust.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
 UM, DEG = 1e-6, math.pi / 180.0

@@ -12,6 +12,7 @@ import meso_robust as mr
 from meso_robust.diagnosis.document import Verdict
 from meso_robust.reporting.card import Card, html
 from meso_robust.reporting.cards import diagnosed_card
+from meso_robust.tasks import PAPER
 from tests.reporting import diagnoses
 
 EVIL = "<script>alert(1)</script>&\"'<img src=x onerror=alert(2)>"
@@ -60,6 +61,28 @@ def test_a_plan_and_its_check(planned: mr.Planned) -> None:
     other = check(mr.check(planned, planned.task), "VERIFIED", "59 of 59")
     assert not set(ids(card)) & set(ids(other))  # both may stand in one page
     assert len(card) < 100_000
+
+
+SHAPES = {
+    "paper": "1616 × 837",
+    "slot": "1616 × 837",
+    "hexagon": "6 corners",
+    "l_shape": "6 corners",
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_task_with_the_outline_at_start_and_goal(name: str) -> None:
+    task = mr.Task.load(PAPER.with_name(f"{name}.toml"))
+    root = parsed(card := task._repr_html_() or "")
+    shown = " ".join(root.itertext())
+    assert task.name in shown
+    assert SHAPES[name] in shown
+    assert root.findtext(".//details/pre") == str(task)
+    drawn = [g.get("id", "")[14:] for g in root.iter("{http://www.w3.org/2000/svg}g")]
+    # two grounds, four sides of the frame, start and goal
+    assert sum(one.startswith("patch") for one in drawn) == 8 + (name == "slot")
+    assert len(set(ids(card))) == len(ids(card))
 
 
 def test_runs(planned: mr.Planned) -> None:

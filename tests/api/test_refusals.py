@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -53,15 +54,18 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.identify("no such set"), "no such set"),
         (lambda: mr.identify(clean(), starts=0), "starts = 0"),
         (lambda: mr.identify(clean(), confidence=1.0), "confidence = 1.0"),
-        (lambda: mr.identify(clean(), objective="other"), "--objective other"),  # type: ignore[arg-type]
-        (lambda: mr.identify(clean(), objective="printed", design=1), "--design"),
+        (lambda: mr.identify(clean(), objective="other"), "objective= other"),  # type: ignore[arg-type]
+        (
+            lambda: mr.identify(clean(), objective="printed", design=1),
+            "design=: needs the information of a likelihood; leave objective= out",
+        ),
         (lambda: mr.diagnose("no such set"), "no such set"),
         (lambda: mr.read_recordings("no such set"), "no such set: does not exist"),
         (lambda: mr.track([]), "videos: none are given"),
         (lambda: mr.track("no such video", tip_radius_um=1.0), "part"),
         (lambda: mr.track("x", most_lost=2.0), "most_lost = 2.0"),
         (lambda: mr.campaign("no such.toml"), "no such.toml: cannot be read"),
-        (lambda: mr.campaign("x", workers=1, scheduler="y"), "--workers, --scheduler"),
+        (lambda: mr.campaign("x", workers=1, scheduler="y"), "workers=, scheduler=: give one"),
         (lambda: mr.drive(PAPER, "no such plan"), "no such plan: cannot be read"),
         (lambda: mr.standard_tests("no such.toml"), "no such.toml: cannot be read"),
     ],
@@ -71,6 +75,47 @@ def test_what_is_wrong_is_refused(call: Any, message: str) -> None:
         call()
     assert message in str(caught.value)
     assert isinstance(caught.value, ValueError)
+
+
+CALLS = (
+    mr.plan, mr.certify, mr.check, mr.simulate, mr.camera_of, mr.drive, mr.track, mr.read_recordings,
+    mr.identify, mr.standard_tests, mr.diagnose, mr.campaign, mr.reproduce,
+)  # fmt: skip
+ARGUMENTS = [(call, name) for call in CALLS for name in inspect.signature(call).parameters]
+
+
+@pytest.mark.parametrize(("call", "name"), ARGUMENTS, ids=lambda one: getattr(one, "__name__", one))
+@pytest.mark.parametrize("bad", [object(), 2.5j, b"many"], ids=["object", "complex", "bytes"])
+def test_an_argument_of_a_wrong_type_is_named(call: Any, name: str, bad: object) -> None:
+    needed = {"task": PAPER, "plan": PLAN, "certificate": PLAN.with_name("certificate.json"), "recordings": clean(), "videos": "x", "path": "x", "campaign": "x"}  # fmt: skip
+    known = {one: needed[one] for one in inspect.signature(call).parameters if one in needed}
+    if call is mr.track:
+        known = {"videos": "x"}
+    with pytest.raises(mr.InputError) as caught:
+        call(**{**known, name: bad})
+    assert str(caught.value).startswith(f"{name} = ")
+    assert ": must be " in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: mr.plan("x", samples="many"), "samples = 'many': must be a whole number"),  # type: ignore[arg-type]
+        (lambda: mr.plan(PAPER, seed=True), "seed = True: must be a whole number"),
+        (lambda: mr.plan(PAPER, widest="no"), "widest = 'no': must be True or False"),  # type: ignore[arg-type]
+        (lambda: mr.identify(clean(), confidence="0.9"), "confidence = '0.9': must be a number"),  # type: ignore[arg-type]
+        (lambda: mr.campaign("x", workers=2.0), "workers = 2.0: must be a whole number or None"),  # type: ignore[arg-type]
+        (lambda: mr.track("x", length_um=1.0), "length_um=, width_um=: one is missing"),
+        (lambda: mr.track("x"), "give one of task= TASK.toml, set_file= SET.toml"),
+        (lambda: mr.standard_tests(PAPER).save(__file__), f"folder= {__file__}"),
+        (lambda: mr.plan(PAPER.with_name("hexagon.toml"), policy=True), "policy="),
+    ],
+)
+def test_a_call_speaks_of_its_arguments(call: Any, message: str) -> None:
+    with pytest.raises(mr.InputError) as caught:
+        call()
+    assert message in str(caught.value)
+    assert "--" not in str(caught.value)
 
 
 def test_a_plan_for_another_task_is_refused_by_value_as_by_name() -> None:

@@ -212,7 +212,7 @@ def test_missing_chunks_are_left_out() -> None:
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"executions": 0}, "part[0].monte-carlo.executions"),
+        ({"executions": 0}, "part[0].executions"),
         ({"engine": "magic"}, "engine"),
         ({"colour": "red"}, "colour is unknown"),
         ({"kind": "magic"}, "magic"),

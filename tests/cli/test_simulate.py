@@ -16,7 +16,7 @@ from meso_robust.execution.draws import draw
 from meso_robust.execution.running import run
 from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.planning.document import PlanDocument
-from meso_robust.planning.reading import rules_of
+from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import load_task
 from meso_robust.tasks import PAPER

@@ -165,7 +165,8 @@ def test_held_out_recordings_refute_answers() -> None:
     assert [one.effects for one in found.answers] == [("backlash",)]
     against = found.candidates[0].rejected
     assert against is not None
-    assert (against.ground, against.amount) == (Ground.HELD_OUT_WORSE, pytest.approx(6.0))
+    assert against.ground is Ground.HELD_OUT_WORSE
+    assert against.amount == pytest.approx(6.0)
     assert found.candidates[1].rejected is None
     worse = told(90.0, body_force=errors(96.0), backlash=errors(97.0))
     assert judged(both, worse).answers == ()

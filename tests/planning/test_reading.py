@@ -12,7 +12,8 @@ import pytest
 
 from meso_robust.errors import InputError
 from meso_robust.planning.document import plan_document
-from meso_robust.planning.reading import read_plan, rules_of
+from meso_robust.planning.reading import read_plan
+from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from tests.conftest import paper_task

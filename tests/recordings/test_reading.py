@@ -103,7 +103,11 @@ WRONG_SETS = [
     ("width_um = 837.0\n", 'width_um = "837"\n', "key part.width_um = '837': Input should be a v"),
     ("width_um = 837.0\n", "width_um = 0.5\n", "key part.width_um = 0.5: Input should be greater"),
     ("width_um = 837.0\n", "width_um = true\n", "key part.width_um = True: Input should be a val"),
-    ("width_um = 837.0\n", "depth_um = 837.0\n", "key part.depth_um is unknown; `meso-robust sch"),
+    (
+        "width_um = 837.0\n",
+        "depth_um = 837.0\n",
+        "key part.depth_um is unknown; did you mean 'width_um'?",
+    ),
     (
         "width_um = 837.0\n",
         "polygon_um = [[0, 0], [1, 0], [0, 1]]\n",

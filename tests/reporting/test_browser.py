@@ -57,6 +57,13 @@ CONTRASTS = """(() => {
   return poor; })()"""
 
 
+CUT_PICTURES = """[...document.querySelectorAll('figure svg')].filter(e => e.checkVisibility()).filter(e => {
+  const right = e.getBoundingClientRect().right, frame = e.closest('.scroll') ?? e.parentElement;
+  return right > innerWidth || frame.scrollWidth > frame.clientWidth + 1; }).map(e => e.id || e.textContent.slice(0, 40))"""
+CUT_CONTROLS = """[...document.querySelectorAll('select, button, output, input')].filter(e => e.checkVisibility()
+  && e.getBoundingClientRect().right > innerWidth).map(e => e.id || e.outerHTML.slice(0, 60))"""
+
+
 @pytest.fixture(scope="module", params=KINDS)
 def kind(request: pytest.FixtureRequest) -> str:
     return str(request.param)
@@ -123,6 +130,13 @@ def test_a_page_fits_a_phone(shown: Page, kind: str) -> None:
     shown.emulate(width=PHONE)
     assert shown.evaluate(WIDEST) <= PHONE
     assert shown.evaluate(UNREACHED) == []
+
+
+def test_no_picture_is_cut_in_a_narrow_window(shown: Page, kind: str) -> None:
+    for width in (PHONE, 500):
+        shown.emulate(width=width)
+        assert shown.evaluate(CUT_PICTURES) == []
+        assert shown.evaluate(CUT_CONTROLS) == []
 
 
 def test_a_page_is_reached_by_keys(shown: Page, kind: str) -> None:

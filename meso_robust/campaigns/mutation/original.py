@@ -20,7 +20,7 @@ from meso_robust.execution.running import PlanRun, run
 from meso_robust.execution.simulation import in_goal
 from meso_robust.execution.witness import witness_row
 from meso_robust.planning.document import PlanDocument
-from meso_robust.planning.reading import rules_of
+from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import Setup, setup_of

@@ -18,7 +18,7 @@ from meso_robust.errors import InputError
 from meso_robust.job import SimulatorContradictsProofError, judge
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
-from meso_robust.planning.reading import rules_of
+from meso_robust.planning.rules import rules_of
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
 
