@@ -139,7 +139,7 @@ class Probe(_Section):
     """Speed of every move, um/s; the path does not depend on it."""
     headings: Annotated[tuple[Heading, ...], Field(min_length=1)] | None = None
     """Directions in which the active probe can push, one dual-tip probe each; the moves of a plan may
-    have different ones. Absent: any, and a plan keeps to one. The passive tip can stand anywhere."""
+    have different ones. Absent: any, and a plan keeps to one where it can. The passive tip can stand anywhere."""
 
     @model_validator(mode="after")
     def _each_heading_once(self) -> Self:

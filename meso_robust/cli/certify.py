@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meso_robust.cli.console import Reporter, negative, refuse
-from meso_robust.cli.plan import RESULTS, tell
+from meso_robust.cli.console import Reporter, refuse
+from meso_robust.cli.plan import RESULTS, tell, unplanned
 from meso_robust.limits import MOST_SAMPLES
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def certify(
     except InputError as error:
         refuse(error)
     except NotApplicableError as error:
-        negative(f"UNKNOWN: {error}")
+        unplanned(task, out, error, "certify")
     tell(found, out, as_json, quiet)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -59,6 +59,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
 ) -> None:
     """Find a plan, certify it, cross-check it in the simulator, and write a report."""
     from meso_robust.errors import InputError, NotApplicableError
+    from meso_robust.tasks import PAPER
 
     wanted = {"widest": widest, "policy": policy, "maps": maps}
     try:
@@ -72,7 +73,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     except InputError as error:
         refuse(error)
     except NotApplicableError as error:
-        negative(f"UNKNOWN: {error}")
+        unplanned(task or PAPER, out, error, "plan")
     tell(found, out, as_json, quiet)
 
 
@@ -104,6 +105,22 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
     found = planned(file if asked["widest"] else known, progress=say, **asked)
     found.save(out, progress=say)
     return found
+
+
+def unplanned(task: Path, out: Path, error: object, verb: str) -> NoReturn:
+    """Write the report of a task that has no plan to judge; ends with exit status 1."""
+    from meso_robust.errors import InputError
+    from meso_robust.files import write_all
+    from meso_robust.reporting.unplanned import unplanned_report
+    from meso_robust.task import load_task
+
+    try:
+        write_all(out, {"report.html": unplanned_report(load_task(task), str(error), verb)})
+    except InputError as failed:
+        refuse(failed)
+    for name in ("plan.json", "certificate.json"):  # of an earlier run: not the answer now
+        (out / name).unlink(missing_ok=True)
+    negative(f"UNKNOWN: {error} (report: {out / 'report.html'})")
 
 
 def tell(found: Planned, out: Path, as_json: bool, quiet: bool) -> None:

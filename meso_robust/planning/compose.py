@@ -28,6 +28,10 @@ IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertaintie
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
 COMING_BACK_UM = 10.0  # of the goal in y is close enough after several pushes
+_HALF_TURN = (
+    "make it two tasks of a quarter turn each, the second from the goal of the first: its long edges "
+    "then face probes on the other axis ([probe] headings)"
+)
 UPRIGHT = math.radians(1.5)  # an edge closer than this to upright needs no straightening
 
 
@@ -74,26 +78,29 @@ def compose(task: Task) -> Found:
     NotApplicableError
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
-    ways = _ways(task)
-    for scale in IN_HAND:
-        rules = _rules(task, ways, scale, None)
+    ways, choices = _ways(task), _choices(task)
+    for headings, scale in itertools.product(choices, IN_HAND):
+        rules = _rules(task, ways, headings, scale)
         if rules is not None:
             return Found(rules=rules, scale=scale)
-    last = _rules(task, ways, REDUCED[-1], None)
+    headings = choices[-1]
+    last = _rules(task, ways, headings, REDUCED[-1])
     if last is None:
+        stated = task.probe.headings is not None
+        more = ", or state probes on more sides ([probe] headings)" if stated else ""
         raise NotApplicableError(
             "no robust plan was found, even with all uncertainties scaled by "
             f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
             f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
             "start further from the goal, or closer to the line through it along which the probe "
-            "pushes, or widen the goal, or state probes on more sides ([probe] headings)"
+            "pushes, or widen the goal" + more
         )
     attempts: list[tuple[float, str | None]] = [
         *((NARROWED, field.name) for field in fields(Uncertainty)),
         *((scale, None) for scale in REDUCED[:-1]),
     ]
     for scale, only in attempts:
-        rules = _rules(task, ways, scale, only)
+        rules = _rules(task, ways, headings, scale, only)
         if rules is not None:
             return Found(rules=rules, scale=scale, only=only)
     return Found(rules=last, scale=REDUCED[-1])
@@ -107,23 +114,40 @@ def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
     NotApplicableError
         No primitive can handle the start pose.
     """
-    return _rules(task, _ways(task), scale, None)
+    ways = _ways(task)
+    found = (_rules(task, ways, headings, scale) for headings in _choices(task))
+    return next((rules for rules in found if rules is not None), None)
+
+
+def _choices(task: Task) -> list[Sequence[Heading]]:
+    """Headings that the moves of a plan may have, one choice after the other; none: all the same one.
+
+    If the task states none, one probe is taken where one is enough, and else as many as it needs: a
+    task is never harder because nothing was said.
+    """
+    stated = task.probe.headings
+    return [(), HEADINGS] if stated is None else [stated]
 
 
 def _rules(
-    task: Task, ways: Sequence[_Way], scale: float, only: str | None
+    task: Task,
+    ways: Sequence[_Way],
+    headings: Sequence[Heading],
+    scale: float,
+    only: str | None = None,
 ) -> tuple[MoveRule, ...] | None:
     setup, found = setup_of(task, scale, only), []
-    for rules in _proposed(task, setup, ways):
+    for rules in _proposed(task, setup, ways, headings):
         found.append(rules)
         if not setup.blocks or _clear(rules, setup):
             return rules
     return found[0] if found else None
 
 
-def _proposed(task: Task, setup: Setup, ways: Sequence[_Way]) -> Iterator[tuple[MoveRule, ...]]:
+def _proposed(
+    task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading]
+) -> Iterator[tuple[MoveRule, ...]]:
     """Plans that are robust in the open."""
-    headings = task.probe.headings or ()
     if len(headings) > 1:
         yield from _in_any(task, setup, ways, headings)
     for way in _forward(ways):
@@ -245,8 +269,8 @@ def _quarter_turns(setup: Setup) -> int:
     degrees = math.degrees(goal - start)
     if turns not in (0, 1):
         raise NotApplicableError(
-            f"the goal is {degrees:.1f} deg from the start: a rotation turns the part by one "
-            "quarter only; give a start within it"
+            f"the goal is {degrees:.1f} deg from the start, and a rotation turns the part by one "
+            f"quarter; {_HALF_TURN if abs(turns) == 2 else 'give a start within a quarter turn'}"
         )
     if turns == 1 and setup.edge(start).name != "long":
         raise NotApplicableError(

@@ -40,7 +40,7 @@ def task_card(task: Task, text: str) -> str:
                 ("friction", "{:g} … {:g}".format(*known.friction)),
                 ("film ratio", f"{known.film_ratio_um2:g} µm² ± {known.film_ratio_percent:g} %"),
             ),
-            picture=cards.picture(lambda: _figure(task), repr(task), "Start and goal"),
+            picture=cards.picture(lambda: task_figure(task), repr(task), "Start and goal"),
             caption="Solid: the part at the start; dashed: in the middle of the goal"
             + ("." if task.slot is None else "; grey: the walls of the slot."),
             text=text,
@@ -48,7 +48,7 @@ def task_card(task: Task, text: str) -> str:
     )
 
 
-def _figure(task: Task) -> Figure:
+def task_figure(task: Task) -> Figure:
     """Start, goal and slot, in um."""
     figure = Figure(figsize=(7.0, 3.4), layout="constrained")
     axes = figure.add_subplot(aspect="equal", xlabel="x in µm", ylabel="y in µm")

@@ -73,8 +73,8 @@ def test_down_or_up_the_first_tilt_turns_the_right_way() -> None:
     ("theta", "words"),
     [
         (140.0, "upright"),
-        (0.0, "one quarter only"),
-        (20.0, "one quarter only|upright"),
+        (0.0, "one quarter; make it two tasks"),
+        (20.0, "one quarter; make it two tasks|upright"),
     ],
 )
 def test_poses_that_no_primitive_handles(theta: float, words: str) -> None:

@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -101,6 +102,30 @@ def test_a_task_without_headings_is_the_task_that_it_was() -> None:
     assert [r.dual.x.offset_um for r in same] == [p.dual_x.offset_um for p in plan.policy]
     assert [r.dual.y.offset_um for r in same] == [p.dual_y.offset_um for p in plan.policy]
     assert compose(paper_task(probe__headings=["-x"])).rules == same
+
+
+def test_headings_left_out_are_never_weaker_than_all_four() -> None:
+    """From this start one probe has no plan, and two on opposite sides have one."""
+    start = task().start
+    four = task_at(start.x_um, start.y_um, FOUR)
+    any_ = four.model_copy(update={"probe": four.probe.model_copy(update={"headings": None})})
+
+    found = compose(any_)
+
+    assert compose(four).scale >= 1.0
+    assert found.scale >= 1.0
+    assert certify(found.rules, setup_of(any_)).verdict is Verdict.PROVED
+
+
+@pytest.mark.parametrize("stated", [None, FOUR])
+def test_a_half_turn_is_refused_with_the_two_tasks_that_make_it(stated: Any) -> None:
+    half = paper_task(start__theta_deg=0.0, probe__headings=stated)
+
+    with pytest.raises(NotApplicableError) as refused:
+        compose(half)
+
+    assert "the goal is 180.0 deg from the start" in str(refused.value)
+    assert "make it two tasks of a quarter turn each" in str(refused.value)
 
 
 def test_a_plan_keeps_to_the_stated_headings() -> None:
