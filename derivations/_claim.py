@@ -19,6 +19,10 @@ class Verdict(Enum):
     CONFIRMED_WITH_ADDED_HYPOTHESIS = (
         "the printed statement fails as it stands and is proved under the added hypotheses"
     )
+    EMPTY = (
+        "the printed statement is proved only under added hypotheses that exclude each other for the "
+        "paper's numbers: it says nothing there"
+    )
     SHARPENED = "the printed statement is proved, and so is a stronger one"
     REFUTED = "the printed statement is shown to fail"
     INCONSISTENT = "the printed statements cannot all be true"
@@ -58,6 +62,8 @@ class Claim:
     """Findings on the printed statement; it stands if all hold."""
     with_added: tuple[Finding, ...] = ()
     """Findings on the printed statement under the added hypotheses."""
+    compatible: tuple[Finding, ...] = ()
+    """Whether the added hypotheses can hold together."""
     sharper: tuple[Finding, ...] = ()
     """Findings that show the derived statement to be stronger than the printed one."""
     consistent: tuple[Finding, ...] = ()
@@ -80,6 +86,8 @@ class Claim:
             raise DerivationError(f"{self.key}: nothing was checked")
         if not self.printed and self.findings != self.checks:
             raise DerivationError(f"{self.key}: findings on a print that is not given")
+        if self.compatible and not self.added:
+            raise DerivationError(f"{self.key}: no added hypotheses that could exclude each other")
         if bool(self.added) != bool(self.with_added):
             raise DerivationError(f"{self.key}: added hypotheses and findings under them differ")
         _ = self.verdict
@@ -88,7 +96,8 @@ class Claim:
     def findings(self) -> tuple[Finding, ...]:
         """All that was found, in the order a reader wants it."""
         return (
-            *self.consistent, *self.of_print, *self.with_added, *self.sharper, *self.checks
+            *self.consistent, *self.of_print, *self.with_added, *self.compatible,
+            *self.sharper, *self.checks,
         )  # fmt: skip
 
     @property
@@ -110,4 +119,8 @@ class Claim:
             return Verdict.SHARPENED if self.sharper else Verdict.CONFIRMED
         if not self.of_print:
             raise DerivationError(f"{self.key}: nothing was found of the printed statement")
-        return Verdict.CONFIRMED_WITH_ADDED_HYPOTHESIS if self.with_added else Verdict.REFUTED
+        if not self.with_added:
+            return Verdict.REFUTED
+        if not all(finding.holds for finding in self.compatible):
+            return Verdict.EMPTY
+        return Verdict.CONFIRMED_WITH_ADDED_HYPOTHESIS

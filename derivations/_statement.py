@@ -7,7 +7,7 @@ the functions of this file make; one that does not hold carries a witness or the
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import sympy as sp
@@ -17,6 +17,9 @@ from derivations import _smt
 from derivations._circle import tidy
 
 Point = Mapping[sp.Symbol, sp.Expr]
+Side = sp.Expr | sp.MatrixExpr | sp.MatrixBase | Sequence[sp.Expr]
+Circles = Sequence[tuple[sp.Symbol, sp.Symbol]]
+"""``(x, y)`` pairs of unknowns with ``x^2 + y^2 = 1``."""
 
 
 class DerivationError(AssertionError):
@@ -54,25 +57,62 @@ def require_zero(expression: sp.Expr, step: str) -> None:
         raise DerivationError(f"{step}: expected 0, but {rest} is left over")
 
 
-def identity(what: str, left: sp.Expr, right: sp.Expr, at: Point | None = None) -> Finding:
+def as_written(build: Callable[[], sp.Expr]) -> sp.Expr:
+    """An expression as it is written, which SymPy would otherwise evaluate while it is built.
+
+    For one side of an :func:`identity` whose two sides would print alike once evaluated.
+    """
+    with sp.evaluate(False):
+        return build()
+
+
+def crossed(p: Sequence[sp.Expr], q: Sequence[sp.Expr]) -> sp.Expr:
+    """Cross product p_x q_y - p_y q_x as it is written, a determinant."""
+    return sp.Determinant(sp.ImmutableMatrix([list(p), list(q)]))
+
+
+def combined(*terms: tuple[sp.Expr, sp.MatrixBase]) -> sp.MatrixExpr:
+    """A sum of vectors, each with its factor, as it is written."""
+    return sp.MatAdd(*(sp.MatMul(factor, vector.as_immutable()) for factor, vector in terms))
+
+
+def identity(
+    what: str, left: Side, right: Side, at: Point | None = None, on: Circles = ()
+) -> Finding:
     """Whether ``left`` equals ``right`` at every point.
+
+    What is recorded are the two sides as they are given, so they must not be simplified before: a
+    derivative is given as ``sp.Derivative``, a value at a point as ``sp.Subs``, a product of matrices
+    as ``sp.MatMul``, a sum as :func:`as_written`.
 
     Parameters
     ----------
     what
         The statement, for the reader.
     left, right
-        Expressions.
+        Expressions, or as many entries on either side.
     at
         A point to show the difference at, if there is one.
+    on
+        Cosines and sines that are unknowns of their own.
 
     Raises
     ------
     DerivationError
-        If it is neither shown to hold nor shown to fail.
+        If it is neither shown to hold nor shown to fail, or if both sides print alike.
     """
-    formal = f"{sp.sstr(left)} = {sp.sstr(right)}"
-    rest = _rest(left - right)
+    sides = [_entries(side) for side in (left, right)]
+    shown = [_printed(side) for side in (left, right)]
+    if shown[0] == shown[1]:
+        raise DerivationError(
+            f"{what}: both sides are {shown[0]}, which says nothing; state them before they are "
+            "simplified"
+        )
+    formal = " = ".join(shown)
+    if on:
+        formal += f" where {_listed(_circles(on))}"
+    rests = (_rest(p - q, on) for p, q in zip(*sides, strict=True))
+    rest = next((rest for rest in rests if rest != 0), sp.Integer(0))
     if rest == 0:
         how = "identity: the difference simplifies to 0"
         return Finding(what=what, holds=True, how=how, formal=formal)
@@ -107,16 +147,21 @@ def for_all(what: str, given: Iterable[Boolean], then: Boolean, at: Point | None
     Raises
     ------
     DerivationError
-        If ``at`` is no counterexample, if the premises contradict each other (the statement would
-        say nothing), or if the solver does not decide.
+        If ``at`` is no counterexample, if the premises contradict each other or hold what is to follow
+        (the statement would say nothing), or if the solver does not decide.
     """
     premises = list(given)
-    formal = f"{_listed(premises)} => {sp.sstr(then)}" if premises else sp.sstr(then)
+    listed = _listed(premises)
+    formal = f"{listed} => {sp.sstr(then)}" if listed else sp.sstr(then)
     if at is not None:
         if not _is_true(sp.And(*premises), at) or _is_true(then, at):
             raise DerivationError(f"{what}: the point given is no counterexample: {_shown(at)}")
         how = "fails at the witness, in exact arithmetic"
         return Finding(what=what, holds=False, how=how, formal=formal, witness=_shown(at))
+    if then == sp.true or then in premises:
+        raise DerivationError(
+            f"{what}: what is to follow is given or true by itself, which says nothing"
+        )
     answer, text, witness = _ask(what, [*premises, sp.Not(then)])
     if answer == "unsat":
         if _ask(what, premises)[0] != "sat":
@@ -152,7 +197,7 @@ def positive_by(
     given: Mapping[str, sp.Expr],
     multiplier: str,
     combination: str,
-    on: Sequence[tuple[sp.Expr, sp.Expr]] = (),
+    on: Circles = (),
 ) -> Finding:
     """``goal > 0`` wherever all ``given`` are positive, by a certificate checked exactly.
 
@@ -170,7 +215,7 @@ def positive_by(
     multiplier, combination
         In the names of ``given``.
     on
-        ``(x, y)`` pairs of unknowns with ``x^2 + y^2 = 1``.
+        Cosines and sines that are unknowns of their own.
 
     Raises
     ------
@@ -186,13 +231,10 @@ def positive_by(
             raise DerivationError(f"{what}: {part} has a coefficient that is not positive")
     back = {symbol: given[name] for name, symbol in names.items()}
     scale, combined = (part.subs(back, simultaneous=True) for part in parts)
-    rest = sp.expand(goal * scale - combined)
-    for x, y in on:
-        rest = sp.rem(rest, x**2 + y**2 - 1, x) if rest.has(x) else rest
-    if sp.expand(rest) != 0:
+    rest = _on_circles(sp.expand(goal * scale - combined), on)
+    if rest != 0:
         raise DerivationError(f"{what}: the certificate leaves {sp.factor(rest)}")
-    circles = [sp.Eq(x**2 + y**2, 1) for x, y in on]
-    if _ask(what, [*circles, *(value > 0 for value in given.values())])[0] != "sat":
+    if _ask(what, [*_circles(on), *(value > 0 for value in given.values())])[0] != "sat":
         raise DerivationError(f"{what}: what is given is not shown to be possible")
     left = "goal" if multiplier == "1" else f"goal * ({multiplier})"
     named = {"goal": goal, **given}
@@ -209,13 +251,41 @@ def angle(half_tangent: sp.Rational, of: sp.Symbol) -> dict[sp.Expr, sp.Rational
 
 
 def _listed(relations: Iterable[Boolean]) -> str:
-    """Relations in the order in which they were stated."""
-    return "; ".join(map(sp.sstr, relations))
+    """Relations in the order in which they were stated, but those that a symbol's sign makes true."""
+    return "; ".join(sp.sstr(relation) for relation in relations if relation != sp.true)
 
 
-def _rest(expression: sp.Expr) -> sp.Expr:
+def _entries(side: Side) -> list[sp.Expr]:
+    if isinstance(side, sp.MatrixExpr):
+        return list(side.doit())
+    return [side] if isinstance(side, sp.Expr) else list(side)
+
+
+def _printed(side: Side) -> str:
+    """One side of an identity, on one line; entries in brackets."""
+    if isinstance(side, sp.Expr):
+        return " ".join(sp.sstr(side).split())
+    texts = [sp.sstr(entry) for entry in side]
+    return texts[0] if len(texts) == 1 else f"({', '.join(texts)})"
+
+
+def _circles(on: Circles) -> list[Boolean]:
+    return [sp.Eq(x**2 + y**2, 1) for x, y in on]
+
+
+def _on_circles(polynomial: sp.Expr, on: Circles) -> sp.Expr:
+    """Remainder of a polynomial by the circles: 0 if it vanishes on them."""
+    for x, y in on:
+        polynomial = sp.rem(polynomial, x**2 + y**2 - 1, x) if polynomial.has(x) else polynomial
+    return sp.expand(polynomial)
+
+
+def _rest(expression: sp.Expr, on: Circles = ()) -> sp.Expr:
     """0 if the expression vanishes; roots and inverse functions need the general simplifier."""
-    tidied = tidy(expression)
+    tidied = tidy(expression.doit())
+    if on:
+        top, bottom = sp.fraction(tidied)
+        tidied = _on_circles(top, on) / bottom
     return tidied if tidied == 0 else sp.simplify(tidied)
 
 

@@ -19,6 +19,9 @@ from derivations._statement import (
     DerivationError,
     Finding,
     angle,
+    as_written,
+    combined,
+    crossed,
     for_all,
     identity,
     positive_by,
@@ -36,7 +39,6 @@ from derivations.symmetries import (
     on_circle,
     q_x,
     q_y,
-    same,
     sticking_at,
 )
 
@@ -60,11 +62,10 @@ def centre(offset: sp.Expr = d2) -> sp.Matrix:
     return TIP - edge_contact(sp.Matrix([-y, x]), d1, offset).arm()
 
 
-def _centre_from_left() -> sp.Matrix:
-    """Of a part pushed along +x, its left edge in line with the tips, the upper one ahead."""
-    x, y = BETA
-    # the left edge runs downwards, so that the upper tip has the offset -d2 along it
-    return TIP - edge_contact(sp.Matrix([-y, -x]), d1, -d2).arm()
+def _written(edge: sp.Matrix, offset: sp.Expr) -> sp.MatrixExpr:
+    """The same, as it is written: from the upper tip back along an edge and its normal."""
+    along, out = edge_contact(edge).directions()
+    return combined((1, TIP), (-offset, along), (-d1, out))
 
 
 def derive() -> Derivation:
@@ -138,16 +139,19 @@ def _box() -> Claim:
             ),
         ),
         checks=(
-            same("the reading above is the centre", readings[right[0]], found, on=BETA),
-            same("push along $+x$: the reading with $+$ in $X$, $-$ in $Y$ is the centre",
-                 readings[1, -1, *right[0][2:]], _centre_from_left(), on=BETA),
+            identity("the reading above is the centre", readings[right[0]], _written(sp.Matrix([-BETA[1], BETA[0]]), d2)),
+            # the left edge runs downwards, so that the upper tip has the offset -d2 along it
+            identity("push along $+x$: the reading with $+$ in $X$, $-$ in $Y$ is the centre",
+                     readings[1, -1, *right[0][2:]],
+                     _written(sp.Matrix([-BETA[1], -BETA[0]]), -d2)),
             there_is(
                 f"the other {len(others)} readings are not",
                 [sp.Not(equal) for equal in others],
                 at=point,
             ),
-            same("the edge of direction $\\pi/2 + \\beta$ has the normal $(\\cos\\beta, \\sin\\beta)$",
-                 edge_contact(sp.Matrix([-BETA[1], BETA[0]])).directions()[1], sp.Matrix(BETA)),
+            identity("the edge of direction $\\pi/2 + \\beta$ has the normal $(\\cos\\beta, \\sin\\beta)$",
+                     [sp.Subs(entry, theta, sp.pi / 2 + beta) for entry in n],
+                     [sp.cos(beta), sp.sin(beta)]),
         ),
     )  # fmt: skip
 
@@ -222,9 +226,14 @@ def _orientation() -> Claim:
                     at=_at_beta({})),
         ),
         with_added=(
-            identity(r"long axis parallel to the angle $\beta$", cross(printed, axis), sp.Integer(0)),
+            identity(r"long axis parallel to the angle $\beta$", crossed(printed, axis),
+                     sp.Integer(0)),
         ),
-        checks=(same(r"long axis at $\pi + \beta$", axis, -printed),),
+        checks=(
+            identity(r"at $\theta = \pi + \beta$ the short edge $\theta - \pi/2$ lies along both tips",
+                     [sp.Subs(entry.subs(theta, theta - sp.pi / 2), theta, sp.pi + beta)
+                      for entry in a], [-sp.sin(beta), sp.cos(beta)]),
+        ),
     )  # fmt: skip
 
 
@@ -290,8 +299,7 @@ def _spread(low: sp.Expr, high: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     first, last = (
         centre().subs({BETA[0]: sp.cos(end), BETA[1]: sp.sin(end)}) for end in (low, high)
     )
-    change = last - first
-    return sp.expand(change[0]), sp.expand(-change[1])
+    return as_written(lambda: last[0] - first[0]), as_written(lambda: first[1] - last[1])
 
 
 def _exact_spreads(both_x: sp.Expr, both_y: sp.Expr) -> tuple[Finding, ...]:
@@ -377,7 +385,9 @@ def _errors() -> Claim:
                 at=_sensing_errors(sensed, e_y, e_c),
             ),
         ),
-        with_added=(same(r"the centre follows the tip", ended - centre(), sp.Matrix([0, e_c])),),
+        with_added=(
+            identity(r"the centre follows the tip", combined((1, ended), (-1, centre())), [0, e_c]),
+        ),
         checks=(
             identity(
                 r"$\Delta Y = e_Y - d_1 \sin\psi - d_2 (1 - \cos\psi)$, aligned tips",
@@ -436,14 +446,14 @@ def _largest_tilt(lo: sp.Matrix, hi: sp.Matrix) -> Claim:
         ),
         hypotheses=(r"$\mu B > A$: sticks when upright", r"$C > \mu A$"),
         checks=(
-            identity("margin at the tilt", cross(lo, TILTED),
+            identity("margin at the tilt", crossed(lo, TILTED),
                      lo[0] * sp.cos(psi) - lo[1] * sp.sin(psi)),
-            identity("lever at the tilt", lever, d2 * sp.cos(psi) - d1 * sp.sin(psi)),
+            identity("lever at the tilt", lever, crossed((d2, d1), TILTED)),
             for_all(r"the other margin is positive by itself for $d_2 > 0$, $0 \le \psi < \pi/2$",
                     [d2 > 0, sp.sin(psi) >= 0, sp.cos(psi) > 0], cross(TILTED, hi) > 0),
             identity("which bound is the smaller", lo[0] * d1 - lo[1] * d2, (mu * d1 - d2) * size),
             identity(r"at $d_2 = \mu d_1$ both are $\mu$",
-                     lo.subs(d2, mu * d1)[0], mu * lo.subs(d2, mu * d1)[1]),
+                     sp.Subs(lo[0], d2, mu * d1), mu * sp.Subs(lo[1], d2, mu * d1)),
             positive_by(
                 "sticking between the tilt and upright",
                 cross(lo, q),
@@ -476,7 +486,6 @@ def _tilt_and_push() -> Claim:
     """The tilt that a two-sided rotation has left after a push of any length."""
     across, push = _push_for_tilt()
     joint = T * a + width * n
-    fallen = {theta: sp.pi - psi}
     left = {k: _tilt_after(k) for k in (1100, 1300, 1900)}
     texts = [f"{tilt:.2f}° after {k} µm" for k, tilt in left.items()]
     return Claim(
@@ -494,11 +503,13 @@ def _tilt_and_push() -> Claim:
         ),
         hypotheses=("both tips touch the long edges from upright on", r"$d_v > d_w$"),
         checks=(
-            same("closure at the tilt", joint.subs(fallen),
-                 sp.Matrix([width * sp.sin(psi) - T * sp.cos(psi),
-                            T * sp.sin(psi) + width * sp.cos(psi)])),
-            same("closure upright", joint.subs(theta, sp.pi / 2), sp.Matrix([width, T])),
-            identity(r"$T$ satisfies the closure", across * sp.sin(psi) + width * sp.cos(psi), V),
+            identity("closure at the tilt", [sp.Subs(entry, theta, sp.pi - psi) for entry in joint],
+                     [width * sp.sin(psi) - T * sp.cos(psi),
+                      T * sp.sin(psi) + width * sp.cos(psi)]),
+            identity("closure upright", [sp.Subs(entry, theta, sp.pi / 2) for entry in joint],
+                     [width, T]),
+            identity(r"$T$ satisfies the closure",
+                     as_written(lambda: across * sp.sin(psi) + width * sp.cos(psi)), V),
             identity(r"travel falls with the tilt: $d\xi/d\psi = -T/\sin\psi$",
                      sp.diff(push, psi), -across / sp.sin(psi)),
             _least_tilt_is_at_the_corners(),

@@ -15,7 +15,7 @@ from derivations._claim import Claim
 from derivations._derivation import Derivation
 from derivations._dimension import Dimension
 from derivations._statement import Finding, for_all, identity, there_is, together
-from derivations.invariances import math, on_circle, twist_at_ratio
+from derivations.invariances import math, twist_at_ratio
 from derivations.mechanics import d1, d2, mu, rho, theta, v_p
 
 AXES = ("x", "y", "theta")
@@ -203,8 +203,12 @@ def _zeros() -> Claim:
             ),
         ),
         checks=(
-            identity("the paths $t(1-t)$ and 0 agree at the sample $t = 0$", path.subs(t, 0), 0),
-            identity("and at the sample $t = 1$", path.subs(t, 1), sp.Integer(0)),
+            identity(
+                "the paths $t(1-t)$ and 0 agree at the sample $t = 0$",
+                sp.Subs(path, t, 0),
+                sp.Integer(0),
+            ),
+            identity("and at the sample $t = 1$", sp.Subs(path, t, 1), sp.Integer(0)),
             there_is("but not between", [path > 0], {t: sp.Rational(1, 2)}),
         ),
     )
@@ -253,7 +257,6 @@ def _nonsmooth() -> Claim:
     sticking = (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / (rho + d1**2 + d2**2)
     D = (rho + d2**2) * sp.cos(theta) + d1 * d2 * sp.sin(theta)
     N = d1 * d2 * sp.cos(theta) + (rho + d1**2) * sp.sin(theta)
-    joined = on_circle(rate.subs(mu, D / N) - sticking)
     r1, r2, target, lever, R = sp.symbols("rho_1 rho_2 kappa ell R", positive=True)
     missed = [target - lever / (value + R**2) for value in (r1, (r1 + r2) / 2, r2)]
     at = {r1: 400_000, r2: 800_000, R: 500, lever: 300, target: sp.Rational(300, 600_000)}
@@ -276,7 +279,7 @@ def _nonsmooth() -> Claim:
         ),
         hypotheses=("film support, one contact; Section VI uses the three-point model",),
         of_print=(
-            identity("slip and stick join where the mode changes", joined, sp.Integer(0)),
+            identity("slip and stick join where the mode changes", rate.subs(mu, D / N), sticking),
             identity(r"slope of the turn in $\mu$ while slipping", slope, expected),
             for_all(
                 "it is not 0",

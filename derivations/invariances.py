@@ -15,10 +15,10 @@ import sympy as sp
 from derivations._claim import Claim
 from derivations._derivation import Derivation
 from derivations._statement import (
-    DerivationError,
     Finding,
     Point,
     angle,
+    as_written,
     for_all,
     identity,
     there_is,
@@ -108,53 +108,18 @@ def balance(twist: sp.Matrix, contacts: Sequence[Contact]) -> sp.Matrix:
     return sum((-one.push() for one in contacts), film(twist))
 
 
-def on_circle(expression: sp.Expr) -> sp.Expr:
-    """0 if a rational expression vanishes wherever ``cos^2 + sin^2 = 1``; else itself."""
-    rest = sp.expand(sp.fraction(sp.together(expression))[0])
-    for turn in sorted({f.args[0] for f in rest.atoms(sp.cos, sp.sin)}, key=str):
-        x, y = sp.symbols("cosine sine", real=True)
-        powers = sp.Poly(rest.subs({sp.cos(turn): x, sp.sin(turn): y}), y).all_coeffs()[::-1]
-        reduced = sum(f * (1 - x**2) ** (j // 2) * y ** (j % 2) for j, f in enumerate(powers))
-        rest = sp.expand(reduced).subs({x: sp.cos(turn), y: sp.sin(turn)})
-    return sp.Integer(0) if rest == 0 else expression
-
-
-def equal(what: str, left: Sequence[sp.Expr], right: Sequence[sp.Expr]) -> Finding:
-    """Whether two lists agree entry by entry, with cosines and sines on the unit circle."""
-    for p, q in zip(left, right, strict=True):
-        difference = p - q
-        if on_circle(difference) != 0:
-            return _unequal(what, difference)
-    return identity(what, sp.Integer(0), sp.Integer(0))
-
-
-def _unequal(what: str, difference: sp.Expr) -> Finding:
-    """The finding for a difference that is not 0 everywhere, at angles where it is not.
-
-    Raises
-    ------
-    DerivationError
-        If it is 0 at all angles tried.
-    """
-    turns = sorted({f.args[0] for f in difference.atoms(sp.cos, sp.sin)}, key=str)
-    for t in (sp.Rational(1, 2), sp.Rational(1, 3), sp.Integer(3)):
-        at = {f: value for turn in turns for f, value in angle(t, turn).items()}
-        rest = sp.expand(sp.fraction(sp.together(difference.subs(at)))[0])
-        if rest != 0:
-            said = f" (all angles at 2 atan {t})" if turns else ""
-            return identity(f"{what}{said}", rest, sp.Integer(0))
-    raise DerivationError(f"{what}: neither 0 nor shown to differ from it: {difference}")
-
-
 def math(expression: sp.Basic) -> str:
     """LaTeX without the dollar signs, for use inside a formula."""
     return tex(expression).strip("$")
 
 
-def quantities(twist: sp.Matrix, contacts: Sequence[Contact]) -> list[sp.Expr]:
-    """All that the conditions are made of: balance, slips, openings."""
-    slips = [one.slip(twist) for one in contacts]
-    return [*balance(twist, contacts), *slips, *(one.opening(twist) for one in contacts)]
+def parts(twist: sp.Matrix, one: Contact) -> list[sp.Expr]:
+    """What a contact adds to the conditions: the drag, its wrench, its slip and its opening.
+
+    The balance is the drag less the sum of the wrenches, so what holds of these holds of any number
+    of contacts together.
+    """
+    return [*film(twist), *one.push(), one.slip(twist), one.opening(twist)]
 
 
 def law_is_a_cone() -> Finding:
@@ -171,14 +136,14 @@ def law_is_a_cone() -> Finding:
 def _carried(
     what: str, change: dict[sp.Symbol, sp.Expr], balances: Sequence[sp.Expr], speeds: sp.Expr
 ) -> Finding:
-    """Whether a change multiplies the balance and the contact speeds of two contacts as said."""
-    pair = (contact("1"), contact("2"))
-    forces = {f: k * f for one in pair for f in (one.normal, one.tangential)}
-    before = quantities(TWIST, pair)
+    """Whether a change multiplies the rows of the balance and the speeds of any contact as said."""
+    one = contact("1")
+    before = parts(TWIST, one)
+    forces = {f: k * f for f in (one.normal, one.tangential)}
     after = [entry.subs({**change, **forces}, simultaneous=True) for entry in before]
-    factors = [*balances, *[speeds] * (len(before) - 3)]
+    factors = [*balances, *balances, speeds, speeds]
     expected = [factor * entry for factor, entry in zip(factors, before, strict=True)]
-    return equal(what, after, expected)
+    return identity(what, after, expected)
 
 
 def derive() -> Derivation:
@@ -350,8 +315,8 @@ def _film_scale() -> Claim:
         ),
         checks=(
             _carried(
-                r"$e_x \to k e_x$, $\lambda \to k \lambda$ at two contacts: balance times $k$, "
-                "slips and openings unchanged",
+                r"$e_x \to k e_x$, $\lambda \to k \lambda$: drag and wrench of any contact times $k$, "
+                "its slip and opening unchanged",
                 {e_x: k * e_x},
                 (k, k, k),
                 sp.Integer(1),
@@ -364,7 +329,7 @@ def _film_scale() -> Claim:
 def _rate() -> Claim:
     """v_p -> k v_p."""
     speeds = {entry: k * entry for entry in TWIST}
-    tips = {entry: k * entry for tag in "12" for entry in contact(tag).tip}
+    tips = {entry: k * entry for entry in contact("1").tip}
     return Claim(
         key="rate-film",
         title="The path on a film does not depend on the speed of the push",
@@ -382,8 +347,8 @@ def _rate() -> Claim:
         hypotheses=("no contact force depends on speed other than through the film",),
         checks=(
             _carried(
-                r"tip velocities, twist and $\lambda$ times $k$: balance, slips and openings "
-                "times $k$",
+                r"tip velocities, twist and $\lambda$ times $k$: drag, wrench, slip and opening of any "
+                "contact times $k$",
                 {**speeds, **tips},
                 (k, k, k),
                 k,
@@ -395,8 +360,8 @@ def _rate() -> Claim:
 
 def _size() -> Claim:
     """Lengths -> k lengths, rho -> k^2 rho."""
-    pair = (contact("1"), contact("2"))
-    lengths = {entry: k * entry for one in pair for entry in (*one.arm, *one.tip)}
+    one = contact("1")
+    lengths = {entry: k * entry for entry in (*one.arm, *one.tip)}
     change = {**lengths, TWIST[0]: k * TWIST[0], TWIST[1]: k * TWIST[1], rho: k**2 * rho}
     return Claim(
         key="size-invariance",
@@ -417,8 +382,8 @@ def _size() -> Claim:
         ),
         checks=(
             _carried(
-                r"lengths times $k$, $\rho$ times $k^2$: force rows times $k$, moment row times "
-                "$k^2$, slips and openings times $k$",
+                r"lengths times $k$, $\rho$ times $k^2$: forces of drag and of any contact times $k$, "
+                "moments times $k^2$, slip and opening times $k$",
                 change,
                 (k, k, k**2),
                 k,
@@ -439,15 +404,22 @@ def turned(one: Contact, by: sp.Expr) -> Contact:
     return Contact(R * one.arm, R * one.along, R * one.out, R * one.tip, one.normal, one.tangential)
 
 
-def _turned_conditions() -> Finding:
-    """All conditions of two contacts in a plane turned by phi."""
-    pair = (contact("1"), contact("2"))
-    spin = sp.diag(rotation(phi), 1)
-    return equal(
-        r"turn part, tips and velocities by $\varphi$: the balance turns along, slips and openings "
-        "are unchanged (two contacts)",
-        quantities(spin * TWIST, [turned(one, phi) for one in pair]),
-        [*(spin * balance(TWIST, pair)), *quantities(TWIST, pair)[3:]],
+def _turned_conditions() -> tuple[Finding, ...]:
+    """All conditions of any contact in a plane turned by phi."""
+    one, spin = contact("1"), sp.diag(rotation(phi), 1)
+    image, twist = turned(one, phi), spin * TWIST
+    return (
+        identity(
+            r"turn part, tips and velocities by $\varphi$: the drag and the wrench of any contact "
+            "turn along",
+            [*film(twist), *image.push()],
+            [*(spin * film(TWIST)), *(spin * one.push())],
+        ),
+        identity(
+            "its slip and its opening are unchanged",
+            [image.slip(twist), image.opening(twist)],
+            [one.slip(TWIST), one.opening(TWIST)],
+        ),
     )
 
 
@@ -474,13 +446,13 @@ def _isotropy() -> Claim:
             "not change. The position of the part occurs in no condition.",
         ),
         checks=(
-            equal(r"$R E R^T = E$", list(spin * E * spin.T), list(E)),
+            identity(r"$R E R^T = E$", list(spin * E * spin.T), list(E)),
             for_all(
                 r"$R E R^T = E$ at one $\varphi$ that is no multiple of $90°$ makes $e_y = e_x$",
                 [*same, sp.Ne(sp.sin(phi), 0), sp.Ne(sp.cos(phi), 0)],
                 sp.Eq(e_x, e_y),
             ),
-            _turned_conditions(),
+            *_turned_conditions(),
         ),
     )
 
@@ -527,17 +499,17 @@ def _twist_of_one_contact() -> Claim:
         ),
         hypotheses=(rf"{tex(below)} $> 0$ and $\sin\theta > 0$, which make $\lambda_n > 0$",),
         checks=(
-            equal(
+            identity(
                 r"the slip is $|v_p|(\tau N + D)$ over the divisor",
                 [slip],
                 [-v_p * (tau * N + D) / below],
             ),
-            equal(
+            identity(
                 r"$\lambda_n = e_x |v_p| \rho \sin\theta$ over the divisor",
-                [normal],
-                [-e_x * v_p * rho * s / below],
+                as_written(lambda: normal * below),
+                -e_x * v_p * rho * s,
             ),
-            equal(
+            identity(
                 r"at $\tau = -D/N$ the turn per travel is "
                 r"$(d_2\sin\theta - d_1\cos\theta)/F$, eq. (5)",
                 [twist[2].subs(tau, -D / N)],
@@ -575,17 +547,17 @@ def _identify_from_a_twist() -> Claim:
             r"for $\mu$: the contact is known to slip",
         ),
         checks=(
-            equal(r"$-(v \cdot a)/(v \cdot n) = \tau$", [ratio], [tau]),
-            equal(r"$(r \times v)/\omega = \rho$", [gained], [rho]),
-            equal(
-                "the same at every speed of the tip",
-                [f.subs(v_p, k * v_p) for f in (ratio, gained)],
-                [ratio, gained],
+            identity(r"$-(v \cdot a)/(v \cdot n) = \tau$", [ratio], [tau]),
+            identity(r"$(r \times v)/\omega = \rho$", [gained], [rho]),
+            identity(
+                "the same at every speed of the tip: the slopes in $v_p$",
+                [sp.Derivative(f, v_p) for f in (ratio, gained)],
+                [0, 0],
             ),
-            equal(
+            identity(
                 r"$\omega$ vanishes with $d_2 + d_1\tau$ only",
-                [twist[2] * (rho + d2**2 + d1 * d2 * tau)],
-                [-v_p * s * (d2 + d1 * tau)],
+                as_written(lambda: twist[2] * (rho + d2**2 + d1 * d2 * tau)),
+                -v_p * s * (d2 + d1 * tau),
             ),
         ),
     )
@@ -619,7 +591,7 @@ def _identify_while_sticking() -> Claim:
                 [*sticks, other >= mu],
                 sp.And(*(relation.subs(mu, other) for relation in sticks)),
             ),
-            equal(
+            identity(
                 r"the inversion returns $\rho$",
                 [(lever / turn - d1**2 - d2**2).subs(turn, _stick_turn())],
                 [rho],
@@ -664,7 +636,7 @@ def _nothing_from_straight_pushes() -> Claim:
             r"Slipping with $\omega = 0$: $\rho$ cancels from the twist, $\tau$ does not.",
         ),
         checks=(
-            equal(
+            identity(
                 r"sticking through the centre: the twist is $(v_p, 0, 0)$ for every $\rho$",
                 list(twist),
                 [v_p, sp.Integer(0), sp.Integer(0)],
@@ -674,12 +646,15 @@ def _nothing_from_straight_pushes() -> Claim:
                 [*(sp.Eq(entry, 0) for entry in held), apart],
                 moves,
             ),
-            equal(
+            identity(
                 r"slipping with the force through the centre: $\rho$ has no influence",
-                list(sliding),
-                list(sliding.subs(rho, k)),
+                [
+                    sp.Derivative(sp.Subs(entry, d2, -d1 * tau), rho)
+                    for entry in twist_at_ratio()[0]
+                ],
+                sp.zeros(3, 1),
             ),
-            equal(
+            identity(
                 r"there, the direction of motion still gives $\tau$",
                 [-a.dot(sliding[:2, :]) / n.dot(sliding[:2, :])],
                 [tau],

@@ -16,7 +16,16 @@ from derivations._arc import Direction, degrees, turn
 from derivations._circle import solve_linear, tidy
 from derivations._claim import Claim
 from derivations._derivation import Derivation, Function
-from derivations._statement import angle, for_all, identity, positive_by, require_zero, there_is
+from derivations._statement import (
+    angle,
+    as_written,
+    crossed,
+    for_all,
+    identity,
+    positive_by,
+    require_zero,
+    there_is,
+)
 from derivations._tex import tex
 from derivations.mechanics import (
     PAPER,
@@ -392,7 +401,7 @@ def turning_over_the_arc(turning: sp.Expr) -> Claim:
                 [d2 < mu * d1, -d2 < mu * d1],
                 sp.And(turn(LOWER, STILL) > 0, turn(STILL, UPPER) > 0),
             ),
-            identity("the lever is the turn from that direction", lever, turn(STILL, q)),
+            identity("the lever is the turn from that direction", lever, crossed(STILL, q)),
         ),
     )
 
@@ -427,8 +436,8 @@ def _signs_before_6(solved: Sticking) -> Claim:
         checks=(
             identity(
                 r"(8) is the turn from $\theta$ to $\pi - \tan^{-1}(d_2/d_1)$",
-                slope,
-                turn(HERE, (-d1, d2)),
+                as_written(lambda: sp.Derivative(solved.twist[2], theta) * F / -v_p),
+                crossed(HERE, (-d1, d2)),
             ),
             identity(
                 r"$\lambda_n$ is the turn from $\theta$ to $\pi - \tan^{-1}(A/B)$",
@@ -443,7 +452,7 @@ def _signs_before_6(solved: Sticking) -> Claim:
             identity(
                 r"$v_\theta$ is the turn from $\tan^{-1}(d_1/d_2)$ to $\theta$",
                 scaled(solved).turning,
-                turn(STILL, HERE),
+                crossed(STILL, HERE),
             ),
         ),
     )
@@ -530,7 +539,7 @@ def _lemma_1(forces: Scaled) -> Claim:
             identity(
                 "the lever of the certificate is the one derived",
                 forces.turning,
-                turn(STILL, HERE),
+                crossed(STILL, HERE),
             ),
         ),
     )

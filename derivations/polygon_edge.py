@@ -15,6 +15,7 @@ edge of any convex polygon.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import sympy as sp
@@ -30,17 +31,18 @@ from derivations.mechanics import (
     d4,
     film,
     n,
+    rho,
     theta,
     velocity_at,
     wrench,
 )
 from derivations.symmetries import (
     BETA,
+    LEFTWARDS,
     Q as EDGE,
     edge_contact,
-    same,
-    sticking,
     sticking_at,
+    twist_under,
     two_points,
 )
 
@@ -147,7 +149,7 @@ def _frame_claim() -> Claim:
         checks=(
             identity(r"$p \cdot n = (p \times q)/L$", frame.depth * LENGTH, cross(P, Q)),
             identity(r"$q \cdot n$ is the same", Q.dot(frame.out), frame.depth),
-            same(r"$p + t(q - p) = d_2 a + d_1 n$", contact.subs(circle), point),
+            identity(r"$p + t(q - p) = d_2 a + d_1 n$", contact.subs(circle), point),
             identity(
                 r"length of the range", (frame.last - frame.first).subs(circle), circle[LENGTH]
             ),
@@ -173,7 +175,7 @@ def _inside_claim() -> Claim:
         ),
         checks=(
             identity(r"height of the origin over the edge is $d_1$",
-                     -frame.out.dot(-P), frame.depth),
+                     sp.MatMul(-frame.out.T, -P), frame.depth),
             identity(r"area of the triangle (centre, $p$, $q$) is $L d_1/2$",
                      cross(P, Q) / 2, LENGTH * frame.depth / 2),
             positive_by("the edge's other side has $d_1 < 0$: run backwards",
@@ -190,6 +192,14 @@ def _conditions_claim() -> Claim:
     out = n.subs({sp.cos(theta): EDGE[0], sp.sin(theta): EDGE[1]}, simultaneous=True)
     twist = sp.Matrix(TWIST)
     both = sp.diag(turn, 1)
+    forces, size = sticking_at(), rho + d1**2 + d2**2
+    held = replace(
+        edge_contact(EDGE),
+        tip=size * LEFTWARDS,
+        normal=forces.normal,
+        tangential=forces.tangential,
+    )
+    moved = twist_under(held)
     return Claim(
         key="polygon-edge-conditions",
         title="The conditions of one edge hold for every edge",
@@ -207,11 +217,12 @@ def _conditions_claim() -> Claim:
         ),
         hypotheses=(r"$e_y = e_x$", "contact away from the vertices"),
         checks=(
-            same(r"$R E R^T v = E v$", both * film(both.T * twist), film(twist), on=turned),
-            same("an edge turned with its part: arm", turn * (d2 * EDGE + d1 * out),
+            identity(r"$R E R^T v = E v$", both * film(both.T * twist), film(twist), on=[turned]),
+            identity("an edge turned with its part: arm", turn * (d2 * EDGE + d1 * out),
                  edge_contact(turn * EDGE).arm()),
-            same("forces and turn of one-point sticking, solved at an edge of any direction",
-                 sp.Matrix(sticking(edge_contact(EDGE))), sp.Matrix(sticking_at())),
+            identity("at an edge of any direction the forces of one-point sticking leave no slip and no "
+                     "opening, and turn the part as derived", [*held.relative(moved), moved[2]],
+                     [0, 0, forces.turning], on=[EDGE]),
         ),
     )  # fmt: skip
 
@@ -224,7 +235,7 @@ def _rectangle_claim() -> Claim:
     """The four edges of a rectangle."""
     length, width = sp.symbols("length width", positive=True)
     corners = _rectangle(length / 2, width / 2)
-    frames = [edge_frame(p, q) for p, q in zip(corners, corners[1:] + corners[:1], strict=True)]
+    edges, frame = zip(corners, corners[1:] + corners[:1], strict=True), edge_frame(P, Q)
     quarters = [(1, 0), (0, 1), (-1, 0), (0, -1)]
     depths = [width / 2, length / 2] * 2
     return Claim(
@@ -236,12 +247,12 @@ def _rectangle_claim() -> Claim:
         r"\ell/2, w/2, \ell/2$ and $|d_2| \le \ell/2, w/2, \ell/2, w/2$. Upright ($\theta = \pi/2$) "
         r"the first faces $+x$; after a quarter turn counter-clockwise the last does.",
         checks=tuple(
-            same(
+            identity(
                 f"edge {k + 1}: direction, $d_1$ and ends of $d_2$",
-                sp.Matrix([*frame.along, frame.depth, frame.first, frame.last]),
-                sp.Matrix([*quarter, depth, *_ends(depth, length, width)]),
+                [sp.Subs(entry, (*P, *Q), (*p, *q)) for entry in (*frame.along, *frame[2:])],
+                [*quarter, depth, *_ends(depth, length, width)],
             )
-            for k, (frame, quarter, depth) in enumerate(zip(frames, quarters, depths, strict=True))
+            for k, ((p, q), quarter, depth) in enumerate(zip(edges, quarters, depths, strict=True))
         ),
     )
 

@@ -22,7 +22,7 @@ from derivations._statement import (
     there_is,
     together,
 )
-from derivations.invariances import TWIST, contact, equal
+from derivations.invariances import TWIST, contact
 from derivations.mechanics import coulomb, e_x, film, rho
 
 MICRO = sp.Rational(1, 10**6)
@@ -111,7 +111,7 @@ def _power() -> tuple[Finding, ...]:
         parts.append(one.normal * one.opening(TWIST) + one.tangential * one.slip(TWIST))
     normal, shear, slip, opening = sp.symbols("lambda_n lambda_t slip opening", real=True)
     return (
-        equal(
+        identity(
             r"power of a contact on the part: force times tip velocity, plus $\lambda_n$ times "
             r"opening plus $\lambda_t$ times slip",
             work,
@@ -122,7 +122,7 @@ def _power() -> tuple[Finding, ...]:
             coulomb(normal, shear, slip, opening),
             normal * opening + shear * slip <= 0,
         ),
-        equal(
+        identity(
             r"the film takes $e_x (v^2 + \rho\omega^2)$",
             [film(TWIST).dot(TWIST)],
             [e_x * (TWIST[0] ** 2 + TWIST[1] ** 2 + rho * TWIST[2] ** 2)],
@@ -140,7 +140,7 @@ def _turn_limit() -> Claim:
     x, y, w = TWIST
     slack = -x - x**2 - y**2 - rho * w**2  # unit tip speed along -x
     ratio = sp.Symbol("rho_mm", positive=True)
-    R = sp.sqrt(rho)
+    R = sp.Symbol("R", positive=True)
     printed_rho = sp.Integer(376_900)
     least = float(2 * sp.sqrt(printed_rho) * sp.pi / 4)
     shown = " and ".join(
@@ -167,10 +167,14 @@ def _turn_limit() -> Claim:
             *_power(),
             identity(
                 r"$1 - 4\rho\omega^2$ is a sum of squares and four times the power left over",
-                sp.expand(1 - 4 * rho * w**2),
-                sp.expand((1 + 2 * x) ** 2 + 4 * y**2 + 4 * slack),
+                1 - 4 * rho * w**2,
+                (1 + 2 * x) ** 2 + 4 * y**2 + 4 * slack,
             ),
-            identity("attained at $R^2 = \\rho$", R / (rho + R**2), 1 / (2 * R)),
+            identity(
+                "attained at $R^2 = \\rho$",
+                sp.Subs(R / (rho + R**2), R, sp.sqrt(rho)),
+                1 / (2 * sp.sqrt(rho)),
+            ),
             for_all(
                 r"45° (from 44.5° on) at $\rho = 0.3769$ mm² needs more than 953 µm",
                 [
@@ -200,8 +204,7 @@ def _film_bounds() -> tuple[Finding, ...]:
     x, y = sp.symbols("x y", real=True)
     under = [x <= length / 2, -x <= length / 2, y <= width / 2, -y <= width / 2]
     square = x**2 + y**2
-    over_x = sp.integrate(square, (x, -length / 2, length / 2))
-    mean = sp.integrate(over_x, (y, -width / 2, width / 2)) / (length * width)
+    over = (x, -length / 2, length / 2), (y, -width / 2, width / 2)
     return (
         for_all(
             r"everywhere under the part $r^2 \le (l^2 + w^2)/4$, so $e_\theta = \int k r^2 \le e_x "
@@ -211,8 +214,8 @@ def _film_bounds() -> tuple[Finding, ...]:
         ),
         identity(
             r"a uniform film has $\rho = (l^2 + w^2)/12$",
-            sp.expand(mean),
-            sp.expand(LARGEST_RHO / 3),
+            sp.Integral(square, *over) / (length * width),
+            LARGEST_RHO / 3,
         ),
     )
 
@@ -371,11 +374,10 @@ def _acceleration() -> tuple[Finding, ...]:
     second = sp.diff(rate, phi) * rate
     swap = [(sp.diff(turned, t, 2), second), (sp.diff(turned, t), rate), (turned, phi)]
     centre = (-sp.diff(arm, t, 2)).subs(swap)
-    size = sp.simplify(sp.expand(centre.dot(centre)))
     return (
         identity(
             r"with $\dot\phi = v L \sin\phi$ the centre accelerates with $R v^2 L^2 |\sin\phi|$",
-            size,
+            centre.dot(centre),
             R**2 * v**4 * L**4 * sp.sin(phi) ** 2,
         ),
         for_all(
@@ -706,7 +708,9 @@ def _needed_width() -> tuple[Finding, ...]:
             [sp.cos(psi) >= 0, sp.sin(psi) >= 0, *under],
             4 * height**2 <= NEEDED**2,
         ),
-        identity("a corner is as far", 2 * height.subs(corner), NEEDED),
+        identity(
+            "a corner is as far", 2 * sp.Subs(height, *zip(*corner.items(), strict=True)), NEEDED
+        ),
     )
 
 
@@ -726,7 +730,9 @@ def _goal_and_slot() -> Claim:
         r"w\cos\psi \le 976$ µm. A pose within the goal tolerance need not be: straight parts fit "
         rf"up to $|Y| = 69.5$ µm only; 5° fits with {float(spare):.1f} µm to spare at $Y = 0$, and not "
         r"at all with the printed clearance of 137 µm; with $|Y| = 38$ µm ($\epsilon_p/2$, Step 1) the "
-        "tilt must be below 2.3°. Reaching the goal set is not the same as being in the slot.",
+        r"tilt must be below 2.3°. $\epsilon_p$ is a whole side in Steps 1, 3 and 4 ($Y$ within $\pm"
+        r"\epsilon_p/2$, a box narrower than $\epsilon_p$); Section IX-E calls it the tolerance of the "
+        "goal, which may be read as a half side, ±76 µm. Reaching the goal set is not the same as being in the slot.",
         steps=(
             r"The extent of the rectangle across the slot is $l\sin|\psi| + w\cos\psi$.",
             r"Numbers in µm; $\tan(\psi/2) = 0.04366$ is 5.00°, from below; $\sin 2.3° = 0.0401$.",

@@ -415,7 +415,7 @@ def _slip_difference() -> sp.Expr:
     """Slip at D less slip at S, per travel, from the velocities of a rigid part on both tips."""
     problem = law()
     solved = solve_linear(problem.openings, (problem.forces[0], problem.forces[2]))
-    return tidy(((problem.slips[0] - problem.slips[1]) / rho).subs(solved))
+    return ((problem.slips[0] - problem.slips[1]) / rho).subs(solved)
 
 
 def _jam(balance: _Balance) -> Claim:
@@ -443,7 +443,9 @@ def _jam(balance: _Balance) -> Claim:
         "has a solution if both tips press and D would slip up even with both friction forces "
         r"driving the part up along the edge. For $d_v < d_w\sqrt{1 + \mu^2}$ there is such a "
         r"stretch $T < \mu d_w$, $h > 0$; a push that satisfies the conditions in it jams where it "
-        "enters it.",
+        r"enters it. Where $\rho + \sigma^2 > d_1^2(1 + \mu^2)$, as for the paper's part, the slip at D "
+        "is up wherever a push enters the stretch: with both tips pressing it jams. A part for which "
+        "that is not so need not jam: two motions can exist there (see the uniqueness of the rotation).",
         steps=(
             *WALK[:2],
             r"For $T < \mu d_w$ the denominator vanishes inside the allowed ratios; on one side of "
@@ -460,6 +462,22 @@ def _jam(balance: _Balance) -> Claim:
                 "ratios within the cones that fit their slips need a tip to pull (half width 1)",
                 [relation.subs(plain) for relation in situation],
                 sp.Not(sp.And(balance.active * grip > 0, balance.passive * grip >= 0)).subs(plain),
+            ),
+            for_all(
+                r"D slips up where a push enters the stretch, $T = \mu d_w$, if $\rho + \sigma^2 > d_1^2"
+                r"(1 + \mu^2)$",
+                [sp.Eq(T, mu * w), s > 0, CLOSING >= 0, rho + sigma**2 > d1**2 * (1 + mu**2)],
+                corner > 0,
+            ),
+            for_all(
+                r"so it does for every slide of the paper's part, $\mu \le 0.36$ (µm)",
+                [sp.Eq(d1, PAPER[d1]), sp.Eq(rho, PAPER[rho]), mu <= sp.Rational(36, 100)],
+                rho + sigma**2 > d1**2 * (1 + mu**2),
+            ),
+            there_is(
+                r"the two motions of the uniqueness remark are in a stretch where this fails",
+                [mu * w > T, CLOSING > 0, rho + sigma**2 < d1**2 * (1 + mu**2)],
+                at=WEDGED,
             ),
         ),
     )

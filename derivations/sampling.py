@@ -18,10 +18,18 @@ from sympy.logic.boolalg import Boolean
 
 from derivations._claim import Claim
 from derivations._derivation import Derivation
-from derivations._statement import Finding, angle, for_all, identity, positive_by, there_is
+from derivations._statement import (
+    Finding,
+    angle,
+    as_written,
+    for_all,
+    identity,
+    positive_by,
+    there_is,
+)
 from derivations._tex import tex
 from derivations.mechanics import PAPER, cross, d1, d2, mu, rho
-from derivations.symmetries import HALF_LENGTH, Q, q_x, q_y, same, sticking_at
+from derivations.symmetries import HALF_LENGTH, Q, q_x, q_y, sticking_at
 
 B = rho + d1**2
 LEAST_MU, MOST_MU = sp.Rational(3, 10), sp.Rational(9, 25)
@@ -205,9 +213,9 @@ def _linear_in_direction(found: Margins) -> tuple[Finding, ...]:
 
 def _affine_in_parameters(found: Margins) -> tuple[Finding, ...]:
     return tuple(
-        same(
+        identity(
             f"all three margins are affine in ${name}$: second derivatives",
-            sp.Matrix([sp.diff(margin, parameter, 2) for margin in found]),
+            [sp.Derivative(margin, (parameter, 2)) for margin in found],
             sp.zeros(3, 1),
         )
         for parameter, name in ((mu, r"\mu"), (rho, r"\rho"))
@@ -225,7 +233,7 @@ def _between_offsets(found: Margins) -> tuple[Finding, ...]:
     ends = {"at_low": value(low), "at_high": value(high), "since": d2 - low, "until": high - d2}
     first = mu * d1 / 2
     turned = {q_y: -q_x * (2 * v / d1 - mu)}
-    mirrored = found.to_hi.subs({d2: -d2, q_x: -q_x}, simultaneous=True)
+    mirrored = sp.Subs(found.to_hi, (d2, q_x), (-d2, -q_x))
     return (
         positive_by(
             r"$\cos\theta > 0$: $\mu N - D$ between two offsets where it is positive",
@@ -269,7 +277,9 @@ def _between_offsets(found: Margins) -> tuple[Finding, ...]:
         ),
         identity(r"$P(d_2^*) = 0$", _bound(z).subs(z, _least_reach()), sp.Integer(0)),
         identity(r"$\mu N + D$ is the mirror image", mirrored, found.from_lo),
-        identity("the lever is affine in $d_2$", sp.diff(found.lever, d2, 2), sp.Integer(0)),
+        identity(
+            "the lever is affine in $d_2$", sp.Derivative(found.lever, (d2, 2)), sp.Integer(0)
+        ),
     )
 
 
@@ -327,11 +337,12 @@ def _ends_that_count(found: Margins) -> Claim:
                 multiplier="2*mu",
                 combination="2*mu*to_hi + more*(from_lo + to_hi)",
             ),
-            identity("the slope in $\\mu$ is $N$", sp.diff(found.from_lo, mu), normal),
-            identity(r"slope in $\rho$", sp.diff(found.from_lo, rho), mu * q_y - q_x),
-            identity(r"slope in $\rho$, the other margin", sp.diff(found.to_hi, rho), mu * q_y + q_x),
-            same("the lever depends on neither: its slopes",
-                 sp.Matrix([sp.diff(found.lever, mu), sp.diff(found.lever, rho)]), sp.zeros(2, 1)),
+            identity("the slope in $\\mu$ is $N$", sp.Derivative(found.from_lo, mu), normal),
+            identity(r"slope in $\rho$", sp.Derivative(found.from_lo, rho), mu * q_y - q_x),
+            identity(r"slope in $\rho$, the other margin", sp.Derivative(found.to_hi, rho),
+                     mu * q_y + q_x),
+            identity("the lever depends on neither: its slopes",
+                     [sp.Derivative(found.lever, mu), sp.Derivative(found.lever, rho)], sp.zeros(2, 1)),
         ),
     )  # fmt: skip
 
@@ -341,6 +352,7 @@ def _offsets(found: Margins) -> Claim:
     root = sp.Symbol("root", positive=True)
     end, square = _largest_offset(root)
     at_end = sp.numer(sp.together(found.from_lo.subs(d2, end)))
+    quotient, _ = sp.div(sp.expand(at_end), root**2 - square, root)
     low = {**PART, mu: LEAST_MU}
     texts = [
         rf"$\psi = {_degrees(t):.2f}°$, {first:.1f} to {last:.1f} µm"
@@ -362,8 +374,8 @@ def _offsets(found: Margins) -> Claim:
             r"0$ by itself, and $\mu N - D$, concave in $d_2$, is positive up to its larger root.",
         ),
         checks=(
-            identity(r"$\mu N - D = 0$ at $d_2^{max}$",
-                     sp.rem(sp.expand(at_end), root**2 - square, root), sp.Integer(0)),
+            identity(r"$\mu N - D = 0$ at $d_2^{max}$: a multiple of $root^2$ less what it stands for",
+                     at_end, as_written(lambda: quotient * (root**2 - square))),
             for_all(r"$\cos\theta \ge 0$, lever and $\mu N - D$ positive: so is $\mu N + D$",
                     [q_x >= 0, q_y > 0, found.lever > 0, found.from_lo > 0], found.to_hi > 0),
             positive_by(

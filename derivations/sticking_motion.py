@@ -116,7 +116,6 @@ def _closed_form(rate: sp.Expr) -> Claim:
     R, delta = sp.sqrt(d1**2 + d2**2), sp.Symbol("delta", real=True)
     half = sp.tan((start - delta) / 2) * sp.exp(R * xi / F)  # tan((theta - delta)/2)
     motion = 2 * sp.atan(half)  # theta - delta
-    slope = sp.diff(motion, xi) - R / F * 2 * half / (1 + half**2)  # sin from the half tangent
     return Claim(
         key="closed-form-motion",
         title="Motion under one-point sticking in closed form",
@@ -145,10 +144,14 @@ def _closed_form(rate: sp.Expr) -> Claim:
                 rate,
                 (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / F,
             ),
-            identity(r"the law solves the equation", slope, sp.Integer(0)),
+            identity(
+                r"the law solves the equation, $\sin$ from the half tangent",
+                sp.Derivative(motion, xi),
+                R / F * 2 * half / (1 + half**2),
+            ),
             identity(
                 r"and starts at $\theta_0$",
-                half.subs(xi, 0),
+                sp.Subs(half, xi, 0),
                 sp.tan(start / 2 - delta / 2),
             ),
         ),

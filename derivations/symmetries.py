@@ -16,7 +16,10 @@ import sympy as sp
 from derivations._claim import Claim
 from derivations._derivation import Derivation
 from derivations._statement import (
+    Circles,
     Finding,
+    combined,
+    crossed,
     for_all,
     identity,
     positive_by,
@@ -171,9 +174,7 @@ def enlarge(contact: Contact, factor: sp.Expr) -> Image:
     )
 
 
-def carried(
-    name: str, image: Image, on: tuple[sp.Symbol, sp.Symbol] | None = None
-) -> tuple[Finding, ...]:
+def carried(name: str, image: Image, on: Circles = ()) -> tuple[Finding, ...]:
     """Whether a map carries the complete conditions into themselves; ``on``: its cosine and sine."""
     contact = general_contact()
     twist = sp.Matrix(sp.symbols("v_x v_y omega", real=True))
@@ -182,40 +183,35 @@ def carried(
     slip_after, opening_after = image.contact.relative(moved)
     drag_after = film(moved).subs(rho, image.rho)
     return (
-        same(f"{name}: drag of the image = image of the drag", drag_after,
-             image.on_wrenches * film(twist), on),
-        same(f"{name}: wrench of the image of a contact = image of its wrench",
-             image.contact.push(), image.on_wrenches * contact.push(), on),
-        same(f"{name}: slip and opening at the image",
+        identity(f"{name}: drag of the image = image of the drag", drag_after,
+             sp.MatMul(image.on_wrenches, film(twist)), on=on),
+        identity(f"{name}: wrench of the image of a contact = image of its wrench",
+             image.contact.push(), image.on_wrenches * contact.push(), on=on),
+        identity(f"{name}: slip and opening at the image",
              sp.Matrix([slip_after, opening_after]),
-             sp.Matrix([image.slip_sign * slip, opening]), on),
-        _law_carried(name, contact, image),
+             sp.Matrix([image.slip_sign * slip, opening]), on=on),
+        *_law_carried(name, contact, image),
     )  # fmt: skip
 
 
-def _law_carried(name: str, contact: Contact, image: Image) -> Finding:
-    """Coulomb's law holds of the image's forces and velocities exactly if it held before."""
+def _law_carried(name: str, contact: Contact, image: Image) -> tuple[Finding, ...]:
+    """Coulomb's law holds of the image's forces and velocities exactly if it held before.
+
+    There is nothing to decide where the image has the same forces, slip and opening.
+    """
     slip, opening = sp.symbols("slip opening", real=True)
     before = coulomb(contact.normal, contact.tangential, slip, opening)
     forces = image.contact.normal, image.contact.tangential
     after = coulomb(*forces, image.slip_sign * slip, opening)
-    return for_all(
-        f"{name}: Coulomb's law with unilateral contact holds of both or of neither",
-        [mu > 0],
-        sp.Equivalent(sp.And(*before), sp.And(*after)),
+    if after == before:
+        return ()
+    return (
+        for_all(
+            f"{name}: Coulomb's law with unilateral contact holds of both or of neither",
+            [],
+            sp.Equivalent(sp.And(*before), sp.And(*after)),
+        ),
     )
-
-
-def same(
-    what: str,
-    left: sp.Matrix,
-    right: sp.Matrix,
-    on: tuple[sp.Symbol, sp.Symbol] | None = None,
-) -> Finding:
-    """Whether two vectors are equal, component by component, for unit directions ``on``."""
-    weights = sp.Matrix(sp.symbols(f"k_0:{left.rows}", real=True))
-    difference = sp.expand((left - right).dot(weights))
-    return identity(what, on_circle(difference, *on) if on else difference, sp.Integer(0))
 
 
 def on_circle(expression: sp.Expr, x: sp.Symbol, y: sp.Symbol) -> sp.Expr:
@@ -236,13 +232,18 @@ def sticking(contact: Contact) -> Forces:
 
     unknowns = sp.symbols("lambda_n lambda_t", real=True)
     loaded = replace(contact, normal=unknowns[0], tangential=unknowns[1])
-    drag = film(sp.ones(3, 1)) / e_x
-    twist = sp.Matrix([p / k for p, k in zip(loaded.push(), drag, strict=True)])
+    twist = twist_under(loaded)
     system, right = sp.linear_eq_to_matrix([unit(p) for p in loaded.relative(twist)], unknowns)
     scale = (rho + contact.depth**2 + contact.offset**2) / sp.factor(unit(system.det()))
     forces = system.adjugate() * right * scale
     turn = twist[2].subs(dict(zip(unknowns, forces, strict=True)), simultaneous=True)
     return Forces(*(unit(sp.cancel(part)) for part in (*forces, turn)))
+
+
+def twist_under(contact: Contact) -> sp.Matrix:
+    """Twist with which the film answers the contact's forces, ``e_x`` being 1."""
+    drag = film(sp.ones(3, 1)) / e_x
+    return sp.Matrix([p / k for p, k in zip(contact.push(), drag, strict=True)])
 
 
 def edge_contact(edge: sp.Matrix, depth: sp.Expr = d1, offset: sp.Expr = d2) -> Contact:
@@ -320,12 +321,12 @@ def _mirror_claim() -> Claim:
         ),
         hypotheses=("a film with the same drag in both directions",),
         checks=(
-            same(
+            identity(
                 "sense of slip and opening: at a part at rest, a tip that moves by $(u_a, u_n)$ along "
                 "$a$ and $n$ slips by $-u_a$ and opens by $u_n$",
                 sp.Matrix(leaving.relative(sp.zeros(3, 1))),
                 sp.Matrix([-steps[0], steps[1]]),
-                on=(q_x, q_y),
+                on=[(q_x, q_y)],
             ),
             *carried("mirror", mirror(general_contact())),
         ),
@@ -348,7 +349,7 @@ def _direction_claim() -> Claim:
             "are.",
         ),
         hypotheses=(r"$e_y = e_x$",),
-        checks=carried(r"turn by $\delta$", turn_world(general_contact(), *turned), on=turned),
+        checks=carried(r"turn by $\delta$", turn_world(general_contact(), *turned), on=[turned]),
     )
 
 
@@ -369,9 +370,9 @@ def _scale_claim(lo: sp.Matrix, hi: sp.Matrix) -> Claim:
         ),
         checks=(
             *carried("enlarged $k$ times", enlarge(general_contact(), factor)),
-            same(r"both ends of the sticking arc keep their directions, $\theta_{lo}$",
+            identity(r"both ends of the sticking arc keep their directions, $\theta_{lo}$",
                  lo.subs(grown, simultaneous=True), factor**2 * lo),
-            same(r"$\theta_{hi}$", hi.subs(grown, simultaneous=True), factor**2 * hi),
+            identity(r"$\theta_{hi}$", hi.subs(grown, simultaneous=True), factor**2 * hi),
         ),
     )  # fmt: skip
 
@@ -398,38 +399,41 @@ def _other_cases(lo: sp.Matrix, hi: sp.Matrix) -> Claim:
         ),
         of_print=(
             *carried("half turn", half_turn),
-            same(
+            identity(
                 "half turn: a push along $-x$ becomes one along $+x$",
-                half_turn.contact.tip,
-                -general_contact().tip,
+                sp.MatMul(half_turn.on_twists, LEFTWARDS.col_join(sp.zeros(1, 1))),
+                [1, 0, 0],
             ),
             *carried("mirror", mirror(general_contact())),
             _short_edge_is_a_case(),
         ),
         sharper=(
-            same(r"$\theta_{hi}(d_2) = \pi - \theta_{lo}(-d_2)$, as directions", hi, _mirrored(lo)),
-            same(r"$\theta_{lo}(d_2) = \pi - \theta_{hi}(-d_2)$, as directions", lo, _mirrored(hi)),
+            identity(
+                r"$\theta_{hi}(d_2) = \pi - \theta_{lo}(-d_2)$, as directions", hi, _mirrored(lo)
+            ),
+            identity(
+                r"$\theta_{lo}(d_2) = \pi - \theta_{hi}(-d_2)$, as directions", lo, _mirrored(hi)
+            ),
         ),
     )
 
 
-def _mirrored(direction: sp.Matrix) -> sp.Matrix:
+def _mirrored(direction: sp.Matrix) -> sp.MatrixExpr:
     """Direction at ``-d2``, mirrored: angle -> pi - angle."""
-    return sp.diag(-1, 1) * direction.subs(d2, -d2)
+    return sp.MatMul(sp.diag(-1, 1), direction.subs(d2, -d2))
 
 
 def _short_edge_is_a_case() -> Finding:
     """A tip on the short edge, its place written in the part's frame, is a contact with that d1."""
     half_length, across = sp.Symbol("half_length", positive=True), sp.Symbol("t", real=True)
     # the short edge at the end -a of the part: outward normal -a, t measured along n
-    place = -half_length * a + across * n
     quarter = {theta: theta - sp.pi / 2}
     contact = edge_contact(a.subs(quarter), half_length, across)
-    return same(
+    return identity(
         r"tip on the short edge: $-\ell a + t n$ is $d_2 a' + d_1 n'$ with $\theta' = \theta - "
         r"\pi/2$, $d_1 = \ell$, $d_2 = t$",
         contact.arm(),
-        place,
+        combined((-half_length, a), (across, n)),
     )
 
 
@@ -490,8 +494,6 @@ def _left_hand(lo: sp.Matrix, hi: sp.Matrix) -> Claim:
     """Push along +x on the edge that faces -x, in terms of the part's own orientation."""
     height = sp.Symbol("e", real=True)  # of the tip, along a: up, while the part is upright
     left = edge_contact(-Q, offset=-height)
-    pushed = sticking(replace(left, tip=-LEFTWARDS))
-    by_law = [force.subs(d2, -height) for force in sticking_at()]
     example = {**PAPER, d2: sp.Integer(-350)}
     return Claim(
         key="left-hand-push",
@@ -508,11 +510,13 @@ def _left_hand(lo: sp.Matrix, hi: sp.Matrix) -> Claim:
             r"-e$. Half a turn of the world makes it an edge of direction $\theta$ pushed along $-x$.",
         ),
         checks=(
-            same(r"the place is $e a - d_1 n$", left.arm(),
-                 height * Q - d1 * sp.Matrix([q_y, -q_x])),
-            same("forces and turn, solved for this contact, are those of the right-hand push at "
-                 "$d_2 = -e$", sp.Matrix(pushed), sp.Matrix(by_law)),
-            identity("lever", pushed.turning, -height * q_y - d1 * q_x),
+            identity(r"the place is $e a - d_1 n$", left.arm(),
+                     combined((height, Q), (-d1, sp.Matrix([q_y, -q_x])))),
+            identity("forces and turn, solved for this contact, are those of the right-hand push at "
+                     "$d_2 = -e$", sticking(replace(left, tip=-LEFTWARDS)),
+                     [sp.Subs(force, d2, -height) for force in sticking_at()]),
+            identity("lever", sp.Subs(sticking_at().turning, d2, -height),
+                     crossed((-height, d1), Q)),
         ),
     )  # fmt: skip
 
@@ -577,13 +581,14 @@ def _two_points() -> Claim:
             r"The lever $d_1 \sin\beta + d_2 \cos\beta$ becomes $d_4$ minus the lever.",
         ),
         checks=(
-            same("the tips of the image change places, the tangential force its sign",
+            identity("the tips of the image change places, the tangential force its sign",
                  sp.Matrix(mirrored), sp.Matrix([lower, upper, -shear])),
             identity(r"lower tip: $\lambda_n^2 d_4 = e_x |v_p| \cos\beta\, (d_1 \sin\beta + d_2 "
                      r"\cos\beta)$", lower * d4, x * (d1 * y + d2 * x)),
             identity(r"upper tip: $d_4$ minus the lever", upper * d4,
                      x * (d4 - d1 * y - d2 * x)),
-            identity(r"tangential force: $e_x |v_p| \sin\beta$", shear, y),
+            identity(r"tangential force: the drag along the edge, $e_x |v_p| \sin\beta$",
+                     sp.MatMul(LEFTWARDS.T, sp.Matrix([-y, x])), shear),
         ),
     )  # fmt: skip
 
@@ -611,9 +616,9 @@ def _two_sided() -> Claim:
     """The rotation between tips on opposite edges: four cases from one."""
     h, v, t = sp.symbols("h V T", real=True)
     w = 2 * d1
-    joint = t * a + w * n - sp.Matrix([h, v])
+    pair = t * a + w * n
+    joint = pair - sp.Matrix([h, v])
     below = joint.subs({theta: sp.pi - theta, t: -t, v: -v}, simultaneous=True)
-    across = joint.subs({theta: theta + sp.pi, h: -h, v: -v}, simultaneous=True)
     rate_t, rate = sp.symbols("T_rate theta_rate", real=True)
     moving = rate_t * a + rate * (t * a.diff(theta) + w * n.diff(theta)) - LEFTWARDS
     (rates,) = sp.solve([moving.dot(n), moving.dot(a)], (rate, rate_t), dict=True)
@@ -636,15 +641,13 @@ def _two_sided() -> Claim:
         checks=(
             identity(r"$\theta' = \sin\theta/T$", rates[rate], s / t),
             identity(r"$T' = -h/T$", rates[rate_t], nearing),
-            identity(r"$T \cos\theta + d_w \sin\theta = h$", (joint + sp.Matrix([h, v]))[0],
-                     -nearing * t),
-            identity(r"$T \sin\theta - d_w \cos\theta = V$",
-                     sp.expand((joint + sp.Matrix([h, v]))[1]), t * s - w * c),
+            identity(r"$T a + d_w n = (h, V)$ in components", combined((t, a), (w, n)), pair),
             for_all(r"$V > d_w$ gives $T \sin\theta > 0$", [v > w, c**2 <= 1], v + w * c > 0),
             for_all(r"$V < -d_w$ gives $T \sin\theta < 0$", [v < -w, c**2 <= 1], v + w * c < 0),
-            same("moving tip below: the mirrored relation", below, sp.diag(1, -1) * joint),
-            same("moving tip on the left: the turned relation",
-                 across + sp.Matrix([-h, -v]), -(joint + sp.Matrix([h, v]))),
+            identity("moving tip below: the mirrored relation", below,
+                     sp.MatMul(sp.diag(1, -1), joint)),
+            identity("moving tip on the left: the turned relation",
+                     [sp.Subs(entry, theta, theta + sp.pi) for entry in pair], -pair),
         ),
     )  # fmt: skip
 

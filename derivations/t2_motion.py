@@ -16,7 +16,7 @@ from derivations._arc import Direction, turn
 from derivations._circle import tidy
 from derivations._claim import Claim
 from derivations._derivation import Derivation
-from derivations._statement import Finding, Point, angle, for_all, identity, there_is
+from derivations._statement import Finding, Point, angle, crossed, for_all, identity, there_is
 from derivations.mechanics import PAPER, beta, d1, d2, d4, mu, theta
 from derivations.one_point_sticking import UPPER, A, B, C, scaled, solve_sticking
 from derivations.two_point_sticking import solve_two_points
@@ -315,11 +315,11 @@ def _sense_of_beta() -> Claim:
             ),
         ),
         checks=(
-            for_all(
-                r"in the sense of (12): $\beta + \theta_0 < \pi/2$ leaves a counter-clockwise turn "
-                r"to $\pi/2 - \beta$",
-                [c > 0, start[1] > 0, before > 0],
-                turn(start, BOTH) > 0,
+            identity(
+                r"in the sense of (12): the turn from $\theta_0$ to $\pi/2 - \beta$ is $\cos(\beta + "
+                r"\theta_0)$, counter-clockwise for $\beta + \theta_0 < \pi/2$",
+                crossed(start, BOTH),
+                sp.cos(beta + slope),
             ),
             identity("in the sense of (9): (9) gives the force of tip 1", printed_9, first),
         ),

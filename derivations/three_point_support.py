@@ -20,6 +20,8 @@ from derivations._statement import (
     Finding,
     Point,
     angle,
+    as_written,
+    combined,
     for_all,
     identity,
     there_is,
@@ -30,7 +32,6 @@ from derivations.invariances import (
     TWIST,
     Contact,
     contact,
-    equal,
     k,
     k_force,
     k_speed,
@@ -108,11 +109,9 @@ def load_identities(rows: Sequence[sp.Expr]) -> Finding:
     left, right = [], []
     for j, one in enumerate(SUPPORTS):
         p, q = places[(j + 1) % 3], places[(j + 2) % 3]
-        left.append(sp.expand(area * one.load - W * parts[j]))
-        right.append(
-            sp.expand(parts[j] * rows[0] + (q[0] - p[0]) * rows[1] + (q[1] - p[1]) * rows[2])
-        )
-    return equal(
+        left.append(area * one.load - W * parts[j])
+        right.append(parts[j] * rows[0] + (q[0] - p[0]) * rows[1] + (q[1] - p[1]) * rows[2])
+    return identity(
         r"$S N_i - W S_i$ is a combination of the three balance rows, so the loads satisfy "
         r"$S N_i = W S_i$ ($S$ twice the area of the triangle, $S_i$ of centre and the other two)",
         left,
@@ -160,19 +159,18 @@ def _columns_from_power() -> tuple[Finding, ...]:
     force = sp.Matrix(sp.symbols("f_x f_y", real=True))
     lifting = sp.Symbol("N", real=True)
     planar = velocity_at(TWIST, arm)
-    power = sp.expand(force.dot(planar))
-    upward = sp.Matrix([0, 0, lifting]).dot(sp.Matrix([*planar, 0]))
+    power = force.dot(planar)
     return (
-        equal(
+        identity(
             "the power of a force at a point of the part is its column $(f_x, f_y, x f_y - y f_x)$ "
             "times the twist, for every force, point and twist",
-            [sp.diff(power, entry) for entry in TWIST],
+            [sp.Derivative(power, entry) for entry in TWIST],
             list(wrench(force, arm)),
         ),
-        equal(
+        identity(
             "the vertical load of a support does no work on a planar twist: its column is zero",
-            [sp.diff(upward, entry) for entry in TWIST],
-            [sp.Integer(0)] * 3,
+            sp.MatMul(sp.Matrix([[0, 0, lifting]]), sp.Matrix([*planar, 0])),
+            sp.Integer(0),
         ),
     )
 
@@ -191,7 +189,7 @@ def _inertia_of_the_part() -> Finding:
     here = power.subs([*swap, (sp.diff(pose[2], t), omega), (pose[2], theta)])
     over_x = sp.integrate(sp.expand(here), (x, -length / 2, length / 2))
     total = sp.expand(sp.integrate(sp.expand(over_x), (y, -width / 2, width / 2)))
-    return equal(
+    return identity(
         r"the inertia that (1) leaves out is exactly $(m a_x, m a_y, I\alpha)$ with "
         r"$I = m(l^2 + w^2)/12$, at every angular velocity",
         [sp.diff(total, entry) for entry in trial],
@@ -365,15 +363,15 @@ def _centre_of_friction() -> Claim:
         ),
         hypotheses=("no vertical force at the probe", "quasi-static"),
         checks=(
-            equal(
+            identity(
                 r"$N_i = W S_i / S$ gives $\sum N_i r_i = 0$",
                 list(weighted.subs(_loads())),
                 [sp.Integer(0), sp.Integer(0)],
             ),
-            equal(
+            identity(
                 r"with the push at height $h$ the moment rows are $\sum N_i r_i = hP$",
                 [-rows[2], rows[1]],
-                list(weighted - h * sp.Matrix([P_x, P_y])),
+                combined(*((one.load, one.place) for one in SUPPORTS), (-h, sp.Matrix([P_x, P_y]))),
             ),
             for_all(
                 r"a force of size at most $L$ has at most $L$ in every direction; summed over the "
@@ -410,8 +408,8 @@ def _maximum_dissipation() -> Claim:
         checks=(
             identity(
                 r"$|f|^2|v|^2 - (f \cdot v)^2 = (f \times v)^2$",
-                sp.expand(force.dot(force) * velocity.dot(velocity) - force.dot(velocity) ** 2),
-                sp.expand(cross(force, velocity) ** 2),
+                force.dot(force) * velocity.dot(velocity) - force.dot(velocity) ** 2,
+                cross(force, velocity) ** 2,
             ),
             for_all(
                 "Coulomb's law of a support: no force of the disc dissipates more",
@@ -509,7 +507,7 @@ def _carried(
     """Whether a change multiplies the balance and all speeds as said."""
     balance, moves = before = quantities(TWIST, contact("0"))
     after = [entry.subs(change, simultaneous=True) for part in before for entry in part]
-    return equal(what, after, [*(forces * e for e in balance), *(speeds * e for e in moves)])
+    return identity(what, after, [*(forces * e for e in balance), *(speeds * e for e in moves)])
 
 
 def _all_forces() -> dict[sp.Symbol, sp.Expr]:
@@ -676,7 +674,7 @@ def _mu_s() -> Claim:
             ),
             _friction_is_a_cone(),
             law_is_a_cone(),
-            equal(
+            identity(
                 "weight and loads times $k$: the out-of-plane balance times $k$",
                 [row.subs(weight, simultaneous=True) for row in rows],
                 [k * row for row in rows],
@@ -742,7 +740,7 @@ def _translation_wrench() -> Finding:
     u = sp.Matrix([sp.cos(theta), sp.sin(theta)])
     pushes = [wrench(-mu_s * one.load * u, one.place) for one in SUPPORTS]
     total = sum(pushes, sp.zeros(3, 1)).subs(_loads())
-    return equal(
+    return identity(
         r"in a translation along $u$ the friction of any three supports is $-\mu_s W u$ through the "
         "centre of mass, without moment",
         list(total),
@@ -769,7 +767,7 @@ def _straight_balance() -> Finding:
     pushes = [wrench(-mu_s * one.load * sp.Matrix([-1, 0]), one.place) for one in SUPPORTS]
     centred = {probe.normal: mu_s * W, probe.tangential: 0, d2: 0, theta: sp.pi / 2}
     total = sum(pushes, probe.push().subs(centred)).subs(loads)
-    return equal(
+    return identity(
         r"a straight push with $\lambda_n = \mu_s W$, $\lambda_t = 0$ at the middle of an upright "
         "edge balances the friction of any three supports that slide along $-x$",
         list(total),
@@ -866,7 +864,8 @@ def _straight_push() -> Claim:
     shown = ", ".join(rf"{_growth(_second_moment(name)):.2f} for ${name}$" for name in TABLE_I)
     on_film = (d2 * sp.sin(theta) - d1 * sp.cos(theta)) / F
     t = sp.Symbol("t", positive=True)
-    film = sp.diff(on_film.subs({theta: sp.pi / 2 + t * epsilon, d2: t * delta}), t).subs(t, 0)
+    deviating = on_film.subs({theta: sp.pi / 2 + t * epsilon, d2: t * delta})
+    film = sp.Subs(sp.Derivative(deviating, t), t, 0)
     most = _growth(sp.Integer(0))
     return Claim(
         key="straight-push-is-unstable",
@@ -899,12 +898,12 @@ def _straight_push() -> Claim:
             ),
         ),
         sharper=(
-            equal(
+            identity(
                 r"$d\theta/d\xi = (d_1 \epsilon + \delta)/(q_{xx} + d_1^2)$",
-                [rate],
-                [(d1 * epsilon + delta) / (q_xx + d1**2)],
+                as_written(lambda: rate * (q_xx + d1**2)),
+                d1 * epsilon + delta,
             ),
-            equal(r"on the film $q_{xx}$ becomes $\rho$", [film], [rate.subs(q_xx, rho)]),
+            identity(r"on the film $q_{xx}$ becomes $\rho$", film, sp.Subs(rate, q_xx, rho)),
         ),
     )
 

@@ -26,7 +26,7 @@ from derivations._statement import (
 )
 from derivations._tex import tex
 from derivations.mechanics import PAPER, a, cross, d1, d2, mu, n, rho, theta, velocity_at
-from derivations.sampling import LEAST_MU
+from derivations.sampling import LEAST_MU, MOST_MU
 from derivations.symmetries import HALF_LENGTH, limits
 
 back, phi = sp.symbols("d2_back phi", real=True)
@@ -159,10 +159,10 @@ def _ends(tilted: sp.Expr) -> Claim:
                      d2 * (sp.cos(alpha) - sp.cos(phi)) + back * (sp.cos(phi) - sp.cos(end_tilt))
                      + d1 * (sp.sin(alpha) - sp.sin(end_tilt))),
             identity("equal ends", equal, (d2 - back) * (sp.cos(alpha) - sp.cos(phi))),
-            identity("first order in the tilt of the start", sp.diff(tilted, alpha).subs(alpha, 0),
-                     d1),
+            identity("first order in the tilt of the start",
+                     sp.Subs(sp.Derivative(tilted, alpha), alpha, 0), d1),
             identity("first order in the tilt of the end",
-                     sp.diff(tilted, end_tilt).subs(end_tilt, 0), -d1),
+                     sp.Subs(sp.Derivative(tilted, end_tilt), end_tilt, 0), -d1),
         ),
     )  # fmt: skip
 
@@ -288,11 +288,8 @@ def _upper_corner() -> Claim:
         checks=(
             identity(
                 r"difference of the two",
-                sp.expand(upper - lower),
-                sp.expand(
-                    2 * span * sp.cos(phi) * (1 - sp.cos(turn))
-                    + 2 * off * sp.sin(phi) * sp.sin(turn)
-                ),
+                upper - lower,
+                2 * span * sp.cos(phi) * (1 - sp.cos(turn)) + 2 * off * sp.sin(phi) * sp.sin(turn),
             ),
             for_all(
                 r"positive for $\cos\phi \ge 0$",
@@ -337,7 +334,7 @@ def _step_1() -> Claim:
         r"equal to what is sensed to be left ($l_{AB}$ or $\phi$ chosen for it), with $d_v^u$ at that "
         r"choice; then they are also necessary. If all motions have one gain $g$, what is needed is "
         r"$s_p^u + (g + d_v^u)/2 \le \epsilon_p/2$. With the paper's $\epsilon_p = 76$ µm this holds as "
-        "well, because no sticking motion gains that much (see the limit of the gain). Witness for a "
+        "well, because no sticking motion gains that much (see the bound on the gain). Witness for a "
         rf"tolerance of $\pm {shown[0]}$ µm: $s_p^u + d_v^u = {shown[1]}$ µm, and the part ends up to "
         rf"{shown[2]} µm off without and {shown[3]} µm off after another motion.",
         steps=(
@@ -449,9 +446,14 @@ def _limit() -> Claim:
     sine, cosine = sp.symbols("sin_phi cos_phi", real=True)
     reach = mu * (rho + d1**2) / d1
     most = 2 * reach * (1 - 1 / sp.sqrt(1 + mu**2))
-    low = {**PAPER, mu: LEAST_MU}
-    numbers = [float(most.subs({**low, d1: edge})) for edge in (PAPER[d1], HALF_LENGTH)]
-    tilt_limit = float(sp.deg(sp.atan(LEAST_MU)))
+    texts = [
+        rf"$\mu = {float(friction):.2f}$: $\phi < {float(sp.deg(sp.atan(friction))):.1f}°$, "
+        + " and ".join(
+            f"{float(most.subs({**PAPER, mu: friction, d1: edge})):.0f} µm on the {name} edge"
+            for edge, name in ((PAPER[d1], "long"), (HALF_LENGTH, "short"))
+        )
+        for friction in (LEAST_MU, MOST_MU)
+    ]
     tilted = sp.Matrix([sine, cosine])
     given = {
         "sticks": cross(lo, tilted), "lever": d2 * cosine - d1 * sine, "sine": sine,
@@ -459,12 +461,13 @@ def _limit() -> Claim:
     }  # fmt: skip
     return Claim(
         key="y-gain-limit",
-        title="Limit of the gain",
+        title="A bound on the gain",
         place="new; Table III reports 11 µm computed, 18 to 20 µm measured",
         derived=r"While both pushes stick, $\phi < \tan^{-1}\mu$ and each contact is within $\mu (\rho + "
-        rf"d_1^2)/d_1$ of the centre's foot, so one Y-translation gains less than {tex(most)}. Paper's "
-        rf"part, $\mu = 0.30$: $\phi < {tilt_limit:.1f}°$, {numbers[0]:.0f} µm on the long edge, "
-        rf"{numbers[1]:.0f} µm on the short one.",
+        rf"d_1^2)/d_1$ of the centre's foot, so one Y-translation gains less than {tex(most)}. It is a "
+        r"bound and not sharp: no motion comes near it, as the contact that rights an edge tilted by "
+        r"$\phi$ must be nearer, within $(\mu(\rho + d_1^2) - (\rho - \mu^2 d_1^2/4)\tan\phi)/d_1$. "
+        rf"Paper's part, {'; '.join(texts)}.",
         steps=(
             r"Straightening is, mirrored, a push at $d_2 > 0$ on an edge tilted by $\phi$ towards "
             r"smaller $\theta$; it must stick and turn the edge back.",
@@ -487,6 +490,12 @@ def _limit() -> Claim:
                 {"sticks": given["sticks"], "sine": sine, "cosine": cosine, "clear": lo[1]},
                 multiplier="cosine",
                 combination="sticks + clear*sine",
+            ),
+            for_all(
+                r"not sharp: where it sticks, $d_1 d_2 < \mu(\rho + d_1^2) - (\rho - \mu^2 d_1^2/4)"
+                r"\tan\phi$",
+                [given["sticks"] > 0, sine > 0, cosine > 0],
+                d1 * d2 * cosine < mu * (rho + d1**2) * cosine - (rho - mu**2 * d1**2 / 4) * sine,
             ),
             for_all(
                 r"$\cos\phi > 1/\sqrt{1 + \mu^2}$ where $\tan\phi < \mu$",

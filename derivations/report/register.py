@@ -18,6 +18,7 @@ KEY = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 MARKS = {
     Verdict.CONFIRMED: "✓",
     Verdict.CONFIRMED_WITH_ADDED_HYPOTHESIS: "✓+",
+    Verdict.EMPTY: "∅",
     Verdict.SHARPENED: "▲",
     Verdict.REFUTED: "✗",
     Verdict.INCONSISTENT: "≠",
@@ -28,6 +29,7 @@ ABOUT = {
     "consistent": "whether the printed statements can be true together",
     "of_print": "the printed statement",
     "with_added": "the printed statement with the added hypotheses",
+    "compatible": "whether the added hypotheses can hold together",
     "sharper": "what is stronger than the print",
     "checks": "the derived statement",
 }

@@ -119,6 +119,8 @@ class Runs:
         (N,) share of the weight on the three points p2*; the rest is on p1*. Without a film only.
     film_ratio
         (N,) ρ of a film in m², in place of the points.
+    stretch
+        (N, 2) factors on the points' coordinates in the part; negative ones mirror them.
     """
 
     poses: Floats
@@ -126,6 +128,7 @@ class Runs:
     friction: Floats
     share: Floats
     film_ratio: Floats | None = None
+    stretch: Floats | None = None
 
     def __len__(self) -> int:
         """Number of runs."""
@@ -140,6 +143,7 @@ class Runs:
             friction=self.friction[which],
             share=self.share[which],
             film_ratio=None if film is None else film[which],
+            stretch=None if self.stretch is None else self.stretch[which],
         )
 
     @property
@@ -147,23 +151,25 @@ class Runs:
         """What the peg slides on."""
         if self.film_ratio is not None:
             return Film.ratio(self.film_ratio)
-        return Blend(self.share)
+        return Blend(self.share, self.stretch)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blend:
     """Dry contact at the points p1* and p2* together, `share` (N,) of the weight on p2*.
 
-    Only columns of points that carry weight in some run are kept.
+    Their coordinates may be multiplied by `stretch` (N, 2), which leaves the loads as they are. Only columns of points that carry weight in some run are kept.
     """
 
     share: Floats
+    stretch: Floats | None = None
 
     def tables(self) -> Tables:
         """Dry points only."""
         one, two = (given.three_points(name).tables() for name in ("p1*", "p2*"))
+        stretch = np.ones((len(self.share), 2)) if self.stretch is None else self.stretch
         rows = [
-            table.points * np.column_stack([np.ones((len(part), 2)), part])[:, None]
+            table.points * np.column_stack([stretch, part])[:, None]
             for table, part in ((one, 1.0 - self.share), (two, self.share))
             if part.any()
         ]

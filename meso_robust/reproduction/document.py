@@ -71,4 +71,8 @@ def _plain(value: object) -> object:
 
 
 def _row(row: Row) -> dict[str, object]:
-    return asdict(row) | {"difference": row.difference}
+    agreement = row.agreement
+    return asdict(row) | {
+        "difference": row.difference,
+        "agreement": None if agreement is None else agreement.name.lower(),
+    }

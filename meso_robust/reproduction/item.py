@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import TypeAlias
 
 from markupsafe import Markup
@@ -13,6 +14,15 @@ Value: TypeAlias = float | tuple[float, float] | str | None
 
 Told = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and of how much."""
+
+
+class Agreement(Enum):
+    """How a printed number or range and ours lie to each other; the value is what readers see."""
+
+    PRINT_CONTAINS = "the print contains ours"
+    OURS_CONTAINS = "ours contains the print"
+    OVERLAPS = "they overlap"
+    DIFFERS = "they differ"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +39,9 @@ class Row:
         Found here.
     why
         Where they differ or nothing is printed: the reason, and the input that the paper leaves out.
+    loose
+        What stands as printed is no result but a tolerance, or what a few trials leave open: to lie
+        within it says little, so such a row is counted apart.
     """
 
     quantity: str
@@ -36,6 +49,31 @@ class Row:
     printed: Value = None
     ours: Value
     why: str = ""
+    loose: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a difference without a reason.
+
+        Raises
+        ------
+        ValueError
+            Names the quantity.
+        """
+        if self.agreement is Agreement.DIFFERS and not self.why:
+            raise ValueError(f"{self.quantity}: differs from the print; say why")
+
+    @property
+    def agreement(self) -> Agreement | None:
+        """Which contains the other; None if not comparable."""
+        if isinstance(self.printed, str | None) or isinstance(self.ours, str | None):
+            return None
+        low, high = _ends(self.printed)
+        own_low, own_high = _ends(self.ours)
+        if low <= own_low and own_high <= high:
+            return Agreement.PRINT_CONTAINS
+        if own_low <= low and high <= own_high:
+            return Agreement.OURS_CONTAINS
+        return Agreement.OVERLAPS if own_low <= high and low <= own_high else Agreement.DIFFERS
 
     @property
     def difference(self) -> float | None:

@@ -14,6 +14,7 @@ ITEMS: Mapping[str, str] = {
     "table-1": "table_one",
     "rrt": "rrt_baseline",
     "scripted": "scripted",
+    "table-2": "printed_lengths",
     "robust-motion": "robust_motion",
     "tables-3-5": "primitives_tables",
     "planned-task": "planned_task",

@@ -3,22 +3,34 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping
 
 from meso_robust.provenance import made_with
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.words import MINUS
 from meso_robust.reproduction.document import Made
-from meso_robust.reproduction.item import Row, Setting, Value
+from meso_robust.reproduction.item import Agreement, Row, Setting, Value
 
 _MICRO = re.compile(r"\bum\b")
+_COUNTED = {
+    Agreement.PRINT_CONTAINS: "printed numbers and ranges that contain ours",
+    Agreement.OURS_CONTAINS: "contained in our range",
+    Agreement.OVERLAPS: "overlap only",
+    Agreement.DIFFERS: "differ",
+}
+_SAID = {
+    Agreement.PRINT_CONTAINS: "print contains ours",
+    Agreement.OURS_CONTAINS: "ours contains print",
+    Agreement.OVERLAPS: "overlaps",
+}
 _NONE = "–"  # where the paper prints nothing
 
 
 def reproduction_report(made: Mapping[str, Made], setting: Setting) -> str:
     """One self-contained HTML page on some items: the answers first, then item by item."""
     rows = [row for one in made.values() for row in one.found.rows]
-    compared = [row for row in rows if row.difference is not None]
+    counts = Counter(row.agreement for row in rows if not row.loose)
     banner = Banner(
         verb="reproduce",
         subject="Automated Assembly for Mesoscale Parts",
@@ -27,8 +39,8 @@ def reproduction_report(made: Mapping[str, Made], setting: Setting) -> str:
         meaning="Every number that the paper prints beside ours, with the reason where they differ. "
         "Where the paper leaves out an input, it is named and the result is shown over its range.",
         figures=(
-            ("numbers beside printed ones", str(len(compared))),
-            ("within what is printed", str(sum(row.difference == 0.0 for row in compared))),
+            *((word, str(counts[agreement])) for agreement, word in _COUNTED.items()),
+            ("beside a tolerance only", str(sum(row.loose for row in rows))),
             (
                 "inputs the paper leaves out",
                 str(sum(len(one.found.missing) for one in made.values())),
@@ -76,11 +88,12 @@ def shown(value: Value) -> str:
 
 def apart(row: Row) -> str:
     """The difference as it stands in a table; nothing where there is none to tell."""
-    if row.difference is None:
+    if row.difference is None or row.agreement is None:
         return ""
-    if row.difference == 0.0:
-        return "0" if not isinstance(row.printed, tuple) else "within"
-    return ("+" if row.difference > 0.0 else "") + _number(row.difference)
+    if row.agreement is not Agreement.DIFFERS:
+        same = row.printed == row.ours
+        return "equal" if same else _SAID[row.agreement]
+    return f"differs by {'+' if row.difference > 0.0 else ''}{_number(row.difference)}"
 
 
 def _number(value: float) -> str:

@@ -52,7 +52,7 @@ def _table_3(free: YTranslations, gains: Mapping[float, Measured | None]) -> tup
             unit="um",
             printed=0.0,
             ours=float(np.abs(free.theory_um - free.net[:, 1]).max()),
-            why="Printed: 11 um both.",
+            why="Printed: 11 um both, to the micrometre; ours differ by the steps of the simulation.",
         ),
         Row(
             quantity="Table III: Y over the inputs that are not printed",

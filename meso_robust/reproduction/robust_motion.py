@@ -167,7 +167,8 @@ def _rows(test: int, some: Sequence[Tried]) -> list[Row]:
             ours=_range(seen[..., k]),
             why="5 to 95 % of series of 3 and 5 trials as the camera sees them; without its error "
             f"{_words(true[..., k])}, the "
-            f"most that the stated errors allow {_words(allowed[:, k])}",
+            f"most that the stated errors allow {_words(allowed[:, k])}; a printed value beyond ours was a "
+            "rarer series if the errors allow it, and needs larger errors if not",
         )
         for k, (axis, unit) in enumerate(AXES)
     ]

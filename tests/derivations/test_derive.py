@@ -18,6 +18,9 @@ from derivations._derivation import Derivation
 from derivations._statement import (
     DerivationError,
     angle,
+    as_written,
+    combined,
+    crossed,
     for_all,
     identity,
     positive_by,
@@ -53,7 +56,7 @@ VERDICTS = {
     "no-jam": "NEW",
     "jam": "NEW",
     "remark-uniqueness": "SHARPENED",
-    "eq-11": "CONFIRMED WITH ADDED HYPOTHESIS",
+    "eq-11": "EMPTY",
     "table-iv-rotation": "INCONSISTENT",
 }
 """Of the claims whose file has no test file of its own; the others are tested there."""
@@ -237,9 +240,61 @@ def test_require_zero_names_the_step_and_the_rest() -> None:
         require_zero((x + 1) ** 2 - x**2 - x - 1, "binomial")
 
 
+# -- what is recorded ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [(x, x), ([x, 0], [x, 0]), (sp.diff(x**2, x), 2 * x), (x + x - 2 * x, sp.Integer(0))],
+)
+def test_sides_that_print_alike_are_refused(left: object, right: object) -> None:
+    with pytest.raises(DerivationError, match=r"half: both sides are .*, which says nothing"):
+        identity("half", left, right)  # type: ignore[arg-type]
+
+
+def test_a_conclusion_that_is_given_or_true_by_itself_is_refused() -> None:
+    for then in (sp.true, x > 0):
+        with pytest.raises(DerivationError, match="which says nothing"):
+            for_all("empty", [x > 0], then)
+
+
+def test_sides_are_recorded_as_they_are_stated() -> None:
+    slope = identity("slope", sp.Derivative(x**2, x), 2 * x)
+    assert (slope.holds, slope.formal) == (True, "Derivative(x**2, x) = 2*x")
+    area = identity("area", crossed((x, 1), (0, x)), x**2)
+    assert (area.holds, area.formal) == (True, "Determinant(Matrix([ [x, 1], [0, x]])) = x**2")
+    whole = identity("sum", as_written(lambda: (x + 1) - (x - 1)), sp.Integer(2))
+    assert (whole.holds, whole.formal) == (True, "-(x - 1) + (x + 1) = 2")
+    pair = identity("vector", combined((2, sp.Matrix([x, 1])), (-1, sp.Matrix([x, 0]))), [x, 2])
+    assert pair.holds
+    false = identity("slope", sp.Derivative(x**2, x), x)
+    assert (false.holds, false.formal) == (False, "Derivative(x**2, x) = x")
+
+
+def test_an_identity_may_hold_on_a_circle_only() -> None:
+    on = identity("unit", [x**2 + t**2, x], [1, x], on=[(x, t)])
+    assert on.holds
+    assert on.formal == "(t**2 + x**2, x) = (1, x) where Eq(t**2 + x**2, 1)"
+    assert not identity("unit", x**2 + t**2, sp.Integer(1)).holds
+
+
+def test_no_finding_of_the_register_says_nothing(derived: tuple[Derivation, ...]) -> None:
+    for claim in (claim for d in derived for claim in d.claims):
+        for finding in claim.findings:
+            stated = finding.formal.partition(" where ")[0]
+            left, _, right = stated.partition(" => ")
+            assert right not in left.split("; "), (claim.key, finding.what)
+            assert stated not in ("", "True"), (claim.key, finding.what)
+            if finding.how.startswith("identity"):
+                left, equals, right = stated.partition(" = ")
+                assert equals, (claim.key, finding.what)
+                assert left != right, (claim.key, finding.what)
+                assert len(finding.formal) < 1600, (claim.key, finding.what)
+
+
 # -- verdicts -------------------------------------------------------------------------------------
 
-TRUE = identity("true", x, x)
+TRUE = identity("true", (x + 1) ** 2, x**2 + 2 * x + 1)
 FALSE = identity("false", x, 2 * x)
 
 
@@ -252,6 +307,26 @@ FALSE = identity("false", x, 2 * x)
         ({"printed": "p", "of_print": (TRUE, FALSE)}, Verdict.REFUTED),
         (
             {"printed": "p", "of_print": (FALSE,), "with_added": (TRUE,), "added": ("h",)},
+            Verdict.CONFIRMED_WITH_ADDED_HYPOTHESIS,
+        ),
+        (
+            {
+                "printed": "p",
+                "of_print": (FALSE,),
+                "with_added": (TRUE,),
+                "added": ("h", "i"),
+                "compatible": (FALSE,),
+            },
+            Verdict.EMPTY,
+        ),
+        (
+            {
+                "printed": "p",
+                "of_print": (FALSE,),
+                "with_added": (TRUE,),
+                "added": ("h", "i"),
+                "compatible": (TRUE,),
+            },
             Verdict.CONFIRMED_WITH_ADDED_HYPOTHESIS,
         ),
         ({"printed": "p", "of_print": (TRUE,), "consistent": (FALSE,)}, Verdict.INCONSISTENT),
@@ -273,6 +348,7 @@ def test_the_verdict_follows_from_the_findings(
         {"printed": "p", "of_print": (TRUE,), "sharper": (FALSE,)},
         {"printed": "p", "of_print": (FALSE,), "with_added": (FALSE,), "added": ("h",)},
         {"printed": "p", "of_print": (FALSE,), "with_added": (TRUE,)},
+        {"printed": "p", "of_print": (FALSE,), "compatible": (FALSE,)},
         {"printed": "p", "of_print": (TRUE,), "with_added": (TRUE,), "added": ("h",)},
     ],
 )

@@ -127,7 +127,7 @@ def alone(**changes: object) -> tuple[Derivation, ...]:
         "title": "Lonely",
         "place": "eq. (1)",
         "derived": "so",
-        "checks": (identity("zero", x - x, sp.S.Zero),),
+        "checks": (identity("zero", sp.Derivative(y, x), sp.S.Zero),),
         **changes,
     }
     claim = Claim(**fields)  # type: ignore[arg-type]
@@ -391,7 +391,10 @@ def test_a_faulty_formula_names_the_claim(text: str) -> None:
 
 def test_a_lone_dollar_in_a_finding_names_the_claim() -> None:
     with pytest.raises(DerivationError, match=r"lonely: a dollar"):
-        page(register.chapters(alone(checks=(identity("zero $x", x - x, sp.S.Zero),))), ())
+        page(
+            register.chapters(alone(checks=(identity("zero $x", sp.Derivative(y, x), sp.S.Zero),))),
+            (),
+        )
 
 
 @pytest.mark.parametrize("key", ["", "a b", "../a", "A", "a--b", "a/b"])

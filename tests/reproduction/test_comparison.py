@@ -8,8 +8,9 @@ import pytest
 from meso_robust.reproduction import comparison, uncertainties
 from meso_robust.reproduction.baselines import ON_FILM, Errors
 from meso_robust.reproduction.given import FILM_RATIO, FRICTION
-from meso_robust.reproduction.item import Setting
+from meso_robust.reproduction.item import Agreement, Setting
 from meso_robust.reproduction.uncertainties import ONES, scaled
+from meso_robust.reproduction.uncertainties_figure import side_by_side
 
 
 def test_a_scale_widens_every_range_about_its_middle() -> None:
@@ -69,11 +70,36 @@ def test_shares_are_those_of_the_runs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_answer_names_what_each_plan_suffers_from() -> None:
     shares = {
-        "friction": {"RRT": [90.0, 10.0], "certified": [100.0, 100.0]},
-        "film ratio": {"RRT": [90.0, 40.0], "certified": [100.0, 100.0]},
+        "friction": {"RRT": [90.0, 10.0], "scripted": [100.0, 90.0], "certified": [100.0, 100.0]},
+        "film ratio": {"RRT": [90.0, 40.0], "scripted": [100.0, 95.0], "certified": [100.0, 100.0]},
     }
     said = uncertainties._answer(shares, (1.0, 4.0))
     assert said == (
         "At 4 times its stated size, the RRT plan suffers most from the friction (10 % succeed); "
-        "none makes a run of the certified plan fail."
+        "the scripted plan suffers most from the friction (90 % succeed); "
+        "none makes a run of the certified plan fail. "
+        "At 4 times the stated size the certified plan bears less than the scripted one: none of them."
     )
+
+
+def test_every_share_that_is_not_the_printed_one_has_a_reason() -> None:
+    for name in ("RRT", "scripted"):
+        for what in (comparison.DRY, comparison.VARIED):
+            row = comparison._row(name, what, 200, 1000)
+            assert row.agreement is Agreement.DIFFERS
+            assert row.why.endswith(comparison.REASONS[name, what])
+
+
+def test_the_scripted_and_the_certified_plan_are_drawn_side_by_side() -> None:
+    shares = {
+        "friction": {"scripted": [100.0, 84.0], "certified": [100.0, 31.0]},
+        "film ratio": {"scripted": [100.0, 92.0], "certified": [100.0, 100.0]},
+    }
+    assert uncertainties._compared(shares, 8.0) == (
+        "At 8 times the stated size the certified plan bears less than the scripted one: "
+        "friction (31 against 84 %)."
+    )
+    picture = side_by_side(shares, 8.0, "why")
+    assert picture.caption == "why"
+    for words in ("scripted", "certified", "friction", "film ratio", ">84<", ">31<", ">92<"):
+        assert words in picture.svg

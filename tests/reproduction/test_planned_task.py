@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from meso_robust.bounds import Verdict
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.execution.draws import nominal
 from meso_robust.execution.running import run
+from meso_robust.reproduction import tolerance
 from meso_robust.reproduction.certified import (
     UNCERTAINTIES,
     certified_plan,
@@ -23,6 +26,8 @@ from meso_robust.reproduction.certified import (
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.planned_task import ITEM, sequence, with_separation
 from meso_robust.simulator import Outcome
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_the_exact_interval_of_a_share() -> None:
@@ -115,3 +120,25 @@ def test_the_item_says_that_the_printed_rotation_fails() -> None:
     assert "PROVED" in found.answer
     assert len(found.figures) == 2
     json.dumps(found.data)
+
+
+def test_both_readings_of_the_tolerance_are_measured() -> None:
+    plan = certified_plan()
+    sampled = trials(plan.rules, plan.setup, 40, 0)
+    whole, half, made = tolerance.rows(plan, sampled, Setting(quick=True))
+    post = json.loads((ROOT / "reports/paper_task/certificate.json").read_text())["steps"][-1][
+        "post"
+    ]
+    reach = max(abs(end) for end in (*post["x_um"], *post["y_um"]))  # of the committed certificate
+    assert 38.0 < reach < 76.0
+    said = f"the certified end reaches {np.ceil(10.0 * reach) / 10.0:.1f} um"
+    assert whole.why.startswith(f"PROVED: {said}")
+    assert half.why.startswith(f"Not proved, nor refuted: {said}")
+    assert "ε_p/2" in half.quantity
+    worst = np.abs(sampled.final[:, :2]).max() * 1e6
+    found = float(re.search(r"find is ([\d.]+) um off", half.why)[1])  # type: ignore[index]
+    assert worst <= found + 0.05 <= reach + 0.05
+    assert made.why.startswith("The planner proves none")
+    text = (ROOT / "meso_robust/tasks/paper.toml").read_text()
+    assert "epsilon_p/2" in text
+    assert f"certified to end within +- {np.ceil(reach):.0f} um" in text

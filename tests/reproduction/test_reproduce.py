@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -23,12 +25,14 @@ RUNNER = CliRunner()
 @pytest.mark.parametrize(
     ("printed", "ours", "difference", "said"),
     [
-        (11.0, 13.5, 2.5, "+2.50"),
-        (11.0, 11.0, 0.0, "0"),
-        ((30.0, 40.0), 35.0, 0.0, "within"),
-        ((30.0, 40.0), (10.0, 22.0), -8.0, "−8.00"),
-        ((30.0, 40.0), (38.0, 90.0), 0.0, "within"),
-        (20.0, (12.0, 30.0), 0.0, "0"),
+        (11.0, 13.5, 2.5, "differs by +2.50"),
+        (11.0, 11.0, 0.0, "equal"),
+        ((30.0, 40.0), 35.0, 0.0, "print contains ours"),
+        ((30.0, 40.0), (32.0, 40.0), 0.0, "print contains ours"),
+        ((30.0, 40.0), (10.0, 22.0), -8.0, "differs by −8.00"),
+        ((30.0, 40.0), (38.0, 90.0), 0.0, "overlaps"),
+        ((30.0, 40.0), (0.0, 90.0), 0.0, "ours contains print"),
+        (20.0, (12.0, 30.0), 0.0, "ours contains print"),
         (None, 3.0, None, ""),
         ("similar", 3.0, None, ""),
     ],
@@ -36,9 +40,32 @@ RUNNER = CliRunner()
 def test_differences_are_those_of_numbers_and_ranges(
     printed: object, ours: object, difference: float | None, said: str
 ) -> None:
-    row = Row(quantity="q", printed=printed, ours=ours)  # type: ignore[arg-type]
+    row = Row(quantity="q", printed=printed, ours=ours, why="w")  # type: ignore[arg-type]
     assert row.difference == difference
     assert apart(row) == said
+
+
+def test_a_difference_needs_a_reason() -> None:
+    with pytest.raises(ValueError, match="net y: differs from the print; say why"):
+        Row(quantity="net y", printed=(18.0, 20.0), ours=11.0)
+
+
+def test_the_page_counts_what_contains_what_and_tolerances_apart() -> None:
+    pairs = [
+        ((0.0, 9.0), 1.0), ((0.0, 9.0), 2.0), (1.0, (0.0, 2.0)), ((0.0, 2.0), (1.0, 3.0)), (1.0, 2.0)
+    ]  # fmt: skip
+    rows = [Row(quantity="q", printed=one, ours=other, why="w") for one, other in pairs]
+    rows += [Row(quantity="q", printed=(-76.0, 76.0), ours=(-5.0, 5.0), loose=True)]
+    (one,) = made().values()
+    page = reproduction_report(
+        {"one": replace(one, found=replace(one.found, rows=tuple(rows)))}, Setting()
+    )
+    facts = dict(re.findall(r"<dt>([^<]*)</dt><dd[^>]*>([^<]*)</dd>", page))
+    assert facts["printed numbers and ranges that contain ours"] == "2"
+    assert facts["contained in our range"] == "1"
+    assert facts["overlap only"] == "1"
+    assert facts["differ"] == "1"
+    assert facts["beside a tolerance only"] == "1"
 
 
 def test_values_are_shown_with_three_digits_and_a_real_minus() -> None:
@@ -67,6 +94,7 @@ def test_the_document_holds_every_row_with_its_difference() -> None:
     assert (found["seed"], found["quick"]) == (3, True)
     row = found["items"]["one"]["rows"][0]
     assert (row["printed"], row["ours"], row["difference"]) == ([18.0, 20.0], 11.0, -7.0)
+    assert row["agreement"] == "differs"
     data = found["items"]["one"]["data"]
     assert data == {"y_um": [1.0, 2.0], "after_a_jam": [{"x_um": None}]}
 

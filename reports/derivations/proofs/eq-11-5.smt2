@@ -1,4 +1,4 @@
-; a larger separation leaves a larger tilt at $T = d_l$
+; the tilt falls while $T$ grows: before $T = d_l$ it is larger
 (set-logic QF_NRA)
 (declare-const T Real)
 (declare-const V Real)
@@ -24,7 +24,8 @@
 (assert (< (+ (* (- 1) cos_psi_end d_l) (* 2 d1 sin_psi_end)) 0))
 (assert (> cos_psi_end 0))
 (assert (> sin_psi_end 0))
-(assert (= T d_l))
-(assert (> V d_v0))
+(assert (> d_l T))
+(assert (= V d_v0))
+(assert (< (* 2 d1) V))
 (assert (<= sin_psi sin_psi_end))
 (check-sat)

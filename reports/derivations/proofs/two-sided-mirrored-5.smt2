@@ -1,4 +1,4 @@
-; $V > d_w$ gives $T \sin\theta > 0$
+; $V < -d_w$ gives $T \sin\theta < 0$
 (set-logic QF_NRA)
 (declare-const V Real)
 (declare-const cos_theta Real)
@@ -6,7 +6,7 @@
 (declare-const sin_theta Real)
 (assert (> d1 0))
 (assert (= (+ (* cos_theta cos_theta) (* sin_theta sin_theta)) 1))
-(assert (> V (* 2 d1)))
+(assert (< V (* (- 2) d1)))
 (assert (<= (* cos_theta cos_theta) 1))
-(assert (<= (+ V (* 2 cos_theta d1)) 0))
+(assert (>= (+ V (* 2 cos_theta d1)) 0))
 (check-sat)

@@ -1,4 +1,4 @@
-; the tilt falls while $T$ grows: before $T = d_l$ it is larger
+; a larger separation leaves a larger tilt at $T = d_l$
 (set-logic QF_NRA)
 (declare-const T Real)
 (declare-const V Real)
@@ -24,8 +24,7 @@
 (assert (< (+ (* (- 1) cos_psi_end d_l) (* 2 d1 sin_psi_end)) 0))
 (assert (> cos_psi_end 0))
 (assert (> sin_psi_end 0))
-(assert (> d_l T))
-(assert (= V d_v0))
-(assert (< (* 2 d1) V))
+(assert (= T d_l))
+(assert (> V d_v0))
 (assert (<= sin_psi sin_psi_end))
 (check-sat)

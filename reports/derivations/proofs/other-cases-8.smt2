@@ -6,6 +6,5 @@
 (declare-const opening Real)
 (declare-const slip Real)
 (assert (> mu 0))
-(assert true)
 (assert (not (= (and (>= lambda_n 0) (>= opening 0) (<= (* (- 1) lambda_t) (* lambda_n mu)) (<= lambda_t (* lambda_n mu)) (or (= lambda_n 0) (= opening 0)) (or (= (* (- 1) lambda_t) (* lambda_n mu)) (>= (* (- 1) slip) 0)) (or (= (* (- 1) lambda_t) (* (- 1) lambda_n mu)) (<= (* (- 1) slip) 0))) (and (>= lambda_n 0) (>= opening 0) (<= (* (- 1) lambda_t) (* lambda_n mu)) (<= lambda_t (* lambda_n mu)) (or (= lambda_n 0) (= opening 0)) (or (= lambda_t (* lambda_n mu)) (>= slip 0)) (or (= lambda_t (* (- 1) lambda_n mu)) (<= slip 0))))))
 (check-sat)

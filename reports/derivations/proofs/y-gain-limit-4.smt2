@@ -1,0 +1,12 @@
+; $\cos\phi > 1/\sqrt{1 + \mu^2}$ where $\tan\phi < \mu$
+(set-logic QF_NRA)
+(declare-const cos_phi Real)
+(declare-const mu Real)
+(declare-const sin_phi Real)
+(assert (> mu 0))
+(assert (= (+ (* cos_phi cos_phi) (* sin_phi sin_phi)) 1))
+(assert (> sin_phi 0))
+(assert (> cos_phi 0))
+(assert (< sin_phi (* cos_phi mu)))
+(assert (<= (* (* cos_phi cos_phi) (+ (* mu mu) 1)) 1))
+(check-sat)
