@@ -8,7 +8,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -18,6 +18,7 @@ from meso_robust.recordings import Polygon, RecordingSet, Rectangle, write_set
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.rules import file_fault
 from meso_robust.tracking.asked import stated_camera, stated_part, stated_pose, stated_probes
+from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
 from meso_robust.tracking.frames import Frames, open_frames
@@ -26,6 +27,8 @@ from meso_robust.tracking.overlay import write_overlay
 from meso_robust.tracking.track import Scene, Track, track
 from meso_robust.tracking.track_document import TrackDocument, track_document
 from meso_robust.tracking.tracked_set import covariance_file, covariance_text, set_of
+
+_SAME_PIXEL = 0.01  # of its size, by which two statements of it may differ
 
 Counting: TypeAlias = Callable[[str, int | None], AbstractContextManager[Callable[[], object]]]
 """What shows progress: made of a text and a number of steps, called after each step."""
@@ -114,8 +117,9 @@ def prepared(job: Job) -> Ready:
                 f"{videos[0].size[0]} x {videos[0].size[1]}; track them singly"
             )
     camera, fit = stated_camera(
-        videos[0].size, job.calibration, job.pixel_um, job.grid, job.pitch_um
+        videos[0].size, job.calibration, job.pixel_um, job.grid, job.pitch_um, _own_pixel(videos)
     )
+    videos = tuple(_scaled(video, camera) for video in videos)
     scene = Scene(
         outline=part.outline,
         tip_radius=radius,
@@ -132,6 +136,23 @@ def prepared(job: Job) -> Ready:
         fit=fit,
         commands=tuple(read_commands(path) for path in _logs(job)),
     )
+
+
+def _own_pixel(videos: Sequence[Frames]) -> float | None:
+    """The side of a pixel in m that all videos state; None if they do not, or differ."""
+    sides = {video.pixel for video in videos}
+    return sides.pop() if len(sides) == 1 else None
+
+
+def _scaled(video: Frames, camera: Calibration) -> Frames:
+    """The video with a note on the size of a pixel that it states itself, if it does."""
+    if video.pixel is None:
+        return video
+    stated, used = 1e6 * video.pixel, 1e6 * camera.pixel_size
+    note = f"the file states pixels of {stated:.6g} um"
+    if abs(stated - used) > _SAME_PIXEL * used:
+        note += f"; the camera is taken to have {used:.6g} um, as given"
+    return replace(video, notes=(*video.notes, note))
 
 
 def _logs(job: Job) -> tuple[Path, ...]:

@@ -12,11 +12,13 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import tifffile
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.recordings import read_set
 from meso_robust.tracking.calibration_document import load_calibration
+from meso_robust.tracking.frames import open_frames
 from tests.tracking.pushes import Filmed, push
 
 RUNNER = CliRunner()
@@ -198,3 +200,30 @@ def test_command_line_loads_nothing_heavy() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 
     assert done.stdout.strip() == "[]"
+
+
+def test_stack_is_tracked_page_by_page_with_the_clock_and_the_pixels_it_states(
+    filmed: Filmed, tmp_path: Path
+) -> None:
+    pages = np.stack([frame.image for frame in open_frames(filmed.path)])
+    stamps = [0.05 * k + 0.01 * (k % 2) for k in range(len(pages))]
+    stated = {
+        "PhysicalSizeX": 5.26,
+        "PhysicalSizeY": 5.26,
+        "Plane": {"DeltaT": stamps, "DeltaTUnit": ["s"] * len(stamps)},
+    }
+    stack = tmp_path / "push.ome.tif"
+    tifffile.imwrite(stack, pages, ome=True, metadata={"axes": "TYX", **stated})
+
+    result = tracked(
+        stack, *PART, "--start", "0,0,0", "--out", tmp_path / "out", "--no-overlay", "--json"
+    )
+
+    assert result.exit_code == 0, result.output
+    (video,) = json.loads(result.stdout)["videos"]
+    assert (video["frames"], video["found"]) == (30, 30)
+    assert any("5.26 um" in note for note in video["notes"])
+    assert read_set(tmp_path / "out").recordings[0].times == pytest.approx(stamps)
+    assert load_calibration(tmp_path / "out" / "calibration.toml").pixel_size == pytest.approx(
+        5.26e-6
+    )
