@@ -23,7 +23,7 @@ from meso_robust.identification.experiment_document import experiment_files
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.layout import toml_of
 from meso_robust.identification.rollout import Setting
-from meso_robust.identification.usable import pathological_of, warnings_of
+from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
 from meso_robust.recordings import RecordingSet, read_set
 from meso_robust.task import Task
 
@@ -153,7 +153,8 @@ def identify(  # every option of the verb is an argument
     _check(starts, objective, confidence, design, seed)
     found, source = set_of(recordings)
     with progress.doing("checking the recordings"):
-        warnings = warnings_of(found)
+        by_camera = found.position_source == "camera"  # of seen tips the noise must be known first
+        warnings = warnings_of(found, frozenset() if by_camera else NOISE_IS_FITTED)
     fit = _fitted(found, progress, (model, starts, objective), seed, confidence)
     with progress.doing("looking for pathological starts"):
         remarks = (*warnings, *pathological_of(found, fit.model, fit.best))

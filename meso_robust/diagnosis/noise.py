@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.identification.paths import scatter
 from meso_robust.recordings import RecordingSet, unwrapped
-from meso_robust.recordings.noise import Spread, estimated_noise
+from meso_robust.recordings.noise import Spread, estimated_noise, roughness
 
 Floats = npt.NDArray[np.float64]
 
@@ -136,6 +135,6 @@ def _rough(recordings: RecordingSet, columns: slice, correlation: float) -> floa
     squares = []
     for recording in recordings.recordings:
         poses = unwrapped(recording).poses[:, columns]
-        squares.append(scatter(poses[np.all(np.isfinite(poses), axis=1)]) ** 2)
+        squares.append(roughness(poses[np.all(np.isfinite(poses), axis=1)]) ** 2)
     share = np.polyval([-2.0, 12.0, -30.0, 20.0], correlation) / 20.0
     return float(np.sqrt(np.mean(squares) / share))

@@ -29,6 +29,8 @@ FEWEST_FREE = 10
 _CLIP = 4.0  # robust deviations; of Gaussian noise one frame in 16000 is beyond
 _NORMAL = 1.4826  # standard deviations in the median absolute deviation of a Gaussian
 _PASSES = 3
+_MEDIAN_CHI2 = 0.4549364  # median of χ² with one degree of freedom
+_THIRD = 20.0  # variance of a third difference of white noise of variance 1
 _MOTION = 0.9  # correlation from frame to frame beyond which it is no noise but motion
 
 
@@ -107,6 +109,18 @@ def estimated_noise(recordings: RecordingSet) -> Noise:
     most = max(len(run.times) for run in each)
     x, y, theta = (_spread(runs, axis, most, recordings.sensor.frame_rate) for axis in range(3))
     return Noise(x=x, y=y, theta=theta)
+
+
+def roughness(path: Floats) -> float:
+    """Standard deviation in m of what is not smooth from one sample (S, C) to the next.
+
+    By the median of squared third differences, in which even motion and its few corners do not show;
+    0 of less than five samples.
+    """
+    if len(path) < 5:
+        return 0.0
+    rough = np.diff(path, n=3, axis=0)
+    return float(np.sqrt(np.median(rough**2) / (_MEDIAN_CHI2 * _THIRD)))
 
 
 def _chosen(stated: float | None, estimated: float | None) -> tuple[float | None, Source]:

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
 from meso_robust.recordings import Polygon, RecordingSet, Rectangle, write_set
+from meso_robust.recordings.checks.copies import copy_problems
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.rules import file_fault
 from meso_robust.tracking.asked import stated_camera, stated_part, stated_pose, stated_probes
@@ -189,6 +190,7 @@ def run(ready: Ready, counting: Counting) -> Found:
             ready.scene.tip_radius,
             [ready.commands[k] for k in kept] if ready.commands else None,
         )
+        tracks = _with_copies(tracks, ready.files, recordings)
     answer = track_document(
         tracks,
         ready.files,
@@ -199,6 +201,21 @@ def run(ready: Ready, counting: Counting) -> Found:
         commanded=bool(ready.commands),
     )
     return Found(ready=ready, tracks=tuple(tracks), recordings=recordings, answer=answer)
+
+
+def _with_copies(
+    tracks: Sequence[Track], files: Sequence[str], recordings: RecordingSet
+) -> list[Track]:
+    """The tracks, with a note where one shows the same push as one before: a video given twice."""
+    told = {
+        copy.file: f"{copy.value}; {copy.advice}" for copy in copy_problems(recordings.recordings)
+    }
+    return [
+        replace(track, notes=(*track.notes, f"the same push twice: {told[file]}"))
+        if file in told
+        else track
+        for track, file in zip(tracks, files, strict=True)
+    ]
 
 
 def write(folder: Path, found: Found, report: str, counting: Counting | None) -> None:

@@ -97,6 +97,8 @@ class Track:
         (T,) of the part, 0 to 1.
     notes
         What a user should know.
+    turns
+        Orientations in which the part looks alike and among which no start angle chose; 1: none.
     """
 
     frames: Frames
@@ -111,6 +113,7 @@ class Track:
     tip_reasons: tuple[tuple[str, ...], ...]
     scores: Floats
     notes: tuple[str, ...]
+    turns: int = 1
 
     @property
     def found(self) -> npt.NDArray[np.bool_]:
@@ -271,6 +274,7 @@ def _finished(
         tip_reasons=tuple(tuple(tip.reason for tip in row) for row in tips),
         scores=np.array([seen.score for seen in sightings]),
         notes=tuple(notes),
+        turns=turns,
     )
 
 
