@@ -22,6 +22,7 @@ from meso_robust.identification.experiment import Bench, Experiment, standard_te
 from meso_robust.identification.experiment_document import experiment_files
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.layout import toml_of
+from meso_robust.identification.plausible import doubts
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
 from meso_robust.recordings import RecordingSet, read_set
@@ -157,7 +158,11 @@ def identify(  # every option of the verb is an argument
         warnings = warnings_of(found, frozenset() if by_camera else NOISE_IS_FITTED)
     fit = _fitted(found, progress, (model, starts, objective), seed, confidence)
     with progress.doing("looking for pathological starts"):
-        remarks = (*warnings, *pathological_of(found, fit.model, fit.best))
+        remarks = (
+            *warnings,
+            *doubts(fit.model, fit.best),
+            *pathological_of(found, fit.model, fit.best),
+        )
     more = {}
     if design:
         with progress.doing(f"designing {design} pushes"):

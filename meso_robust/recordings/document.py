@@ -95,9 +95,10 @@ class SensorSection(_Section):
     """The camera and the tracker."""
 
     position_sigma_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)] | None = None
-    """Standard deviation of a seen x or y, um; estimated from still frames when absent."""
+    """Standard deviation of a seen x or y, um: repeatability and systematic error together; when absent,
+    the repeatability alone, from still frames."""
     orientation_sigma_deg: Annotated[FiniteFloat, Field(ge=0, le=90)] | None = None
-    """Standard deviation of a seen theta, deg; estimated from still frames when absent."""
+    """Standard deviation of a seen theta, deg, likewise."""
     frame_rate_hz: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Frames a second."""
 

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.reading import text_of
+from meso_robust.reading import foreign_table, text_of
 from meso_robust.tracking import stack
 from meso_robust.tracking.pixels import MOST_PIXELS, Grey, decoded, quiet_opencv
 from meso_robust.tracking.stack import Stack, open_stack, page_count, read_pages
@@ -439,14 +439,17 @@ def _read_times(table: Path) -> dict[str, float]:
     except csv.Error as error:
         raise InputError(f"{table}: is not a CSV file in UTF-8 ({error}); {advice}") from error
     if not rows or rows[0] != ["file", "time_s"]:
-        raise InputError(f"{table}: must begin with the line file,time_s; mend its header")
+        raise InputError(
+            f"{table}: must begin with the line file,time_s; "
+            f"{foreign_table(rows[0] if rows else [], 2) or 'mend its header'}"
+        )
     times: dict[str, float] = {}
     for line, row in enumerate(rows[1:], start=2):
         value = _seconds(row)
         if value is None or row[0] in times:
             raise InputError(
                 f"{table}, line {line}: {','.join(row)!r}; must be the name of an image, once, and "
-                "a finite number of seconds; mend the line"
+                f"a finite number of seconds; {foreign_table(row, 2) or 'mend the line'}"
             )
         times[row[0]] = value
     return times

@@ -7,10 +7,10 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import IO, Any, TypeAlias
 
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
@@ -24,7 +24,7 @@ from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
 from meso_robust.tracking.frames import Frames, open_frames
 from meso_robust.tracking.grid_fit import GridFit
-from meso_robust.tracking.overlay import write_overlay
+from meso_robust.tracking.overlay import drawn_overlay
 from meso_robust.tracking.track import Scene, Track, track
 from meso_robust.tracking.track_document import TrackDocument, track_document
 from meso_robust.tracking.tracked_set import covariance_file, covariance_text, set_of
@@ -245,9 +245,10 @@ def write(folder: Path, found: Found, report: str, counting: Counting | None) ->
     }
     for one, file in zip(found.tracks, ready.files, strict=True):
         texts[covariance_file(file)] = covariance_text(one)
-    with _Drafts(folder) as drafts:
+    with ExitStack() as opened, _Drafts(folder) as drafts:
         if counting is not None:
-            _overlays(drafts, found, counting)
+            for name, film in _overlays(folder, found, counting):
+                drafts.add(name, opened.enter_context(film))
         if found.recordings is not None:
             write_set(folder, found.recordings)
         elif (folder / "track.json").exists():  # the set of an earlier run is not the answer now
@@ -257,44 +258,63 @@ def write(folder: Path, found: Found, report: str, counting: Counting | None) ->
 
 
 class _Drafts:
-    """A hidden folder for files that are long in the making; it is gone at the end."""
+    """A hidden folder for large files, there only while they are put in place."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        self._path: Path | None = None
 
     def __enter__(self) -> _Drafts:
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            self.path = Path(tempfile.mkdtemp(dir=self._folder, prefix=".", suffix=".part"))
         except OSError as error:
             raise InputError(
                 f"--out {self._folder}: cannot be written ({error.strerror}); give a folder that can"
             ) from error
         return self
 
+    def add(self, name: str, content: IO[bytes]) -> None:
+        """Lay a file of this name and content ready."""
+        try:
+            if self._path is None:
+                self._path = Path(tempfile.mkdtemp(dir=self._folder, prefix=".", suffix=".part"))
+            content.seek(0)
+            with (self._path / name).open("wb") as draft:
+                shutil.copyfileobj(content, draft)
+        except OSError as error:
+            raise InputError(
+                f"--out {self._folder}: {name} cannot be written ({error.strerror}); give a folder "
+                "that can"
+            ) from error
+
     def place(self) -> None:
         """Move the drafts into the folder."""
-        for draft in sorted(self.path.iterdir()):
+        for draft in sorted(self._path.iterdir()) if self._path else ():
             os.replace(draft, self._folder / draft.name)
 
     def __exit__(self, *_: object) -> None:
-        shutil.rmtree(self.path, ignore_errors=True)
+        if self._path is not None:
+            shutil.rmtree(self._path, ignore_errors=True)
 
 
-def _overlays(drafts: _Drafts, found: Found, counting: Counting) -> None:
+def _overlays(folder: Path, found: Found, counting: Counting) -> list[tuple[str, IO[bytes]]]:
+    """Name and content of each overlay; all are drawn before the first takes its name."""
     ready = found.ready
+    films = []
     for one, file in zip(found.tracks, ready.files, strict=True):
         stem = file.removesuffix(".csv")
         name = "overlay.avi" if len(found.tracks) == 1 else f"overlay_{stem}.avi"
         with counting(f"drawing {name}", len(one.times)) as each:
-            write_overlay(
-                drafts.path / name,
+            film = drawn_overlay(
+                folder,
                 one,
                 ready.scene.outline,
                 ready.scene.tip_radius,
                 ready.scene.calibration,
                 each,
             )
+        films.append((name, film))
+    return films
 
 
 def _files(videos: Sequence[Path]) -> tuple[str, ...]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -227,3 +229,39 @@ def test_stack_is_tracked_page_by_page_with_the_clock_and_the_pixels_it_states(
     assert load_calibration(tmp_path / "out" / "calibration.toml").pixel_size == pytest.approx(
         5.26e-6
     )
+
+
+def test_controllers_table_with_semicolons_gets_a_hint(filmed: Filmed, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time_s;left_x_um;left_y_um\n0,0;1,5;2,5\n")
+
+    result = tracked(
+        filmed.path, *PART, *CAMERA, "--commands", tmp_path / "log.csv", "--out", tmp_path / "out"
+    )
+
+    assert result.exit_code == 2
+    assert "parted by semicolons" in result.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_killed_run_leaves_no_half_file(tmp_path: Path, number: signal.Signals) -> None:
+    video = push(tmp_path / "push.avi", 20).path
+    out = tmp_path / "out"
+    words = ["track", video, *PART, *CAMERA, "--start", "0,0,0", "--out", out]
+    code = "from meso_robust.cli import main; main()"
+    process = subprocess.Popen([sys.executable, "-c", code, *map(str, words)])
+    while process.poll() is None and not _draws_without_a_name(process.pid):
+        time.sleep(0.005)
+    process.send_signal(number)
+    process.wait(timeout=60)
+
+    assert process.returncode in (-signal.SIGKILL, 130)
+    assert list(out.iterdir()) == []
+
+
+def _draws_without_a_name(pid: int) -> bool:
+    """Whether a process writes an overlay that is in no folder."""
+    try:
+        links = [link.readlink().name for link in Path(f"/proc/{pid}/fd").iterdir()]
+    except OSError:  # it closes files while we look
+        return False
+    return "overlay.avi (deleted)" in links

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meso_robust.api.recordings import Recordings, read_recordings
 from meso_robust.diagnosis.noise import noise_of
 from meso_robust.errors import InputError
 from meso_robust.identification.prepared import prepare
@@ -221,3 +222,37 @@ def test_radians_in_the_column_of_degrees_are_found_at_small_angles(
     assert "θ in rad: factor 57.29578" in units[0].advice
     with pytest.raises(InputError, match="θ in rad"):
         warnings_of(in_rad(right))
+
+
+def test_noise_is_told_apart_into_repeatability_and_systematic_error(tmp_path: Path) -> None:
+    """A camera that scatters by 0.05 um on an outline that is wrong by 0.6 um."""
+    rng = np.random.default_rng(5)
+    scatter = np.array([0.05 * UM, 0.05 * UM, np.radians(0.002)])
+    quiet = tuple(
+        replace(
+            each,
+            poses=each.poses + scatter * rng.normal(size=each.poses.shape),
+        )
+        for each in (one(file, noise=0.0) for file in FILES)
+    )
+    stated = SensorInfo(
+        frame_rate=RATE, position_sigma=0.6 * UM, orientation_sigma=float(np.radians(0.02))
+    )
+    recordings = clean(recordings=quiet, sensor=stated)
+
+    answer = read_recordings_of(recordings, tmp_path)
+
+    noise = answer.document["noise"]
+    assert noise["position_sigma_um"] == pytest.approx(0.6)
+    assert noise["position_repeatability_um"] == pytest.approx(0.05, rel=0.2)
+    assert noise["position_systematic_um"] == pytest.approx(np.sqrt(0.36 - 0.0025), rel=0.01)
+    page = answer.files()["report.html"]
+    assert "repeatability, from still frames" in page
+    assert "systematic error" in page
+    assert noise_of(recordings).repeatability == pytest.approx(0.05 / 0.6, rel=0.25)
+    assert not [p for p in problems(recordings) if p.severity != "information"]
+
+
+def read_recordings_of(recordings: RecordingSet, folder: Path) -> Recordings:
+    write_set(folder / "set", recordings)
+    return read_recordings(folder / "set")
