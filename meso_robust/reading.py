@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import difflib
 import json
+import re
 import stat
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,6 +26,8 @@ LARGEST_DATA = 64 * MIB
 """Bytes of a file that a program writes: plan, policy, certificate, witness, table."""
 DEEPEST = 64
 """Lists and sections within each other."""
+_OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
+_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+\s*", re.ASCII)
 LONGEST_SHOWN = 60
 """Characters of a wrong value in a message."""
 _ALIKE = 0.7  # share of letters in common
@@ -137,6 +140,27 @@ def toml_values(text: str, source: str) -> dict[str, Any]:
             f"{source}: is not a TOML file in UTF-8 ({error}); mend the place"
         ) from error
     return values
+
+
+def foreign_table(cells: Sequence[str], columns: int) -> str:
+    """What to do about a line that looks like a table of another program or country; else empty.
+
+    Parameters
+    ----------
+    cells
+        Of the line, as commas part it.
+    columns
+        How many there should be.
+    """
+    apart = next((name for mark, name in _OTHER_MARKS.items() if any(mark in c for c in cells)), "")
+    if len(cells) < columns and apart:
+        return (
+            f"its cells seem to be parted by {apart}: save the table with commas between the cells and "
+            "points in the numbers"
+        )
+    if 2 * len(cells) > 3 * columns or any(map(_DECIMAL_COMMA.fullmatch, cells)):
+        return "its numbers seem to have decimal commas: save the table with points in the numbers"
+    return ""
 
 
 def shown(value: object) -> str:

@@ -152,6 +152,7 @@ def diagnose(
         diagnosis = diagnosing.diagnose(
             found, model=model, quick=quick, seed=seed, store=path_of(store), told=told
         )
+    warnings = (*warnings, *diagnosis.doubts)
     return Diagnosed(
         diagnosis=diagnosis,
         document=answer.document(diagnosis, __version__, warnings),

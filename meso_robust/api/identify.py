@@ -22,8 +22,9 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.experiment import Bench, Experiment, standard_tests as tests_of
 from meso_robust.identification.experiment_document import experiment_files
 from meso_robust.identification.identify import Identification
+from meso_robust.identification.plausible import doubts
 from meso_robust.identification.rollout import Setting
-from meso_robust.identification.usable import pathological_of, warnings_of
+from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
 from meso_robust.recordings import RecordingSet, read_set
 from meso_robust.task import Task
 from meso_robust.toml_files import toml_of
@@ -156,10 +157,15 @@ def identify(  # every option of the verb is an argument
     _check(starts, objective, confidence, design, seed)
     found, source = set_of(recordings)
     with progress.doing("checking the recordings"):
-        warnings = warnings_of(found)
+        by_camera = found.position_source == "camera"  # of seen tips the noise must be known first
+        warnings = warnings_of(found, frozenset() if by_camera else NOISE_IS_FITTED)
     fit = _fitted(found, progress, (model, starts, objective), seed, confidence)
     with progress.doing("looking for pathological starts"):
-        remarks = (*warnings, *pathological_of(found, fit.model, fit.best))
+        remarks = (
+            *warnings,
+            *doubts(fit.model, fit.best),
+            *pathological_of(found, fit.model, fit.best),
+        )
     more = {}
     if design:
         with progress.doing(f"designing {design} pushes"):

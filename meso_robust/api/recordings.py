@@ -16,6 +16,7 @@ from meso_robust.files import write_all
 from meso_robust.recordings import RecordingSet, read_set, write_set
 from meso_robust.recordings.checking import OWN, checked
 from meso_robust.recordings.problem import Problem
+from meso_robust.recordings.reading import read_outline
 from meso_robust.recordings.repair import Repair
 from meso_robust.recordings.summary import Checked, answer, document
 
@@ -121,6 +122,7 @@ def read_recordings(
     *,
     format: str | None = None,  # noqa: A002  # as the command line calls it
     repair: bool = False,
+    outline: StrPath | None = None,
     progress: Progress = SILENT,
 ) -> Recordings:
     """Read recordings, list what is wrong with them, and repair what can be if asked for.
@@ -133,6 +135,8 @@ def read_recordings(
         ``set`` or the name of another format; found out if left out.
     repair
         Repair what can be without inventing data.
+    outline
+        File with the ``[part]`` of a ``set.toml``, for recordings in a format that does not say it.
     progress
         Shows what is being done.
 
@@ -156,7 +160,8 @@ def read_recordings(
     'CLEAN'
     """
     with progress.doing("reading and checking"):
-        found = checked(Path(path), format, repair)
+        part = None if outline is None else read_outline(Path(outline))
+        found = checked(Path(path), format, repair, part)
     return Recordings(checked=found, rewritten=repair or found.format != OWN)
 
 

@@ -114,13 +114,13 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     Parameters
     ----------
     videos
-        A video file or folder of images, or several.
+        A video file, TIFF stack or folder of images, or several.
     task, set_file
         File that states the part: a task, or the ``set.toml`` of recordings.
     length_um, width_um, tip_radius_um
         Sides of the part and radius of the tips, where no file states them.
     calibration, pixel_um
-        ``calibration.toml``, or the size of a pixel.
+        ``calibration.toml``, or the size of a pixel; if left out, what a TIFF stack says.
     grid, pitch_um
         Image of a stage grid (chessboard or dots), and its pitch: the camera is calibrated with it.
     start

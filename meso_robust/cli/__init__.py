@@ -25,7 +25,11 @@ from meso_robust.cli.identify import identify
 from meso_robust.cli.plan import plan
 from meso_robust.cli.recordings import recordings
 from meso_robust.cli.reproduce import reproduce
-from meso_robust.cli.running import escape_what_cannot_be_shown, guarded
+from meso_robust.cli.running import (
+    end_by_a_signal_as_by_ctrl_c,
+    escape_what_cannot_be_shown,
+    guarded,
+)
 from meso_robust.cli.schema import schema
 from meso_robust.cli.simulate import simulate
 from meso_robust.cli.track import track
@@ -78,6 +82,7 @@ def main() -> None:
     """Run the command line; the only place where an internal fault is turned into exit status 3."""
     prepare()
     escape_what_cannot_be_shown()
+    end_by_a_signal_as_by_ctrl_c()
     try:
         app()
     except Exception:  # a fault of ours, not of the user: show it whole

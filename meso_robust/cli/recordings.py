@@ -22,6 +22,12 @@ def recordings(
     repair: Annotated[
         bool, typer.Option("--repair", help="Repair what can be without inventing data.")
     ] = False,
+    outline: Annotated[
+        Path | None,
+        typer.Option(
+            help="TOML file with [part] as in set.toml, for a format that does not say the outline."
+        ),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
         "meso-robust-recordings"
     ),
@@ -34,7 +40,7 @@ def recordings(
     from meso_robust.errors import InputError
 
     try:
-        found = _found(path, format_name, repair, out, Reporter(quiet or as_json))
+        found = _found(path, format_name, repair, outline, out, Reporter(quiet or as_json))
     except InputError as error:
         refuse(error)
     if as_json:
@@ -49,13 +55,18 @@ def recordings(
 
 
 def _found(
-    path: Path, format_name: str | None, repair: bool, out: Path, say: Reporter
+    path: Path,
+    format_name: str | None,
+    repair: bool,
+    outline: Path | None,
+    out: Path,
+    say: Reporter,
 ) -> Recordings:
     """The checked set, with its results written into ``out``."""
     from meso_robust.api.recordings import read_recordings
     from meso_robust.files import check_folder
 
     check_folder(out)
-    found = read_recordings(path, format=format_name, repair=repair, progress=say)
+    found = read_recordings(path, format=format_name, repair=repair, outline=outline, progress=say)
     found.save(out, progress=say)
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import functools
+import signal
 import sys
 from collections.abc import Callable
 from io import TextIOWrapper
@@ -46,6 +47,13 @@ def _is_interruption(error: BaseException | None) -> bool:
             return True
         error = error.__cause__ or error.__context__
     return False
+
+
+def end_by_a_signal_as_by_ctrl_c() -> None:
+    """Let ``kill`` and a closed terminal end a verb like Ctrl-C, so that no half file stays."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:  # not where nohup has it ignored
+            signal.signal(number, signal.default_int_handler)
 
 
 def escape_what_cannot_be_shown() -> None:

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 
 def track(  # noqa: PLR0913  # every option of the verb is an argument
-    videos: Annotated[list[Path], typer.Argument(help="Video files or folders of images.")],
+    videos: Annotated[
+        list[Path], typer.Argument(help="Video files, TIFF stacks or folders of images.")
+    ],
     task: Annotated[Path | None, typer.Option(help="Task file that states the part.")] = None,
     set_file: Annotated[
         Path | None, typer.Option("--set", help="set.toml that states part and tip radius.")
@@ -24,7 +26,9 @@ def track(  # noqa: PLR0913  # every option of the verb is an argument
     width_um: Annotated[float | None, typer.Option(help="Short side of the part.")] = None,
     tip_radius_um: Annotated[float | None, typer.Option(help="Radius of the tips.")] = None,
     calibration: Annotated[Path | None, typer.Option(help="calibration.toml.")] = None,
-    pixel_um: Annotated[float | None, typer.Option(help="Size of a pixel.")] = None,
+    pixel_um: Annotated[
+        float | None, typer.Option(help="Size of a pixel; if not given, what a TIFF says.")
+    ] = None,
     grid: Annotated[
         Path | None, typer.Option(help="Image of a stage grid (chessboard or dots).")
     ] = None,

@@ -273,6 +273,7 @@ def _held_out(found: Diagnosis) -> dict[str, Any]:
         "baseline_sigma": before.whole,
         "extended_sigma": later.whole,
         "noise_floor_sigma": found.noise.floor,
+        "repeatability_sigma": found.noise.repeatability,
         "baseline_um": UM * before.whole_metres,
         "extended_um": UM * later.whole_metres,
         "improvement_low": low,

@@ -32,6 +32,7 @@ from meso_robust.diagnosis.split import Split, split
 from meso_robust.diagnosis.store import Store
 from meso_robust.diagnosis.trials import trials
 from meso_robust.identification.answer import set_hash
+from meso_robust.identification.plausible import doubts
 from meso_robust.recordings import RecordingSet
 
 Floats = npt.NDArray[np.float64]
@@ -111,6 +112,11 @@ class Diagnosis:
         if self.naming is None:
             return None
         return self.naming.answers[0] if self.naming.answers else self.naming.best
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What makes the refitted plain model unlikely to be the part's, a line each."""
+        return doubts(self.baseline.model, self.baseline.fits.values[0])
 
     @property
     def verdict(self) -> str:

@@ -219,7 +219,11 @@ class HeldOutSection(_Section):
     extended_sigma: NotNegative
     """The same of the extended model."""
     noise_floor_sigma: NotNegative
-    """What a perfect model would leave."""
+    """What is left where nothing but noise is: repeatability and systematic error together."""
+    repeatability_sigma: NotNegative | None = None
+    """What the repeatability leaves, the scatter from frame to frame. A model leaves less than the noise
+    where it takes up systematic error, which stays from frame to frame, but not less than this. Null if
+    too few frames are still."""
     baseline_um: NotNegative
     """Error of the plain model: root mean square, um."""
     extended_um: NotNegative

@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.identification.paths import scatter
 from meso_robust.recordings import RecordingSet, unwrapped
-from meso_robust.recordings.noise import Spread, estimated_noise
+from meso_robust.recordings.noise import Spread, estimated_noise, roughness
 
 Floats = npt.NDArray[np.float64]
 
@@ -42,7 +41,9 @@ class Noise:
     known
         Whether σ is stated or seen in still frames; otherwise it is the floor only.
     floor
-        What a perfect model would leave, in σ.
+        What is left where nothing but noise is, in σ: repeatability and systematic error together.
+    repeatability
+        What the scatter from frame to frame leaves, in σ; None where nothing tells it.
     """
 
     sigma: Floats
@@ -52,6 +53,7 @@ class Noise:
     source: str
     known: bool = True
     floor: float = 1.0
+    repeatability: float | None = None
 
 
 def noise_of(recordings: RecordingSet) -> Noise:
@@ -77,8 +79,11 @@ def noise_of(recordings: RecordingSet) -> Noise:
             "set.toml: sensor: no noise is stated and half of the poses repeat exactly; must be "
             "known to tell a misfit from noise; state position_sigma_um and orientation_sigma_deg"
         )
+    sigma = np.array([position, position, orientation])
+    still = (found.x.sigma, found.y.sigma, found.theta.sigma)
     return Noise(
-        sigma=np.array([position, position, orientation]),
+        sigma=sigma,
+        repeatability=_repeatability(still, sigma),
         correlation=correlation,
         freedom=freedom,
         correlation_error=error,
@@ -104,7 +109,17 @@ def weighed(noise: Noise, sigma: Floats) -> Noise:
     if noise.known:
         return noise
     floor = float(np.sqrt(np.mean((noise.sigma / sigma) ** 2)))
-    return replace(noise, sigma=sigma, floor=floor, source="residuals of the fit")
+    return replace(
+        noise, sigma=sigma, floor=floor, repeatability=floor, source="residuals of the fit"
+    )
+
+
+def _repeatability(still: tuple[float | None, ...], sigma: Floats) -> float | None:
+    """Root mean square over the coordinates of what still frames show over σ."""
+    known = [value for value in still if value is not None]
+    if len(known) < len(still):
+        return None
+    return float(np.sqrt(np.mean((np.array(known) / sigma) ** 2)))
 
 
 def _correlation(spreads: tuple[Spread, ...]) -> tuple[float, float]:
@@ -136,6 +151,6 @@ def _rough(recordings: RecordingSet, columns: slice, correlation: float) -> floa
     squares = []
     for recording in recordings.recordings:
         poses = unwrapped(recording).poses[:, columns]
-        squares.append(scatter(poses[np.all(np.isfinite(poses), axis=1)]) ** 2)
+        squares.append(roughness(poses[np.all(np.isfinite(poses), axis=1)]) ** 2)
     share = np.polyval([-2.0, 12.0, -30.0, 20.0], correlation) / 20.0
     return float(np.sqrt(np.mean(squares) / share))

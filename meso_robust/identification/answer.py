@@ -24,6 +24,12 @@ from meso_robust.identification.models import Model
 from meso_robust.identification.models.model import Floats
 from meso_robust.identification.profiles import Profile
 from meso_robust.recordings import RecordingSet, Rectangle
+from meso_robust.recordings.noise import (
+    Noise,
+    estimated_noise,
+    in_words,
+    position_repeatability,
+)
 from meso_robust.simulator import Outcome
 
 
@@ -58,7 +64,7 @@ def document(
                 NotIdentifiableSection(name=one.name, why=one.why) for one in found.not_identifiable
             ),
             "quality": _quality(found),
-            "sensor": _sensor(found),
+            "sensor": _sensor(found, estimated_noise(recordings)),
             "minima": tuple(_minimum(found, k) for k in range(len(found.minima))),
             "recording": _recordings(found),
             "provenance": ProvenanceSection(
@@ -105,10 +111,18 @@ def summary(document: ModelDocument) -> str:
             f"  residuals are larger than the noise, or not white: intervals are "
             f"{document.quality.inflation**0.5:.3g} times as wide as the noise alone would make them"
         )
+    if document.sensor is not None:
+        lines.append(f"  noise of x and y: {noise_words(document.sensor)}")
     if len(document.minima) > 1:
         lines.append(f"  {len(document.minima)} local minima were found; model.toml lists them")
     lines += [f"  not identifiable: {one.name}: {one.why}" for one in document.not_identifiable]
     return "\n".join(lines)
+
+
+def noise_words(sensor: SensorSection) -> str:
+    """The noise of x and y that was assumed, told apart, and where it is from."""
+    words = in_words(sensor.position_sigma_um, sensor.position_repeatability_um, 1.0, "µm")
+    return f"{words} ({sensor.position_source})"
 
 
 def _rounded(value: float) -> float:
@@ -149,7 +163,7 @@ def _quality(found: Identification) -> QualitySection | None:
     return QualitySection(**{name: getattr(found.quality, name) for name in names})
 
 
-def _sensor(found: Identification) -> SensorSection | None:
+def _sensor(found: Identification, noise: Noise) -> SensorSection | None:
     if found.settings is None:
         return None
     known = found.prepared.sigmas
@@ -159,7 +173,13 @@ def _sensor(found: Identification) -> SensorSection | None:
         orientation_sigma_deg=_rounded(float(np.degrees(found.settings.orientation))),
         position_source="fitted" if position == "unknown" else position,
         orientation_source="fitted" if orientation == "unknown" else orientation,
+        position_repeatability_um=_scaled(position_repeatability(noise), 1e6),
+        orientation_repeatability_deg=_scaled(noise.theta.sigma, 180.0 / np.pi),
     )
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else _rounded(factor * value)
 
 
 def _minimum(found: Identification, k: int) -> MinimumSection:

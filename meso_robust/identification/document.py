@@ -137,13 +137,18 @@ class SensorSection(_Section):
     """Noise that was assumed."""
 
     position_sigma_um: Positive
-    """Standard deviation of x and y, um."""
+    """Standard deviation of x and y, um: repeatability and systematic error together."""
     orientation_sigma_deg: Positive
     """Standard deviation of theta, deg."""
     position_source: Literal["stated", "estimated", "fitted"]
     """Where that of x and y is from: the set, still frames, or the fit."""
     orientation_source: Literal["stated", "estimated", "fitted"]
     """Where that of theta is from, likewise."""
+    position_repeatability_um: Positive | None = None
+    """Scatter of x and y from frame to frame, from still frames, um; the rest of the standard deviation is
+    systematic error. Absent if too few frames are still."""
+    orientation_repeatability_deg: Positive | None = None
+    """The same of theta, deg."""
 
 
 class ProvenanceSection(_Section):

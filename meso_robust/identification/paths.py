@@ -11,8 +11,6 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 _FEWEST = 2  # samples from a corner to the next, at least
-_MEDIAN_CHI2 = 0.4549364  # median of χ² with one degree of freedom
-_THIRD = 20.0  # variance of a third difference of white noise of variance 1
 _WORST = 4.0  # standard deviations of χ² that a leg may exceed its expectation by
 
 
@@ -117,18 +115,6 @@ def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]
         if cut is None:
             return times[knots], np.asarray(corners, dtype=np.float64)
         knots = sorted({*knots, cut})
-
-
-def scatter(path: Floats) -> float:
-    """Standard deviation in m of what is not smooth from one sample (S, C) to the next.
-
-    By the median of squared third differences, in which even motion and its few corners do not show;
-    0 of less than five samples.
-    """
-    if len(path) < 5:
-        return 0.0
-    rough = np.diff(path, n=3, axis=0)
-    return float(np.sqrt(np.median(rough**2) / (_MEDIAN_CHI2 * _THIRD)))
 
 
 def _hats(times: Floats, knots: Floats) -> Floats:

@@ -9,10 +9,11 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.models.model import Floats, characteristic_length
-from meso_robust.identification.paths import in_steps, scatter, smoothed, thinned, with_corners
+from meso_robust.identification.paths import in_steps, smoothed, thinned, with_corners
 from meso_robust.identification.sensor import Sigmas, sigmas_of
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
+from meso_robust.recordings.noise import roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
 from meso_robust.simulator.tips import Tip
@@ -233,7 +234,7 @@ def _motion(
             "shaking tip from a noisy one; state sensor.position_sigma_um in set.toml"
         )
     if seen_by_camera:
-        times, flat = smoothed(times, flat, max(scatter(flat), EXACT))
+        times, flat = smoothed(times, flat, max(roughness(flat), EXACT))
     else:
         times, flat = with_corners(times, flat, CORNER)
         kept = thinned(times, flat, EXACT)
@@ -247,7 +248,7 @@ def _tip_offset(recordings: RecordingSet, sigmas: Sigmas) -> float:
         return 0.0
     paths = [one.probes.reshape(len(one.times), -1) for one in recordings.recordings]
     seen = [path[np.all(np.isfinite(path), axis=1)] for path in paths]
-    white = float(np.mean([scatter(path) ** 2 for path in seen]))
+    white = float(np.mean([roughness(path) ** 2 for path in seen]))
     frames = float(np.median([len(path) for path in seen]))
     stated = (sigmas.position or 0.0) ** 2
     return float(np.sqrt(max(stated - white, 0.0) + _ENDS * white / frames))

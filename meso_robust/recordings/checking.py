@@ -9,6 +9,7 @@ from meso_robust.errors import InputError
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.importers import FORMATS
 from meso_robust.recordings.loose import Lines, read_loosely
+from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.problems import problems
 from meso_robust.recordings.repair import repairable, repaired
@@ -20,7 +21,9 @@ OWN = "set"
 _PASSES = 5
 
 
-def checked(path: Path, format_name: str | None, repair: bool) -> Checked:
+def checked(
+    path: Path, format_name: str | None, repair: bool, outline: Rectangle | Polygon | None = None
+) -> Checked:
     """Read a set, check it, and repair it if asked for.
 
     Parameters
@@ -31,6 +34,8 @@ def checked(path: Path, format_name: str | None, repair: bool) -> Checked:
         ``set`` or the name of an importer; found out if None.
     repair
         Whether to repair.
+    outline
+        Of the part, for recordings in a format that does not say it.
 
     Raises
     ------
@@ -38,7 +43,9 @@ def checked(path: Path, format_name: str | None, repair: bool) -> Checked:
         Nothing can be read, the format is unknown, or the repair would leave nothing.
     """
     name = _recognised(path) if format_name is None else format_name
-    read = _own(path) if name == OWN else _imported(path, name)
+    if name == OWN and outline is not None:
+        raise InputError(f"--outline: {path} states its part in {SET_FILE}; change it there")
+    read = _own(path) if name == OWN else _imported(path, name, outline)
     found = (*read.problems, *problems(read.recordings, read.lines))
     if not repair:
         return Checked(
@@ -97,11 +104,11 @@ def _own(path: Path) -> _Read:
     return _Read(recordings=read.recordings, lines=read.lines, problems=read.problems, notes=())
 
 
-def _imported(path: Path, name: str) -> _Read:
+def _imported(path: Path, name: str, outline: Rectangle | Polygon | None) -> _Read:
     if name not in FORMATS:
         known = ", ".join([OWN, *FORMATS])
         raise InputError(f"--format {name}: must be one of {known}; leave it out to find out")
     importer = FORMATS[name]
-    read = importer.read(path)
+    read = importer.read(path, outline)
     notes = (importer.note, *map(str, read.left))
     return _Read(recordings=read.recordings, lines=None, problems=(), notes=notes)

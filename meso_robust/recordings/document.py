@@ -15,6 +15,7 @@ from pydantic import (
     model_validator,
 )
 
+from meso_robust.errors import InputError
 from meso_robust.recordings.outline import outline_fault
 from meso_robust.recordings.rules import file_fault, probe_fault, twice_fault
 from meso_robust.toml_files import checked, read_toml
@@ -94,9 +95,10 @@ class SensorSection(_Section):
     """The camera and the tracker."""
 
     position_sigma_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)] | None = None
-    """Standard deviation of a seen x or y, um; estimated from still frames when absent."""
+    """Standard deviation of a seen x or y, um: repeatability and systematic error together; when absent,
+    the repeatability alone, from still frames."""
     orientation_sigma_deg: Annotated[FiniteFloat, Field(ge=0, le=90)] | None = None
-    """Standard deviation of a seen theta, deg; estimated from still frames when absent."""
+    """Standard deviation of a seen theta, deg, likewise."""
     frame_rate_hz: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Frames a second."""
 
@@ -108,6 +110,8 @@ class RecordingSection(_Section):
     """Plain name of its CSV file, in the same folder."""
     probes: tuple[Annotated[str, AfterValidator(_probe)], ...]
     """Names of its probes, as in the columns."""
+    alike_orientations: Annotated[int, Field(ge=1, le=1000)] = 1
+    """Orientations in which the part looks the same and among which nobody chose; 1: theta is sure."""
 
     @model_validator(mode="after")
     def _names_differ(self) -> Self:
@@ -134,6 +138,24 @@ class SetDocument(_Section):
         fault = twice_fault([recording.file for recording in self.recording])
         _raise_if(fault and f"recording: file {fault}")
         return self
+
+
+def load_outline(path: Path) -> PartSection:
+    """Read and check the ``[part]`` of a TOML file; the rest of it is passed over.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not TOML, has no such section, or a value breaks a rule.
+    """
+    values = read_toml(path, "give a file with [part] as in set.toml").get("part")
+    if not isinstance(values, dict):
+        raise InputError(
+            f"{path}: key part is missing; must be a section with length_um and width_um, or "
+            "polygon_um; add it"
+        )
+    keys = "`meso-robust schema recordings`"
+    return checked(PartSection, values, f"{path}, part", whole="part", keys=keys)
 
 
 def load_document(path: Path) -> SetDocument:

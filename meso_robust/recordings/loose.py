@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from meso_robust.errors import InputError
 from meso_robust.recordings.document import SET_FILE, load_document
 from meso_robust.recordings.problem import Problem
-from meso_robust.recordings.reading import assembled
+from meso_robust.recordings.reading import assembled, stated
 from meso_robust.recordings.table import Fault, Table, read_readable
 from meso_robust.recordings.values import RecordingSet
 
@@ -54,7 +54,7 @@ def read_loosely(folder: Path) -> Loose:
         except InputError as error:
             problems.append(_unreadable(section.file, error, folder))
             continue
-        tables.append(table)
+        tables.append(replace(table, recording=stated(table.recording, section)))
         problems += [_fault(section.file, fault) for fault in table.faults]
     if not tables:
         raise InputError(

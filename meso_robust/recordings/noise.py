@@ -1,5 +1,9 @@
 """Noise of the sensor, estimated from the frames before the first contact: the part is still then.
 
+Still frames show the *repeatability*: the scatter from frame to frame. A *systematic error* (of the
+outline, the lens, the place in the image) stays from frame to frame and does not show. σ, as a set
+states it and a tracker computes it, is both together.
+
 In each recording a straight line (slow drift) is fitted to each coordinate of the still frames.
 What is left of all recordings is pooled: frames beyond four robust standard deviations (1.4826
 times the median absolute deviation) are set aside, then σ² is the sum of squares over its degrees
@@ -29,6 +33,8 @@ FEWEST_FREE = 10
 _CLIP = 4.0  # robust deviations; of Gaussian noise one frame in 16000 is beyond
 _NORMAL = 1.4826  # standard deviations in the median absolute deviation of a Gaussian
 _PASSES = 3
+_MEDIAN_CHI2 = 0.4549364  # median of χ² with one degree of freedom
+_THIRD = 20.0  # variance of a third difference of white noise of variance 1
 _MOTION = 0.9  # correlation from frame to frame beyond which it is no noise but motion
 
 
@@ -107,6 +113,52 @@ def estimated_noise(recordings: RecordingSet) -> Noise:
     most = max(len(run.times) for run in each)
     x, y, theta = (_spread(runs, axis, most, recordings.sensor.frame_rate) for axis in range(3))
     return Noise(x=x, y=y, theta=theta)
+
+
+def systematic(sigma: float | None, repeatability: float | None) -> float | None:
+    """What of σ stays from frame to frame: the error that still frames do not show.
+
+    Parameters
+    ----------
+    sigma
+        Standard deviation of one value, whatever its error is from; None where it is unknown.
+    repeatability
+        Scatter from frame to frame of a part at rest; None where it is unknown.
+    """
+    if sigma is None or repeatability is None:
+        return None
+    return float(np.sqrt(max(sigma**2 - repeatability**2, 0.0)))
+
+
+def in_words(sigma: float, repeatability: float | None, unit: float, letter: str) -> str:
+    """σ told apart into repeatability and systematic error, as every report says it."""
+    whole = f"σ = {sigma / unit:.3g} {letter}"
+    rest = systematic(sigma, repeatability)
+    if repeatability is None or rest is None:
+        return f"{whole}; repeatability cannot be told, too few still frames"
+    if repeatability > sigma:
+        return f"{whole}, less than the repeatability of {repeatability / unit:.3g} {letter}"
+    return (
+        f"{whole}: repeatability {repeatability / unit:.3g} {letter}, systematic error "
+        f"{rest / unit:.3g} {letter}"
+    )
+
+
+def position_repeatability(noise: Noise) -> float | None:
+    """Root mean square of those of x and y in m; None where one is unknown."""
+    return _position(noise)
+
+
+def roughness(path: Floats) -> float:
+    """Standard deviation in m of what is not smooth from one sample (S, C) to the next.
+
+    By the median of squared third differences, in which even motion and its few corners do not show;
+    0 of less than five samples.
+    """
+    if len(path) < 5:
+        return 0.0
+    rough = np.diff(path, n=3, axis=0)
+    return float(np.sqrt(np.median(rough**2) / (_MEDIAN_CHI2 * _THIRD)))
 
 
 def _chosen(stated: float | None, estimated: float | None) -> tuple[float | None, Source]:

@@ -21,7 +21,10 @@ KINDS: Mapping[str, str] = {
     "wrap": "angle wraps",
     "zero_pose": "pose of zeros: not found",
     "frozen": "frozen pose",
+    "outlier": "poses off the path",
     "jump": "jump",
+    "copy": "the same push twice",
+    "alike": "orientation not told from its likes",
     "units": "units that look wrong",
     "overlap": "tip deep inside the part",
     "untouched": "part moves untouched",
@@ -30,6 +33,8 @@ KINDS: Mapping[str, str] = {
     "still_probe": "probe that never moves",
     "unseen_probe": "probe that is never seen",
     "force_offset": "force offset at rest",
+    "no_probe": "no probe",
+    "noise_unknown": "noise that nobody knows",
     "noise": "noise differs from what is stated",
 }
 """Kinds of problems in words."""

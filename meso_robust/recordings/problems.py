@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from meso_robust.recordings.checks.contacts import contact_problems
+from meso_robust.recordings.checks.copies import alike_problems, copy_problems
+from meso_robust.recordings.checks.fitting import fitting_problems, noise_known_problems
 from meso_robust.recordings.checks.frames import FEW, frame_problems, wraps
 from meso_robust.recordings.checks.frozen import (
     frozen_frames,
@@ -14,10 +16,10 @@ from meso_robust.recordings.checks.frozen import (
     zero_problem,
 )
 from meso_robust.recordings.checks.jumps import breaks, outlying_frames, outlying_problem
-from meso_robust.recordings.checks.scales import unit_problems
+from meso_robust.recordings.checks.scales import turn_unit_problems, unit_problems
 from meso_robust.recordings.checks.sensors import force_problems, noise_problems
 from meso_robust.recordings.checks.view import View, unseen
-from meso_robust.recordings.noise import estimated_noise
+from meso_robust.recordings.noise import estimated_sensor
 from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.values import Recording, RecordingSet
 
@@ -52,16 +54,24 @@ def problems(
         recordings,
         recordings=tuple(unseen(one, zeros[one.file]) for one in recordings.recordings),
     )
-    noise = estimated_noise(cleared)
+    sensor = estimated_sensor(cleared)
+    noise = sensor.noise
     found: list[Problem] = []
+    views: list[View] = []
     for original, recording in zip(recordings.recordings, cleared.recordings, strict=True):
         rows = line_numbers(recording, lines)
         found += frame_problems(View(recordings, original, rows, noise))
         view = View(cleared, recording, rows, noise)
         found += zero_problem(view, zeros[recording.file])
         found += _content(view)
+        if not any(p.severity == "error" and p.file == recording.file for p in found):
+            found += fitting_problems(view, sensor)
+        views.append(view)
     if not any(problem.kind == "units" for problem in found):
-        found += noise_problems(recordings, noise)
+        found += turn_unit_problems(views) or noise_problems(recordings, noise)
+    found += noise_known_problems(cleared, sensor)
+    found += copy_problems(cleared.recordings)
+    found += alike_problems(cleared.recordings)
     return tuple(found)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,11 @@ from meso_robust.errors import InputError
 from meso_robust.recordings.document import (
     SET_FILE,
     PartSection,
+    RecordingSection,
     SensorSection,
     SetDocument,
     load_document,
+    load_outline,
 )
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.rules import DEG, UM
@@ -40,8 +43,26 @@ def read_set(folder: Path) -> RecordingSet:
         A file cannot be read or breaks a rule; the message names file, key or line, value and rule.
     """
     document = load_document(folder / SET_FILE)
-    recordings = [read_table(folder / one.file, one.probes) for one in document.recording]
+    recordings = [
+        stated(read_table(folder / one.file, one.probes), one) for one in document.recording
+    ]
     return assembled(document, folder, recordings)
+
+
+def read_outline(path: Path) -> Rectangle | Polygon:
+    """Read the outline that a TOML file states as ``set.toml`` does.
+
+    Raises
+    ------
+    InputError
+        As for `load_outline`.
+    """
+    return _part(load_outline(path), path)
+
+
+def stated(recording: Recording, section: RecordingSection) -> Recording:
+    """A recording with what ``set.toml`` states of it beside its table."""
+    return replace(recording, alike_orientations=section.alike_orientations)
 
 
 def assembled(document: SetDocument, folder: Path, recordings: Sequence[Recording]) -> RecordingSet:

@@ -20,8 +20,8 @@ _LEFT_OUT = {
     "clock": "the row was left out",
 }
 """Repairs that reading makes; see `read_readable`."""
-_UNSEEN = {"zero_pose", "frozen", "jump"}
-_KEPT = {"units"}  # another factor would be a guess about the data
+_UNSEEN = {"zero_pose", "frozen", "outlier"}
+_KEPT = {"units", "noise_unknown"}  # another value would be a guess about the data
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +99,7 @@ def repairable(problem: Problem) -> bool:
 
 
 def _useless(problem: Problem) -> bool:
-    return problem.severity == "error" and problem.kind not in {*_LEFT_OUT, *_KEPT}
+    return problem.severity == "error" and problem.kind not in {*_LEFT_OUT, *_UNSEEN, *_KEPT}
 
 
 def _mended(

@@ -17,6 +17,8 @@ from meso_robust.recordings.noise import (
     Spread,
     estimated_noise,
     estimated_sensor,
+    position_repeatability,
+    systematic,
 )
 from meso_robust.recordings.phases import Phase, phases
 from meso_robust.recordings.problem import Problem
@@ -181,11 +183,18 @@ def _in(value: float | None, unit: float) -> float | None:
 
 
 def _sensor(sensor: EstimatedSensor) -> dict[str, Any]:
+    position, orientation = position_repeatability(sensor.noise), sensor.noise.theta.sigma
     return {
         "position_sigma_um": _in(sensor.info.position_sigma, UM),
         "position_source": sensor.position_source,
         "orientation_sigma_deg": _in(sensor.info.orientation_sigma, DEG),
         "orientation_source": sensor.orientation_source,
+        "position_repeatability_um": _in(position, UM),
+        "orientation_repeatability_deg": _in(orientation, DEG),
+        "position_systematic_um": _in(systematic(sensor.info.position_sigma, position), UM),
+        "orientation_systematic_deg": _in(
+            systematic(sensor.info.orientation_sigma, orientation), DEG
+        ),
         "still_frames": _noise(sensor.noise),
     }
 

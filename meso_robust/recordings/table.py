@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.reading import like, text_of
+from meso_robust.reading import foreign_table, like, shown, text_of
 from meso_robust.recordings.clock import forward
 from meso_robust.recordings.rules import CLOCK_RULE, DEG, UM
 from meso_robust.recordings.values import Recording
@@ -188,7 +188,7 @@ def _row_fault(header: Sequence[str]) -> Callable[[Sequence[str], int], Fault | 
         if len(row) == len(header):
             return None
         rule = f"must be {len(header)} as in the header"
-        advice = "leave a cell empty where nothing was seen"
+        advice = foreign_table(row, len(header)) or "leave a cell empty where nothing was seen"
         return Fault(line, "row", f"{len(row)} cells", rule, advice)
 
     return fault
@@ -200,6 +200,9 @@ def _check_header(path: Path, header: Sequence[str], probes: Sequence[str]) -> N
     for pair in forces:  # one of a pair asks for the other
         needed += pair if set(pair) & set(header) else []
     known = {*needed, *(name for pair in forces for name in pair)}
+    foreign = foreign_table(header, len(needed)) if len(header) < len(needed) else ""
+    if foreign:
+        raise InputError(f"{path}: header {shown(','.join(header))}; {foreign}")
     for name in header:
         if header.count(name) > 1:
             raise InputError(f"{path}: column {name!r} stands twice; leave one out")
@@ -220,7 +223,8 @@ def _column(name: str, cells: Sequence[str], lines: Sequence[int]) -> tuple[Floa
     faults: list[Fault] = []
     for k, (cell, value) in enumerate(zip(cells, values, strict=True)):
         if value is None or (name == TIME and math.isnan(value)):
-            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", rule, _MEND))
+            mend = foreign_table([cell], 1) or _MEND
+            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", rule, mend))
         elif abs(value) > _LARGEST:
             values[k] = None
             large = f"must be at most {_LARGEST:g} in size"

@@ -72,6 +72,9 @@ class Recording:
         (T, P, 2) centres of the tips in m, world frame.
     forces
         (T, P, 2) forces at the probes in N, world frame; None if no force was recorded.
+    alike_orientations
+        Number of orientations in which the part looks the same and among which nobody chose: θ is
+        right up to a whole turn over it. 1 where θ is sure.
 
     Raises
     ------
@@ -85,9 +88,15 @@ class Recording:
     poses: Floats
     probes: Floats
     forces: Floats | None = None
+    alike_orientations: int = 1
 
     def __post_init__(self) -> None:
         """Copy, freeze and check the fields."""
+        if self.alike_orientations < 1:
+            rule = "must be at least 1"
+            _refuse(
+                "alike_orientations", f"{self.alike_orientations}", rule, "give 1 where θ is sure"
+            )
         _check_names(self.file, self.probe_names)
         for name in ("times", "poses", "probes", "forces"):
             if getattr(self, name) is not None:

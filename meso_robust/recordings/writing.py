@@ -54,10 +54,18 @@ def _values(recordings: RecordingSet) -> dict[str, Any]:
             "frame_rate_hz": float(sensor.frame_rate),
         },
         "recording": [
-            {"file": recording.file, "probes": list(recording.probe_names)}
+            {
+                "file": recording.file,
+                "probes": list(recording.probe_names),
+                **_alike(recording.alike_orientations),
+            }
             for recording in recordings.recordings
         ],
     }
+
+
+def _alike(orientations: int) -> dict[str, int]:
+    return {"alike_orientations": orientations} if orientations > 1 else {}
 
 
 def _outline(part: Rectangle | Polygon) -> dict[str, Any]:

@@ -186,7 +186,11 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
     def drawn() -> Figure:
         with matplotlib.rc_context({"text.parse_math": False}):  # names of files are no formulas
             if worst:
-                return held_out_figure(worst, held.noise_floor_sigma, bool(document.effects))
+                return held_out_figure(
+                    worst,
+                    (held.noise_floor_sigma, held.repeatability_sigma),
+                    bool(document.effects),
+                )
             return map_figure(evidence, list(range(len(evidence.files)))[:MOST_ROWS])
 
     return cards.html(

@@ -28,6 +28,7 @@ from meso_robust.reporting.diagnosis_words import (
     LOOKS,
     PHASES,
     answer,
+    noise_words,
     plain,
     set_words,
     sets,
@@ -134,8 +135,7 @@ def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
         shown.append(
             (
                 _before_after(document, held.baseline_sigma, held.extended_sigma, "σ"),
-                f"error on {len(held.recordings)} held-out recordings; noise floor "
-                f"{significant(held.noise_floor_sigma, 3)} σ",
+                f"error on {len(held.recordings)} held-out recordings; {noise_words(held)}",
             )
         )
         shown.append(
@@ -186,10 +186,10 @@ def _pictures(document: DiagnosisDocument, evidence: Evidence) -> dict[str, obje
     vectors, scale = vectors_figure(evidence)
     rows = sorted(worst[:MOST_ROWS])
     held, spans = _held_out(document), document.mismatch.where
-    floor = document.held_out.noise_floor_sigma
+    noise = document.held_out.noise_floor_sigma, document.held_out.repeatability_sigma
     return {
         "held_out": to_svg(
-            held_out_figure(held, floor, bool(document.effects)), "held", "Held-out errors"
+            held_out_figure(held, noise, bool(document.effects)), "held", "Held-out errors"
         )
         if held
         else None,

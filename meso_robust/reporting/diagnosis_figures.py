@@ -53,13 +53,15 @@ def size(left: Floats) -> Floats:
     return np.asarray(np.sqrt(np.nansum(left**2, axis=(1, 2)) / np.maximum(seen, 1)))
 
 
-def held_out_figure(rows: Sequence[HeldOutRecording], floor: float, extended: bool) -> Figure:
-    """A bar before and a bar after for every held-out recording, and the noise floor.
+def held_out_figure(
+    rows: Sequence[HeldOutRecording], noise: tuple[float, float | None], extended: bool
+) -> Figure:
+    """A bar before and a bar after for every held-out recording, and the noise.
 
     Parameters
     ----------
-    rows, floor
-        Recordings from top to bottom, and error that noise alone would leave, σ.
+    rows, noise
+        Recordings from top to bottom; what noise alone would leave, σ, and of it the repeatability.
     extended
         Whether there is an after.
     """
@@ -77,7 +79,12 @@ def held_out_figure(rows: Sequence[HeldOutRecording], floor: float, extended: bo
     if extended:
         after = [one.extended_sigma for one in rows]
         axes.barh(at + 0.19, after, 0.36, color=EXTENDED, label="extended model")
-    axes.axvline(floor, color=INK, lw=1.2, ls="--", label="noise floor")
+    whole, repeatability = noise
+    axes.axvline(
+        whole, color=INK, lw=1.2, ls="--", label="noise: repeatability and systematic error"
+    )
+    if repeatability is not None:
+        axes.axvline(repeatability, color=INK, lw=1.2, ls=":", label="repeatability")
     star = {"extrapolation": " *", "held_out": ""}
     axes.set_yticks(at, [one.recording + star[one.split] for one in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from meso_robust.diagnosis.document import (
     DiagnosisDocument,
     EffectSection,
+    HeldOutSection,
     ValueSection,
     Verdict,
     WhereSection,
@@ -163,9 +164,17 @@ def _where_lines(document: DiagnosisDocument) -> list[str]:
     return [*lines, f"  and {more} more spans"] if more > 0 else lines
 
 
+def noise_words(held: HeldOutSection) -> str:
+    """The noise that held-out errors are measured by, in σ, and what of it is no systematic error."""
+    whole = f"noise {significant(held.noise_floor_sigma, 3)} σ"
+    if held.repeatability_sigma is None:
+        return whole
+    return f"{whole}, of it repeatability {significant(held.repeatability_sigma, 3)} σ"
+
+
 def _held_out_lines(document: DiagnosisDocument) -> list[str]:
     held = document.held_out
-    lines = [f"  {held_out_words(document)} (noise floor {significant(held.noise_floor_sigma, 3)})"]
+    lines = [f"  {held_out_words(document)} ({noise_words(held)})"]
     if document.effects and held.recordings:
         low, high = (number(100.0 * v, 0) for v in (held.improvement_low, held.improvement_high))
         lines[0] += f", {held.baseline_um:.2f} → {held.extended_um:.2f} µm, falls by {low}–{high} %"

@@ -8,6 +8,7 @@ from shlex import quote
 import numpy as np
 from markupsafe import Markup
 
+from meso_robust.identification.answer import noise_words
 from meso_robust.identification.document import ModelDocument, ParameterSection
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.models.model import Model
@@ -98,7 +99,9 @@ def _made(document: ModelDocument, source: str) -> tuple[tuple[str, str], ...]:
     return (
         ("to reproduce", code(again)),
         ("recordings (SHA-256)", code(made.recordings_sha256)),
+        *((("noise of x and y", noise_words(document.sensor)),) if document.sensor else ()),
         versions({**made_with(), "meso-robust": made.meso_robust, "seed": str(made.seed)}),
+        *(("note", note) for note in made.notes),
     )
 
 

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from meso_robust.identification.answer import set_hash
 from meso_robust.provenance import made_with
 from meso_robust.recordings import Recording
-from meso_robust.recordings.noise import Spread, estimated_sensor
+from meso_robust.recordings.noise import Spread, estimated_sensor, systematic
 from meso_robust.recordings.problem import KINDS, Problem, lines_text
 from meso_robust.recordings.problems import line_numbers
 from meso_robust.recordings.rules import DEG, UM
@@ -138,8 +138,8 @@ def _figures(checked: Checked, summaries: tuple[RecordingSummary, ...]) -> list[
     ]
 
 
-def _noise(checked: Checked) -> list[tuple[str, str, str, str]]:
-    """Coordinate, what is stated, what still frames show, lag-1 correlation."""
+def _noise(checked: Checked) -> list[tuple[str, str, str, str, str]]:
+    """Coordinate, σ as stated, repeatability, systematic error, lag-1 correlation."""
     stated, found = checked.recordings.sensor, estimated_sensor(checked.recordings).noise
     rows = (
         ("x", stated.position_sigma, found.x, UM, "µm"),
@@ -151,6 +151,9 @@ def _noise(checked: Checked) -> list[tuple[str, str, str, str]]:
             name,
             "not stated" if value is None else f"{value / unit:.4g} {letter}",
             _estimate(spread, unit, letter),
+            "—"
+            if (rest := systematic(value, spread.sigma)) is None
+            else f"{rest / unit:.4g} {letter}",
             "—" if spread.correlation is None else f"{spread.correlation:.2f}",
         )
         for name, value, spread, unit, letter in rows

@@ -72,18 +72,25 @@ def stated_camera(
     pixel_um: float | None,
     grid: Path | None,
     pitch_um: float | None,
+    own_pixel: float | None = None,
 ) -> tuple[Calibration, GridFit | None]:
     """The calibration for images of a size (width, height), and the fit it is from, if it is.
+
+    Of all ways to state the camera at most one is given; if none is, ``own_pixel`` counts, the side of
+    a pixel in m that the videos state themselves.
 
     Raises
     ------
     InputError
-        Not exactly one way is given, a file breaks a rule, or it is for another size.
+        No way or more than one is given, a file breaks a rule, or it is for another size.
     """
     ways = (calibration is not None) + (pixel_um is not None) + (grid is not None)
+    if ways == 0 and pitch_um is None and own_pixel:
+        return Calibration(pixel_size=own_pixel, size=size), None
     if ways != 1 or (pitch_um is None) != (grid is None):
         raise InputError(
-            "the camera: give one of --calibration FILE, --pixel-um X, or --grid IMAGE with --pitch-um"
+            "the camera: give one of --calibration FILE, --pixel-um X, or --grid IMAGE with --pitch-um, "
+            "or a TIFF stack that states the size of its pixels"
         )
     fit = None
     if calibration is not None:

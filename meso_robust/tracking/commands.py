@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.reading import shown, text_of
+from meso_robust.reading import foreign_table, shown, text_of
 
 Floats = npt.NDArray[np.float64]
 UM = 1e-6
@@ -72,15 +72,18 @@ def _names(path: Path, header: list[str]) -> tuple[str, ...]:
     if not names or header != wanted:
         raise InputError(
             f"--commands {path}: columns {shown(header)}; must be time_s, then "
-            "<probe>_x_um, <probe>_y_um of each probe; mend the header"
+            "<probe>_x_um, <probe>_y_um of each probe; "
+            f"{foreign_table(header, 3) or 'mend the header'}"
         )
     return names
 
 
 def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:
     if len(row) != len(header):
+        foreign = foreign_table(row, len(header))
         raise InputError(
             f"--commands {path}, line {line}: {len(row)} cells; must be {len(header)} as in the header"
+            + (f"; {foreign}" if foreign else "")
         )
     values = []
     for name, cell in zip(header, row, strict=True):
@@ -91,7 +94,7 @@ def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[f
         if math.isinf(value) or (cell and math.isnan(value)):
             raise InputError(
                 f"--commands {path}, line {line}, column {shown(name)} = {shown(cell)}: must be a finite number, "
-                "or empty; mend the cell"
+                f"or empty; {foreign_table([cell], 1) or 'mend the cell'}"
             )
         values.append(value)
     return values

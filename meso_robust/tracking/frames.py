@@ -1,4 +1,4 @@
-"""Frames of a video file or of a folder of images: grey, 8 bit, each with its instant.
+"""Frames of a video file, a TIFF stack or a folder of images: grey, 8 bit, each with its instant.
 
 Whatever a file promises and does not hold is an error with a name, found before anything is written
 at the latest: a truncated video is told from a short one by the number of frames it promises.
@@ -13,6 +13,7 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -20,8 +21,10 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.reading import text_of
-from meso_robust.tracking.pixels import MOST_PIXELS, Grey, decoded
+from meso_robust.reading import foreign_table, text_of
+from meso_robust.tracking import stack
+from meso_robust.tracking.pixels import MOST_PIXELS, Grey, decoded, quiet_opencv
+from meso_robust.tracking.stack import Stack, open_stack, page_count, read_pages
 
 Image = npt.NDArray[np.uint8]
 
@@ -70,6 +73,8 @@ class Frames:
         What a user should know of how pixels and instants were taken.
     allow_truncated
         Whether the frames of a truncated video are used.
+    pixel
+        Side of a pixel in m, as the file says it; None if it does not.
     """
 
     path: Path
@@ -79,6 +84,7 @@ class Frames:
     notes: tuple[str, ...]
     allow_truncated: bool
     _read: Callable[[], Iterator[Frame]] = field(repr=False)
+    pixel: float | None = None
 
     def __iter__(self) -> Iterator[Frame]:
         """Read the frames.
@@ -92,15 +98,15 @@ class Frames:
 
 
 def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = False) -> Frames:
-    """Open a video file, or a folder of images in their natural order.
+    """Open a video file, a TIFF stack, or a folder of images or stacks in their natural order.
 
     Parameters
     ----------
     path
         The file or folder.
     rate
-        Frames a second in Hz, instead of what the file says; needed for a folder without a
-        ``times.csv``.
+        Frames a second in Hz, instead of what the file says; needed for images without a
+        ``times.csv`` or time stamps of their own (OME-TIFF, ImageJ).
     allow_truncated
         Use the frames before the break of a truncated video. The last one read is left out: it may
         be damaged.
@@ -115,9 +121,11 @@ def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = F
     if not path.exists():
         raise InputError(f"{path}: no such file; give a video or a folder of images")
     if path.is_dir():
-        return _folder(path, rate)
+        return _folder(path, rate, allow_truncated)
     if not path.is_file():  # of a pipe or a device nobody knows the end
         raise InputError(f"{path}: is not a plain file; give a video or a folder of images")
+    if path.suffix.lower() in stack.SUFFIXES and _several(path):
+        return _stacks(path, [path], rate, allow_truncated)
     return _video(path, rate, allow_truncated)
 
 
@@ -162,18 +170,12 @@ def _video(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
 
 
 def _capture(path: Path) -> cv2.VideoCapture:
-    # FFmpeg and OpenCV print of their own; what matters is said by our errors
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    log = getattr(cv2.utils, "logging", cv2)  # where the two functions are since 4.13, and before
-    level = log.getLogLevel()
-    log.setLogLevel(0)
-    try:
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # FFmpeg prints of its own, too
+    with quiet_opencv():
         # by name: another back end would take digits in the name for a numbered sequence
         capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
-    finally:
-        log.setLogLevel(level)
     if path.suffix.lower() in SUFFIXES:
-        raise InputError(f"{path}: is a single image; give the folder that holds the images")
+        raise InputError(f"{path}: is a single image; give a stack, or the folder of the images")
     if path.stat().st_size == 0:
         raise InputError(f"{path}: is an empty file, zero frames; record it again")
     # FFmpeg would show a text file as a screen of text
@@ -238,7 +240,7 @@ def _whole(
 # ------------------------------------------------------------------------ folders of images
 
 
-def _folder(path: Path, rate: float | None) -> Frames:
+def _folder(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
     files = sorted(
         (file for file in path.iterdir() if file.suffix.lower() in SUFFIXES), key=_natural
     )
@@ -246,6 +248,15 @@ def _folder(path: Path, rate: float | None) -> Frames:
         raise InputError(
             f"{path}: zero frames, no file ends in {', '.join(sorted(SUFFIXES))}; give a folder "
             "of images"
+        )
+    stamped = rate is None and not (path / TIMES_FILE).exists() and _tells_time(files[0])
+    several = next((file.name for file in files if _several(file)), None)
+    if (several or stamped) and all(file.suffix.lower() in stack.SUFFIXES for file in files):
+        return _stacks(path, files, rate, allow_truncated)
+    if several:
+        raise InputError(
+            f"{path}: {several} has several pages, beside images of other kinds; must be stacks only "
+            "or images only; put them into folders of their own"
         )
     first = decoded(files[0])
     grey = Grey.of(files[0], first)
@@ -271,6 +282,118 @@ def _folder(path: Path, rate: float | None) -> Frames:
         allow_truncated=False,
         _read=read,
     )
+
+
+def _several(file: Path) -> bool:
+    """Whether an image file has more than one page, or says so; what is no TIFF has one."""
+    if file.suffix.lower() not in stack.SUFFIXES:
+        return False
+    try:
+        return page_count(file) > 1 or bool(open_stack(file).broken)
+    except InputError:  # the decoder of single images tells of it
+        return False
+
+
+def _tells_time(file: Path) -> bool:
+    """Whether a TIFF file has time stamps."""
+    try:
+        return bool(open_stack(file).metadata.times)
+    except InputError:
+        return False
+
+
+# ------------------------------------------------------------------------------ TIFF stacks
+
+
+def _stacks(path: Path, files: list[Path], rate: float | None, allow_truncated: bool) -> Frames:
+    stacks = [open_stack(file) for file in files]
+    for one in stacks:
+        _check_stack(one, stacks[0], allow_truncated and one is stacks[-1])
+    if (path / TIMES_FILE).exists():
+        raise InputError(
+            f"{path / TIMES_FILE}: has an instant a file, but the files here have several pages; give "
+            "--frame-rate-hz, or time stamps in OME-TIFF"
+        )
+    grey = Grey.of(files[0], next(read_pages(stacks[0])))
+    times, found, clock_notes = _stack_clock(path, stacks, rate)
+
+    def read() -> Iterator[Frame]:
+        images = ((one.path, image) for one in stacks for image in read_pages(one))
+        for index, (file, image) in enumerate(images):
+            yield Frame(index=index, time=times[index], image=grey.eight_bits(file, image))
+
+    sides = {one.metadata.pixel for one in stacks}
+    notes = [*grey.notes, *clock_notes]
+    notes += dict.fromkeys(note for one in stacks for note in one.metadata.notes)
+    notes += [f"{one.path.name}: truncated, {one.broken}" for one in stacks if one.broken]
+    if len(stacks) > 1 and any(one.pages > 1 for one in stacks):
+        notes.append(
+            f"{len(stacks)} stacks are taken as one film, in the order of their names; if they are "
+            "separate recordings, give them one by one"
+        )
+    if len(sides) > 1:
+        notes.append("the stacks state different pixel sizes: not used")
+    return Frames(
+        path=path,
+        rate=found,
+        size=stacks[0].size,
+        promised=len(times),
+        notes=tuple(notes),
+        allow_truncated=allow_truncated,
+        _read=read,
+        pixel=sides.pop() if len(sides) == 1 else None,
+    )
+
+
+def _check_stack(one: Stack, first: Stack, may_break: bool) -> None:
+    if one.size != first.size:
+        raise InputError(
+            f"{one.path}: {one.size[0]} x {one.size[1]} pixels, but {first.path.name} has "
+            f"{first.size[0]} x {first.size[1]}; all stacks of a folder must be of one size"
+        )
+    if one.pages == 0 or (one.broken and not may_break):
+        raise InputError(
+            f"{one.path}: truncated, {one.broken}; copy it once more, or use the pages before the "
+            "break of a last file with --allow-truncated"
+        )
+
+
+def _stack_clock(
+    path: Path, stacks: list[Stack], rate: float | None
+) -> tuple[list[float], float, list[str]]:
+    """Instants of the pages, frames a second, and what a user should know of them."""
+    stamped = [one for one in stacks if one.metadata.times]
+    if rate is not None:
+        other = [f"the clock runs at the given {rate:g} Hz, not by the stamps of the pages"]
+        return (
+            [k / rate for k in range(sum(one.pages for one in stacks))],
+            rate,
+            other * bool(stamped),
+        )
+    if len(stamped) < len(stacks):
+        unstamped = next(one.path for one in stacks if not one.metadata.times)
+        raise InputError(f"{unstamped}: its pages have no time stamps; give --frame-rate-hz")
+    times: list[float] = []
+    for one in stacks:
+        own = one.metadata.times[: one.pages]
+        late = next((k for k, (a, b) in enumerate(pairwise(own), 2) if not b > a), None)
+        if late is not None:
+            raise InputError(
+                f"{one.path}: page {late} at {own[late - 1]:g} s is not after the page before; "
+                "give --frame-rate-hz"
+            )
+        if times and not own[0] > times[-1]:
+            raise InputError(
+                f"{one.path}: begins at {own[0]:g} s, not after {times[-1]:g} s, where the stack "
+                "before it ends: separate recordings; give the stacks one by one"
+            )
+        times += own
+    if len(times) < 2:
+        raise InputError(f"{path}: one image gives no frame rate; give --frame-rate-hz")
+    return times, float(1.0 / np.median(np.diff(times))), []
+
+
+# ------------------------------------------------------------------------ order and clock
 
 
 def _natural(path: Path) -> tuple[list[str | int], str]:
@@ -316,14 +439,17 @@ def _read_times(table: Path) -> dict[str, float]:
     except csv.Error as error:
         raise InputError(f"{table}: is not a CSV file in UTF-8 ({error}); {advice}") from error
     if not rows or rows[0] != ["file", "time_s"]:
-        raise InputError(f"{table}: must begin with the line file,time_s; mend its header")
+        raise InputError(
+            f"{table}: must begin with the line file,time_s; "
+            f"{foreign_table(rows[0] if rows else [], 2) or 'mend its header'}"
+        )
     times: dict[str, float] = {}
     for line, row in enumerate(rows[1:], start=2):
         value = _seconds(row)
         if value is None or row[0] in times:
             raise InputError(
                 f"{table}, line {line}: {','.join(row)!r}; must be the name of an image, once, and "
-                "a finite number of seconds; mend the line"
+                f"a finite number of seconds; {foreign_table(row, 2) or 'mend the line'}"
             )
         times[row[0]] = value
     return times

@@ -7,21 +7,23 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
 from meso_robust.recordings import Polygon, RecordingSet, Rectangle, write_set
+from meso_robust.recordings.checks.copies import copy_problems
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.rules import file_fault
 from meso_robust.tracking.asked import stated_camera, stated_part, stated_pose, stated_probes
+from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
 from meso_robust.tracking.frames import Frames, open_frames
-from meso_robust.tracking.overlay import write_overlay
+from meso_robust.tracking.overlay import drawn_overlay
 from meso_robust.tracking.scene import Scene
 from meso_robust.tracking.track_document import TrackDocument, track_document
 from meso_robust.tracking.tracked_set import covariance_file, covariance_text, set_of
@@ -29,6 +31,8 @@ from meso_robust.tracking.tracked_set import covariance_file, covariance_text, s
 if TYPE_CHECKING:
     from meso_robust.tracking.grid_fit import GridFit
     from meso_robust.tracking.track import Track
+
+_SAME_PIXEL = 0.01  # of its size, by which two statements of it may differ
 
 Counting: TypeAlias = Callable[[str, int | None], AbstractContextManager[Callable[[], object]]]
 """What shows progress: made of a text and a number of steps, called after each step."""
@@ -117,8 +121,9 @@ def prepared(job: Job) -> Ready:
                 f"{videos[0].size[0]} x {videos[0].size[1]}; track them singly"
             )
     camera, fit = stated_camera(
-        videos[0].size, job.calibration, job.pixel_um, job.grid, job.pitch_um
+        videos[0].size, job.calibration, job.pixel_um, job.grid, job.pitch_um, _own_pixel(videos)
     )
+    videos = tuple(_scaled(video, camera) for video in videos)
     scene = Scene(
         outline=part.outline,
         tip_radius=radius,
@@ -135,6 +140,23 @@ def prepared(job: Job) -> Ready:
         fit=fit,
         commands=tuple(read_commands(path) for path in _logs(job)),
     )
+
+
+def _own_pixel(videos: Sequence[Frames]) -> float | None:
+    """The side of a pixel in m that all videos state; None if they do not, or differ."""
+    sides = {video.pixel for video in videos}
+    return sides.pop() if len(sides) == 1 else None
+
+
+def _scaled(video: Frames, camera: Calibration) -> Frames:
+    """The video with a note on the size of a pixel that it states itself, if it does."""
+    if video.pixel is None:
+        return video
+    stated, used = 1e6 * video.pixel, 1e6 * camera.pixel_size
+    note = f"the file states pixels of {stated:.6g} um"
+    if abs(stated - used) > _SAME_PIXEL * used:
+        note += f"; the camera is taken to have {used:.6g} um, as given"
+    return replace(video, notes=(*video.notes, note))
 
 
 def _logs(job: Job) -> tuple[Path, ...]:
@@ -175,6 +197,7 @@ def run(ready: Ready, counting: Counting) -> Found:
             ready.scene.tip_radius,
             [ready.commands[k] for k in kept] if ready.commands else None,
         )
+        tracks = _with_copies(tracks, ready.files, recordings)
     answer = track_document(
         tracks,
         ready.files,
@@ -185,6 +208,21 @@ def run(ready: Ready, counting: Counting) -> Found:
         commanded=bool(ready.commands),
     )
     return Found(ready=ready, tracks=tuple(tracks), recordings=recordings, answer=answer)
+
+
+def _with_copies(
+    tracks: Sequence[Track], files: Sequence[str], recordings: RecordingSet
+) -> list[Track]:
+    """The tracks, with a note where one shows the same push as one before: a video given twice."""
+    told = {
+        copy.file: f"{copy.value}; {copy.advice}" for copy in copy_problems(recordings.recordings)
+    }
+    return [
+        replace(track, notes=(*track.notes, f"the same push twice: {told[file]}"))
+        if file in told
+        else track
+        for track, file in zip(tracks, files, strict=True)
+    ]
 
 
 def write(folder: Path, found: Found, report: str, counting: Counting | None) -> None:
@@ -214,9 +252,10 @@ def write(folder: Path, found: Found, report: str, counting: Counting | None) ->
     }
     for one, file in zip(found.tracks, ready.files, strict=True):
         texts[covariance_file(file)] = covariance_text(one)
-    with _Drafts(folder) as drafts:
+    with ExitStack() as opened, _Drafts(folder) as drafts:
         if counting is not None:
-            _overlays(drafts, found, counting)
+            for name, film in _overlays(folder, found, counting):
+                drafts.add(name, opened.enter_context(film))
         if found.recordings is not None:
             write_set(folder, found.recordings)
         elif (folder / "track.json").exists():  # the set of an earlier run is not the answer now
@@ -226,44 +265,63 @@ def write(folder: Path, found: Found, report: str, counting: Counting | None) ->
 
 
 class _Drafts:
-    """A hidden folder for files that are long in the making; it is gone at the end."""
+    """A hidden folder for large files, there only while they are put in place."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        self._path: Path | None = None
 
     def __enter__(self) -> _Drafts:
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            self.path = Path(tempfile.mkdtemp(dir=self._folder, prefix=".", suffix=".part"))
         except OSError as error:
             raise InputError(
                 f"--out {self._folder}: cannot be written ({error.strerror}); give a folder that can"
             ) from error
         return self
 
+    def add(self, name: str, content: IO[bytes]) -> None:
+        """Lay a file of this name and content ready."""
+        try:
+            if self._path is None:
+                self._path = Path(tempfile.mkdtemp(dir=self._folder, prefix=".", suffix=".part"))
+            content.seek(0)
+            with (self._path / name).open("wb") as draft:
+                shutil.copyfileobj(content, draft)
+        except OSError as error:
+            raise InputError(
+                f"--out {self._folder}: {name} cannot be written ({error.strerror}); give a folder "
+                "that can"
+            ) from error
+
     def place(self) -> None:
         """Move the drafts into the folder."""
-        for draft in sorted(self.path.iterdir()):
+        for draft in sorted(self._path.iterdir()) if self._path else ():
             os.replace(draft, self._folder / draft.name)
 
     def __exit__(self, *_: object) -> None:
-        shutil.rmtree(self.path, ignore_errors=True)
+        if self._path is not None:
+            shutil.rmtree(self._path, ignore_errors=True)
 
 
-def _overlays(drafts: _Drafts, found: Found, counting: Counting) -> None:
+def _overlays(folder: Path, found: Found, counting: Counting) -> list[tuple[str, IO[bytes]]]:
+    """Name and content of each overlay; all are drawn before the first takes its name."""
     ready = found.ready
+    films = []
     for one, file in zip(found.tracks, ready.files, strict=True):
         stem = file.removesuffix(".csv")
         name = "overlay.avi" if len(found.tracks) == 1 else f"overlay_{stem}.avi"
         with counting(f"drawing {name}", len(one.times)) as each:
-            write_overlay(
-                drafts.path / name,
+            film = drawn_overlay(
+                folder,
                 one,
                 ready.scene.outline,
                 ready.scene.tip_radius,
                 ready.scene.calibration,
                 each,
             )
+        films.append((name, film))
+    return films
 
 
 def _files(videos: Sequence[Path]) -> tuple[str, ...]:

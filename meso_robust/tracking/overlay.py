@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -26,20 +27,22 @@ _FINE = 4  # bits of a pixel in OpenCV's drawing
 _GREEN, _ORANGE, _RED, _BLUE = (80, 200, 60), (30, 150, 240), (60, 60, 230), (235, 160, 40)
 
 
-def write_overlay(
-    path: Path,
+def drawn_overlay(
+    folder: Path,
     track: Track,
     outline: Floats,
     tip_radius: float,
     calibration: Calibration,
     each: Callable[[], object] = lambda: None,
-) -> None:
-    """Write the frames of a track as an AVI (MJPG) with outlines, tips, ellipses and words.
+) -> IO[bytes]:
+    """Draw the frames of a track as an AVI (MJPG) with outlines, tips, ellipses and words.
+
+    The file has no name while it is drawn, so that a run that is killed leaves nothing of it.
 
     Parameters
     ----------
-    path
-        The video to write, ending in .avi.
+    folder
+        On the disk that holds the file.
     track
         What was seen.
     outline
@@ -57,17 +60,26 @@ def write_overlay(
         The video cannot be written.
     """
     code = cv2.VideoWriter.fourcc(*"MJPG")
-    writer = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, code, track.frames.rate, track.frames.size)
-    if not writer.isOpened():
-        raise InputError(f"{path}: the overlay cannot be written; give --no-overlay")
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".", suffix=".part") as hidden:
+        path = Path(hidden) / "overlay.avi"
+        writer = cv2.VideoWriter(
+            str(path), cv2.CAP_FFMPEG, code, track.frames.rate, track.frames.size
+        )
+        if not writer.isOpened():
+            raise InputError(f"{folder}: the overlay cannot be written; give --no-overlay")
+        film = path.open("rb")  # keeps what the writer writes when the name is gone
     try:
         for frame, k in zip(track.frames, range(len(track.times)), strict=False):
             picture = np.asarray(cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR), np.uint8)
             _draw(picture, track, k, outline, tip_radius, calibration)
             writer.write(picture)
             each()
+    except BaseException:
+        film.close()
+        raise
     finally:
         writer.release()
+    return film
 
 
 def _draw(

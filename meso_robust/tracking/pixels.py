@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +27,18 @@ MOST_PIXELS = 2**26
 _ENDS = {b"\x89PNG": b"IEND", b"\xff\xd8\xff": b"\xff\xd9"}
 _PADDING = 64
 _DEPTHS = (10, 12, 14, 16)
+
+
+@contextmanager
+def quiet_opencv() -> Iterator[None]:
+    """OpenCV without prints of its own: what matters is said by our errors."""
+    log = getattr(cv2.utils, "logging", cv2)  # where the two functions are since 4.13, and before
+    level = log.getLogLevel()
+    log.setLogLevel(0)
+    try:
+        yield
+    finally:
+        log.setLogLevel(level)
 
 
 def decoded(path: Path) -> Pixels:

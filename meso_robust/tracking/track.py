@@ -57,6 +57,8 @@ class Track:
         (T,) of the part, 0 to 1.
     notes
         What a user should know.
+    turns
+        Orientations in which the part looks alike and among which no start angle chose; 1: none.
     """
 
     frames: Frames
@@ -71,6 +73,7 @@ class Track:
     tip_reasons: tuple[tuple[str, ...], ...]
     scores: Floats
     notes: tuple[str, ...]
+    turns: int = 1
 
     @property
     def found(self) -> npt.NDArray[np.bool_]:
@@ -231,6 +234,7 @@ def _finished(
         tip_reasons=tuple(tuple(tip.reason for tip in row) for row in tips),
         scores=np.array([seen.score for seen in sightings]),
         notes=tuple(notes),
+        turns=turns,
     )
 
 

@@ -43,6 +43,7 @@ def recording_of(track: Track, file: str, commands: Commands | None = None) -> R
             times=track.times,
             poses=track.poses,
             probes=track.tips,
+            alike_orientations=track.turns,
         )
     frames, told = np.round(track.times, _CLOCK), np.round(commands.times, _CLOCK)
     times = np.union1d(frames, told)
@@ -50,7 +51,14 @@ def recording_of(track: Track, file: str, commands: Commands | None = None) -> R
     tips = np.full((len(times), len(commands.names), 2), math.nan)
     poses[np.searchsorted(times, frames)] = track.poses
     tips[np.searchsorted(times, told)] = commands.tips
-    return Recording(file=file, probe_names=commands.names, times=times, poses=poses, probes=tips)
+    return Recording(
+        file=file,
+        probe_names=commands.names,
+        times=times,
+        poses=poses,
+        probes=tips,
+        alike_orientations=track.turns,
+    )
 
 
 def sensor_of(tracks: Sequence[Track]) -> SensorInfo:

@@ -34,6 +34,7 @@ class Made:
     """Stands for what the diagnosis found, so that these tests are of the command line alone."""
 
     verdict: Verdict
+    doubts: tuple[str, ...] = ()
 
     def document(self, version: str, remarks: tuple[str, ...]) -> DiagnosisDocument:
         made = diagnoses.document(self.verdict)
@@ -126,7 +127,10 @@ def test_the_summary_says_what_where_and_how_much(given: Any, folder: Path, tmp_
     assert "where: push_03.csv at 1.90–7.00 s (one tip): contact, y, 12.3 σ" in said
     assert "push_05.csv" not in said  # the fourth span of five
     assert "and 2 more spans" in said
-    assert "held-out error 4.1 → 1.05 σ (noise floor 1), 4.92 → 1.26 µm" in said
+    assert (
+        "held-out error 4.1 → 1.05 σ (noise 1 σ, of it repeatability 0.07 σ), 4.92 → 1.26 µm"
+        in said
+    )
 
 
 def test_json_is_the_document_and_nothing_else(given: Any, folder: Path, tmp_path: Path) -> None:

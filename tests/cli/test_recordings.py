@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.recordings import read_set, write_set
+from tests.recordings.importers import written
 from tests.recordings.planted import MIDDLE, UM, clean, planted, poses
 
 RUNNER = CliRunner()
@@ -52,7 +53,7 @@ def test_problems_are_listed_with_file_and_lines(spoilt: Path, tmp_path: Path) -
     result = recordings(spoilt, "--out", tmp_path / "out")
     assert result.exit_code == 1
     assert f"error: {MIDDLE}, line 101: clock that repeats or runs backwards:" in result.stdout
-    assert f"warning: {MIDDLE}, line 22: pose of zeros: not found:" in result.stdout
+    assert f"error: {MIDDLE}, line 22: pose of zeros: not found:" in result.stdout
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == FILES
 
 
@@ -123,3 +124,53 @@ def test_the_recordings_that_were_read_are_never_written_over(tmp_path: Path) ->
     assert "would write over the recordings" in result.stderr
     assert (tmp_path / "recordings" / MIDDLE).read_bytes() == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["recordings"]
+
+
+BUTTERFLY = "[part]\npolygon_um = [[-30000, -18000], [0, -9000], [30000, -18000], [30000, 18000], [0, 9000], [-30000, 18000]]\n"
+
+
+def test_a_part_that_no_importer_knows_is_given_its_outline(tmp_path: Path) -> None:
+    rows = [(1.5e9 + 0.03 * k, 10.0, 20.0, 1.5, 60.0 + k, 50.0, 0.0, 1) for k in range(12)]
+    log = written.two_finger(tmp_path / "butter_60_20_135", rows)
+    stated = tmp_path / "butterfly.toml"
+    stated.write_text(BUTTERFLY)
+
+    without = recordings(log.parent, "--out", tmp_path / "a")
+    given = recordings(log.parent, "--outline", stated, "--out", tmp_path / "b")
+
+    assert without.exit_code == 2
+    assert "--outline" in without.stderr
+    assert given.exit_code in (0, 1), given.output
+    outline = read_set(tmp_path / "b" / "recordings").part.outline
+    assert outline[1] == pytest.approx([0.0, -9e-3])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[probe]\ntip_radius_um = 1.0\n", "key part is missing"),
+        ("[part]\nlength_um = 10.0\n", "no outline"),
+        ("[part]\nlength_um = 10.0\nwidth_um = 5.0\nheight = 2\n", "height"),
+    ],
+)
+def test_a_wrong_outline_is_refused_by_name(tmp_path: Path, text: str, words: str) -> None:
+    log = written.two_finger(
+        tmp_path / "butter_1", [(1.5e9 + k, 1, 2, 3, 4, 5, 6, 1) for k in (0, 1)]
+    )
+    (tmp_path / "part.toml").write_text(text)
+
+    result = recordings(log, "--outline", tmp_path / "part.toml", "--out", tmp_path / "out")
+
+    assert result.exit_code == 2
+    assert "part.toml" in result.stderr
+    assert words in result.stderr
+
+
+def test_an_outline_beside_a_set_that_states_it_is_refused(tmp_path: Path) -> None:
+    write_set(tmp_path / "set", clean())
+    (tmp_path / "part.toml").write_text(BUTTERFLY)
+
+    result = recordings(tmp_path / "set", "--outline", tmp_path / "part.toml", "--out", tmp_path)
+
+    assert result.exit_code == 2
+    assert "states its part in set.toml" in result.stderr

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import json
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+import tifffile
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.recordings import read_set
 from meso_robust.tracking.calibration_document import load_calibration
+from meso_robust.tracking.frames import open_frames
 from tests.tracking.pushes import Filmed, push
 
 RUNNER = CliRunner()
@@ -198,3 +202,66 @@ def test_command_line_loads_nothing_heavy() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 
     assert done.stdout.strip() == "[]"
+
+
+def test_stack_is_tracked_page_by_page_with_the_clock_and_the_pixels_it_states(
+    filmed: Filmed, tmp_path: Path
+) -> None:
+    pages = np.stack([frame.image for frame in open_frames(filmed.path)])
+    stamps = [0.05 * k + 0.01 * (k % 2) for k in range(len(pages))]
+    stated = {
+        "PhysicalSizeX": 5.26,
+        "PhysicalSizeY": 5.26,
+        "Plane": {"DeltaT": stamps, "DeltaTUnit": ["s"] * len(stamps)},
+    }
+    stack = tmp_path / "push.ome.tif"
+    tifffile.imwrite(stack, pages, ome=True, metadata={"axes": "TYX", **stated})
+
+    result = tracked(
+        stack, *PART, "--start", "0,0,0", "--out", tmp_path / "out", "--no-overlay", "--json"
+    )
+
+    assert result.exit_code == 0, result.output
+    (video,) = json.loads(result.stdout)["videos"]
+    assert (video["frames"], video["found"]) == (30, 30)
+    assert any("5.26 um" in note for note in video["notes"])
+    assert read_set(tmp_path / "out").recordings[0].times == pytest.approx(stamps)
+    assert load_calibration(tmp_path / "out" / "calibration.toml").pixel_size == pytest.approx(
+        5.26e-6
+    )
+
+
+def test_controllers_table_with_semicolons_gets_a_hint(filmed: Filmed, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time_s;left_x_um;left_y_um\n0,0;1,5;2,5\n")
+
+    result = tracked(
+        filmed.path, *PART, *CAMERA, "--commands", tmp_path / "log.csv", "--out", tmp_path / "out"
+    )
+
+    assert result.exit_code == 2
+    assert "parted by semicolons" in result.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_killed_run_leaves_no_half_file(tmp_path: Path, number: signal.Signals) -> None:
+    video = push(tmp_path / "push.avi", 20).path
+    out = tmp_path / "out"
+    words = ["track", video, *PART, *CAMERA, "--start", "0,0,0", "--out", out]
+    code = "from meso_robust.cli import main; main()"
+    process = subprocess.Popen([sys.executable, "-c", code, *map(str, words)])
+    while process.poll() is None and not _draws_without_a_name(process.pid):
+        time.sleep(0.005)
+    process.send_signal(number)
+    process.wait(timeout=60)
+
+    assert process.returncode in (-signal.SIGKILL, 130)
+    assert list(out.iterdir()) == []
+
+
+def _draws_without_a_name(pid: int) -> bool:
+    """Whether a process writes an overlay that is in no folder."""
+    try:
+        links = [link.readlink().name for link in Path(f"/proc/{pid}/fd").iterdir()]
+    except OSError:  # it closes files while we look
+        return False
+    return "overlay.avi (deleted)" in links

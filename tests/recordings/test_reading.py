@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from meso_robust.errors import InputError
-from meso_robust.recordings import Polygon, Rectangle, SetDocument, read_set
+from meso_robust.recordings import Polygon, Rectangle, SetDocument, read_set, write_set
 from tests.recordings.examples import SET, TABLE, folder_of, replaced
+from tests.recordings.planted import MIDDLE, clean
 
 RECTANGLE = """\
 length_um = 1616.0          # along the part's x axis (the long axis) at theta = 0
@@ -270,6 +272,38 @@ def test_the_schema_lists_the_keys_of_the_format() -> None:
         "PartSection": {"length_um", "width_um", "polygon_um"},
         "ProbeSection": {"tip_radius_um", "position_source"},
         "SensorSection": {"position_sigma_um", "orientation_sigma_deg", "frame_rate_hz"},
-        "RecordingSection": {"file", "probes"},
+        "RecordingSection": {"file", "probes", "alike_orientations"},
     }
     assert json.loads(json.dumps(schema)) == schema
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda text: text.replace(",", ";"), "parted by semicolons"),
+        (lambda text: text.replace(",", ";").replace(".", ","), "parted by semicolons"),
+        (lambda text: text.replace(",", "\t"), "parted by tabs"),
+        (lambda text: _rows(text, lambda row: row.replace(".", ",")), "decimal commas"),
+        (lambda text: _rows(text, lambda row: row.replace(",", ";")), "parted by semicolons"),
+        (lambda text: _rows(text, _quoted), "decimal commas"),
+    ],
+)
+def test_tables_of_other_countries_get_a_hint(
+    tmp_path: Path, change: Callable[[str], str], words: str
+) -> None:
+    write_set(tmp_path, clean())
+    table = tmp_path / MIDDLE
+    table.write_text(change(table.read_text()))
+
+    with pytest.raises(InputError, match=words) as error:
+        read_set(tmp_path)
+    assert str(error.value).startswith(str(table))
+
+
+def _rows(text: str, change: Callable[[str], str]) -> str:
+    header, *rows = text.splitlines()
+    return "\n".join([header, *map(change, rows)]) + "\n"
+
+
+def _quoted(row: str) -> str:
+    return ",".join(f'"{cell.replace(".", ",")}"' for cell in row.split(","))

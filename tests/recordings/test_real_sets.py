@@ -45,7 +45,9 @@ def test_forces_of_a_robot_that_was_not_tared_are_named() -> None:
     assert np.nanmin(np.linalg.norm(one.forces[far, 0], axis=1)) > 1.0
 
 
-def test_two_poses_a_push_are_few_but_no_error() -> None:
+def test_two_poses_a_push_are_few_and_show_no_noise() -> None:
     found = checked(FOLDER / "cmu_support_points" / "patch", None, repair=False)
-    assert {(one.severity, one.kind) for one in found.matters} == {("warning", "few_frames")}
-    assert len(found.matters) == len(found.recordings.recordings)
+    *few, noise = found.matters
+    assert {(one.severity, one.kind) for one in few} == {("warning", "few_frames")}
+    assert len(few) == len(found.recordings.recordings)
+    assert (noise.severity, noise.kind) == ("error", "noise_unknown")

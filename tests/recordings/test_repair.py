@@ -46,7 +46,7 @@ def test_zeros_repeats_and_outliers_are_taken_as_not_seen() -> None:
     assert repairs == [
         f"{MIDDLE}, line 22: pose of zeros: not found: the poses were taken as not seen",
         f"{MIDDLE}, line 52: frozen pose: the poses were taken as not seen",
-        f"{MIDDLE}, line 122: jump: the poses were taken as not seen",
+        f"{MIDDLE}, line 122: poses off the path: the poses were taken as not seen",
     ]
 
 
@@ -152,7 +152,7 @@ def test_a_repaired_set_is_clean_when_it_is_written_and_read_again(
         read_set(spoilt)
     found = checked(spoilt, None, repair=True)
     assert {one.kind for one in found.repairs} == {
-        *("zero_pose", "frozen", "jump", "wrap", "clock", "cell")
+        *("zero_pose", "frozen", "outlier", "wrap", "clock", "cell")
     }
     assert found.verdict == "CLEAN"
     write_set(tmp_path / "again", found.recordings)

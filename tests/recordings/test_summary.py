@@ -94,10 +94,10 @@ def test_the_document_is_json_and_complete() -> None:
     found = problems(recordings)
     made = document(as_checked(recordings=recordings, found=found, remaining=found, notes=("n",)))
     assert json.loads(json.dumps(made, allow_nan=False)) == made
-    assert (made["schema"], made["verdict"]) == (SCHEMA, "USABLE WITH CARE")
+    assert (made["schema"], made["verdict"]) == (SCHEMA, "NOT USABLE AS IT IS")
     assert len(made["recordings"]) == 3
     (zero,) = made["remaining"]
-    assert (zero["kind"], zero["rows"], zero["severity"]) == ("zero_pose", [52], "warning")
+    assert (zero["kind"], zero["rows"], zero["severity"]) == ("zero_pose", [52], "error")
     assert made["noise"]["position_source"] == "stated"
     assert made["noise"]["still_frames"]["x"]["sigma_um"] == pytest.approx(1.2, rel=0.15)
     assert made["recordings"][0]["noise"]["x"]["degrees_of_freedom"] > 70

@@ -212,6 +212,7 @@ def held_out(before: float, after: float) -> dict[str, Any]:
         "baseline_sigma": before,
         "extended_sigma": after,
         "noise_floor_sigma": 1.0,
+        "repeatability_sigma": 0.07,
         "baseline_um": 1.2 * before,
         "extended_um": 1.2 * after,
         "improvement_low": 0.66 if after < before else 0.0,

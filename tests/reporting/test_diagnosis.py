@@ -270,7 +270,7 @@ def test_the_worst_recordings_are_drawn_first_and_say_if_they_were_held_out() ->
 
 def test_bars_are_as_long_as_the_errors() -> None:
     held = document("named").held_out
-    figure = figures.held_out_figure(held.each, 0.97, extended=True)
+    figure = figures.held_out_figure(held.each, (0.97, 0.07), extended=True)
     before = [bar.get_width() for bar in filled(figure, figures.BASELINE)]
     after = [bar.get_width() for bar in filled(figure, figures.EXTENDED)]
     assert before == pytest.approx([3.28, 3.69, 4.1, 4.51])
@@ -279,7 +279,7 @@ def test_bars_are_as_long_as_the_errors() -> None:
     assert line_x(floor) == 0.97
     starred = [t.get_text() for t in figure.axes[0].get_yticklabels() if "*" in t.get_text()]
     assert starred == [f"{name} *" for name in EXTRAPOLATION]
-    plain = figures.held_out_figure(held.each, 1.0, extended=False)
+    plain = figures.held_out_figure(held.each, (1.0, None), extended=False)
     assert filled(plain, figures.EXTENDED) == []
 
 

@@ -17,7 +17,7 @@ from meso_robust.recordings import Rectangle, read_set, write_set
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.commands import read_commands
 from meso_robust.tracking.frames import open_frames
-from meso_robust.tracking.overlay import write_overlay
+from meso_robust.tracking.overlay import drawn_overlay
 from meso_robust.tracking.track import Scene, Start, Track, track
 from meso_robust.tracking.tracked_set import covariance_text, set_of
 from tests.tracking.pushes import PART, PIXEL, RADIUS, Filmed, push, rms
@@ -204,7 +204,9 @@ def test_part_at_rest_in_identical_frames_keeps_its_pose(
 def test_overlay_marks_the_part_where_it_is(plain: tuple[Filmed, Track], tmp_path: Path) -> None:
     filmed, seen = plain
     path = tmp_path / "overlay.avi"
-    write_overlay(path, seen, PART, RADIUS, scene_of(filmed).calibration)
+    with drawn_overlay(tmp_path, seen, PART, RADIUS, scene_of(filmed).calibration) as film:
+        assert not list(tmp_path.iterdir())  # it has no name
+        path.write_bytes(film.read())
 
     capture = cv2.VideoCapture(str(path))
     assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 60

@@ -44,6 +44,9 @@ def limit_surface(outline: Floats) -> Model:
         scale=length,
         meaning="largest torque of the support over its largest force, c",
         log=True,
+        likely=(1e-1 * length, length),
+        why_likely="a support under the part has no longer an arm than its farthest corner, and "
+        "hardly less than a tenth of that",
     )
 
     def draw(rng: np.random.Generator, count: int) -> Floats:

@@ -37,6 +37,10 @@ class Parameter:
     meaning: str
     log: bool = False
     """Whether the parameter is positive and counts by ratio."""
+    likely: tuple[float, float] | None = None
+    """Least and largest value, SI, that a part can have; None where every admissible one may be."""
+    why_likely: str = ""
+    """Why it has no other."""
     unseen: str = ""
     """Why no motion can show the parameter; empty for one that is fitted."""
 

@@ -33,6 +33,9 @@ def film_ratio(outline: Floats) -> Parameter:
         scale=length**2,
         meaning="rotational over translational drag of the film, e_θ / e_x",
         log=True,
+        likely=(1e-2 * length**2, length**2),
+        why_likely="a film under the part has no more than its farthest corner's distance squared, "
+        "and hardly less than a hundredth of that",
     )
 
 

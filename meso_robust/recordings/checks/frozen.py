@@ -46,7 +46,7 @@ def zero_problem(view: View, frames: Integers) -> list[Problem]:
     return [
         view.problem(
             "zero_pose",
-            "warning",
+            "error",
             frames,
             f"x, y and θ are all zero in {_rows(frames)}, the part is elsewhere",
             "an empty cell stands for not seen",
@@ -83,7 +83,7 @@ def frozen_problem(view: View, frames: Integers) -> list[Problem]:
     return [
         view.problem(
             "frozen",
-            "warning",
+            "error",
             frames,
             f"{_rows(frames)} repeating the pose before bit by bit, up to {longest} in a row",
             "every frame has noise of its own",

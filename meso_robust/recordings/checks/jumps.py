@@ -45,8 +45,8 @@ def outlying_problem(view: View, frames: Integers) -> list[Problem]:
         return []
     return [
         view.problem(
-            "jump",
-            "warning",
+            "outlier",
+            "error",
             frames,
             f"{frames.size} poses are off the path of the others, further than the tips push",
             f"from frame to frame at most {_allowed_text(view)}",

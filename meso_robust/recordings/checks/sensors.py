@@ -84,11 +84,13 @@ def _differs(key: str, stated: float, found: Spread, unit: float) -> list[Proble
             file=SET_FILE,
             kind="noise",
             severity="warning" if ratio > 1.0 else "information",
-            value=f"{key} = {stated / unit:.4g}; still frames show {found.sigma / unit:.4g} "
-            f"({found.freedom} degrees of freedom)",
-            rule=f"must agree within a factor of {_RATIO:.0f}",
-            advice="mend the key, or leave it out to have it estimated"
+            value=f"{key} = {stated / unit:.4g}; repeatability in still frames "
+            f"{found.sigma / unit:.4g} ({found.freedom} degrees of freedom)",
+            rule=f"the repeatability is a part of it, so it cannot be {_RATIO:.0f} times as large"
             if ratio > 1.0
-            else "right if errors that stay from frame to frame are in it, else mend the key",
+            else "the rest must be systematic error, which stays from frame to frame",
+            advice="fix the key, or leave it out to have the repeatability taken"
+            if ratio > 1.0
+            else "none if there is such an error, else fix the key",
         )
     ]

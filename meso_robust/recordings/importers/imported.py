@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol, TypeAlias
 
 from meso_robust.errors import InputError
+from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.values import RecordingSet
 
+Outline: TypeAlias = Rectangle | Polygon
 _SHOWN = 5  # rows named in a line of text; all are in the value
 
 
@@ -58,6 +61,14 @@ class Imported:
     left: tuple[Left, ...]
 
 
+class Reader(Protocol):
+    """What makes a set of a path, with the part's outline where it is given."""
+
+    def __call__(self, path: Path, outline: Outline | None) -> Imported:
+        """Make a recording set of a file or a folder of files."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Importer:
     """Reader of one format.
@@ -74,10 +85,17 @@ class Importer:
 
     note: str
     recognises: Callable[[Path], bool]
-    reader: Callable[[Path], Imported]
+    reader: Reader
 
-    def read(self, path: Path) -> Imported:
+    def read(self, path: Path, outline: Outline | None = None) -> Imported:
         """Make a recording set of a file or a folder of files.
+
+        Parameters
+        ----------
+        path
+            File or folder.
+        outline
+            Of the part, where the files do not say it.
 
         Raises
         ------
@@ -86,7 +104,7 @@ class Importer:
             a set that breaks a rule of sets, such as two recordings of one name.
         """
         try:
-            return self.reader(path)
+            return self.reader(path, outline)
         except InputError:
             raise
         except ValueError as error:  # of Recording and RecordingSet

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from meso_robust.errors import InputError
 from meso_robust.reading import json_values
 from meso_robust.recordings.importers.files import candidates, files_of, one_kind, text_of
-from meso_robust.recordings.importers.imported import Imported, Importer, Left
+from meso_robust.recordings.importers.imported import Imported, Importer, Left, Outline
 from meso_robust.recordings.importers.streams import forward, sampled
 from meso_robust.recordings.outline import Rectangle
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
@@ -53,26 +53,34 @@ def recognises(path: Path) -> bool:
     return any(_is_mine(file) for file in candidates(path))
 
 
-def read(path: Path) -> Imported:
+def read(path: Path, outline: Outline | None = None) -> Imported:
     """Read one push or a folder of pushes of one part on one surface.
+
+    Parameters
+    ----------
+    path
+        File or folder.
+    outline
+        Of the part about the reference point of the poses, where the shape's name does not tell it.
 
     Raises
     ------
     InputError
-        No such file, several parts or surfaces, an unknown part, or a file that breaks the format.
+        No such file, several parts or surfaces, an unknown part without an outline, or a file that breaks the format.
     """
     files = files_of(path, _is_mine, "motion_surface=…_shape=rect1_….json")
     shape = one_kind(path, [_named(file)["shape"] for file in files], "shapes")
     one_kind(path, [_named(file)["surface"] for file in files], "surfaces")
-    if shape not in PARTS:
+    part = PARTS.get(shape) if outline is None else outline
+    if part is None:
         raise InputError(
             f"{files[0]}: shape = {shape}; must be one of {', '.join(PARTS)}, whose outline is "
-            "known; add its outline to the importer"
+            "known; give the part's with --outline"
         )
     pushes = [_push(file) for file in files]
     return Imported(
         recordings=RecordingSet(
-            part=PARTS[shape],
+            part=part,
             tip_radius=TIP_RADIUS,
             position_source="controller",
             sensor=SensorInfo(frame_rate=FRAME_RATE),

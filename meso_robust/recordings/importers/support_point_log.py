@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.recordings.importers.files import candidates, files_of, one_kind, text_of
-from meso_robust.recordings.importers.imported import Imported, Importer, Left
+from meso_robust.recordings.importers.imported import Imported, Importer, Left, Outline
 from meso_robust.recordings.importers.streams import forward, sampled
 from meso_robust.recordings.outline import Polygon
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
@@ -38,7 +38,8 @@ TURNED = 1439251200.0
 """Unix time (11 August 2015) from which the sensor sat turned by 45° in the tool."""
 
 _MM = 1e-3
-_FOLDER = re.compile(r"(?:wood_)?(?:patch|\d+(?:_\d+){5})")
+_NUMBER = r"\d+(?:\.\d+)?"
+_FOLDER = re.compile(rf"(?:wood_)?(?:patch|{_NUMBER}(?:_{_NUMBER}){{5}})")
 _TURN = math.sqrt(0.5) * np.array([[-1.0, -1.0], [-1.0, 1.0]])
 _MIRROR = np.diag([1.0, -1.0])
 
@@ -75,18 +76,23 @@ def support_points(folder: str) -> Floats | None:
     The name is x1_x2_x3_y1_y2_y3 in mm from the corner. (Read as pairs, 30_90_30_30_30_90 would have
     one point twice, and no triangle to stand on.) None for ``patch``, where the whole face bears.
     """
-    numbers = [int(number) for number in re.findall(r"\d+", folder)]
+    numbers = [float(number) for number in re.findall(_NUMBER, folder)]
     return np.reshape(numbers, (2, 3)).T * _MM - CENTRE if len(numbers) == 6 else None
 
 
-def read(path: Path) -> Imported:
+def read(path: Path, outline: Outline | None = None) -> Imported:
     """Read one log or a folder of logs of one arrangement of supports.
 
     Raises
     ------
     InputError
-        No such file, a file that breaks the format, or no complete push at all.
+        An outline is given (all logs are of one triangle), no such file, a file that breaks the format, or no complete push at all.
     """
+    if outline is not None:
+        raise InputError(
+            f"{path}: all logs of this format are of one triangle, whose outline is known; leave "
+            "--outline out"
+        )
     files = files_of(path, _is_mine, "30_90_30_30_30_90/exp….txt.gz")
     one_kind(path, [file.resolve().parent.name for file in files], "supports")
     left: list[Left] = []

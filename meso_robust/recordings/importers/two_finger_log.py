@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.recordings.importers.files import candidates, files_of, one_kind, text_of
-from meso_robust.recordings.importers.imported import Imported, Importer, Left
+from meso_robust.recordings.importers.imported import Imported, Importer, Left, Outline
 from meso_robust.recordings.importers.streams import forward
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
@@ -72,20 +72,28 @@ def recognises(path: Path) -> bool:
     return any(_is_mine(file) for file in candidates(path))
 
 
-def read(path: Path) -> Imported:
+def read(path: Path, outline: Outline | None = None) -> Imported:
     """Read one log or a folder of logs of one part.
+
+    Parameters
+    ----------
+    path
+        File or folder.
+    outline
+        Of the part about the reference point of the poses, where the folder's name does not tell it
+        or tells it wrongly.
 
     Raises
     ------
     InputError
-        No such file, an unknown part, or a file that breaks the format.
+        No such file, an unknown part without an outline, or a file that breaks the format.
     """
     files = files_of(path, _is_mine, "log….txt")
-    shape = one_kind(path, [_shape(file) for file in files], "parts")
+    part = outline or PARTS[one_kind(path, [_shape(file) for file in files], "parts")]
     logs = [_log(file) for file in files]
     return Imported(
         recordings=RecordingSet(
-            part=PARTS[shape],
+            part=part,
             tip_radius=TIP_RADIUS,
             position_source="controller",
             sensor=SensorInfo(frame_rate=FRAME_RATE),
@@ -113,7 +121,7 @@ def _shape(file: Path) -> str:
             return shape
     raise InputError(
         f"{file}: folder {folder}; must begin with one of {', '.join(PARTS)}, whose outline is "
-        "known; add its outline to the importer"
+        "known; give the part's with --outline"
     )
 
 

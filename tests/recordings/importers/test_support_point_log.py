@@ -10,6 +10,7 @@ import pytest
 from meso_robust.errors import InputError
 from meso_robust.recordings.importers import FORMATS
 from meso_robust.recordings.importers.support_point_log import support_points
+from meso_robust.recordings.outline import Rectangle
 from tests.recordings.importers import written
 
 IMPORTER = FORMATS["support_point_log"]
@@ -141,3 +142,20 @@ def test_support_points_come_from_the_folders_name() -> None:
 
 def test_a_file_outside_such_a_folder_is_not_taken(tmp_path: Path) -> None:
     assert not IMPORTER.recognises(written.support_log(tmp_path / "logs", ["1"]))
+
+
+def test_supports_between_whole_millimetres_are_a_folder_of_this_format(tmp_path: Path) -> None:
+    folder = "wood_30.5_90_30_30.25_30_90.0"
+    path = written.support_log(tmp_path / folder, ["1", *written.support_push(LATE)])
+    assert IMPORTER.recognises(path.parent)
+    assert len(IMPORTER.read(path.parent).recordings.recordings) == 1
+    points = support_points(folder)
+    assert points is not None
+    expected = np.array([[30.5, 30.25], [90.0, 30.0], [30.0, 90.0]]) - 50.0
+    assert np.allclose(points, 1e-3 * expected)
+
+
+def test_an_outline_for_the_one_known_triangle_is_refused(tmp_path: Path) -> None:
+    path = written.support_log(tmp_path / FOLDER, ["1", *written.support_push(LATE)])
+    with pytest.raises(InputError, match="leave --outline out"):
+        IMPORTER.read(path, Rectangle(length=0.1, width=0.1))
