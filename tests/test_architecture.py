@@ -17,7 +17,7 @@ PACKAGE = Path(meso_robust.__file__).parent
 ROOT = PACKAGE.parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-BASE = {"errors", "kernels"}
+BASE = {"errors", "kernels", "telling"}
 BELOW_MOTION = {"bounds", "admissibility", *BASE}
 BELOW_PLANNING = {"reading", "motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
 MAY_IMPORT = {
@@ -33,10 +33,11 @@ MAY_IMPORT = {
     "policy": {*BELOW_PLANNING, "planning", "certificates", "execution", "simulator"},
     "checker": {"errors", "reading", "task"},
     "simulator": {"errors", "kernels"},
-    "recordings": {"errors", "reading", "toml_files", "files"},
-    "microscope": {"errors", "files", "kernels"},
+    "recordings": {"errors", "telling", "reading", "toml_files", "files"},
+    "microscope": {"errors", "telling", "files", "kernels"},
     "tracking": {
         "errors",
+        "telling",
         "reading",
         "toml_files",
         "files",
@@ -47,6 +48,7 @@ MAY_IMPORT = {
     },
     "diagnosis": {
         "errors",
+        "telling",
         "simulator",
         "recordings",
         "identification",
@@ -54,6 +56,7 @@ MAY_IMPORT = {
     },
     "identification": {
         "errors",
+        "telling",
         "toml_files",
         "files",
         "kernels",

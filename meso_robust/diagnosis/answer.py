@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from meso_robust import __version__
-from meso_robust.diagnosis.candidates import Candidate
+from meso_robust.diagnosis.candidates import Candidate, why_not
 from meso_robust.diagnosis.control import SAME
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
@@ -255,7 +255,7 @@ def _candidates(found: Diagnosis) -> tuple[dict[str, object], ...]:
             "chi2": one.refit.chi2,
             "probability": one.probability,
             "adequate": one.adequate,
-            "rejected": one.rejected,
+            "rejected": why_not(one, found.naming),
         }
         for one in found.naming.candidates[:_LISTED]
     )

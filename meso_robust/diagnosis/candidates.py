@@ -78,6 +78,23 @@ class Naming:
     candidates: tuple[Candidate, ...]
 
 
+def why_not(one: Candidate, naming: Naming) -> str:
+    """Why a set of the competition is no answer, in words; empty if it is one."""
+    if one.effects in {answer.effects for answer in naming.answers}:
+        return ""
+    if one.rejected:
+        return one.rejected
+    if one.adequate:
+        return f"likelier sets hold all but {100 * _DOUBT:g} % of what is probable"
+    ahead = max(naming.candidates, key=lambda other: other.score)
+    behind = ahead.score - one.score
+    return (
+        f"{behind:.0f} nats behind {' + '.join(ahead.effects)}, too far to ask whether it leaves a mismatch"
+        if one.adequate is None
+        else "leaves a mismatch"
+    )
+
+
 def supported(one: Candidate, field: list[Candidate]) -> Candidate:
     """An adequate set, unless another law would do as well.
 

@@ -127,7 +127,7 @@ class CandidateSection(_Section):
     adequate: bool | None
     """Whether nothing is left that the detector sees; None where that was not asked."""
     rejected: str
-    """Why it is not the answer; empty for those that may be."""
+    """Why it is no answer; empty for one that is."""
 
 
 class PairSection(_Section):

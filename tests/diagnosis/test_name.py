@@ -17,6 +17,7 @@ from meso_robust.diagnosis.candidates import (
     freed,
     pruned,
     supported,
+    why_not,
     with_probabilities,
     without_duplicates,
 )
@@ -55,6 +56,24 @@ def candidate(
         gain=score + EACH * len(effects),
     )
     return Candidate(refit=refit, **more)
+
+
+@pytest.mark.parametrize("rejected", ["", "no better than the plain model"])
+@pytest.mark.parametrize("adequate", [True, False, None])
+def test_every_set_that_is_no_answer_has_a_reason_in_words(
+    adequate: bool | None, rejected: str
+) -> None:
+    first = candidate("body_force", score=50.0, adequate=True)
+    other = candidate("backlash", score=9.0, adequate=adequate, rejected=rejected)
+    naming = Naming(answers=(first,), best=first, candidates=(first, other))
+
+    reason = why_not(other, naming)
+
+    assert why_not(first, naming) == ""
+    assert len(reason.split()) >= 3
+    assert reason == rejected or not rejected
+    if adequate is None and not rejected:
+        assert "41 nats behind body_force" in reason
 
 
 def test_a_score_pays_for_effects_and_for_forms() -> None:

@@ -15,7 +15,8 @@ from meso_robust.errors import InputError
 from meso_robust.reproduction.document import Made, document, text
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
 from meso_robust.reproduction.items import ITEMS, asked, item
-from meso_robust.reproduction.page import apart, reproduction_report, shown, worded
+from meso_robust.reproduction.page import apart, reproduction_report, shown
+from meso_robust.telling import worded
 
 RUNNER = CliRunner()
 
