@@ -11,6 +11,7 @@ from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.design import design
 from meso_robust.certificates.document import (
+    TIPS,
     CertificateDocument,
     SimulationDocument,
     WitnessDocument,
@@ -31,6 +32,7 @@ from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.provenance import made_with
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task
+from meso_robust.telling import counted, down, worded
 
 Doing = Callable[[str], AbstractContextManager[None]]
 
@@ -57,19 +59,19 @@ class Planned:
         """The answer in a few lines."""
         check, runs = self.check, len(self.check.in_goal)
         lines = [
-            f"{self.certificate.verdict}: {self.task.name}, {len(self.found.rules)} moves",
-            f"simulated: {int(check.in_goal.sum())} of {runs} runs end in the goal",
+            f"{self.certificate.verdict} ({TIPS}): {self.task.name}, {counted(len(self.found.rules), 'move')}",
+            f"simulated: {int(check.in_goal.sum())} of {counted(runs, 'run')} end in the goal",
         ]
         if self.certificate.verdict == "PROVED":
             lines.append(
-                f"margin: still proved with all uncertainties x {self.margin.factor:.2f}; "
+                f"margin: still proved with all uncertainties x {down(self.margin.factor, 2)}; "
                 f"{(self.margin.binding or '').replace('_', ' ')} binds first"
             )
         elif self.certificate.undecided is not None:
             open_ = self.certificate.undecided
             lines.append(f"not proved in step {open_.step} ({open_.action}): {open_.claim}")
             lines.append(f"what would settle it: {open_.settled_by}")
-        return "\n".join(lines)
+        return worded("\n".join(lines))
 
 
 class SimulatorContradictsProofError(RuntimeError):
@@ -130,7 +132,7 @@ def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = _qui
         chain = certify(found.rules, setup)
     with doing("searching the margin"):
         bears = margin(found.rules, task)
-    with doing(f"simulating {samples} runs"):
+    with doing(f"simulating {counted(samples, 'run')}"):
         posts = [step.post for step in chain.steps]
         check = crosscheck(found.rules, setup, posts, samples, seed)
     if chain.verdict is Verdict.PROVED and check.failure is not None:

@@ -7,6 +7,7 @@ or nested too deeply is refused before it can fill the memory or the stack.
 from __future__ import annotations
 
 import difflib
+import errno
 import json
 import re
 import stat
@@ -70,7 +71,7 @@ def bytes_of(path: Path, advice: str, largest: int = LARGEST_DATA) -> bytes:
     try:
         if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():
             # of a pipe or a device nobody knows the size, and reading it may never end
-            raise InputError(f"{path}: cannot be read (not a plain file); {advice}")
+            raise OSError(errno.EINVAL, "not a plain file")
         with path.open("rb") as file:
             content = file.read(largest + 1)
     except OSError as error:

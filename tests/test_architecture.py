@@ -18,7 +18,7 @@ PACKAGE = Path(meso_robust.__file__).parent
 ROOT = PACKAGE.parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-BASE = {"errors", "kernels"}
+BASE = {"errors", "kernels", "telling"}
 BELOW_MOTION = {"bounds", "admissibility", *BASE}
 BELOW_PLANNING = {"reading", "motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
 MAY_IMPORT = {
@@ -34,10 +34,11 @@ MAY_IMPORT = {
     "policy": {*BELOW_PLANNING, "planning", "certificates"},
     "checker": {"errors", "reading", "task"},
     "simulator": {"errors", "kernels"},
-    "recordings": {"errors", "reading", "toml_files", "files"},
-    "microscope": {"errors", "files", "kernels"},
+    "recordings": {"errors", "telling", "reading", "toml_files", "files"},
+    "microscope": {"errors", "telling", "files", "kernels"},
     "tracking": {
         "errors",
+        "telling",
         "reading",
         "toml_files",
         "files",
@@ -48,6 +49,7 @@ MAY_IMPORT = {
     },
     "diagnosis": {
         "errors",
+        "telling",
         "toml_files",
         "simulator",
         "recordings",
@@ -56,6 +58,7 @@ MAY_IMPORT = {
     },
     "identification": {
         "errors",
+        "telling",
         "toml_files",
         "files",
         "kernels",

@@ -25,7 +25,9 @@ from meso_robust.task import Task
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Driver:
-    """Answers sensed poses, one after the other; a new one is made for the next part.
+    """Answers sensed poses, one after the other, of one part after the other.
+
+    ``done`` and ``refused`` end a part: the next pose is taken as the first of the next one.
 
     Attributes
     ----------

@@ -18,15 +18,17 @@ from meso_robust.files import write_all
 from meso_robust.identification import identify as fitting
 from meso_robust.identification.answer import document as documented, summary
 from meso_robust.identification.design import DETERMINANT, design as designed
-from meso_robust.identification.document import ModelDocument
+from meso_robust.identification.document import FitWord, ModelDocument
 from meso_robust.identification.experiment import Bench, Experiment, standard_tests as tests_of
 from meso_robust.identification.experiment_document import experiment_files
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.plausible import doubts
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
+from meso_robust.identification.verdict import NEGATIVE_WORDS, verdict
 from meso_robust.recordings import RecordingSet, read_set
 from meso_robust.task import Task
+from meso_robust.telling import counted
 from meso_robust.toml_files import toml_of
 
 Objective = Literal["likelihood", "printed"]
@@ -57,8 +59,18 @@ class Identified:
     more: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def verdict(self) -> FitWord:
+        """IDENTIFIED, PARTLY IDENTIFIED, NOT IDENTIFIED, FITTED (untested) or FIT REJECTED (by χ²)."""
+        return verdict(self.document)
+
+    @property
+    def positive(self) -> bool:
+        """Whether something is identified, and the recordings do not reject the model."""
+        return self.verdict not in NEGATIVE_WORDS
+
+    @property
     def determined(self) -> tuple[str, ...]:
-        """Parameters that the recordings determine; none is a negative answer."""
+        """Parameters that the recordings determine."""
         return self.fit.determined
 
     def __str__(self) -> str:
@@ -149,7 +161,7 @@ def identify(  # every option of the verb is an argument
     >>> identified.determined
     ('rho_um2', 'mu')
     >>> print(identified)
-    viscous fitted to 4 recordings (90% intervals by profile likelihood)
+    IDENTIFIED: viscous fitted to 4 recordings (90% intervals by profile likelihood)
       rho_um2 = ...   [..., ...]
       mu = 0.3...   [0.3..., 0.3...]
       ...
@@ -168,7 +180,7 @@ def identify(  # every option of the verb is an argument
         )
     more = {}
     if design:
-        with progress.doing(f"designing {design} pushes"):
+        with progress.doing(f"designing {counted(design, 'push', 'pushes')}"):
             more = _designed(found, fit, design)
     return Identified(
         fit=fit,
@@ -199,7 +211,7 @@ def _fitted(
 ) -> Identification:
     """The fit, told of by the searches that have ended."""
     model, starts, objective = how
-    with progress.counting(f"fitting {model} from {starts} starts", starts) as advance:
+    with progress.counting(f"fitting {model} from {counted(starts, 'start')}", starts) as advance:
         ended = 0
 
         def told(_: str, done: int, total: int) -> None:
@@ -264,7 +276,7 @@ class StandardTests:
 
     def __str__(self) -> str:
         """The answer in a line, as the command line prints it."""
-        return f"{len(self.experiment.pushes)} pushes, {self.bench.trials} times each"
+        return f"{counted(len(self.experiment.pushes), 'push', 'pushes')}, {counted(self.bench.trials, 'time')} each"
 
     def __repr__(self) -> str:
         return f"<StandardTests: {self}>"

@@ -30,6 +30,7 @@ from meso_robust.premises import answer as promised
 from meso_robust.premises.promise import Promise, promise, read
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, task_text, with_spacing
+from meso_robust.telling import counted
 from meso_robust.toml_files import toml_of
 
 
@@ -94,7 +95,9 @@ class Planned:
         return self.result.summary if self.promise is None else promised.summary(self.promise)
 
     def __repr__(self) -> str:
-        return f"<Planned {self.verdict}: {self.task.name}, {len(self.plan.moves)} moves>"
+        return (
+            f"<Planned {self.verdict}: {self.task.name}, {counted(len(self.plan.moves), 'move')}>"
+        )
 
     def _repr_html_(self) -> str:
         from meso_robust.reporting.cards import planned_card

@@ -14,6 +14,7 @@ from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
 from meso_robust.reading import shown
 from meso_robust.recordings import RecordingSet
+from meso_robust.telling import counted
 from meso_robust.tracking.job import Found, Job, prepared, run, write
 from meso_robust.tracking.track_document import TrackDocument
 
@@ -49,14 +50,16 @@ class Tracked:
         """The answer in a few lines, as the command line prints it."""
         lines = []
         for video in self.document.videos:
-            lines.append(f"{video.video}: part found in {video.found} of {video.frames} frames")
+            lines.append(
+                f"{video.video}: part found in {video.found} of {counted(video.frames, 'frame')}"
+            )
             lines += [f"  {note}" for note in video.notes]
         return "\n".join(lines)
 
     def __repr__(self) -> str:
         videos = self.document.videos
         found, frames = sum(one.found for one in videos), sum(one.frames for one in videos)
-        return f"<Tracked {len(videos)} videos: part found in {found} of {frames} frames>"
+        return f"<Tracked {counted(len(videos), 'video')}: part found in {found} of {counted(frames, 'frame')}>"
 
     def _repr_html_(self) -> str:
         from meso_robust.reporting.cards import tracked_card

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from decimal import ROUND_FLOOR
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -212,7 +213,7 @@ def _tell(part: Part, totals: Values) -> Told:
     ends = ends_told(low, high)
     answer = (
         f"{good:,} of {runs:,} executions{OF[part.asked['draws']]} end in the goal: "
-        f"{percent(good / runs)} ({100 * part.confidence:g} % interval {' to '.join(ends)})."
+        f"{percent(good / runs, ROUND_FLOOR)} ({100 * part.confidence:g} % interval {' to '.join(ends)})."
     )
     if unfinished:
         answer += (
@@ -227,7 +228,7 @@ def _tell(part: Part, totals: Values) -> Told:
         verdict=verdict,
         answer=answer,
         figures=(
-            ("success", percent(good / runs)),
+            ("success", percent(good / runs, ROUND_FLOOR)),
             ("exact interval", " … ".join(ends)),
         ),
         views=(

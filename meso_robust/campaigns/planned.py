@@ -26,6 +26,7 @@ from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
+from meso_robust.telling import down_to
 
 
 class PlanSection(Section):
@@ -51,7 +52,7 @@ def given_plan(section: PlanSection, folder: Path) -> Values:
     if section.factor > largest_factor(task):
         raise InputError(
             f"part {section.name!r}: key factor = {section.factor:g}: must not exceed "
-            f"{largest_factor(task):.4g}, beyond which friction or film ratio would not be positive"
+            f"{down_to(largest_factor(task), 4)}, beyond which friction or film ratio would not be positive"
         )
     plan = _planned(task) if section.plan is None else read_plan(folder / section.plan, task)
     return {

@@ -19,6 +19,7 @@ from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.move import Aim, MoveRule, Point
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
+from meso_robust.telling import down
 
 GROWTH = 1.05  # of the uncertainties, from one plan of a spacing to the next
 LARGEST = 8.0  # factors beyond it are not tried
@@ -64,7 +65,7 @@ def design(task: Task, tell: Callable[[str], None] = lambda _: None) -> Design:
     def factor_of(spacing: float) -> float:
         if spacing not in found:
             found[spacing] = _planned(_with(task, spacing))
-            tell(f"spacing {spacing:g} um: margin x {found[spacing][0]:.3f}")
+            tell(f"spacing {spacing:g} um: margin x {down(found[spacing][0], 3)}")
         return found[spacing][0]
 
     best = task.probe.tip_spacing_um
@@ -134,7 +135,7 @@ def _refined(
         repaired = _repaired(rules, task, factor * more)
         while repaired is not None and factor < LARGEST:
             rules, factor = repaired, _bears(repaired, task, factor * more)
-            tell(f"offsets and travels varied: margin x {factor:.3f}")
+            tell(f"offsets and travels varied: margin x {down(factor, 3)}")
             repaired = _repaired(rules, task, factor * more)
     return rules, factor
 

@@ -21,6 +21,7 @@ from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.reading import Count, Distance, Factor, MoveNumber, PaperStep, Seed
 from meso_robust.task import Part, Task
+from meso_robust.telling import up
 
 HexPair = tuple[str, str]
 
@@ -35,6 +36,9 @@ ASSUMPTIONS = (
     "points",
     "the part rests between moves, and probes are lifted without disturbing it",
 )
+
+TIPS = "point tips"
+"""What every verdict is about, whatever the tips of the laboratory."""
 
 
 def assumptions(task: Task) -> tuple[str, ...]:
@@ -354,6 +358,8 @@ def margin_document(margin: Margin) -> MarginDocument:
 
 
 def in_um_deg(values: tuple[float, float, float]) -> tuple[float, float, float]:
-    """(m, m, rad) to (um, um, deg), six digits."""
+    """(m, m, rad) to (um, um, deg), six digits, rounded up."""
     x, y, theta = values
-    return round(units.to_um(x), 6), round(units.to_um(y), 6), round(units.to_deg(theta), 6)
+    shown = (units.to_um(x), units.to_um(y), units.to_deg(theta))
+    x, y, theta = (float(up(value, 6)) for value in shown)
+    return x, y, theta

@@ -21,7 +21,9 @@ def drive(
 
     Reads lines {"x_um": 0.0, "y_um": 0.0, "theta_deg": 0.0} from standard input, each the pose
     sensed after the last move was carried out, and answers each with one line: a move,
-    {"done": true, "within": {...}}, {"refused": "..."} or {"error": "..."}. Ends at end of input.
+    {"done": true, "within": {...}}, {"refused": "..."} or {"error": "..."}. After done and refused,
+    the next line is the first of the next part; an error (a line that is no pose, a blank one too)
+    changes nothing. Ends at end of input.
     """
     from meso_robust.errors import InputError, NotApplicableError
 
@@ -49,5 +51,4 @@ def _drive(task_file: Path, plan_file: Path, say: Reporter) -> None:
         driver = made_ready(task, plan_file)
     with say.doing("ready for sensed poses, one line each"):
         for line in sys.stdin:
-            if line.strip():
-                print(json.dumps(driver.answer_line(line), allow_nan=False), flush=True)
+            print(json.dumps(driver.answer_line(line), allow_nan=False), flush=True)

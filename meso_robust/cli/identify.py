@@ -67,7 +67,7 @@ def identify(  # noqa: PLR0913  # every option of the verb is an argument
     elif not quiet:
         print(found)
         print(f"report: {out / 'report.html'}")
-    if not found.determined:
+    if not found.positive:
         raise typer.Exit(NEGATIVE)
 
 

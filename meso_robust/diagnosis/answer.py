@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from meso_robust import __version__
-from meso_robust.diagnosis.candidates import Candidate
+from meso_robust.diagnosis.candidates import Candidate, why_not
 from meso_robust.diagnosis.control import SAME
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.intervals import Interval, intervals
 from meso_robust.diagnosis.next_push import next_experiment
+from meso_robust.diagnosis.rejection import Rejection
 from meso_robust.diagnosis.show import Errors, improvement
 from meso_robust.diagnosis.trials import tried
 from meso_robust.identification.usable import warnings_of
@@ -255,11 +256,15 @@ def _candidates(found: Diagnosis) -> tuple[dict[str, object], ...]:
             "chi2": one.refit.chi2,
             "probability": one.probability,
             "adequate": one.adequate,
-            "rejected": one.rejected.words if one.rejected else "",
-            "ground": one.rejected.ground if one.rejected else None,
+            **_rejection(why_not(one, found.naming)),
         }
         for one in found.naming.candidates[:_LISTED]
     )
+
+
+def _rejection(why: Rejection | None) -> dict[str, object]:
+    """As words and as an id."""
+    return {"rejected": why.words if why else "", "ground": why.ground if why else None}
 
 
 def _held_out(found: Diagnosis) -> dict[str, Any]:

@@ -83,6 +83,18 @@ class Naming:
     candidates: tuple[Candidate, ...]
 
 
+def why_not(one: Candidate, naming: Naming) -> Rejection | None:
+    """Why a set of the competition is no answer; None if it is one."""
+    if one.effects in {answer.effects for answer in naming.answers}:
+        return None
+    if one.rejected:
+        return one.rejected
+    if one.adequate:
+        return Rejection(ground=Ground.IMPROBABLE, amount=100 * _DOUBT)
+    ahead = max(naming.candidates, key=lambda other: other.score)
+    return Rejection(ground=Ground.FAR_BEHIND, names=ahead.effects, amount=ahead.score - one.score)
+
+
 def supported(one: Candidate, field: list[Candidate]) -> Candidate:
     """An adequate set, unless another law would do as well.
 

@@ -129,9 +129,9 @@ class CandidateSection(_Section):
     adequate: bool | None
     """Whether nothing is left that the detector sees; None where that was not asked."""
     rejected: str
-    """Why it is not the answer; empty for those that may be."""
+    """Why it is no answer; empty for one that is."""
     ground: Ground | None = None
-    """The same as an id; null for those that may be."""
+    """The same as an id; null for one that is."""
 
 
 class PairSection(_Section):

@@ -58,7 +58,8 @@ def model_document(found: Diagnosis, version: str) -> ModelDocument:
         "minima": [_minimum(errors, float(best.refit.fits.chi2[0]), shown)],
         "recording": _recordings(errors),
     }
-    plain.pop("quality", None)
+    for of_the_plain_fit in ("quality", "verdict"):
+        plain.pop(of_the_plain_fit, None)
     return ModelDocument.model_validate_json(json.dumps(plain))
 
 

@@ -30,6 +30,10 @@ class Ground(enum.StrEnum):
     """On held-out recordings ``names``, a part of it, do as well."""
     ABOVE_FLOOR = "above-floor"
     """It leaves ``amount`` σ of most recordings, where any law could leave ``limit`` σ."""
+    IMPROBABLE = "improbable"
+    """Likelier sets hold all but ``amount`` % of the probability."""
+    FAR_BEHIND = "far-behind"
+    """``names`` are ``amount`` nats likelier: too far to ask whether it leaves a mismatch."""
     INVARIANCE = "invariance"
     """It does not break ``invariance`` as the recordings ``names`` do."""
 
@@ -64,5 +68,7 @@ _WORDS: Mapping[Ground, str] = {
     Ground.IDLE_MEMBER: "held-out recordings are as likely with {names} alone",
     Ground.ABOVE_FLOOR: "leaves {amount:.2f} σ of most recordings, where any law could leave "
     "{limit:.2f} σ",
+    Ground.IMPROBABLE: "likelier sets hold all but {amount:g} % of what is probable",
+    Ground.FAR_BEHIND: "{amount:.0f} nats behind {names}, too far to ask whether it leaves a mismatch",
     Ground.INVARIANCE: "does not break the invariance {invariance!r} as {names} do",
 }

@@ -25,6 +25,7 @@ from meso_robust.execution.simulation_document import (
     UncertainDocument,
 )
 from meso_robust.planning.document import goal_document
+from meso_robust.telling import counted, up
 
 Floats = npt.NDArray[np.float64]
 
@@ -68,7 +69,7 @@ def summary(answer: SimulationDocument) -> str:
     sampled = answer.sampled
     worst = "" if sampled.largest_miss is None else f"; worst {_away(sampled.largest_miss)}"
     lines = [
-        f"{answer.task}: {len(answer.moves)} moves, {answer.kind.replace('_', ' ')}",
+        f"{answer.task}: {counted(len(answer.moves), 'move')}, {answer.kind.replace('_', ' ')}",
         f"nominal: {_words(answer.nominal)}",
         f"samples: {sampled.completed} of {sampled.runs} completed, "
         f"{sampled.in_goal} in the goal{worst}",
@@ -78,7 +79,7 @@ def summary(answer: SimulationDocument) -> str:
         lines.append(f"  {failure.count} x {where}{failure.what}")
     if answer.adversary is not None:
         lines.append(
-            f"worst found in {answer.adversary.evaluations} runs (a search, no proof): "
+            f"worst found in {counted(answer.adversary.evaluations, 'run')} (a search, no proof): "
             f"{_words(answer.adversary.worst.run)}"
         )
     if answer.witness is not None:
@@ -87,7 +88,7 @@ def summary(answer: SimulationDocument) -> str:
 
 
 def _away(value: float) -> str:
-    return f"{value:.3f} tolerances off the goal's middle"
+    return f"{up(value, 3)} tolerances off the goal's middle"
 
 
 def _words(run: RunDocument) -> str:
@@ -124,7 +125,7 @@ def _runs(player: Player, runs: PlanRun, names: tuple[str, ...]) -> tuple[RunDoc
                 move=None if end.move is None else end.move + 1,
                 touching=end.touching,
                 final=_pose(runs.final[row]),
-                miss=None if end.move is not None else round(float(away[row]), 6),
+                miss=None if end.move is not None else float(up(float(away[row]), 6)),
                 in_goal=bool(hit[row]),
             )
         )

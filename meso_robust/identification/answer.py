@@ -14,6 +14,7 @@ from meso_robust.identification.document import (
     NotIdentifiableSection,
     ParameterSection,
     PartSection,
+    ProbeSection,
     ProvenanceSection,
     QualitySection,
     RecordingSection,
@@ -23,6 +24,7 @@ from meso_robust.identification.identify import Identification
 from meso_robust.identification.models import Model
 from meso_robust.identification.models.model import Floats
 from meso_robust.identification.profiles import Profile
+from meso_robust.identification.verdict import meaning, verdict
 from meso_robust.recordings import RecordingSet, Rectangle
 from meso_robust.recordings.noise import (
     Noise,
@@ -31,6 +33,7 @@ from meso_robust.recordings.noise import (
     position_repeatability,
 )
 from meso_robust.simulator import Outcome
+from meso_robust.telling import counted, down_to, up_to
 
 
 def document(
@@ -50,7 +53,7 @@ def document(
     model, likelihood = found.model, found.fitted is not None
     unseen = np.flatnonzero(~model.fitted)
     # by a mapping, because `schema` is the name of a method of pydantic's models
-    return ModelDocument.model_validate(
+    made = ModelDocument.model_validate(
         {
             "schema": SCHEMA,
             "model": model.name,
@@ -58,6 +61,7 @@ def document(
             "interval": "profile likelihood" if likelihood else "last simplex",
             "confidence": found.confidence if likelihood else None,
             "part": _part(recordings),
+            "probe": ProbeSection(tip_radius_um=_rounded(1e6 * recordings.tip_radius)),
             "parameters": {one.key: _parameter(model, one) for one in found.profiles},
             "held": {model.keys[k]: _shown(model, found.best)[k] for k in unseen},
             "not_identifiable": tuple(
@@ -79,6 +83,7 @@ def document(
             ),
         }
     )
+    return made.model_copy(update={"verdict": verdict(made)})
 
 
 def set_hash(recordings: RecordingSet) -> str:
@@ -101,14 +106,17 @@ def summary(document: ModelDocument) -> str:
     how: str = document.interval
     if document.confidence is not None:
         how = f"{document.confidence:.0%} intervals by {how}"
-    lines = [f"{document.model} fitted to {len(document.recording)} recordings ({how})"]
+    fitted = f"{document.model} fitted to {counted(len(document.recording), 'recording')} ({how})"
+    lines = [f"{verdict(document)}: {fitted}"]
+    if said := meaning(document):
+        lines.append(f"  {said}")
     for key, one in document.parameters.items():
-        low = "no lower bound" if one.open_low else f"{one.low:.6g}"
-        high = "no upper bound" if one.open_high else f"{one.high:.6g}"
+        low = "no lower bound" if one.open_low else down_to(one.low, 6)
+        high = "no upper bound" if one.open_high else up_to(one.high, 6)
         lines.append(f"  {key} = {one.value:.6g}   [{low}, {high}]")
     if document.quality is not None and document.quality.inflation > 1.0:
         lines.append(
-            f"  residuals are larger than the noise, or not white: intervals are "
+            "  residuals are larger than the noise, or not white: intervals are "
             f"{document.quality.inflation**0.5:.3g} times as wide as the noise alone would make them"
         )
     if document.sensor is not None:

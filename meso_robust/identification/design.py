@@ -24,6 +24,7 @@ from meso_robust.identification.models import Model
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.sensitivity import StartBox
 from meso_robust.recordings import SensorInfo
+from meso_robust.telling import counted
 
 Floats = npt.NDArray[np.float64]
 
@@ -237,7 +238,7 @@ def _column(model: Model, criterion: str) -> int | None:
 def _check_count(count: int, most: int) -> None:
     if not 1 <= count <= most:
         raise InputError(
-            f"design: {count} pushes; must be 1 to {most}, which is how many the candidates that can be "
+            f"design: {counted(count, 'push', 'pushes')}; must be 1 to {most}, which is how many the candidates that can be "
             "made and are not pathological allow; ask for fewer, or give more places, angles or repeats"
         )
 

@@ -18,6 +18,10 @@ from meso_robust.toml_files import checked, read_toml
 SCHEMA = "meso-robust/model/1"
 FILE = "model.toml"
 
+FitWord = Literal["IDENTIFIED", "PARTLY IDENTIFIED", "NOT IDENTIFIED", "FITTED", "FIT REJECTED"]
+REJECTED_BELOW = 1e-3
+"""p-value of χ² below which the recordings reject a model."""
+
 Share = Annotated[FiniteFloat, Field(gt=0, lt=1)]
 MOST = 1e15
 """Of any number: far beyond all that is fitted in earnest, and squares of it are still numbers."""
@@ -48,6 +52,13 @@ class PartSection(_Section):
         if (self.polygon_um is None) != (sides == 2) or sides == 1:
             raise ValueError("give length_um and width_um, or polygon_um")
         return self
+
+
+class ProbeSection(_Section):
+    """What pushed the part."""
+
+    tip_radius_um: NotNegative
+    """Radius of the tips as the recordings state it, um; 0: points."""
 
 
 class ParameterSection(_Section):
@@ -107,13 +118,19 @@ class QualitySection(_Section):
     freedom: Annotated[int, Field(ge=-(10**15), le=10**15)]
     """Degrees of freedom: residuals less fitted values."""
     p_value: Annotated[FiniteFloat, Field(ge=0, le=1)]
-    """Probability of such a χ² if model and noise are right."""
+    """Probability of such a χ² if model and noise are right; noise that still frames show is known as
+    well as they show it."""
     correlation: Number
     """Of the residuals of neighbouring frames."""
     inflation: Annotated[FiniteFloat, Field(ge=1, le=MOST)]
     """What the variance was multiplied with for the intervals; 1 if residuals look like the noise."""
     numerical: NotNegative
     """Standard deviations that a parameter moved when predictions were corrected for the steps."""
+
+    @property
+    def rejected(self) -> bool:
+        """Whether the recordings reject the model."""
+        return self.p_value < REJECTED_BELOW
 
 
 class RecordingSection(_Section):
@@ -173,6 +190,10 @@ class ModelDocument(_Section):
     """Name and version of the format."""
     model: Key
     """One of `MODELS`, or such a base with effects of the catalogue: ``base+effect+effect``."""
+    verdict: FitWord | None = None
+    """FIT REJECTED: the recordings reject the model (χ²); IDENTIFIED, PARTLY or NOT IDENTIFIED: all, some or no
+    parameters have bounds; FITTED: all have, and no known noise tells how good the fit is. Absent from
+    models of `diagnose`."""
     diagnosis: Literal["consistent", "named", "ambiguous", "unknown"] | None = None
     """Verdict of the diagnosis that the model is from; None of an identification."""
     objective: Literal["printed", "likelihood"]
@@ -184,6 +205,8 @@ class ModelDocument(_Section):
     """Probability of each interval, by itself; absent where intervals have none."""
     part: PartSection
     """The outline that was pushed."""
+    probe: ProbeSection | None = None
+    """What pushed it."""
     parameters: dict[Key, ParameterSection]
     """The fitted parameters by name."""
     held: dict[Key, Number] = {}

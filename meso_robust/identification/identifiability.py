@@ -12,6 +12,7 @@ from meso_robust.identification.forward import predicted
 from meso_robust.identification.models.model import Floats, Model
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.profiles import Profile
+from meso_robust.telling import counted
 
 ROUNDING = 1e-10
 """Change of a predicted pose (m, θ times the characteristic length) that is taken for rounding."""
@@ -53,7 +54,7 @@ def check_enough(prepared: Prepared, model: Model) -> None:
     if missing > 0:
         still = f", {int((~moving).sum())} in which nothing moves," if np.any(~moving) else ""
         raise InputError(
-            f"{len(prepared.files)} recordings{still} for {int(model.fitted.sum())} parameters of "
+            f"{counted(len(prepared.files), 'recording')}{still} for {int(model.fitted.sum())} parameters of "
             f"model {model.name}; must be at least {least_pushes(model)} pushes, as each shows two "
             f"numbers (turn and sideways way); record {missing} more, at other places of the long "
             "and the short sides, off the middle so that the part turns"
@@ -87,7 +88,7 @@ def found_unseen(prepared: Prepared, model: Model, values: Floats) -> list[NotId
         if change <= ROUNDING:
             why = (
                 f"{parameter.unseen}; simulated with {parameter.low:g} and {parameter.high:g}, all "
-                f"{len(prepared.files)} recordings agree within {1e6 * change:.1g} µm"
+                f"{counted(len(prepared.files), 'recording')} agree within {1e6 * change:.1g} µm"
             )
             listed.append(NotIdentifiable(name=parameter.key, why=why))
     return listed

@@ -17,6 +17,7 @@ from meso_robust.recordings.noise import roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
 from meso_robust.simulator.tips import Tip
+from meso_robust.telling import counted
 
 FINENESS = 1.0 / 364.0
 """Step over the characteristic length where no model says otherwise: 2.5 µm for a 1.6-mm part."""
@@ -198,15 +199,19 @@ def _trimmed(recording: Recording, notes: list[Note]) -> Recording:
     whole = probes & np.all(np.isfinite(recording.poses), axis=1)
     if whole.sum() < 2:
         raise InputError(
-            f"{recording.file}: {whole.sum()} frames in which part and probes are all seen; must be "
+            f"{recording.file}: {counted(int(whole.sum()), 'frame')} in which part and probes are all seen; must be "
             "at least 2; leave the recording out"
         )
     first, last = int(np.argmax(whole)), len(whole) - 1 - int(np.argmax(probes[::-1]))
     if first:
-        notes.append(Note(file=recording.file, what=f"{first} frames before the first whole one"))
+        notes.append(
+            Note(file=recording.file, what=f"{counted(first, 'frame')} before the first whole one")
+        )
     if last < len(whole) - 1:
         left = len(whole) - 1 - last
-        notes.append(Note(file=recording.file, what=f"{left} frames after the last with probes"))
+        notes.append(
+            Note(file=recording.file, what=f"{counted(left, 'frame')} after the last with probes")
+        )
     kept = slice(first, last + 1)
     return Recording(
         file=recording.file,
@@ -225,7 +230,9 @@ def _motion(
     seen = np.all(np.isfinite(flat), axis=1)
     if not np.all(seen):
         count = int(np.sum(~seen))
-        notes.append(Note(file=recording.file, what=f"probes interpolated in {count} frames"))
+        notes.append(
+            Note(file=recording.file, what=f"probes interpolated in {counted(count, 'frame')}")
+        )
     times, flat = recording.times[seen], flat[seen]
     seen_by_camera = whole.position_source == "camera"
     if seen_by_camera and sigmas.position is None:

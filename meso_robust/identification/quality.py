@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2 as chi2_law
+from scipy.stats import chi2 as chi2_law, f as f_law
 
+from meso_robust.identification.document import REJECTED_BELOW
 from meso_robust.identification.likelihood import Fits
 from meso_robust.identification.models.model import Floats, Model
 from meso_robust.identification.prepared import Prepared
 
 _SIGNIFICANT = 4.0  # standard errors of a correlation that are not taken for chance
-_REFUTED = 1e-3  # probability of χ² below which the σ stated do not explain the residuals
 _TRUST = 0.2  # share of the correction for the steps that may be wrong
 _MOST = 0.98  # correlation of neighbours that an inflation is computed for
 
@@ -26,7 +26,8 @@ class Quality:
     chi2, freedom
         Squared residuals over σ² and their degrees of freedom.
     p_value
-        Probability of a χ² at least as large if the model and σ are right and the noise is white.
+        Probability of a χ² at least as large if the model is right and the noise is white, of the
+        stated σ or of that which still frames show as well as they can.
     correlation
         Of the residuals of neighbouring frames.
     inflation
@@ -63,9 +64,9 @@ def quality(
     counts = prepared.counts
     freedom = int(counts.sum() - 3 * len(counts) - model.fitted.sum())
     chi2 = float(fits.chi2[0])
-    p_value = float(chi2_law.sf(chi2, max(freedom, 1)))
+    p_value = _probability(chi2, max(freedom, 1), prepared.sigmas.freedom)
     correlation, pairs = _correlation(prepared, fits.residuals[0])
-    inflation = max(1.0, chi2 / max(freedom, 1)) if p_value < _REFUTED else 1.0
+    inflation = max(1.0, chi2 / max(freedom, 1)) if p_value < REJECTED_BELOW else 1.0
     if correlation * np.sqrt(pairs) > _SIGNIFICANT:
         kept = min(correlation, _MOST)
         inflation *= (1.0 + kept) / (1.0 - kept)
@@ -80,6 +81,13 @@ def quality(
         rms=sigma * np.sqrt(squares / np.maximum(counts, 1)),
         sigma=sigma * np.sqrt(squares.sum(axis=0) / np.maximum(counts.sum(axis=0), 1)),
     )
+
+
+def _probability(chi2: float, freedom: int, known: float) -> float:
+    """Of such a χ² where its σ² is itself an estimate of ``known`` degrees of freedom."""
+    if np.isinf(known):
+        return float(chi2_law.sf(chi2, freedom))
+    return float(f_law.sf(chi2 / freedom, freedom, known))
 
 
 def _correlation(prepared: Prepared, residuals: Floats) -> tuple[float, int]:

@@ -45,15 +45,15 @@ class RuleDocument(_Model):
     side: Annotated[int, Field(json_schema_extra={"minimum": -1, "maximum": 1})]
     """Of a tilt or a rotation: 1 turns the part counter-clockwise in these axes, -1 clockwise; else 0."""
     dual_x: AimDocument
-    """x of the middle of the two active tips at the start; the push goes along -x of the axes of `heading`."""
+    """x of the middle of the two active tips' centres at the start; the push goes along -x of the axes of `heading`."""
     dual_y: AimDocument
     """y of that middle."""
     dual_end_x: AimDocument
     """x of that middle at the end of the travel."""
     single_x: AimDocument | None = None
-    """x of the passive tip; null if the move has none."""
+    """x of the passive tip's centre; null if the move has none."""
     single_y: AimDocument | None = None
-    """y of the passive tip; null if the move has none."""
+    """y of the passive tip's centre; null if the move has none."""
     heading: Heading = "-x"
     """Where the push goes; the offsets are along and across it, in axes turned by as much."""
     mirrored: bool = False
@@ -61,14 +61,17 @@ class RuleDocument(_Model):
 
 
 class ProbeDocument(_Model):
-    """A probe of a move; an active one travels and is lifted out of the plane afterwards."""
+    """A probe of a move; an active one travels and is lifted out of the plane afterwards.
+
+    Places are those of the tip's centre; a certificate holds for tips that are points there.
+    """
 
     name: str
     """The tip: of the dual-tip probe dtp_top is the one on the right and dtp_bottom the one on the left,
     seen along the push, stp is the single one. So dtp_top has the larger y of the two in a push along
     -x, the smaller y along +x, the smaller x along -y and the larger x along +y."""
     start_um: Pair
-    """[x, y] of the tip before the move, free of contact, um, world frame."""
+    """[x, y] of the tip's centre before the move, free of contact, um, world frame."""
     passive: bool = False
     """Whether the tip rests while the others travel."""
 
@@ -94,7 +97,7 @@ class MoveDocument(_Model):
     probes: tuple[ProbeDocument, ...]
     """Every tip in the plane."""
     travel_um: Pair
-    """[x, y] by which every active tip travels, um, world frame."""
+    """[x, y] by which the centre of every active tip travels, um, world frame."""
     speed_um_s: Annotated[FiniteFloat, Field(ge=0, le=1e6)]
     """Speed of the travel, um/s."""
     expect: BoxDocument | None

@@ -14,6 +14,7 @@ from meso_robust.errors import InputError
 from meso_robust.planning.plan_file import MoveDocument, PlanDocument, RuleDocument
 from meso_robust.reading import first_fault, json_values, text_of
 from meso_robust.task import Task
+from meso_robust.telling import counted
 
 LARGEST_UM = 1e6  # as for the coordinates of a task: catches a slip of the unit
 MOST_MOVES = 1000
@@ -98,7 +99,7 @@ def _wrong(plan: PlanDocument) -> Iterator[str]:
         yield "moves = []: must hold a move, as there is no policy either"
     if plan.policy and len(plan.moves) != len(plan.policy):
         yield (
-            f"moves: {len(plan.moves)} moves; must be {len(plan.policy)}, one for each rule of "
+            f"moves: {counted(len(plan.moves), 'move')}; must be {len(plan.policy)}, one for each rule of "
             "policy; leave policy empty for an open-loop plan"
         )
     yield from wrong_rules(plan.policy, "policy")
@@ -166,7 +167,7 @@ def _wrong_for_action(rule: RuleDocument, key: str) -> Iterator[str]:
 def _wrong_move(move: MoveDocument, key: str) -> Iterator[str]:
     names = [probe.name for probe in move.probes]
     if not 1 <= len(names) <= MOST_PROBES:
-        yield f"{key}.probes: {len(names)} probes; must be 1 to {MOST_PROBES}"
+        yield f"{key}.probes: {counted(len(names), 'probe')}; must be 1 to {MOST_PROBES}"
     elif not all(names) or len(set(names)) < len(names):
         yield f"{key}.probes: names {names}; every probe must have a name of its own"
     elif all(probe.passive for probe in move.probes):

@@ -19,6 +19,7 @@ from meso_robust.policy.proof import certified
 from meso_robust.primitives.frame import HEADINGS, Heading
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
+from meso_robust.telling import counted
 
 Doing = Callable[[str], AbstractContextManager[None]]
 
@@ -81,7 +82,7 @@ def make_policy(
         candidates = [found for turn in quarters for found in kit.near(turn)]
     grown = _Grown(setup=setup, rest=resting(setup))
     for moves in range(1, most_moves + 1):
-        with doing(f"certifying starts that need {moves} moves"):
+        with doing(f"certifying starts that need {counted(moves, 'move')}"):
             if not grown.grow(candidates, moves):
                 break
     return Policy(task=task, cells=in_order(grown.cells), rest=grown.rest)

@@ -1,8 +1,10 @@
 """The laboratory's side: one sensed pose in, one move (or an end) out.
 
 A line reports the pose sensed after the last answered move was carried out. The very same line again,
-because the move was not carried out, gets the same answer again. After ``done``, a new controller is
-started for the next part.
+because the move was not carried out, gets the same move again. ``done`` and ``refused`` end the part:
+the next line is judged as the first of the next part, by nothing but its own pose. (After a refusal
+too: a pose that the last move cannot have led to is of another part, or an error broke its bound, and
+either way what was certified after that move says nothing of the part that lies there.)
 """
 
 from __future__ import annotations
@@ -145,10 +147,10 @@ class PolicyController:
     def answer(self, sensed: Sensed) -> Reply:
         """The next move, the end, or why there is none."""
         boxes = list(sensed.around(*self._angles()))
-        for box in boxes:
-            done = self._done(box)
-            if done is not None:
-                return done
+        done = next((found for box in boxes if (found := self._done(box)) is not None), None)
+        if done is not None:
+            self._last = None
+            return done
         for box in boxes:
             cell = self._cell(box)
             if cell is not None:
@@ -207,7 +209,7 @@ class PlanController:
                 "`meso-robust plan`, which also says what stands in the way"
             )
         self._made = 0
-        self._last: tuple[tuple[float, float, float], Reply] | None = None
+        self._last: tuple[tuple[float, float, float], Move] | None = None
 
     @property
     def likely(self) -> Sensed:
@@ -226,10 +228,12 @@ class PlanController:
         angle = self._stage(self._made).theta
         boxes = list(sensed.around(angle.mid - np.pi, angle.mid + np.pi))
         reply = next((r for box in boxes if (r := self._next(box)) is not None), None)
-        if reply is None:
-            return Refused(why=self._why(boxes))
-        self._last = sensed.numbers, reply
-        return reply
+        if isinstance(reply, Move):
+            self._last = sensed.numbers, reply
+            return reply
+        ended = reply or Refused(why=self._why(boxes))
+        self._made, self._last = 0, None
+        return ended
 
     @property
     def _regrasped(self) -> bool:

@@ -34,6 +34,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reading import Count, Deg, MoveNumber, Percent
 from meso_robust.task import Task
+from meso_robust.telling import counted
 
 SCHEMA: Literal["meso-robust/policy/1"] = "meso-robust/policy/1"
 HexPair = tuple[str, str]
@@ -145,14 +146,14 @@ def claim(policy: Policy) -> str:
     task = policy.task
     goal, u = task.goal, task.uncertainty
     return (
-        f"From every pose that is sensed in one of the {len(policy.cells)} cells, whatever the "
+        f"From every pose that is sensed in one of the {counted(len(policy.cells), 'cell')}, whatever the "
         f"sensing errors (within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg, "
         f"before each move), the probe errors (within {u.probe_position_um} um), mu in "
         f"{list(u.friction)}, film ratio within {u.film_ratio_percent} % of {u.film_ratio_um2} um^2 "
         f"and tip misalignment in {list(u.tip_misalignment_deg)} deg: the move of the first cell "
         f"that holds the sensed pose can be carried out, every motion of the quasi-static model "
         f"leads to poses that are sensed in a cell with fewer moves to go or that lie in the goal, "
-        f"and so after at most {policy.moves} moves the part lies within "
+        f"and so after at most {counted(policy.moves, 'move')} the part lies within "
         f"{goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
         f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg)."
     )

@@ -18,6 +18,7 @@ from meso_robust.policy.cover import covered
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.telling import counted
 
 
 def certified(
@@ -66,7 +67,7 @@ def recertified(policy: Policy) -> Policy:
         anew = certified(cell.rule, cell.sensed, cell.moves, below, setup)
         if anew is None or cell.moves < 1:
             raise NotProvedError(
-                f"cell {number} ({cell.rule.action}, {cell.moves} moves to go) is not proved"
+                f"cell {number} ({cell.rule.action}, {counted(cell.moves, 'move')} to go) is not proved"
             )
         known.setdefault(cell.moves, []).append(cell.sensed)
         cells.append(anew)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from meso_robust.bounds import Verdict
+from meso_robust.certificates.document import TIPS
 from meso_robust.premises.changing import Changed
 from meso_robust.premises.document import (
     BeyondMade,
@@ -12,8 +13,10 @@ from meso_robust.premises.document import (
     PremisesDocument,
     StandingMade,
 )
-from meso_robust.premises.promise import POOR, Promise, model_hash
-from meso_robust.premises.standing import BREAKS, Standing
+from meso_robust.premises.lines import NO_LINE
+from meso_robust.premises.promise import Promise, model_hash
+from meso_robust.premises.standing import BREAKS, Standing, advice
+from meso_robust.telling import counted, down, down_to, worded
 
 
 def document(made: Promise) -> PremisesDocument:
@@ -70,8 +73,12 @@ def why(made: Promise) -> str:
 
 
 def _place(one: Standing) -> str:
-    """Claim and derivation that rest on a premise."""
-    return f"{one.claim}, {one.derivation}" if one.claim else f"{one.name} has no line of its own"
+    """Claim and derivation that rest on a premise, or what else there is to say."""
+    return f"{one.claim}, {one.derivation}" if one.claim else _alone(one)
+
+
+def _alone(one: Standing) -> str:
+    return f"{one.name} has no line of its own" if one.premise == NO_LINE else one.said
 
 
 def cautions(made: Promise) -> tuple[str, ...]:
@@ -86,18 +93,15 @@ def cautions(made: Promise) -> tuple[str, ...]:
         found.append(
             "start and goal are in the probes' axes; what is bounded is how the camera errs"
         )
-    if model.quality is not None and model.quality.p_value < POOR:
-        found.append(
-            f"the model does not explain its own recordings (p = {model.quality.p_value:.2g}): "
-            "`meso-robust diagnose` looks for what it leaves out"
-        )
     return tuple(found)
 
 
 def summary(made: Promise) -> str:
     """The answer in a few lines."""
     certificate = made.planned.certificate
-    lines = [f"{certificate.verdict}: {made.before.name}, with the model {made.document.model}"]
+    lines = [
+        f"{certificate.verdict} ({TIPS}): {made.before.name}, with the model {made.document.model}"
+    ]
     lines += [
         f"  {one.key}: {one.before} -> {one.after} ({one.because})" for one in made.changed.changes
     ]
@@ -109,7 +113,8 @@ def summary(made: Promise) -> str:
     lines += [f"  only if {one}" for one in made.conditions]
     if made.wide is not None:
         lines.append(f"  {size_claim(made.changed)}: {made.wide.verdict.word}")
-    return "\n".join([*lines, *_judged_words(made), *_evidence_words(made), *cautions(made)])
+    said = [*lines, *_judged_words(made), *_evidence_words(made), *cautions(made)]
+    return worded("\n".join(said))
 
 
 def _judged_words(made: Promise) -> list[str]:
@@ -118,14 +123,14 @@ def _judged_words(made: Promise) -> list[str]:
     if certificate.verdict == "PROVED":
         of = "" if made.wide is None else " (of the task, at the middle of the part's sizes)"
         factor = certificate.margin.factor
-        return [f"margin: still proved with all uncertainties x {factor:.2f}{of}"]
+        return [f"margin: still proved with all uncertainties x {down(factor, 2)}{of}"]
     if made.broken:
         return [
             f"premise not kept: {one.premise} [{_place(one)}]"
             if one.word == BREAKS
             else f"no bounds of {one.name}: {one.said}"
             for one in made.broken
-        ]
+        ] + [f"what would settle it: {advice(one)}" for one in made.broken]
     open_ = certificate.undecided
     if open_ is None:
         return []
@@ -138,7 +143,7 @@ def size_claim(changed: Changed) -> str:
     said = []
     if length or width:
         said.append(
-            f"the same for every part of half sides within {length:g} um (length) and {width:g} um "
+            f"the same for every part of half sides within {down_to(length, 6)} um (length) and {down_to(width, 6)} um "
             "(width) of the changed task's"
         )
     if changed.posts:
@@ -147,7 +152,7 @@ def size_claim(changed: Changed) -> str:
 
 
 def _evidence_words(made: Promise) -> list[str]:
-    found = made.evidence
+    found = _evidence(made)
     if found is None:
         return (
             [f"no runs under the model's own physics: {made.no_evidence}"]
@@ -156,10 +161,19 @@ def _evidence_words(made: Promise) -> list[str]:
         )
     return [
         f"simulated under the model's own physics (evidence, not proof): {found.in_goal} of "
-        f"{found.runs} runs end in the goal; the worst completed run misses it by "
-        f"{found.worst_um:g} um, {found.worst_deg:g} deg",
-        *(f"  {count} runs: {how}" for how, count in found.endings),
+        f"{counted(found.runs, 'run')} end in the goal; {worst_words(found)}",
+        *(f"  {counted(count, 'run')}: {how}" for how, count in found.endings.items()),
     ]
+
+
+def worst_words(found: EvidenceMade) -> str:
+    """How far the runs that carried out all moves end from the goal."""
+    worst = found.worst_miss_um, found.worst_miss_deg
+    if not found.completed:
+        return "no run carried out all moves"
+    if not any(worst):
+        return "every run that carried out all moves ends in it"
+    return f"the worst that carried out all moves misses it by {worst[0]:g} um, {worst[1]:g} deg"
 
 
 def _beyond(made: Promise) -> BeyondMade | None:

@@ -178,6 +178,14 @@ LINES: Mapping[str, Line] = {
 }
 """Every effect of the simulator's catalogue."""
 
+POINT_TIPS = Line(
+    premise=_PROBES,
+    claim=LINES["tip_radius"].claim,
+    derivation=LINES["tip_radius"].derivation,
+    why="a round tip touches beside its centre, and rolls on the edge while the part turns",
+)
+"""A tip of a radius, wherever its commanded place is that of its centre."""
+
 BASE = "viscous"
 """The model of motion that certificates are about."""
 

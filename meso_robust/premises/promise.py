@@ -37,15 +37,13 @@ from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.changing import Changed, changed, check_part
 from meso_robust.premises.keeping import enough, needed, roomier
 from meso_robust.premises.running import Evidence, evidence
-from meso_robust.premises.standing import BREAKS, Standing, standings
+from meso_robust.premises.standing import BREAKS, Standing, advice, standings
 from meso_robust.task import Task
 
 MOST_RUNS = 200
 """Runs under the model's own physics; some of them are slow."""
 _ROUNDS = 4  # of budgets that are tried
 _WIDENED = (1.0, 2.0)  # times the part's uncertainty, added to the errors that the planner sees
-POOR = 1e-3
-"""p-value below which the model does not explain its own recordings."""
 
 Doing = Callable[[str], AbstractContextManager[None]]
 
@@ -74,7 +72,8 @@ class Promise:
     def conditions(self) -> tuple[str, ...]:
         """What the laboratory must keep to beside the certificate's assumptions."""
         found = [one.absorbed.condition for one in self.standings if one.absorbed is not None]
-        return tuple(one for one in found if one)
+        points = [] if self.document.probe else ["the tips are points: the model states no radius"]
+        return (*points, *(one for one in found if one))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -281,20 +280,15 @@ def _premise(planned: Planned, broken: Standing) -> UndecidedDocument:
         step=rule.step,
         action=rule.action,
         claim=f"premise: {broken.premise}" if broken.word == BREAKS else f"bounds of {broken.name}",
-        inequality=f"{broken.name}: {broken.said} [{broken.claim}, {broken.derivation}]",
+        inequality=f"{broken.name}: {broken.said}{_place(broken)}",
         fails=False,
         over={},
-        settled_by=_advice(broken),
+        settled_by=advice(broken),
     )
 
 
-def _advice(broken: Standing) -> str:
-    if broken.word != BREAKS:
-        return "recordings that bound it: `meso-robust identify --design N` proposes pushes"
-    return (
-        f"a laboratory without {broken.name.replace('_', ' ')}, or a proof of {broken.claim} that "
-        "includes it"
-    )
+def _place(broken: Standing) -> str:
+    return f" [{broken.claim}, {broken.derivation}]" if broken.claim else ""
 
 
 def _budget(planned: Planned) -> UndecidedDocument:

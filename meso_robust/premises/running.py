@@ -22,12 +22,13 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.models import Physics
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.simulator import Effects, Outcome, Push, simulate
+from meso_robust.simulator import Effects, Outcome, Point, Push, Round, simulate
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
 from meso_robust.simulator.observation import observe
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.task import Task
+from meso_robust.telling import up
 
 Floats = npt.NDArray[np.float64]
 
@@ -67,6 +68,12 @@ class _Laboratory:
     task: Task
     setup: Setup
     draws: Draws
+
+    @property
+    def tip(self) -> Round | Point:
+        """The tips that the recordings state; a commanded place is that of a tip's centre."""
+        radius = 0.0 if self.document.probe is None else self.document.probe.tip_radius_um
+        return Round(units.UM * radius) if radius > 0.0 else Point()
 
     def physics(self, rows: npt.NDArray[np.int64]) -> Physics:
         """The physics of some."""
@@ -129,8 +136,8 @@ def evidence(
         runs=runs,
         completed=int(done.sum()),
         in_goal=int((done & (missed == 0.0).all(axis=1)).sum()),
-        worst_um=round(units.to_um(float(worst[:2].max())), 3),
-        worst_deg=round(units.to_deg(float(worst[2])), 4),
+        worst_um=float(up(units.to_um(float(worst[:2].max())), 3)),
+        worst_deg=float(up(units.to_deg(float(worst[2])), 4)),
         endings=tuple(sorted(ended.items())),
         broken=bool(clear.any() or np.isin(outcomes, (STARTS_INSIDE, Outcome.JAM)).any()),
         seed=seed,
@@ -201,7 +208,8 @@ def _inside(tips: Floats, poses: Floats, lab: _Laboratory) -> npt.NDArray[np.boo
     """(N,) whether a tip would be lowered onto the part."""
     corners = rectangle(lab.setup)
     table = lab.physics(np.arange(len(poses))).effects.table
-    half = 0.5 * np.ptp(corners, axis=0) * stretch(corners, table) + radii(np.zeros(1), table)
+    radius = radii(np.array([lab.tip.radius]), table)
+    half = 0.5 * np.ptp(corners, axis=0) * stretch(corners, table) + radius
     offset = tips - poses[:, None, :2]
     c, s = np.cos(poses[:, None, 2]), np.sin(poses[:, None, 2])
     x, y = offset[..., 0], offset[..., 1]
@@ -224,6 +232,7 @@ def _push(
         friction=physics.friction,
         support=physics.support,
         effects=felt,
+        shapes=(lab.tip,) * tips.shape[1],
         fixture=walls(lab.setup),
         step=_MENISCUS_STEP if pulled else STEP,
     )

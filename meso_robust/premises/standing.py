@@ -7,10 +7,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 from meso_robust.certificates.document import ASSUMPTIONS
-from meso_robust.identification.document import ModelDocument, ParameterSection
+from meso_robust.identification.document import (
+    ModelDocument,
+    ParameterSection,
+    ProbeSection,
+    QualitySection,
+)
 from meso_robust.premises.absorbing import Absorbed, Budget, Ends, Ranges
-from meso_robust.premises.lines import BASE, BASES, LINES, NO_LINE, Line
+from meso_robust.premises.lines import BASE, BASES, LINES, NO_LINE, POINT_TIPS, Line
 from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.telling import down_to, up_to
 
 Word = Literal["absorbed", "off", "breaks a premise", "not identified"]
 BREAKS: Word = "breaks a premise"
@@ -48,6 +54,8 @@ class Standing:
     said: str = ""
     """How it is absorbed, or why it is not."""
     absorbed: Absorbed | None = None
+    settled_by: str = ""
+    """What would settle it, if the laboratory being without it is not all."""
 
     @property
     def survives(self) -> bool:
@@ -60,7 +68,9 @@ def standings(document: ModelDocument, budget: Budget) -> tuple[Standing, ...]:
     base, *effects = document.model.split("+")
     return (
         *([] if document.diagnosis in _SETTLED else [_open(document.diagnosis)]),
+        *([_rejected(document.quality)] if document.quality and document.quality.rejected else []),
         *([] if base == BASE else [_of_base(base)]),
+        *([_round(document.probe)] if document.probe and document.probe.tip_radius_um else []),
         *(_of_parameter(document, key) for key in (RATIO, FRICTION) if base == BASE),
         *(_of_effect(document, effect, budget) for effect in effects),
     )
@@ -70,12 +80,39 @@ def _open(verdict: str | None) -> Standing:
     """A diagnosis that has not ended with one model: nothing is promised on its ground."""
     said = {
         "unknown": "something is missing in the model that no effect explains: diagnosis.json says "
-        "where; record what it proposes next",
-        "ambiguous": "several models explain the recordings alike: diagnosis.json lists them; record "
-        "what it proposes next",
+        "where",
+        "ambiguous": "several models explain the recordings alike: diagnosis.json lists them",
     }
     return Standing(
-        name="diagnosis", word=BREAKS, premise=PREMISE_OF_MODEL, said=said[verdict or "unknown"]
+        name="diagnosis",
+        word=BREAKS,
+        premise=PREMISE_OF_MODEL,
+        said=said[verdict or "unknown"],
+        settled_by="the push that diagnosis.json proposes next",
+    )
+
+
+def _rejected(quality: QualitySection) -> Standing:
+    """A model that its own recordings reject: its intervals hold for no laboratory."""
+    return Standing(
+        name="fit",
+        word=BREAKS,
+        premise=PREMISE_OF_MODEL,
+        said=f"the recordings reject the model: χ² = {quality.chi2:,.0f} on {quality.freedom:,} degrees "
+        "of freedom",
+        settled_by="`meso-robust diagnose` on the recordings, and a plan with the model that it writes",
+    )
+
+
+def _round(probe: ProbeSection) -> Standing:
+    """Tips that are not points: the proof has none yet."""
+    radius = f"{probe.tip_radius_um:g} um"
+    return _standing(
+        "round tips",
+        BREAKS,
+        POINT_TIPS,
+        f"the recordings state tips of {radius} radius: {POINT_TIPS.why}",
+        settled_by=f"a proof that holds for round tips of {radius}",
     )
 
 
@@ -116,7 +153,9 @@ def _of_parameter(document: ModelDocument, key: str) -> Standing:
     if why:
         return _standing(key, "not identified", line, why)
     low, high = ends(document.parameters[key])
-    return _standing(key, "absorbed", line, f"a range of the task: {low:g} … {high:g}")
+    return _standing(
+        key, "absorbed", line, f"a range of the task: {down_to(low, 6)} … {up_to(high, 6)}"
+    )
 
 
 def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing:
@@ -159,7 +198,7 @@ def _size(effect: str, ranges: Ranges) -> str:
     """How large the model says that an effect is, in words."""
     sizes = [one for one in CATALOGUE[effect].parameters if one.size]
     told = (
-        f"{one.key} {ranges[one.key][0]:.3g} … {ranges[one.key][1]:.3g} {one.unit}".rstrip()
+        f"{one.key} {down_to(ranges[one.key][0], 3)} … {up_to(ranges[one.key][1], 3)} {one.unit}".rstrip()
         for one in sizes
     )
     return f" ({', '.join(told)})"
@@ -172,7 +211,12 @@ def _broken(name: str, line: Line | None, size: str = "") -> Standing:
 
 
 def _standing(
-    name: str, word: Word, line: Line, said: str, absorbed: Absorbed | None = None
+    name: str,
+    word: Word,
+    line: Line,
+    said: str,
+    absorbed: Absorbed | None = None,
+    settled_by: str = "",
 ) -> Standing:
     return Standing(
         name=name,
@@ -182,6 +226,19 @@ def _standing(
         derivation=line.derivation,
         said=said,
         absorbed=absorbed,
+        settled_by=settled_by,
+    )
+
+
+def advice(broken: Standing) -> str:
+    """What would settle something that the promise does not survive."""
+    if broken.settled_by:
+        return broken.settled_by
+    if broken.word != BREAKS:
+        return "recordings that bound it: `meso-robust identify --design N` proposes pushes"
+    return (
+        f"a laboratory without {broken.name.replace('_', ' ')}, or a proof of {broken.claim} that "
+        "includes it"
     )
 
 

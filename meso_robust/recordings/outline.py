@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.telling import counted
+
 Floats = npt.NDArray[np.float64]
 
 
@@ -98,7 +100,7 @@ def outline_fault(corners: Floats) -> str | None:
     """
     count = len(corners)
     if count < 3:
-        return f"{count} corners; must be at least 3; give the whole outline"
+        return f"{counted(count, 'corner')}; must be at least 3; give the whole outline"
     sides = np.roll(corners, -1, axis=0) - corners
     short = np.flatnonzero(~np.any(sides != 0.0, axis=1))
     if short.size:

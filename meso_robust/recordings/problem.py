@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
+from meso_robust.telling import counted
+
 Severity = Literal["error", "warning", "information"]
 """Cannot be used; usable with care; only to be known."""
 
@@ -83,7 +85,7 @@ def lines_text(rows: Sequence[int], most: int = 8) -> str:
     """Lines as "line 3" or "lines 3-5, 9"; beyond ``most`` ranges only their number."""
     ranges = list(_ranges(rows))
     shown = ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in ranges[:most])
-    more = f" and {len(ranges) - most} more places" if len(ranges) > most else ""
+    more = f" and {counted(len(ranges) - most, 'more place')}" if len(ranges) > most else ""
     return f"line{'s' if len(rows) > 1 else ''} {shown}{more}"
 
 

@@ -25,6 +25,7 @@ from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.repair import Repair
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
+from meso_robust.telling import counted
 
 Floats = npt.NDArray[np.float64]
 SCHEMA = "meso-robust/recordings-summary/1"
@@ -262,7 +263,7 @@ def answer(checked: Checked, most: int = 20) -> str:
     """The verdict, the problems that matter and the repairs, in lines for a terminal."""
     frames = sum(one.times.size for one in checked.recordings.recordings)
     lines = [
-        f"{checked.verdict}: {len(checked.recordings.recordings)} recordings, {frames} rows",
+        f"{checked.verdict}: {counted(len(checked.recordings.recordings), 'recording')}, {counted(frames, 'row')}",
         *_few("repaired: ", checked.repairs, most),
         *_few("", checked.matters, most),
     ]

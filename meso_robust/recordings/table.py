@@ -23,6 +23,7 @@ from meso_robust.reading import foreign_table, like, shown, text_of
 from meso_robust.recordings.clock import forward
 from meso_robust.recordings.rules import CLOCK_RULE, DEG, UM
 from meso_robust.recordings.values import Recording
+from meso_robust.telling import counted
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.intp]
@@ -189,7 +190,7 @@ def _row_fault(header: Sequence[str]) -> Callable[[Sequence[str], int], Fault | 
             return None
         rule = f"must be {len(header)} as in the header"
         advice = foreign_table(row, len(header)) or "leave a cell empty where nothing was seen"
-        return Fault(line, "row", f"{len(row)} cells", rule, advice)
+        return Fault(line, "row", counted(len(row), "cell"), rule, advice)
 
     return fault
 

@@ -19,6 +19,7 @@ from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.execution.trajectories import probe_names
 from meso_robust.provenance import commit
 from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.telling import counted
 
 Floats = npt.NDArray[np.float64]
 Json = dict[str, Any]
@@ -42,7 +43,7 @@ def animation(found: Simulated, answer: SimulationDocument) -> str:
     banner = Banner(
         verb="simulate",
         subject=answer.task,
-        about=f"{how}, {moves} move{'s' * (moves != 1)}",
+        about=f"{how}, {counted(moves, 'move')}",
         word="ALL IN THE GOAL" if answer.all_in_goal else "NOT ALL IN THE GOAL",
         colour="PROVED" if answer.all_in_goal else "REFUTED",
         meaning=_meaning(answer),

@@ -10,9 +10,10 @@ from meso_robust.premises.promise import Promise
 from meso_robust.reporting.words import Side, Witness, factor, number, sides, witness_words
 
 MEANING = {
-    "PROVED": "The plan is certified: it reaches the goal for every error within the stated bounds.",
+    "PROVED": "The plan is certified for point tips: it reaches the goal for every error within the stated "
+    "bounds.",
     "REFUTED": (
-        "The plan fails: a simulated run that keeps every stated bound does not end in the goal, "
+        "The plan fails: a simulated run, with point tips, that keeps every stated bound does not end in the goal, "
         "also at half the simulation step."
     ),
     "UNKNOWN": "Not proved and not refuted: one inequality is open, and no simulated failure is confirmed.",
@@ -68,7 +69,7 @@ def _meaning(verdict: str, promise: Promise | None) -> str:
     if verdict == "PROVED":
         so = ", on the conditions below" if promise.conditions else ""
         return (
-            "The plan is certified: it reaches the goal in every laboratory within the fitted "
+            "The plan is certified for point tips: it reaches the goal in every laboratory within the fitted "
             f"model's intervals, for every error within the bounds below{so}."
         )
     if promise.broken:

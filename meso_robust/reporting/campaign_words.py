@@ -10,13 +10,13 @@ from collections.abc import Iterable, Sequence
 from meso_robust.campaigns.answer import Shown
 from meso_robust.campaigns.kind import Table, Values
 from meso_robust.reporting.words import signed, significant
+from meso_robust.telling import worded as worded
 
 NONE = "—"
 _CELL = re.compile(r"(?=.*\d)([\d\s.,;%…–±()\[\]/<>≤≥×+−-]|e[+-]?\d|of|to|um2?|µm|deg|s\b)*")
 _BLANK = {"", "-", "–", NONE}
 _SHORT = 14  # letters of a word that may stand for a number, such as "not met"
 _LONG = re.compile(r"(?<![\w.,])\d{4,}(?![\w,-])")
-_MICRO = re.compile(r"\bum(2|\^2)?(?!\w)")
 _MOST_SPANS = 40
 
 
@@ -100,11 +100,6 @@ def _numeric(column: Iterable[str]) -> bool:
 def grouped(cell: str) -> str:
     """A cell of numbers, thousands grouped."""
     return _LONG.sub(lambda found: f"{int(found.group()):,}", cell)
-
-
-def worded(text: str) -> str:
-    """Words with the sign of the unit, as a page can show it."""
-    return _MICRO.sub(lambda found: "µm²" if found.group(1) else "µm", text)
 
 
 def replay(shown: Shown) -> str:

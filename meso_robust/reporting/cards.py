@@ -15,6 +15,7 @@ from meso_robust.execution.simulation import Simulated
 from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.identify import Identification
+from meso_robust.identification.verdict import COLOURS, meaning, verdict
 from meso_robust.job import Planned
 from meso_robust.premises.promise import Promise
 from meso_robust.recordings import RecordingSet
@@ -28,8 +29,9 @@ from meso_robust.reporting.identification_figures import profile_figure, recordi
 from meso_robust.reporting.plan_figures import overview_figure
 from meso_robust.reporting.recording_figures import recording_figure as way_figure
 from meso_robust.reporting.run_figures import certificate_figure, runs_figure, shares_figure
-from meso_robust.reporting.words import significant
+from meso_robust.reporting.words import about, high_end, low_end, sentence, significant
 from meso_robust.task import Task
+from meso_robust.telling import counted
 from meso_robust.tracking.job import Found as Tracked
 
 MOST_ROWS = 12
@@ -135,18 +137,19 @@ def simulated_card(found: Simulated, document: SimulationDocument, text: str) ->
 def identified_card(document: ModelDocument, found: Identification, text: str) -> str:
     """A fitted model: how the misfit rises along each parameter."""
     best, known = document.minima[0], len(found.determined)
-    all_known = known == len(found.profiles)
+    word = verdict(document)
     likely = found.fitted is not None
     return cards.html(
         Card(
-            word="FITTED" if all_known else "NOT ALL KNOWN",
-            colour="PROVED" if all_known else "UNKNOWN",
+            word=word,
+            colour=COLOURS[word],
             about=document.model,
-            meaning=f"The recordings determine {known} of {len(found.profiles)} parameters.",
+            meaning=sentence(meaning(document))
+            or f"The recordings determine {known} of {counted(len(found.profiles), 'parameter')}.",
             figures=(
                 ("recordings", str(len(document.recording))),
                 *(
-                    (key, f"{_plain(one.value)} [{_plain(one.low)}, {_plain(one.high)}]")
+                    (key, f"{about(one.value)} [{low_end(one.low)}, {high_end(one.high)}]")
                     for key, one in list(document.parameters.items())[:3]
                 ),
                 ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
@@ -162,11 +165,6 @@ def identified_card(document: ModelDocument, found: Identification, text: str) -
             text=text,
         )
     )
-
-
-def _plain(value: float) -> str:
-    """About four digits, without an exponent."""
-    return f"{value:.0f}" if abs(value) >= 1000.0 else significant(value, 4)
 
 
 def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -> str:

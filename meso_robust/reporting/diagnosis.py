@@ -30,6 +30,7 @@ from meso_robust.reporting.diagnosis_words import (
     answer,
     noise_words,
     plain,
+    probability,
     set_words,
     sets,
     standing_words,
@@ -41,6 +42,7 @@ from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import STAGES
 from meso_robust.reporting.words import number, significant
 from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.telling import counted
 
 MOST_PICTURES = 6
 """Recordings that are drawn, those that the plain model fits worst first."""
@@ -102,7 +104,8 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         meaning=_meaning,
         number=lambda value: "—" if value is None else significant(value, 3),
         percent=lambda share: number(100.0 * share, 0),
-        probability=_probability,
+        probability=probability,
+        counted=counted,
     )
 
 
@@ -129,13 +132,13 @@ def _meaning(effect: str, key: str) -> str:
 def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
     """Value and name of what stands under the headline."""
     mismatch, held = document.mismatch, document.held_out
-    p = _probability(mismatch.p_value)
+    p = probability(mismatch.p_value)
     shown = [(f"p = {p}", f"of a misfit as large without a mismatch; {mismatch.nulls} sets")]
     if held.recordings:
         shown.append(
             (
                 _before_after(document, held.baseline_sigma, held.extended_sigma, "σ"),
-                f"error on {len(held.recordings)} held-out recordings; {noise_words(held)}",
+                f"error on {counted(len(held.recordings), 'held-out recording')}; {noise_words(held)}",
             )
         )
         shown.append(
@@ -155,13 +158,6 @@ def _before_after(document: DiagnosisDocument, before: float, after: float, unit
     if not document.effects:
         return f"{significant(before, 3)} {unit}"
     return f"{significant(before, 3)} → {significant(after, 3)} {unit}"
-
-
-def _probability(value: float) -> str:
-    """Two digits, and never a zero or a one that is none."""
-    if value == 0.0 or value >= 0.001:
-        return significant(value, 2) if value < 0.995 or value == 1.0 else "> 0.99"
-    return "< 0.001"
 
 
 def _held_out(document: DiagnosisDocument) -> list[HeldOutRecording]:

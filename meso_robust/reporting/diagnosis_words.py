@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Literal
 
 from meso_robust.diagnosis.document import (
     DiagnosisDocument,
@@ -14,7 +15,8 @@ from meso_robust.diagnosis.document import (
     WhereSection,
 )
 from meso_robust.reporting.skeleton import Colour
-from meso_robust.reporting.words import number, significant
+from meso_robust.reporting.words import number, signed, significant
+from meso_robust.telling import counted, down, down_to, up, up_to
 
 MOST_SPANS = 3
 """Spans that the lines for a terminal name."""
@@ -75,7 +77,7 @@ def standing_words(document: DiagnosisDocument, effect: EffectSection) -> str:
     """How sure an effect is; of a set that is not enough, nothing is claimed."""
     if document.verdict == "unknown":
         return "not enough alone"
-    return f"probability {significant(effect.probability, 2)}"
+    return f"probability {probability(effect.probability)}"
 
 
 def effect_words(effect: EffectSection) -> str:
@@ -93,7 +95,7 @@ def value_words(key: str, one: ValueSection) -> str:
     value, unit = plain(one.value), unit_words(key, one)
     if one.low == one.high:
         return f"{value}{unit} (held)"
-    return f"{value} [{plain(one.low)}, {plain(one.high)}]{unit}"
+    return f"{value} [{plain(one.low, 'down')}, {plain(one.high, 'up')}]{unit}"
 
 
 def unit_words(key: str, one: ValueSection) -> str:
@@ -103,9 +105,23 @@ def unit_words(key: str, one: ValueSection) -> str:
     return next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
 
 
-def plain(value: float) -> str:
-    """Three digits, or all before the point; an exponent where that would be too long."""
-    return number(value, 0) if 1e3 <= abs(value) < 1e7 else significant(value, 3)
+def plain(value: float, to: Literal["nearest", "down", "up"] = "nearest") -> str:
+    """Three digits, or all before the point; an exponent where that would be too long.
+
+    The ends of an interval are rounded ``down`` and ``up``.
+    """
+    whole = 1e3 <= abs(value) < 1e7
+    if to == "nearest":
+        return number(value, 0) if whole else significant(value, 3)
+    fixed, digits = (down, down_to) if to == "down" else (up, up_to)
+    return signed(fixed(value, 0) if whole else digits(value, 3))
+
+
+def probability(value: float) -> str:
+    """Two digits, and never a zero or a one that is none."""
+    if value == 0.0 or value >= 0.001:
+        return significant(value, 2) if value < 0.995 or value == 1.0 else "> 0.99"
+    return "< 0.001"
 
 
 def held_out_words(document: DiagnosisDocument) -> str:
@@ -161,7 +177,7 @@ def _where_lines(document: DiagnosisDocument) -> list[str]:
     spans = document.mismatch.where
     lines = [f"  where: {span_words(span)}" for span in spans[:MOST_SPANS]]
     more = len(spans) - MOST_SPANS
-    return [*lines, f"  and {more} more spans"] if more > 0 else lines
+    return [*lines, f"  and {counted(more, 'more span')}"] if more > 0 else lines
 
 
 def noise_words(held: HeldOutSection) -> str:
@@ -176,8 +192,10 @@ def _held_out_lines(document: DiagnosisDocument) -> list[str]:
     held = document.held_out
     lines = [f"  {held_out_words(document)} ({noise_words(held)})"]
     if document.effects and held.recordings:
-        low, high = (number(100.0 * v, 0) for v in (held.improvement_low, held.improvement_high))
-        lines[0] += f", {held.baseline_um:.2f} → {held.extended_um:.2f} µm, falls by {low}–{high} %"
+        low, high = down(100.0 * held.improvement_low, 0), up(100.0 * held.improvement_high, 0)
+        lines[0] += (
+            f", {held.baseline_um:.2f} → {held.extended_um:.2f} µm, falls by {signed(low)}–{signed(high)} %"
+        )
     before, after = held.extrapolation_baseline_sigma, held.extrapolation_extended_sigma
     if before is not None and after is not None:
         errors = f"{significant(before, 3)} → {significant(after, 3)} σ"

@@ -20,6 +20,7 @@ from meso_robust.reporting.canvas import BEFORE, GHOST, GRID, TIP, outline
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import number, significant
+from meso_robust.telling import counted
 
 Floats = npt.NDArray[np.float64]
 
@@ -66,7 +67,7 @@ def experiment_page(
     times = "time" if bench.trials == 1 else "times"
     banner = Banner(
         verb="identify",
-        subject=f"{len(experiment.pushes)} pushes",
+        subject=counted(len(experiment.pushes), "push", "pushes"),
         about=f"{bench.trials} {times} each",
         word="Designed pushes" if found else "Pushes that identify the part",
         colour="NEUTRAL",

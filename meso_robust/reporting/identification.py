@@ -9,9 +9,10 @@ import numpy as np
 from markupsafe import Markup
 
 from meso_robust.identification.answer import noise_words
-from meso_robust.identification.document import ModelDocument, ParameterSection
+from meso_robust.identification.document import ModelDocument, ParameterSection, QualitySection
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.models.model import Model
+from meso_robust.identification.verdict import COLOURS, meaning, p_words, verdict
 from meso_robust.provenance import made_with
 from meso_robust.reporting.identification_figures import (
     DRAWN_MINIMA,
@@ -21,7 +22,8 @@ from meso_robust.reporting.identification_figures import (
 )
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
-from meso_robust.reporting.words import significant
+from meso_robust.reporting.words import about, high_end, low_end, sentence, signed, significant
+from meso_robust.telling import down_to, up_to
 
 MOST_PICTURES = 12
 """Recordings that are drawn, those with the largest residuals first."""
@@ -51,15 +53,15 @@ def identification_report(document: ModelDocument, found: Identification, source
             "supports": _supports(found),
             "recordings": [_recording(found, row) for row in _worst(found)],
         }
-    known = len(found.determined) == len(found.profiles)
+    word = verdict(document)
     banner = Banner(
         verb="identify",
         subject=source,
         about=f"model {document.model}",
-        word="IDENTIFIED" if known else "PARTLY IDENTIFIED",
-        colour="PROVED" if known else "UNKNOWN",
+        word=word,
+        colour=COLOURS[word],
         meaning=Markup("<strong>{}</strong><br>{}").format(
-            _headline(document, found.model), _how(document)
+            sentence(meaning(document)) or _headline(document, found.model), _how(document)
         ),
         figures=tuple(_figures(document)),
     )
@@ -73,6 +75,7 @@ def identification_report(document: ModelDocument, found: Identification, source
         pictures=pictures,
         drawn=DRAWN_MINIMA,
         significant=significant,
+        p_words=p_words,
     )
 
 
@@ -109,8 +112,7 @@ def _headline(document: ModelDocument, model: Model) -> str:
     """The first two parameters with their units and intervals."""
     units = {parameter.key: parameter.unit for parameter in model.parameters}
     return ", ".join(
-        f"{_symbol(key)} = {_plain(one.value)} [{_end(one.low, one.open_low)}, "
-        f"{_end(one.high, one.open_high)}] {units[key]}".strip()
+        f"{_symbol(key)} = {about(one.value)} [{_low(one)}, {_high(one)}] {units[key]}".strip()
         for key, one in list(document.parameters.items())[:2]
     )
 
@@ -119,13 +121,12 @@ def _symbol(key: str) -> str:
     return key.removesuffix("_um2").removesuffix("_um").replace("rho", "ρ").replace("mu", "µ")
 
 
-def _end(value: float, is_open: bool) -> str:
-    return "?" if is_open else _plain(value)
+def _low(one: ParameterSection) -> str:
+    return "?" if one.open_low else low_end(one.low)
 
 
-def _plain(value: float) -> str:
-    """About four digits, without an exponent."""
-    return f"{value:.0f}" if abs(value) >= 1000.0 else significant(value, 4)
+def _high(one: ParameterSection) -> str:
+    return "?" if one.open_high else high_end(one.high)
 
 
 def _figures(document: ModelDocument) -> list[tuple[str, str]]:
@@ -138,13 +139,17 @@ def _figures(document: ModelDocument) -> list[tuple[str, str]]:
         ("local minima", str(len(document.minima))),
     ]
     if document.quality is not None:
-        shown.append(("p of χ²", f"{document.quality.p_value:.2g}"))
+        shown.append(("χ² on degrees of freedom", _test(document.quality)))
     return shown
 
 
+def _test(quality: QualitySection) -> str:
+    return f"{quality.chi2:,.0f} on {quality.freedom:,}, {p_words(quality.p_value)}"
+
+
 def _row(key: str, one: ParameterSection) -> dict[str, str]:
-    low = "no lower bound" if one.open_low else significant(one.low)
-    high = "no upper bound" if one.open_high else significant(one.high)
+    low = "no lower bound" if one.open_low else signed(down_to(one.low, 6))
+    high = "no upper bound" if one.open_high else signed(up_to(one.high, 6))
     return {"key": key, "value": significant(one.value), "low": low, "high": high}
 
 

@@ -11,7 +11,7 @@ from meso_robust.certificates.document import CertificateDocument
 from meso_robust.even_film import remarks
 from meso_robust.execution.running import excess
 from meso_robust.job import Planned
-from meso_robust.premises.answer import document
+from meso_robust.premises.answer import document, worst_words
 from meso_robust.premises.promise import Promise
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
@@ -30,6 +30,7 @@ from meso_robust.reporting.tube_figures import (
 )
 from meso_robust.reporting.view import engine, view
 from meso_robust.reporting.words import MINUS, QUANTITIES, factor, number, small
+from meso_robust.telling import counted, up, worded
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +95,10 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         factor=factor,
         number=number,
         small=small,
+        up=up,
+        counted=counted,
+        worded=worded,
+        worst_words=worst_words,
     )
 
 
@@ -164,11 +169,11 @@ def _tubes(result: Planned) -> list[Picture]:
         move = f"Move {index + 1}: {title(result, index)}"
         runs = min(PATHS, int(through(result.check, index).sum()))
         slices = len(result.chain.steps[index].tube)
-        for up, letter in (("y", "y"), ("theta", "θ")):
+        for side, letter in (("y", "y"), ("theta", "θ")):
             name = f"{move}, {letter} over x"
             caption = f"{slices} slices of the certified tube, {runs} simulated paths."
-            figure = tube_figure(result, index, "y" if up == "y" else "theta")
-            pictures.append(Picture(name, caption, to_svg(figure, f"tube{index}{up}", name)))
+            figure = tube_figure(result, index, "y" if side == "y" else "theta")
+            pictures.append(Picture(name, caption, to_svg(figure, f"tube{index}{side}", name)))
     return pictures
 
 

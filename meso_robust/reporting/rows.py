@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
 
 from meso_robust.certificates.margin import LARGEST
@@ -19,9 +19,11 @@ from meso_robust.reporting.words import (
     number,
     outward,
     point,
+    signed,
     significant,
     small,
 )
+from meso_robust.telling import down, down_to, up
 
 Three = tuple[str, str, str]
 
@@ -88,9 +90,9 @@ def _budget(result: Planned, name: str, times: float) -> str:
     """The range of one uncertainty widened about its middle, in the words of the task's file."""
     u = result.task.uncertainty
     if name in ("friction", "misalignment"):
-        low, high = u.friction if name == "friction" else u.tip_misalignment_deg
-        middle, half = 0.5 * (low + high), 0.5 * (high - low) * times
-        ends = _up(middle - half), _down(middle + half)
+        low, high = map(_spelled, u.friction if name == "friction" else u.tip_misalignment_deg)
+        middle, half = (low + high) / 2, (high - low) / 2 * Fraction(times)
+        ends = float(up(middle - half, 3)), float(down(middle + half, 3))
         return f"{ends[0]:g} … {ends[1]:g}" + (" deg" if name == "misalignment" else "")
     unit, stated = {
         "sensed_position": ("µm", u.sensed_position_um),
@@ -98,16 +100,12 @@ def _budget(result: Planned, name: str, times: float) -> str:
         "probe_position": ("µm", u.probe_position_um),
         "film_ratio": ("%", u.film_ratio_percent),
     }[name]
-    return f"± {_down(stated * times):g} {unit}"
+    return f"± {down_to(float(down(_spelled(stated) * Fraction(times), 3)), 15)} {unit}"
 
 
-def _down(value: float) -> float:
-    """Rounded down to three decimals."""
-    return math.floor(1000.0 * value) / 1000.0
-
-
-def _up(value: float) -> float:
-    return -_down(-value)
+def _spelled(value: float) -> Fraction:
+    """The decimal that a number of the task stands for."""
+    return Fraction(repr(float(value)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,8 +186,7 @@ def end_rows(result: Planned) -> tuple[EndRow, ...]:
 def _spare(limit: tuple[float, float], middle: float, reach: float, digits: int) -> str:
     """Room between a range and the goal's limits, rounded down; negative if it leaves the goal."""
     room = min(limit[0] - (middle - reach), middle + reach - limit[1])
-    scale = 10.0**digits
-    return number(math.floor(room * scale + 1e-6) / scale, digits)
+    return signed(down(room, digits))
 
 
 @dataclass(frozen=True, slots=True)

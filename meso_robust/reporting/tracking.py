@@ -18,6 +18,7 @@ from meso_robust.reporting.canvas import CERTIFIED, OPEN, TIP
 from meso_robust.reporting.recording_figures import recording_figure
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
+from meso_robust.telling import counted
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
 
@@ -63,7 +64,7 @@ def tracking_report(
     banner = Banner(
         verb="track",
         subject=", ".join(video.video for video in answer.videos),
-        about=f"{count} video{'s' * (count != 1)}",
+        about=counted(count, "video"),
         word="TRACKED" if answer.tracked else "LOST",
         colour="PROVED" if answer.tracked else "REFUTED",
         meaning=_meaning(answer),

@@ -15,11 +15,13 @@ from markupsafe import Markup
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
+from meso_robust.certificates.document import MarginDocument
 from meso_robust.job import Planned
 from meso_robust.planning.document import BoxDocument, names_of
 from meso_robust.primitives.outline import Edge, Line, Outline, Polygon
 from meso_robust.primitives.setup import Setup
 from meso_robust.reporting.animation import embedded
+from meso_robust.reporting.words import factor
 
 Json = dict[str, Any]
 
@@ -63,7 +65,18 @@ def data(result: Planned) -> Json:
         "probes": list(dict.fromkeys(name for move in moves for name in move["probes"])),
         "moves": moves,
         "verdict": certificate.verdict,
-        "margin": {"all": certificate.margin.factor, "alone": certificate.margin.each_alone},
+        "margin": _margin(certificate.margin),
+    }
+
+
+def _margin(margin: MarginDocument) -> Json:
+    """Factors, and how they are told."""
+    each = margin.each_alone
+    return {
+        "all": margin.factor,
+        "alone": each,
+        "told": factor(margin.factor),
+        "toldAlone": {name: factor(value) for name, value in each.items()},
     }
 
 

@@ -92,11 +92,12 @@ function promise(draw) {
   }
   const [name, most] = outside.reduce((one, other) => (other[1] > one[1] ? other : one));
   const times = `${name.replaceAll("_", " ")} is × ${fixed(most, 2)} of its half width`;
-  const bears = outside.length === 1 ? Math.max(data.margin.alone[name] || 0, data.margin.all)
-    : data.margin.all;
+  const { all, alone, told, toldAlone } = data.margin;
+  const single = outside.length === 1 && alone[name] > all;
+  const bears = single ? alone[name] : all;
   if (proved && most <= bears) {
     return { good: true, tag: "in the margin: proved", words:
-      `Outside the stated ranges (${times}), but within the certified margin of × ${fixed(bears, 2)}.` };
+      `Outside the stated ranges (${times}), but within the certified margin of × ${single ? toldAlone[name] : told}.` };
   }
   const more = outside.length > 1 ? ` (and ${outside.length - 1} more)` : "";
   return { good: null, tag: "outside: not promised",

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 from meso_robust import units
 from meso_robust.certificates.document import ExactBox, HexPair, WitnessDocument
 from meso_robust.certificates.margin import LARGEST
 from meso_robust.planning.document import AimDocument, Pair
+from meso_robust.telling import down, down_to, up, up_to
 
 MINUS = "−"
+_CONVERSION = 4  # units in the last place
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +83,9 @@ def significant(value: float, digits: int = 6) -> str:
 
 def outward(low: float, high: float, digits: int) -> str:
     """A range rounded outward, so that it still holds everything."""
-    scale = 10.0**digits
-    # a millionth of the last digit shown is the rounding of the conversion to um and deg
-    below = math.floor(low * scale + 1e-6) / scale
-    above = math.ceil(high * scale - 1e-6) / scale
-    return f"{number(below, digits)} … {number(above, digits)}"
+    # so little is the rounding of the conversion to um and deg, and of an end that is a decimal
+    below, above = low + _CONVERSION * math.ulp(low), high - _CONVERSION * math.ulp(high)
+    return f"{signed(down(below, digits))} … {signed(up(above, digits))}"
 
 
 def box_words(box: ExactBox) -> tuple[str, str, str]:
@@ -128,16 +129,35 @@ def factor(value: float, digits: int = 2) -> str:
     """A margin, rounded down: the plan is proved at what is shown."""
     if value >= LARGEST:
         return f"≥ {LARGEST:g}"
-    scale = 10.0**digits
-    return f"{math.floor(value * scale + 1e-9) / scale:.{digits}f}"
+    return down(value, digits)
+
+
+def about(value: float) -> str:
+    """About four digits, without an exponent."""
+    return number(value, 0) if abs(value) >= 1000.0 else significant(value, 4)
+
+
+def low_end(value: float) -> str:
+    """The lower end of an interval, as ``about`` but rounded down."""
+    return signed(down(value, 0) if abs(value) >= 1000.0 else down_to(value, 4))
+
+
+def high_end(value: float) -> str:
+    """The upper end of an interval, as ``about`` but rounded up."""
+    return signed(up(value, 0) if abs(value) >= 1000.0 else up_to(value, 4))
 
 
 def small(value: float) -> str:
-    """A length or angle that is often zero: two significant digits."""
+    """A length or angle that something is off by at most, often zero: two digits, rounded up."""
     if value == 0.0:
         return "0"
     decimals = max(1 - math.floor(math.log10(abs(value))), 0)
-    return number(value, decimals)
+    return signed(up(Fraction(repr(float(value))), decimals))
+
+
+def sentence(text: str) -> str:
+    """With a capital and a full stop; nothing of nothing."""
+    return f"{text[:1].upper()}{text[1:]}." if text else ""
 
 
 @dataclass(frozen=True, slots=True)

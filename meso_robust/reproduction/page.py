@@ -11,6 +11,7 @@ from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.words import MINUS
 from meso_robust.reproduction.document import Made
 from meso_robust.reproduction.item import Agreement, Row, Setting, Value
+from meso_robust.telling import worded
 
 _MICRO = re.compile(r"\bum\b")
 _COUNTED = {
@@ -68,11 +69,6 @@ def _made(made: Mapping[str, Made], setting: Setting) -> tuple[tuple[str, str], 
         ("the same numbers", code("reproduction.json")),
         versions({**made_with(), "seed": str(setting.seed)}),
     )
-
-
-def worded(text: str) -> str:
-    """Words with the sign of the unit, as a page can show it."""
-    return _MICRO.sub("µm", text)
 
 
 def shown(value: Value) -> str:

@@ -28,6 +28,7 @@ from meso_robust.reproduction.certified import (
     trials,
 )
 from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.telling import down
 
 PRINTED_SEPARATION_UM = 857.0
 """Eq. (10): 837 um and twice the errors of sensing and control."""
@@ -198,7 +199,7 @@ def _printed_rotation_rows(plan: CertifiedPlan, runs: _Runs) -> tuple[Row, ...]:
 
 
 def _widening_row(failure: Failure, bears: Margin) -> Row:
-    proved = f"Proved up to a factor of {bears.each[failure.name]:.2f}."
+    proved = f"Proved up to a factor of {down(bears.each[failure.name], 2)}."
     if failure.factor is None:
         return Row(
             quantity=f"{_said(failure.name)} alone: factor at which runs fail",

@@ -22,6 +22,7 @@ from meso_robust.reproduction.shrunk import (
     shrunk,
     shrunk_rules,
 )
+from meso_robust.telling import down
 from meso_robust.units import UM
 
 FULL_UM = 1616.0
@@ -209,7 +210,7 @@ def _margin_row(at: AtSize) -> Row:
 
 
 def _worded(one: Certified) -> str:
-    return f"{'PROVED' if one.proved else 'UNKNOWN'} x {one.margin:.2f}"
+    return f"{'PROVED' if one.proved else 'UNKNOWN'} x {down(one.margin, 2)}"
 
 
 def _share_row(at: AtSize, runs: int) -> Row:

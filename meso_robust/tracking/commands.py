@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.reading import foreign_table, shown, text_of
+from meso_robust.telling import counted
 
 Floats = npt.NDArray[np.float64]
 UM = 1e-6
@@ -82,7 +83,7 @@ def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[f
     if len(row) != len(header):
         foreign = foreign_table(row, len(header))
         raise InputError(
-            f"--commands {path}, line {line}: {len(row)} cells; must be {len(header)} as in the header"
+            f"--commands {path}, line {line}: {counted(len(row), 'cell')}; must be {len(header)} as in the header"
             + (f"; {foreign}" if foreign else "")
         )
     values = []

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust import __version__
+from meso_robust.telling import counted
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_values
 
@@ -182,9 +183,9 @@ def _failures(videos: Sequence[VideoDocument], most_lost: float, commanded: bool
 def _lost(name: str, found: int, frames: int, reasons: dict[str, int], most: float) -> str:
     why = max(reasons, key=lambda reason: reasons[reason]) if reasons else "no frames"
     if not found:
-        return f"{name} not found in any of {frames} frames ({why})"
+        return f"{name} not found in any of {counted(frames, 'frame')} ({why})"
     return (
-        f"{name} lost in {frames - found} of {frames} frames, {100 * (1 - found / frames):.1f} %, "
+        f"{name} lost in {frames - found} of {counted(frames, 'frame')}, {100 * (1 - found / frames):.1f} %, "
         f"more than {100 * most:g} % (most often: {why})"
     )
 

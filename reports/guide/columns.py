@@ -132,6 +132,33 @@ CHECK = Table(
     ),
     "key",
 )
+DRIVE = Table(
+    "Lines of `drive`",
+    "Each line in is a sensed pose and gets one line out; it ends at the end of the input. A line in is a JSON object "
+    "of `x_um`, `y_um` and `theta_deg`, the pose sensed after the last move was carried out (full turns do not "
+    "matter). The very same line again, because the move was not carried out, gets the same move again. An answer "
+    "has one of these forms, told apart by its key:",
+    (
+        Column(
+            "probes", "a move as in `plan.json` (MoveDocument): carry it out, sense, send the pose"
+        ),
+        Column(
+            "done",
+            "true, with `within` (BoxDocument): the part lies in the goal, every true pose that is possible in "
+            "this box. The next line is the first of the next part: nothing is remembered of this one",
+        ),
+        Column(
+            "refused",
+            "why nothing is proved from this pose, and which bound it misses by how much. It ends the part "
+            "too: the next line is judged as a first one",
+        ),
+        Column(
+            "error",
+            "what is wrong with the line, which is no pose (a blank line too); nothing is changed by it",
+        ),
+    ),
+    "key",
+)
 CAMPAIGN = Table(
     "`campaign.json`, written by `campaign`",
     "What became of each part; a key within another one is written behind a dot.",

@@ -28,6 +28,7 @@ from reports.guide.columns import (
     CHECK,
     COMMANDS,
     COVARIANCE,
+    DRIVE,
     RECORDING,
     TRAJECTORIES,
     table,
@@ -58,7 +59,7 @@ OTHERS: dict[str, type[BaseModel]] = {
 }
 """Models of the documents without a published schema."""
 _BESIDE = {"recordings": (RECORDING, COMMANDS, COVARIANCE)}
-_ALONE = (TRAJECTORIES, CAMPAIGN, CHECK)
+_ALONE = (DRIVE, TRAJECTORIES, CAMPAIGN, CHECK)
 _OTHERS = """# Other files
 
 `meso-robust schema` does not know these: they are answers, and may gain keys.

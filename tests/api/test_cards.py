@@ -96,7 +96,7 @@ def test_two_results_of_one_kind_share_no_ids(planned: mr.Planned) -> None:
 
 def test_recordings_and_a_fit(recorded: Path, identified: mr.Identified) -> None:
     check(mr.read_recordings(recorded), "CLEAN", "4 recordings")
-    check(identified, "FITTED", "2 of 2 parameters")
+    check(identified, "IDENTIFIED", "2 of 2 parameters")
 
 
 def test_videos(tracked: mr.Tracked) -> None:

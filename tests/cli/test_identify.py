@@ -17,6 +17,8 @@ from meso_robust.simulator import Film
 from meso_robust.tasks import PAPER
 from tests.identification.sets import PART, RADIUS, random_pushes, recorded
 
+EXAMPLE_SET = Path(__file__).parents[1] / "example" / "set"
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -41,6 +43,7 @@ def test_a_set_gives_a_model_a_document_and_a_page(folder: Path, tmp_path: Path)
     assert code == 0
     document = json.loads(said)
     assert document["schema"] == "meso-robust/model/1"
+    assert document["verdict"] == "IDENTIFIED"
     model = read_model(tmp_path / "model.toml")
     assert model.parameters["rho_um2"].low < 376900.0 * 1.05
     assert model.parameters["rho_um2"].high > 376900.0 * 0.95
@@ -49,6 +52,21 @@ def test_a_set_gives_a_model_a_document_and_a_page(folder: Path, tmp_path: Path)
     assert "push_02.csv" in page
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
     assert len(json.loads((tmp_path / "experiment.json").read_text())["moves"]) >= 1
+
+
+def test_a_model_that_its_recordings_reject_is_a_negative_answer(tmp_path: Path) -> None:
+    """The example's part has a burr that the plain model knows nothing of."""
+    code, said = run(EXAMPLE_SET, "--starts", "2", "--out", tmp_path, "--json", "--quiet")
+
+    document = json.loads(said)
+    assert code == 1
+    assert document["verdict"] == "FIT REJECTED"
+    assert document["probe"] == {"tip_radius_um": 12.5}
+    assert document["quality"]["chi2"] > 5 * document["quality"]["freedom"]
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "FIT REJECTED" in page
+    assert "✓" not in page.split("FIT REJECTED")[0][-200:]
+    assert "meso-robust diagnose" in page
 
 
 def test_the_printed_objective_has_no_probability(folder: Path, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from meso_robust.diagnosis.candidates import (
     freed,
     pruned,
     supported,
+    why_not,
     with_probabilities,
     without_duplicates,
 )
@@ -61,6 +62,26 @@ def candidate(
         gain=score + EACH * len(effects),
     )
     return Candidate(refit=refit, **more)
+
+
+@pytest.mark.parametrize("rejected", [None, Rejection(ground=Ground.NO_GAIN)])
+@pytest.mark.parametrize("adequate", [True, False, None])
+def test_every_set_that_is_no_answer_has_a_reason(
+    adequate: bool | None, rejected: Rejection | None
+) -> None:
+    first = candidate("body_force", score=50.0, adequate=True)
+    other = candidate("backlash", score=9.0, adequate=adequate, rejected=rejected)
+    naming = Naming(answers=(first,), best=first, candidates=(first, other))
+
+    assert why_not(first, naming) is None
+    reason = why_not(other, naming)
+
+    assert reason is not None
+    assert len(reason.words.split()) >= 3
+    assert reason == rejected or rejected is None
+    if adequate is None and rejected is None:
+        assert (reason.ground, reason.names) == (Ground.FAR_BEHIND, ("body_force",))
+        assert reason.amount == pytest.approx(41.0)
 
 
 def test_a_score_pays_for_effects_and_for_forms() -> None:

@@ -24,6 +24,8 @@ def test_every_ground_has_words_that_tell_its_data(ground: Ground) -> None:
         Ground.HELD_OUT_WORSE: ("17.0 nats",),
         Ground.IDLE_MEMBER: ("backlash",),
         Ground.ABOVE_FLOOR: ("17.00 σ", "1.25 σ"),
+        Ground.IMPROBABLE: ("17 %",),
+        Ground.FAR_BEHIND: ("17 nats", "backlash"),
         Ground.INVARIANCE: ("speed", "backlash"),
     }[ground]
     assert all(part in words for part in told), words

@@ -13,11 +13,20 @@ from meso_robust.errors import InputError
 from meso_robust.example import EXAMPLE
 from meso_robust.execution.trajectories import trajectories
 from meso_robust.recordings.table import read_table, table_text
+from meso_robust.tasks import PAPER
 from meso_robust.tracking.commands import read_commands
 from meso_robust.tracking.frames import Frames
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.tracked_set import covariance_text
-from reports.guide.columns import CAMPAIGN, CHECK, COMMANDS, COVARIANCE, RECORDING, TRAJECTORIES
+from reports.guide.columns import (
+    CAMPAIGN,
+    CHECK,
+    COMMANDS,
+    COVARIANCE,
+    DRIVE,
+    RECORDING,
+    TRAJECTORIES,
+)
 
 REPORT = Path(mr.__file__).parents[1] / "reports" / "paper_task"
 PROBES = ("left", "right")
@@ -149,3 +158,20 @@ def test_keys_of_a_campaigns_answer_are_told(tmp_path: Path) -> None:
 def quoted(text: str) -> list[str]:
     """Words in back quotes."""
     return text.split("`")[1::2]
+
+
+def test_answers_of_drive_are_told_apart_by_the_keys_that_are_told() -> None:
+    driver = mr.drive(PAPER, REPORT / "plan.json")
+    told = [one.name for one in DRIVE.columns]
+    lines = [
+        '{"x_um": 2060.4, "y_um": -9.2, "theta_deg": 90}',
+        '{"x_um": 9000, "y_um": 0, "theta_deg": 90}',
+    ]
+    answers = [driver.answer_line(line) for line in [*lines, "\n"]]
+
+    assert [next(key for key in told if key in answer) for answer in answers] == [
+        "probes",
+        "refused",
+        "error",
+    ]
+    assert sorted(told) == ["done", "error", "probes", "refused"]

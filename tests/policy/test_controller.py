@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +12,33 @@ import pytest
 
 from meso_robust.errors import InputError
 from meso_robust.policy.cells import Policy
-from meso_robust.policy.controller import Done, Move, PlanController
+from meso_robust.policy.controller import (
+    Done,
+    Move,
+    PlanController,
+    PolicyController,
+    Refused,
+)
 from meso_robust.policy.document import policy_document, read_policy
 from meso_robust.policy.pose import Sensed
 from meso_robust.primitives.move import MoveRule, Point, from_part
+from meso_robust.primitives.setup import PoseBox
 from tests.conftest import paper_task
 
 
 def test_the_same_line_again_gets_the_same_move_though_it_could_be_the_end_too() -> None:
     """A push so short that the poses before and after it overlap."""
+    controller, pose = short_push(), AT_START
+
+    first, again = controller.answer(pose), controller.answer(pose)
+
+    assert isinstance(first, Move)
+    assert again == first
+    assert isinstance(controller.answer(IN_GOAL), Done)
+
+
+def short_push() -> PlanController:
+    """A plan of one push so short that the poses before and after it overlap."""
     task = paper_task(
         start__x_um=8.0, start__y_um=0.0, start__theta_deg=180.0,
         goal__position_tolerance_um=11.5, uncertainty__sensed_orientation_deg=0.01,
@@ -32,14 +52,59 @@ def test_the_same_line_again_gets_the_same_move_though_it_could_be_the_end_too()
         dual=Point(x=from_part(820.0), y=from_part(0.0)),
         dual_end=from_part(800.0),
     )
-    controller = PlanController((push,), task)
-    pose = Sensed(x_um=8.3, y_um=0.0, theta_deg=180.0)
+    return PlanController((push,), task)
 
-    first, again = controller.answer(pose), controller.answer(pose)
 
-    assert isinstance(first, Move)
-    assert again == first
-    assert isinstance(controller.answer(Sensed(x_um=0.1, y_um=0.0, theta_deg=180.0)), Done)
+AT_START = Sensed(x_um=8.3, y_um=0.0, theta_deg=180.0)
+IN_GOAL = Sensed(x_um=0.1, y_um=0.0, theta_deg=180.0)
+
+
+@pytest.mark.parametrize("end", ["done", "refused"])
+def test_the_next_part_is_pushed_though_its_pose_could_be_the_last_one_s_end(end: str) -> None:
+    """Both are where the last move may have left a part; the new part has not been pushed at all."""
+    controller = short_push()
+    assert isinstance(controller.answer(AT_START), Move)
+    if end == "done":
+        assert isinstance(controller.answer(IN_GOAL), Done)
+    else:
+        assert isinstance(controller.answer(Sensed(x_um=5e3, y_um=0.0, theta_deg=180.0)), Refused)
+    near = Sensed(x_um=8.2, y_um=0.0, theta_deg=180.0)
+
+    answer = controller.answer(near)
+
+    assert answer == short_push().answer(near)
+    assert isinstance(answer, Move)
+
+
+def test_a_pose_that_only_the_last_part_s_move_explains_is_refused_for_the_next_part() -> None:
+    controller = short_push()
+    controller.answer(AT_START)
+
+    assert isinstance(controller.answer(IN_GOAL), Done)
+    assert isinstance(controller.answer(IN_GOAL), Refused)
+
+
+def test_a_policy_judges_the_next_part_by_its_own_pose(small_policy: Policy) -> None:
+    """In a goal too small to be told by sensing, only the last move makes `done` true, of one part."""
+    policy = replace(small_policy, rest=None)
+    ends = [cell for cell in policy.cells if cell.ends]
+    assert ends
+    for cell in ends[:10]:
+        controller = PolicyController(policy)
+        move = controller.answer(_middle(cell.sensed))
+        assert isinstance(move, Move)
+        after = _middle(move.expect)
+
+        done, next_part = controller.answer(after), controller.answer(after)
+
+        assert isinstance(done, Done)
+        assert next_part == PolicyController(policy).answer(after)
+        assert not isinstance(next_part, Done)
+
+
+def _middle(box: PoseBox) -> Sensed:
+    x, y, theta = box.mid
+    return Sensed(x_um=1e6 * x, y_um=1e6 * y, theta_deg=math.degrees(theta))
 
 
 @pytest.mark.parametrize(

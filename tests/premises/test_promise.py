@@ -15,8 +15,9 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.job import SimulatorContradictsProofError
 from meso_robust.premises import promise as module
 from meso_robust.premises.absorbing import Budget
-from meso_robust.premises.answer import document, summary, why
+from meso_robust.premises.answer import document, summary, why, worst_words
 from meso_robust.premises.changing import changed
+from meso_robust.premises.document import EvidenceMade
 from meso_robust.premises.keeping import needed
 from meso_robust.premises.lines import LINES
 from meso_robust.premises.promise import Promise, model_hash, promise
@@ -127,6 +128,45 @@ def test_every_size_of_the_part_must_be_certified_not_only_the_middle() -> None:
     assert certify(found.plan.rules, task.setup()).verdict is not Verdict.PROVED
 
 
+def test_round_tips_are_unknown_with_their_size_and_run_as_what_they_are() -> None:
+    """The same model with points is proved; with tips of 12.5 um its plan fails in the simulator."""
+    point = made(model(probe={"tip_radius_um": 0.0}, base=SURE))
+    round_ = made(model(probe={"tip_radius_um": 12.5}, base=SURE))
+    undecided = round_.planned.certificate.undecided
+
+    assert point.planned.certificate.verdict == "PROVED"
+    assert point.conditions == ()
+    assert round_.planned.certificate.verdict == "UNKNOWN"
+    assert round_.planned.certificate.margin.factor == 0.0
+    assert undecided is not None
+    assert "tips are points" in undecided.claim
+    assert "12.5 um" in undecided.inequality
+    assert "round tips of 12.5 um" in undecided.settled_by
+    assert round_.evidence is not None
+    assert round_.evidence.in_goal < round_.evidence.runs
+
+
+def test_a_model_that_states_no_radius_is_proved_on_the_condition_of_points() -> None:
+    found = made(model(base=SURE))
+
+    assert found.planned.certificate.verdict == "PROVED"
+    assert found.conditions == ("the tips are points: the model states no radius",)
+    assert "only if the tips are points" in summary(found)
+
+
+def test_a_worst_run_is_told_only_if_there_is_one() -> None:
+    ran = EvidenceMade(
+        runs=1, seed=0, completed=0, in_goal=0, worst_miss_um=0.0, worst_miss_deg=0.0,
+        endings={"jam": 1},
+    )  # fmt: skip
+    done = ran.model_copy(update={"completed": 1, "in_goal": 1})
+    missed = done.model_copy(update={"in_goal": 0, "worst_miss_um": 3.2})
+
+    assert worst_words(ran) == "no run carried out all moves"
+    assert worst_words(done) == "every run that carried out all moves ends in it"
+    assert worst_words(missed).endswith("misses it by 3.2 um, 0 deg")
+
+
 def _post(x: float) -> ModelDocument:
     """A post on the part's way to the goal, or wherever else x is."""
     return model(
@@ -213,7 +253,7 @@ def test_a_failing_run_refutes_the_plan_of_a_plain_model_only(
     assert (bounded.verdict, bounded.witness) == ("UNKNOWN", None)
 
 
-def test_a_model_that_does_not_explain_its_recordings_is_told() -> None:
+def test_nothing_is_promised_with_a_model_that_its_recordings_reject() -> None:
     quality = {
         "chi2": 9e3,
         "freedom": 3000,
@@ -222,10 +262,13 @@ def test_a_model_that_does_not_explain_its_recordings_is_told() -> None:
         "inflation": 3.0,
         "numerical": 0.0,
     }
-    found = replace(made(model()), document=model(quality=quality))
+    found = made(model(quality=quality))
 
-    assert found.planned.certificate.verdict == "PROVED"
-    assert any("does not explain its own recordings" in one for one in document(found).caution)
+    assert found.planned.certificate.verdict == "UNKNOWN"
+    assert "the recordings support one model [the recordings reject the model: χ² = 9,000" in why(
+        found
+    )
+    assert "`meso-robust diagnose`" in summary(found)
     assert not any("does not" in one for one in document(made(model())).caution)
 
 

@@ -82,6 +82,38 @@ def test_nothing_is_promised_on_a_diagnosis_that_is_open(verdict: str) -> None:
     assert found["mu"].survives
 
 
+def test_a_radius_that_the_recordings_state_is_a_premise_that_is_not_kept() -> None:
+    points = standings(model(probe={"tip_radius_um": 0.0}), BUDGET)
+    found = by_name(standings(model(probe={"tip_radius_um": 12.5}), BUDGET))["round tips"]
+
+    assert all(one.survives for one in points)
+    assert found.word == "breaks a premise"
+    assert "tips are points" in found.premise
+    assert "12.5 um" in found.said
+    assert "12.5 um" in found.settled_by
+
+
+@pytest.mark.parametrize(("p_value", "rejected"), [(0.0, True), (0.0009, True), (0.002, False)])
+def test_nothing_is_promised_on_a_model_that_its_recordings_reject(
+    p_value: float, rejected: bool
+) -> None:
+    quality = {
+        "chi2": 22086.4,
+        "freedom": 2815,
+        "p_value": p_value,
+        "correlation": 0.9,
+        "inflation": 780.0,
+        "numerical": 0.0,
+    }
+
+    found = by_name(standings(model(quality=quality), BUDGET))
+
+    assert ("fit" in found) is rejected
+    if rejected:
+        assert not found["fit"].survives
+        assert "22,086 on 2,815" in found["fit"].said
+
+
 @pytest.mark.parametrize("verdict", ["consistent", "named"])
 def test_a_diagnosis_that_ended_with_one_model_is_no_premise_of_its_own(verdict: str) -> None:
     assert "diagnosis" not in by_name(standings(model(diagnosis=verdict), BUDGET))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from meso_robust.job import Planned
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
+from meso_robust.reporting.page import report
 from meso_robust.reporting.reading import Standing
 from meso_robust.reporting.steps import step_rows
 
@@ -43,6 +45,24 @@ def test_margins_go_from_tight_to_wide_and_the_binding_one_is_marked(proved: Pla
     assert lengths == sorted(lengths)
     assert together.percent / margins.one_percent == pytest.approx(margin.factor)
     assert max(lengths) <= 100
+
+
+def test_a_margin_is_told_as_less_than_was_proved_everywhere(proved: Planned) -> None:
+    each = dict.fromkeys(proved.margin.each, 1.6875)
+    told = proved.certificate.margin.model_copy(update={"factor": 1.21875, "each_alone": each})
+    result = replace(
+        proved,
+        margin=replace(proved.margin, factor=1.21875, each=each),
+        certificate=proved.certificate.model_copy(update={"margin": told}),
+    )
+    page = report(result)
+
+    assert "all uncertainties x 1.21; " in result.summary
+    assert "× 1.21" in page
+    assert "1.22" not in re.sub(r"<svg.*?</svg>|<script.*?</script>", "", page, flags=re.DOTALL)
+    budgets = {row.name: row.budget for row in rows.margin_rows(result).rows}
+    assert budgets["probe position"] == "± 8.437 µm"  # 5 times 1.6875 is 8.4375
+    assert budgets["friction"] == "0.28 … 0.38"  # 0.33 ± 0.050625, inward
 
 
 def test_what_is_to_spare_is_the_room_of_the_certified_box(proved: Planned) -> None:

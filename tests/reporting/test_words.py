@@ -36,7 +36,8 @@ def test_a_margin_is_never_rounded_up(value: float, said: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "said"), [(0.0, "0"), (2.1e-05, "0.000021"), (0.0625, "0.062"), (28.42, "28")]
+    ("value", "said"),
+    [(0.0, "0"), (2.1e-05, "0.000021"), (0.0625, "0.063"), (28.42, "29"), (0.04, "0.040")],
 )
 def test_small_numbers_have_two_digits_and_no_exponent(value: float, said: str) -> None:
     assert words.small(value) == said

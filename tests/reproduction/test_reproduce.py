@@ -7,6 +7,7 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from markupsafe import Markup
@@ -17,7 +18,8 @@ from meso_robust.errors import InputError
 from meso_robust.reproduction.document import Made, document, text
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
 from meso_robust.reproduction.items import ITEMS, asked, item
-from meso_robust.reproduction.page import apart, reproduction_report, shown, worded
+from meso_robust.reproduction.page import apart, reproduction_report, shown
+from meso_robust.telling import worded
 
 RUNNER = CliRunner()
 
@@ -51,7 +53,7 @@ def test_a_difference_needs_a_reason() -> None:
 
 
 def test_the_page_counts_what_contains_what_and_tolerances_apart() -> None:
-    pairs = [
+    pairs: list[Any] = [
         ((0.0, 9.0), 1.0), ((0.0, 9.0), 2.0), (1.0, (0.0, 2.0)), ((0.0, 2.0), (1.0, 3.0)), (1.0, 2.0)
     ]  # fmt: skip
     rows = [Row(quantity="q", printed=one, ours=other, why="w") for one, other in pairs]

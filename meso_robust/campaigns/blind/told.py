@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from typing import Any
 
 from meso_robust.campaigns.blind.judging import EQUIVALENT
@@ -10,6 +11,7 @@ from meso_robust.campaigns.blind.labels import KINDS, PLAIN, TITLES
 from meso_robust.campaigns.blind.scoring import NEAR_FLOOR
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.campaigns.kind import Bars, Part, Table, Told, Values, View
+from meso_robust.telling import down, up
 
 Share = Mapping[str, Any]
 NOTHING = "–"
@@ -77,7 +79,8 @@ def _rate(part: Part, share: Share) -> str:
     if count == 0:
         return NOTHING
     low, high = share_interval(hits, count, part.confidence)
-    return f"{100 * hits / count:.1f} % ({hits}/{count}; {100 * low:.0f} … {100 * high:.0f} %)"
+    told = f"{hits}/{count}; {down(100 * low, 0)} … {up(100 * high, 0)} %"
+    return f"{down(100 * Fraction(hits, count), 1)} % ({told})"
 
 
 def _number(value: float | None) -> str:

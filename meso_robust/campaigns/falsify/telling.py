@@ -10,6 +10,7 @@ from meso_robust.campaigns.falsify.totals import Totals, added
 from meso_robust.campaigns.falsify.views import corners_met, highest, pooled, views
 from meso_robust.campaigns.intervals import percent, share_interval
 from meso_robust.campaigns.kind import Part, Told, Values, Verdict
+from meso_robust.telling import up
 
 Figures = tuple[tuple[str, str], ...]
 Counts = dict[str, int]
@@ -73,7 +74,7 @@ def _answer(ready: Ready, totals: Values, drawn: Totals, searches: Counts) -> st
         return f"No counterexample in {tried}.{of_what}"
     name, value = next(iter(near.items()))
     return (
-        f"No counterexample in {tried}. The nearest came to {value:.6f} of the half width of "
+        f"No counterexample in {tried}. The nearest came to {up(value, 6)} of the half width of "
         f"{name!r}.{of_what}"
     )
 

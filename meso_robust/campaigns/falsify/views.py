@@ -18,6 +18,7 @@ from meso_robust.campaigns.falsify.totals import RUN_LEVEL, Totals
 from meso_robust.campaigns.hardest import paths
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table, Values, View
 from meso_robust.execution.judging import INSTANTS
+from meso_robust.telling import down, up, up_to
 
 Floats = npt.NDArray[np.float64]
 
@@ -181,7 +182,7 @@ def _extremes(ready: Ready, drawn: Totals) -> Table | None:
     if not rows:
         return None
     slips = ", ".join(
-        f"move {k + 1}: {slip:.2g} m"
+        f"move {k + 1}: {up_to(slip, 2)} m"
         for k, (rule, slip) in enumerate(zip(ready.claims.rules, drawn.slip, strict=True))
         if rule.action in ("tilt", "straighten")
     )
@@ -194,7 +195,7 @@ def _extremes(ready: Ready, drawn: Totals) -> Table | None:
 
 
 def _range(ends: Floats) -> str:
-    return f"{ends[0]:.4f} … {ends[1]:.4f}"
+    return f"{down(ends[0], 4)} … {up(ends[1], 4)}"
 
 
 def pooled(found: Sequence[Mapping[str, Any]], key: str = "probability") -> tuple[float, float]:
@@ -238,9 +239,9 @@ def _thresholds(totals: Values) -> Table | None:
     rows = tuple(
         (
             one["wanted"],
-            f"{one['certified']:.4f}",
-            f"{one['holds']:.4f}",
-            "-" if one["breaks"] is None else f"{one['breaks']:.4f}",
+            down(one["certified"], 4),
+            down(one["holds"], 4),
+            "-" if one["breaks"] is None else up(one["breaks"], 4),
             "; ".join(one["claims"]),
         )
         for one in totals["thresholds"]

@@ -6,6 +6,7 @@ import numpy as np
 
 from meso_robust.recordings.checks.view import View, turn
 from meso_robust.recordings.problem import Problem
+from meso_robust.telling import counted
 
 FEWEST, FEW = 2, 10
 """Seen poses below which a recording cannot be used, and below which it tells little."""
@@ -64,7 +65,7 @@ def _few(view: View) -> list[Problem]:
             "few_frames",
             "error" if count < FEWEST else "warning",
             np.zeros(0, dtype=np.intp),
-            f"{count} frames show the part",
+            f"{counted(count, 'frame')} show{'s' * (count == 1)} the part",
             f"at least {FEWEST} are needed, {FEW} to tell much",
             "leave the recording out or record it again",
         )
@@ -86,7 +87,7 @@ def _gaps(view: View) -> list[Problem]:
             "gap",
             "warning" if bad else "information",
             np.union1d(view.seen[holes], view.seen[holes + 1]),
-            f"{total:.0f} frames without a pose in {holes.size} hole{'s' * (holes.size > 1)}, "
+            f"{counted(int(total), 'frame')} without a pose in {counted(holes.size, 'hole')}, "
             f"the longest of {longest:.0f}, "
             f"{100.0 * share:.0f} % of all",
             f"single frames may be lost, at most {_LONG} in a row and {100.0 * _MANY:.0f} %",

@@ -9,6 +9,7 @@ import numpy as np
 from meso_robust.recordings.checks.view import Flags, Floats, Integers, View, turn
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.problem import Problem
+from meso_robust.telling import counted
 
 _PUSH = 3.0  # a pushed part is not faster than the tip; twice that again for what is not known
 _NOISE = 8.0 * math.sqrt(2.0)  # standard deviations of a difference
@@ -66,7 +67,7 @@ def breaks(view: View) -> list[Problem]:
             "jump",
             "error",
             view.seen[at],
-            f"the part jumps {len(pairs)} times",
+            f"the part jumps {counted(len(pairs), 'time')}",
             f"from frame to frame at most {_allowed_text(view)}",
             "check the tracker; leave the recording out",
         )
