@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.recordings import read_set
+from meso_robust.recordings.problems import problems
 from meso_robust.tracking.calibration_document import load_calibration
 from meso_robust.tracking.frames import open_frames
 from tests.tracking.pushes import Filmed, push
@@ -265,3 +266,18 @@ def _draws_without_a_name(pid: int) -> bool:
     except OSError:  # it closes files while we look
         return False
     return "overlay.avi (deleted)" in links
+
+
+def test_same_video_twice_and_an_unsure_orientation_are_warnings_of_the_set(tmp_path: Path) -> None:
+    video = push(tmp_path / "push.avi", 40, gap=40e-6).path
+    out = tmp_path / "out"
+
+    result = tracked(video, video, *PART, *CAMERA, "--out", out, "--no-overlay", "--json")
+
+    first, second = json.loads(result.stdout)["videos"]
+    assert not any("same push twice" in note for note in first["notes"])
+    assert any("same push twice" in note and "push.csv" in note for note in second["notes"])
+    kinds = [(p.kind, p.file) for p in problems(read_set(out)) if p.severity == "warning"]
+    assert {("copy", second["file"]), ("alike", first["file"]), ("alike", second["file"])} <= set(
+        kinds
+    )
