@@ -1,15 +1,16 @@
-"""What the README shows runs."""
+"""What the README and the pages beside it show runs."""
 
 import re
 from pathlib import Path
 
 import numpy as np
 
-README = Path(__file__).parent.parent / "README.md"
+ROOT = Path(__file__).parent.parent
+README, SIMULATOR = ROOT / "README.md", ROOT / "meso_robust" / "guide" / "simulator.md"
 
 
 def test_the_example_of_the_simulator_runs_and_turns_the_part() -> None:
-    blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    blocks = re.findall(r"```python\n(.*?)```", SIMULATOR.read_text(encoding="utf-8"), re.DOTALL)
     (code,) = [block for block in blocks if "meso_robust.simulator" in block]
     names: dict[str, object] = {}
     exec(code, names)
