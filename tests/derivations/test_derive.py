@@ -249,7 +249,7 @@ def test_require_zero_names_the_step_and_the_rest() -> None:
 )
 def test_sides_that_print_alike_are_refused(left: object, right: object) -> None:
     with pytest.raises(DerivationError, match=r"half: both sides are .*, which says nothing"):
-        identity("half", left, right)  # type: ignore[arg-type]
+        identity("half", left, right)
 
 
 def test_a_conclusion_that_is_given_or_true_by_itself_is_refused() -> None:
