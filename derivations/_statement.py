@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import sympy as sp
 from sympy.logic.boolalg import Boolean
@@ -17,7 +18,7 @@ from derivations import _smt
 from derivations._circle import tidy
 
 Point = Mapping[sp.Symbol, sp.Expr]
-Side = sp.Expr | sp.MatrixExpr | sp.MatrixBase | Sequence[sp.Expr]
+Side: TypeAlias = sp.Expr | sp.MatrixExpr | sp.MatrixBase | Sequence[sp.Expr]
 Circles = Sequence[tuple[sp.Symbol, sp.Symbol]]
 """``(x, y)`` pairs of unknowns with ``x^2 + y^2 = 1``."""
 

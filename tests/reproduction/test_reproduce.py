@@ -7,7 +7,6 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 from markupsafe import Markup
@@ -16,7 +15,7 @@ from typer.testing import CliRunner
 from meso_robust.cli import app
 from meso_robust.errors import InputError
 from meso_robust.reproduction.document import Made, document, text
-from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
+from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting, Value
 from meso_robust.reproduction.items import ITEMS, asked, item
 from meso_robust.reproduction.page import apart, reproduction_report, shown
 from meso_robust.telling import worded
@@ -40,9 +39,9 @@ RUNNER = CliRunner()
     ],
 )
 def test_differences_are_those_of_numbers_and_ranges(
-    printed: object, ours: object, difference: float | None, said: str
+    printed: Value, ours: Value, difference: float | None, said: str
 ) -> None:
-    row = Row(quantity="q", printed=printed, ours=ours, why="w")  # type: ignore[arg-type]
+    row = Row(quantity="q", printed=printed, ours=ours, why="w")
     assert row.difference == difference
     assert apart(row) == said
 
@@ -53,7 +52,7 @@ def test_a_difference_needs_a_reason() -> None:
 
 
 def test_the_page_counts_what_contains_what_and_tolerances_apart() -> None:
-    pairs: list[Any] = [
+    pairs: list[tuple[Value, Value]] = [
         ((0.0, 9.0), 1.0), ((0.0, 9.0), 2.0), (1.0, (0.0, 2.0)), ((0.0, 2.0), (1.0, 3.0)), (1.0, 2.0)
     ]  # fmt: skip
     rows = [Row(quantity="q", printed=one, ours=other, why="w") for one, other in pairs]
