@@ -75,7 +75,8 @@ def test_wide_friction_is_not_proved(wide_friction_plan: Planned) -> None:
 
     assert certificate.verdict != "PROVED"
     assert certificate.undecided is not None
-    assert certificate.undecided.settled_by
+    assert certificate.undecided.settled_by.id == "narrow_one"
+    assert certificate.undecided.settled_by.about["uncertainty"] == "friction"
     assert certificate.simulation.in_goal < certificate.simulation.samples
 
 

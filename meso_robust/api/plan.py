@@ -21,6 +21,7 @@ from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.inference import inferred
 from meso_robust.planning.reading import parse_plan, read_plan, rules_of
+from meso_robust.planning.remedy import Remedy
 from meso_robust.policy.build import make_policy
 from meso_robust.policy.document import policy_document
 from meso_robust.policy.region import sensed_start, tube
@@ -259,7 +260,7 @@ def certify(
     found = Found(
         rules=rules,
         scale=1.0,
-        advice="change the move that is not proved, or let `meso-robust plan` find a plan",
+        remedy=Remedy.CHANGE_MOVE,
     )
     result = job.judge(known, found, samples, seed, progress.doing)
     return Planned(result=result, inputs=files_of(task, plan))

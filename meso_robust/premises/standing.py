@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from meso_robust.certificates.document import ASSUMPTIONS
+from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.words import PREMISES
 from meso_robust.identification.document import ModelDocument, ParameterSection
 from meso_robust.premises.absorbing import Absorbed, Budget, Ends, Ranges
-from meso_robust.premises.lines import BASE, BASES, LINES, NO_LINE, Line
+from meso_robust.premises.lines import BASE, BASES, GROUND_WORDS, LINES, Ground, Line
 from meso_robust.simulator.catalogue import CATALOGUE
 
 Word = Literal["absorbed", "off", "breaks a premise", "not identified"]
@@ -17,18 +18,17 @@ BREAKS: Word = "breaks a premise"
 RATIO, FRICTION = "rho_um2", "mu"
 """Parameters of the base model that become ranges of the task."""
 OFF: Ends = (0.0, 0.0)
-PREMISE_OF_MODEL = "the recordings support one model"
 _SETTLED = (None, "consistent", "named")
 
 _OF_PARAMETER = {
     RATIO: Line(
-        premise=ASSUMPTIONS[4],
+        premise=Premise.ERRORS_BOUNDED,
         claim="eq-5-ratio",
         derivation="derivations/one_point_sticking.py",
         why="the certificate needs bounds of ρ",
     ),
     FRICTION: Line(
-        premise=ASSUMPTIONS[4],
+        premise=Premise.ERRORS_BOUNDED,
         claim="sticking-arc",
         derivation="derivations/one_point_sticking.py",
         why="the certificate needs bounds of μ",
@@ -42,12 +42,23 @@ class Standing:
 
     name: str
     word: Word
-    premise: str = ""
+    premise: Premise | Ground | None = None
     claim: str = ""
     derivation: str = ""
     said: str = ""
     """How it is absorbed, or why it is not."""
     absorbed: Absorbed | None = None
+
+    @property
+    def premise_words(self) -> str:
+        """The premise as a sentence; empty if none is concerned."""
+        if self.premise is None:
+            return ""
+        return (
+            GROUND_WORDS[self.premise]
+            if isinstance(self.premise, Ground)
+            else PREMISES[self.premise]
+        )
 
     @property
     def survives(self) -> bool:
@@ -75,7 +86,7 @@ def _open(verdict: str | None) -> Standing:
         "what it proposes next",
     }
     return Standing(
-        name="diagnosis", word=BREAKS, premise=PREMISE_OF_MODEL, said=said[verdict or "unknown"]
+        name="diagnosis", word=BREAKS, premise=Ground.ONE_MODEL, said=said[verdict or "unknown"]
     )
 
 
@@ -167,7 +178,9 @@ def _size(effect: str, ranges: Ranges) -> str:
 
 def _broken(name: str, line: Line | None, size: str = "") -> Standing:
     if line is None:
-        return Standing(name=name, word=BREAKS, premise=NO_LINE, said=NO_LINE)
+        return Standing(
+            name=name, word=BREAKS, premise=Ground.A_LINE, said=GROUND_WORDS[Ground.A_LINE]
+        )
     return _standing(name, BREAKS, line, line.why + size)
 
 

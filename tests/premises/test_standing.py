@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.words import PREMISES
 from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.standing import by_name, standings
 from tests.premises.models import model, values
@@ -64,7 +66,8 @@ def test_a_base_on_dry_contact_breaks_the_premise_of_the_film() -> None:
     found = standings(dry, BUDGET)
 
     assert [one.name for one in found if not one.survives] == ["uniform_pressure"]
-    assert "film's drag" in found[0].premise
+    assert found[0].premise is Premise.FILM_DRAG
+    assert found[0].premise_words == PREMISES[Premise.FILM_DRAG]
 
 
 def test_a_part_of_an_effect_that_is_not_named_has_the_catalogue_s_default() -> None:

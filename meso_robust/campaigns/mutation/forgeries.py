@@ -17,7 +17,7 @@ from meso_robust.campaigns.mutation.forging import (
     keep_boxes,
     plain,
     put_post,
-    reworded,
+    reclaimed,
 )
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document
@@ -205,6 +205,7 @@ def _invented_witness(document: Document, original: Original, rng: random.Random
     document["verdict"] = "REFUTED"
     document["witness"] = {
         "outcome": "jam",
+        "move": moves,
         "start": [end.hex() for end in start],
         "friction": drawn(wide.friction.lo, wide.friction.hi).hex(),
         "film_ratio_m2": drawn(wide.film_ratio.lo, wide.film_ratio.hi).hex(),
@@ -252,5 +253,5 @@ def forge(original: Original, rng: random.Random) -> tuple[str, Document]:
     while found is None or found == original.document:
         name = rng.choice(sorted(FORGERIES))
         found = FORGERIES[name](copy.deepcopy(original.document), original, rng)
-    reworded(found, original.task)
+    reclaimed(found)
     return name, found
