@@ -1,4 +1,4 @@
-"""Files that users give: text, JSON and TOML, read as data within limits of size and depth.
+"""Files that users give: text, JSON and TOML, read as data within limits of size, depth and value.
 
 A task, a plan or a recording may come from anybody. Nothing in it is run, and a file that is too large
 or nested too deeply is refused before it can fill the memory or the stack.
@@ -11,7 +11,9 @@ import stat
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, FiniteFloat
 
 from meso_robust.errors import InputError
 
@@ -24,6 +26,22 @@ DEEPEST = 64
 """Lists and sections within each other."""
 LONGEST_SHOWN = 60
 """Characters of a wrong value in a message."""
+
+
+# Numbers of documents that programs write. A limit is far beyond all that is written in earnest; it
+# is there since nothing else may look at a number that no proof rests on.
+Count = Annotated[int, Field(ge=0, le=10**15)]
+Seed = Annotated[int, Field(ge=0, le=10**80)]
+PaperStep = Annotated[int, Field(ge=1, le=4)]
+"""Of the paper's algorithm."""
+MoveNumber = Annotated[int, Field(ge=1, le=1000)]
+Um = Annotated[FiniteFloat, Field(ge=-1e7, le=1e7)]
+Distance = Annotated[FiniteFloat, Field(ge=0, le=1e7)]
+"""um or deg"""
+Deg = Annotated[FiniteFloat, Field(ge=-3600, le=3600)]
+Percent = Annotated[FiniteFloat, Field(ge=0, le=100)]
+Factor = Annotated[FiniteFloat, Field(ge=0, le=10)]
+"""Of uncertainties; 0: of a plan that is not proved."""
 
 
 def bytes_of(path: Path, advice: str, largest: int = LARGEST_DATA) -> bytes:

@@ -171,7 +171,8 @@ class Uncertainty(_Section):
     tip_misalignment_deg: tuple[
         Annotated[FiniteFloat, Field(gt=-30, lt=30)], Annotated[FiniteFloat, Field(gt=-30, lt=30)]
     ]
-    """Range of the angle between the line through both tips and the y axis; positive: upper ahead."""
+    """Range of the angle by which the line through both tips is turned counter-clockwise from square
+    to the push; positive: the tip on the right, seen along the push, is ahead, whatever the heading."""
 
     @model_validator(mode="after")
     def _ranges_are_ordered(self) -> Self:

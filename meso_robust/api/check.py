@@ -37,12 +37,12 @@ class Checked:
 
     @property
     def verdict(self) -> Word:
-        """VERIFIED, REJECTED or NOTHING CLAIMED."""
+        """VERIFIED, REJECTED, NOTHING CLAIMED, or of a witness CONFIRMED or UNDECIDED."""
         return self.answer.verdict
 
     @property
     def verified(self) -> bool:
-        """Whether the certificate proves what it says."""
+        """Whether the certificate proves that its plan reaches the goal."""
         return self.answer.positive
 
     @property

@@ -32,6 +32,7 @@ from meso_robust.planning.document import BoxDocument, RuleDocument, box_documen
 from meso_robust.primitives.names import Inequality, Named, ObligationId
 from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox, setup_of
+from meso_robust.reading import Count, Distance, Factor, MoveNumber, PaperStep, Seed
 from meso_robust.task import Task
 
 HexPair = tuple[str, str]
@@ -61,7 +62,7 @@ class ObligationDocument(NamedDocument):
     """Of this inequality."""
     lower_bound: str | None
     """Smallest proved value of the left side in its SI unit, hexadecimal; null if not proved."""
-    boxes: int
+    boxes: Count
     """Boxes that branch and bound looked at."""
     over: dict[str, HexPair]
     """PROVED: the box it holds on; else the witness, or the widest undecided box."""
@@ -81,7 +82,7 @@ class ExactBox(_Model):
 class StepDocument(_Model):
     """One certified move."""
 
-    step: int
+    step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
     primitive: str
     """The primitive: y_translation, rotation or x_translation."""
@@ -108,7 +109,7 @@ class ClaimDocument(_Model):
 
     id: str
     """ends_in_goal; of a task with a slot ends_in_goal_clear_of_walls."""
-    moves: int
+    moves: MoveNumber
     """Number of moves of the plan."""
     premises: tuple[Premise, ...]
     """What the proof takes for granted; `reading.premises` has each in words."""
@@ -121,9 +122,9 @@ class ClaimDocument(_Model):
 class UndecidedDocument(_Model):
     """Why the verdict is UNKNOWN."""
 
-    move: int
+    move: MoveNumber
     """Which move of the plan, from 1."""
-    step: int
+    step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that it belongs to."""
     action: str
     """Which motion the move is: tilt, straighten, rotate or regrasp."""
@@ -142,7 +143,7 @@ class UndecidedDocument(_Model):
 class LimitDocument(NamedDocument):
     """What is not proved at a larger factor, and of which move."""
 
-    step: int
+    step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
     action: str
     """Which motion the move is."""
@@ -185,7 +186,7 @@ class WitnessDocument(_Model):
 
     outcome: str
     """How the run ends: jam, starts_inside, misses_goal or another outcome of the simulator."""
-    move: int | None = None
+    move: MoveNumber | None = None
     """The move that was not completed, from 1; null if all were."""
     start: tuple[str, str, str]
     """True pose at the start: x and y, m; theta, rad."""
@@ -194,7 +195,8 @@ class WitnessDocument(_Model):
     film_ratio_m2: str
     """rho = e_theta / e_x of the film, m^2."""
     misalignment_rad: str
-    """Angle of the line through the two active tips, rad."""
+    """Angle of the line through the two active tips, rad; its sign is that of the task's
+    `tip_misalignment_deg`."""
     sensing: tuple[tuple[str, str, str], ...]
     """Sensing error before each move: x and y, m; theta, rad."""
     dual_probe: tuple[HexPair, ...]
@@ -206,14 +208,14 @@ class WitnessDocument(_Model):
 class MarginDocument(_Model):
     """How much more uncertainty the plan could bear; see ``meso_robust.certificates.margin``."""
 
-    factor: float
+    factor: Factor
     """Largest factor of all uncertainties at once that was certified; 0 if the plan is not
     proved."""
-    refused_at: float | None
+    refused_at: Factor | None
     """Smallest factor tried that was not certified; null if the largest tried was certified."""
     binds_first: str | None
     """Uncertainty that bears the least when it is scaled alone."""
-    each_alone: dict[str, float]
+    each_alone: dict[str, Factor]
     """Largest certified factor of each uncertainty, scaled alone."""
     limit: LimitDocument | None
     """What fails first at `refused_at`."""
@@ -222,21 +224,21 @@ class MarginDocument(_Model):
 class SimulationDocument(_Model):
     """The cross-check by the simulator: evidence beside the proof, not part of it."""
 
-    samples: int
+    samples: Count
     """Random runs."""
-    seed: int
+    seed: Seed
     """From which all draws follow."""
-    step_um: float
+    step_um: Annotated[float, Field(gt=0, le=1e6)]
     """Longest travel of a probe in a step of the simulator, um."""
-    completed: int
+    completed: Count
     """Runs that carried out all moves."""
-    in_goal: int
+    in_goal: Count
     """Runs that ended in the goal."""
-    in_certified_box: int | None
+    in_certified_box: Count | None
     """Runs that kept to every certified box; null if a move has none."""
-    largest_excess_um_um_deg: tuple[tuple[float, float, float], ...]
+    largest_excess_um_um_deg: tuple[tuple[Distance, Distance, Distance], ...]
     """Largest distance outside the certified box after each move."""
-    simulator_error_um_um_deg: tuple[float, float, float]
+    simulator_error_um_um_deg: tuple[Distance, Distance, Distance]
     """Largest change of a pose when the simulation step is halved."""
 
 

@@ -106,12 +106,9 @@ _SENTENCES: Mapping[StrEnum, str] = {**_PROPERTIES, **_OBLIGATIONS, **_REASONS, 
 _DATA: Mapping[str, Mapping[str, str]] = {
     "turn": {"counter_clockwise": "counter-clockwise", "clockwise": "clockwise"},
     "tips": {
+        "pushing": "the pushing tip comes",
         "pair": "the pair comes",
         "both": "the two tips come",
-        **{
-            tip: f"the {tip} tip comes"
-            for tip in ("upper", "lower", "pushing", "active", "passive")
-        },
     },
     "when": {
         "before_touch": "before the touch",

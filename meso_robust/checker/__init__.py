@@ -28,4 +28,8 @@ task, the last lies in the goal: by induction over the moves the policy ends in 
 What else is verified: each listed inequality over its stated box with its stated bound, every number
 for reading, every sentence, and the margin's factor (the chain anew with scaled uncertainties and no
 help from the certificate). What cannot be verified is named in the answer.
+
+The witness of a REFUTED certificate is followed by the same proofs, each range put to the run's number
+(``replay.py``): a run that is proved to end in the goal is untrue, one that is proved to fail is
+confirmed, and one that cannot be followed is said to be undecided.
 """

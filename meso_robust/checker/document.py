@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from meso_robust.reading import Count, Deg, Distance, Factor, MoveNumber, PaperStep, Seed, Um
+
 HexPair = tuple[str, str]
-Pair = tuple[FiniteFloat, FiniteFloat]
 Word = Literal["PROVED", "REFUTED", "UNKNOWN"]
 Over = dict[str, HexPair]
 
@@ -28,7 +29,7 @@ class AimDocument(Model):
 class RuleDocument(Model):
     """A move of the policy."""
 
-    step: int
+    step: PaperStep
     primitive: str
     action: str
     side: Literal[-1, 0, 1]
@@ -44,9 +45,9 @@ class RuleDocument(Model):
 class BoxDocument(Model):
     """A box of poses for reading."""
 
-    x_um: Pair
-    y_um: Pair
-    theta_deg: Pair
+    x_um: tuple[Um, Um]
+    y_um: tuple[Um, Um]
+    theta_deg: tuple[Deg, Deg]
 
 
 class ExactBox(Model):
@@ -70,14 +71,14 @@ class ObligationDocument(NamedDocument):
     inequality: str
     verdict: Word
     lower_bound: str | None
-    boxes: int
+    boxes: Count
     over: Over
 
 
 class StepDocument(Model):
     """One certified move."""
 
-    step: int
+    step: PaperStep
     primitive: str
     action: str
     property: NamedDocument
@@ -93,7 +94,7 @@ class ClaimDocument(Model):
     """What the certificate is about."""
 
     id: str
-    moves: int
+    moves: MoveNumber
     premises: tuple[str, ...]
     uncertainties: dict[str, HexPair]
     inequalities: dict[str, str | None]
@@ -102,8 +103,8 @@ class ClaimDocument(Model):
 class UndecidedDocument(Model):
     """Why the verdict is UNKNOWN."""
 
-    move: int
-    step: int
+    move: MoveNumber
+    step: PaperStep
     action: str
     reason: NamedDocument
     inequality: str | None
@@ -116,7 +117,7 @@ class WitnessDocument(Model):
     """A run that breaks the claim."""
 
     outcome: str
-    move: int | None
+    move: MoveNumber | None
     start: tuple[str, str, str]
     friction: str
     film_ratio_m2: str
@@ -129,31 +130,31 @@ class WitnessDocument(Model):
 class LimitDocument(NamedDocument):
     """What is not proved at a larger factor."""
 
-    step: int
+    step: PaperStep
     action: str
 
 
 class MarginDocument(Model):
     """How much more uncertainty the plan could bear."""
 
-    factor: FiniteFloat
-    refused_at: FiniteFloat | None
+    factor: Factor
+    refused_at: Factor | None
     binds_first: str | None
-    each_alone: dict[str, FiniteFloat]
+    each_alone: dict[str, Factor]
     limit: LimitDocument | None
 
 
 class SimulationDocument(Model):
     """Runs of the simulator: evidence beside the proof."""
 
-    samples: int
-    seed: int
-    step_um: FiniteFloat
-    completed: int
-    in_goal: int
-    in_certified_box: int | None
-    largest_excess_um_um_deg: tuple[tuple[FiniteFloat, FiniteFloat, FiniteFloat], ...]
-    simulator_error_um_um_deg: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+    samples: Count
+    seed: Seed
+    step_um: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
+    completed: Count
+    in_goal: Count
+    in_certified_box: Count | None
+    largest_excess_um_um_deg: tuple[tuple[Distance, Distance, Distance], ...]
+    simulator_error_um_um_deg: tuple[Distance, Distance, Distance]
 
 
 class Certificate(Model):

@@ -80,7 +80,7 @@ class Given:
     film_ratio: Side
     """rho, m^2."""
     misalignment: Side
-    """beta, rad; positive: upper tip ahead (towards -x)."""
+    """beta, rad; positive: the tip on the right, seen along the push, is ahead."""
     start: PoseBox
     goal: PoseBox
     blocks: tuple[Block, ...] = ()

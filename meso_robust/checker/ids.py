@@ -92,6 +92,12 @@ class Objection(StrEnum):
     PUSHES_ONTO_PASSIVE = "pushes_onto_passive"
     RESTS_WELL_BEFORE_END = "rests_well_before_end"
     SLIDE_IN_TUBE = "slide_in_tube"
+    # of the run of a REFUTED certificate
+    WITNESS_FAILS = "witness_fails"
+    STARTS_INSIDE = "starts_inside"
+    MEETS_WALL = "meets_wall"
+    MISSES_GOAL = "misses_goal"
+    END_UNDECIDED = "end_undecided"
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,6 +35,18 @@ def check_form(margin: MarginDocument) -> None:
         raise Refused(place("margin.refused_at"), margin.refused_at, margin.factor)
 
 
+def check_none(margin: MarginDocument) -> None:
+    """A plan that is not proved bears nothing.
+
+    Raises
+    ------
+    Refused
+        A factor is stated.
+    """
+    if margin.factor != 0.0 or any(margin.each_alone.values()):
+        raise Refused(place("margin.factor"), margin.factor, 0.0)
+
+
 def check_factor(
     certificate: Certificate, task: Task, *, alone: bool, prover: Prover = PLAIN
 ) -> None:

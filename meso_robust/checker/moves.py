@@ -43,17 +43,28 @@ def verify_move(
     Refused
         A requirement does not follow, or the kind of move is not known.
     """
-    if rule.action not in MOVES:
-        raise Refused(named(Objection.MOVE_KNOWN), rule.action, sorted(MOVES))
-    _shape(rule)
+    check_rule(rule)
     scene = scene_of(rule, pre, given)
-    passage = MOVES[rule.action](scene, given, memory)
+    passage = verify_scene(scene, given, memory)
     walls = clear_of_walls(scene, passage, given)
     return scene, replace(passage, requirements=(*passage.requirements, *walls))
 
 
-def _shape(rule: RuleDocument) -> None:
-    """What a rule must and must not hold, so that nothing of it goes unused."""
+def verify_scene(scene: Scene, given: Given, memory: Memory | None) -> Passage:
+    """The same of a move whose variables are given, walls left aside."""
+    return MOVES[scene.rule.action](scene, given, memory)
+
+
+def check_rule(rule: RuleDocument) -> None:
+    """What a rule must and must not hold, so that nothing of it goes unused.
+
+    Raises
+    ------
+    Refused
+        It does not, or the kind of move is not known.
+    """
+    if rule.action not in MOVES:
+        raise Refused(named(Objection.MOVE_KNOWN), rule.action, sorted(MOVES))
     turns = rule.action in {"tilt", "rotate"}
     if turns != (rule.side != 0):
         raise Refused(

@@ -107,7 +107,7 @@ class Scene:
         return aim(self.rule.dual_y, at, "y", "p") + self.spacing * side / 2
 
     def lag(self, at: Point, side: int) -> Dual:
-        """A positive misalignment puts the upper tip ahead, towards -x."""
+        """In the axes of a move a positive misalignment puts the upper tip ahead, towards -x."""
         return at["beta"].tan() * (self.spacing * side / 2)
 
     def passive_ahead(self, at: Point) -> Dual:

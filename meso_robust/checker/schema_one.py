@@ -130,6 +130,11 @@ _TEXTS = {
     "part_to_wall": "distance of part and wall along one of their sides > 0 over the tube",
     "tip_to_wall": "distance of tip and wall along x or y > 0 over the travel",
 }
+_OUTCOMES = {
+    "the last pose misses the goal": "misses_goal",
+    "a probe would start inside the part": "starts_inside",
+}
+"""Those that the checker finds as well; of others it takes no position on what they are called."""
 _ENCLOSURES = "interval arithmetic on the enclosures above"
 INEQUALITIES: Mapping[str, str] = {
     f"{text} [{STATEMENTS[id_].derivation or _ENCLOSURES}]": id_ for id_, text in _TEXTS.items()
@@ -251,10 +256,11 @@ def certificate_of(old: CertificateOne, task: Task) -> Certificate:
         values["undecided"]["reason"] = _named(values["undecided"].pop("claim"))
         values["undecided"]["settled_by"] = _named(values["undecided"]["settled_by"])
     if values["witness"] is not None:
-        values["witness"]["move"] = None
+        outcome = values["witness"]["outcome"].removeprefix("move ").lstrip("0123456789: ")
+        values["witness"] |= {"move": None, "outcome": _OUTCOMES.get(outcome, outcome)}
     limit = values["margin"]["limit"]
     if limit is not None:
-        values["margin"]["limit"] = {**_named(limit), "step": 0, "action": ""}
+        values["margin"]["limit"] = {**_named(limit), "step": 1, "action": ""}
     values["reading"] = {}
     return Certificate.model_validate_json(json.dumps(values))
 

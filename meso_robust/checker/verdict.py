@@ -11,12 +11,15 @@ from flint import arb, ctx
 from meso_robust.checker import margin as margins, words
 from meso_robust.checker.chain import holds_side, passages, within
 from meso_robust.checker.document import Certificate, HexPair, StepDocument
+from meso_robust.checker.evidence import check_evidence
 from meso_robust.checker.given import Given, PoseBox, given, uncertainties
 from meso_robust.checker.ids import Claim, Named, Objection, Premise, named, of_move, place
+from meso_robust.checker.moves import check_rule
 from meso_robust.checker.numbers import box, check_reading, side
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
+from meso_robust.checker.replay import replay
 from meso_robust.checker.statement import STATEMENTS
 from meso_robust.checker.witness import check_witness
 from meso_robust.task import Task
@@ -25,7 +28,7 @@ BITS = 80
 """Precision of the balls; doubles have 53."""
 NEAR = 1e-14
 """m and rad: by how much a box that the task gives may be told too large or too small."""
-Word = Literal["VERIFIED", "REJECTED", "NOTHING CLAIMED"]
+Word = Literal["VERIFIED", "REJECTED", "WITNESS CONFIRMED", "WITNESS UNDECIDED", "NOTHING CLAIMED"]
 SECTIONS = {"schema_", "name", "part", "start", "goal", "probe", "uncertainty", "plan", "slot"}
 """What the checker's proof takes from a task (``plan`` and the probe's speed are for the planner)."""
 EVIDENCE = (
@@ -37,6 +40,9 @@ EVIDENCE = (
 )
 """What no check can confirm: evidence, not proof."""
 ALONE = "margin.each_alone, margin.binds_first: confirmed only with --thorough"
+OPEN = "steps, undecided: what was proved of single moves, and which inequality is open"
+SIMULATED = "witness.outcome: how the run fails is what the simulator found"
+REPLAY = "meso-robust simulate TASK.toml PLAN.json --witness CERTIFICATE.json"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +50,8 @@ class Answer:
     """What came out."""
 
     verdict: Word
+    """VERIFIED: a proof; WITNESS CONFIRMED: a plan that is proved to fail; WITNESS UNDECIDED: one that
+    is said to fail; NOTHING CLAIMED: neither; REJECTED: something that is stated is not so."""
     claims: str
     """What the certificate is now known, or said, to claim, in the checker's own words."""
     refused: Refused | None = None
@@ -56,7 +64,7 @@ class Answer:
 
     @property
     def positive(self) -> bool:
-        """Whether the certificate proves what it says."""
+        """Whether the certificate proves that its plan reaches the goal."""
         return self.verdict == "VERIFIED"
 
 
@@ -79,42 +87,71 @@ def check(
     prover
         Proves the moves.
     """
-    not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
     with ctx.workprec(BITS):
         try:
-            says = _check(certificate, digest, task, thorough, prover)
+            return _check(certificate, digest, task, thorough, prover)
         except Refused as refused:
             return Answer(verdict="REJECTED", claims=certificate.verdict, refused=refused)
-    if certificate.verdict == "UNKNOWN":
-        return Answer(verdict="NOTHING CLAIMED", claims=says, not_checked=())
-    return Answer(verdict="VERIFIED", claims=says, not_checked=not_checked)
 
 
 def _check(
     certificate: Certificate, digest: str, task: Task, thorough: bool, prover: Prover
-) -> str:
+) -> Answer:
     if certificate.digest != digest:
         raise Refused(named(Objection.DIGEST), certificate.digest, digest)
+    check_evidence(certificate)
     known = given(task)
     _check_claim(certificate, task, known)
     _check_goal(certificate, known)
     if certificate.verdict == "UNKNOWN":
         _expect(place("undecided"), certificate.undecided is not None)
-        return "nothing is claimed: the verdict is UNKNOWN"
-    if certificate.verdict == "REFUTED":
-        check_witness(certificate, known)
-        return (
-            "the witness keeps within the bounds of the task; that it fails is shown by "
-            "`meso-robust simulate TASK.toml PLAN.json --witness CERTIFICATE.json`"
-        )
+        says = "nothing is claimed: the verdict is UNKNOWN"
+        return Answer(verdict="NOTHING CLAIMED", claims=says, not_checked=(OPEN,))
     _check_known(task)
-    _check_shape(certificate)
     _check_headings(certificate, task)
+    if certificate.verdict == "REFUTED":
+        return _refuted(certificate, known)
+    _check_shape(certificate)
     margins.check_form(certificate.margin)
     boxes = _boxes(certificate, known)
     _check_steps(certificate, known, boxes, prover)
     margins.check_factor(certificate, task, alone=thorough, prover=prover)
-    return words.claim(task, len(certificate.policy))
+    not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
+    claims = words.claim(task, len(certificate.policy))
+    return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked)
+
+
+def _refuted(certificate: Certificate, known: Given) -> Answer:
+    """Follow the witness: it is believed only as far as it is proved to fail."""
+    steps = certificate.steps
+    proved = len(steps) == len(certificate.policy) and all(s.verdict == "PROVED" for s in steps)
+    ends = steps[-1].post_exact if proved and steps else None
+    if ends is not None and within(box(ends, of_move(len(steps) - 1, "post_exact")), known.goal):
+        raise Refused(place("verdict"), "every move PROVED, into the goal", "none")
+    _expect(place("undecided"), certificate.undecided is not None)
+    _expect(place("policy"), len(certificate.policy) > 0)
+    for rule in certificate.policy:
+        check_rule(rule)
+    margins.check_none(certificate.margin)
+    witness = check_witness(certificate, known)
+    fate = replay(witness, certificate.policy, known)
+    move = "" if fate.move is None else f"move {fate.move}: "
+    why = f"{move}{words.sentence(fate.why)}"
+    if fate.fails:
+        if fate.outcome is not None:
+            _same(place("witness.outcome"), witness.outcome, fate.outcome)
+        return Answer(
+            verdict="WITNESS CONFIRMED",
+            claims="the plan fails: of the witness, a run within the bounds of the task, it is proved "
+            f"that it fails ({why})",
+            not_checked=(*EVIDENCE, OPEN),
+        )
+    return Answer(
+        verdict="WITNESS UNDECIDED",
+        claims=f"the witness keeps within the bounds of the task; that it fails was not shown here, "
+        f"as the checker cannot follow it ({why}), and rests on the simulator alone: `{REPLAY}`",
+        not_checked=(*EVIDENCE, OPEN, SIMULATED),
+    )
 
 
 def _expect(what: Named, holds: bool, stated: object = "otherwise", found: object = "must") -> None:
@@ -135,8 +172,8 @@ def _check_claim(certificate: Certificate, task: Task, known: Given) -> None:
     _same(place("claim.moves"), claim.moves, len(certificate.policy))
     _same(place("claim.premises"), claim.premises, tuple(Premise))
     _check_uncertainties(claim.uncertainties, uncertainties(known))
-    listed = [one.inequality for step in certificate.steps for one in step.obligations]
-    _same(place("claim.inequalities"), list(claim.inequalities), list(dict.fromkeys(listed)))
+    listed = {one.inequality for step in certificate.steps for one in step.obligations}
+    _same(place("claim.inequalities"), sorted(claim.inequalities), sorted(listed))
     for id_, derivation in claim.inequalities.items():
         where = place(f"claim.inequalities.{id_}")
         _expect(where, id_ in STATEMENTS, id_, "an inequality that the checker knows")

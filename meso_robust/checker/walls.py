@@ -105,6 +105,32 @@ def clear_of_walls(scene: Scene, passage: Passage, given: Given) -> tuple[Requir
     )
 
 
+def meets_a_wall(scene: Scene, passage: Passage, given: Given) -> bool:
+    """Whether a pose that the part takes for certain has a corner of the part within a wall.
+
+    Only of stages whose every point is a motion that can be; as corner and wall are apart at first,
+    the part then touches the wall.
+    """
+    poses = (
+        _in_world(scene, sweep, {**sweep.box, sweep.along: now})
+        for sweep in passage.swept
+        if sweep.exact
+        for now in _instants(sweep)
+    )
+    return any(_enters(box, block, given) for box in poses for block in given.blocks)
+
+
+def _enters(box: Box, block: Block, given: Given) -> bool:
+    """Whether a corner of the convex hull, which is one of the part, is within a wall at each pose."""
+    sides = list(_block_sides(block, given))
+    corners = zip(*sides, strict=True)  # of each corner, how far it is beyond the four sides
+
+    def short(of: Formula) -> Formula:
+        return lambda at: -of(at)
+
+    return any(all(positive(short(of), box) for of in beyond) for beyond in corners)
+
+
 def _expect(must: Named, holds: bool) -> None:
     if not holds:
         raise Refused(must, "apart from each wall", "not shown")
@@ -154,10 +180,15 @@ def _nominal(scene: Scene, sweep: Sweep) -> Iterator[Box]:
 
     They show a stated bound to be too large; nothing else rests on them.
     """
+    for now in _instants(sweep):
+        yield _in_world(scene, sweep, {**_middle(sweep.box), sweep.along: now})
+
+
+def _instants(sweep: Sweep) -> Iterator[Side]:
+    """Values of the variable along a stage, from its start to its end."""
     low, high = sweep.box[sweep.along]
     for k in range(POINTS + 1):
-        now = low + (high - low) * k / POINTS
-        yield _in_world(scene, sweep, {**_middle(sweep.box), sweep.along: side_of(now)})
+        yield side_of(low + (high - low) * k / POINTS)
 
 
 def _world(scene: Scene, sweep: Sweep, at: Point) -> Point:

@@ -18,8 +18,8 @@ ROUNDING = arb(4e-15)
 orientation up to a whole turn, start and sensing error are four roundings of at most 1e-15 away."""
 
 
-def check_witness(certificate: Certificate, given: Given) -> None:
-    """Prove that every number of the run lies within its bounds.
+def check_witness(certificate: Certificate, given: Given) -> WitnessDocument:
+    """The run of a certificate, every number of it proved to lie within its bounds.
 
     Raises
     ------
@@ -39,6 +39,7 @@ def check_witness(certificate: Certificate, given: Given) -> None:
             inside = f"within {float(bounds[0]):.9g} and {float(bounds[1]):.9g}"
             raise Refused(place(f"witness.{name}"), float(told), inside)
     _first_sensing(witness, given)
+    return witness
 
 
 def _bounded(witness: WitnessDocument, given: Given) -> Iterator[tuple[str, str, Side]]:

@@ -73,6 +73,11 @@ _SENTENCES: Mapping[StrEnum, str] = {
     Objection.PUSHES_ONTO_PASSIVE: "the active tip pushes the part onto the passive one",
     Objection.RESTS_WELL_BEFORE_END: "the part rests on the passive tip well before the push ends",
     Objection.SLIDE_IN_TUBE: "the slide between both tips stays in the tube",
+    Objection.WITNESS_FAILS: "the witness is a run that fails",
+    Objection.STARTS_INSIDE: "a probe would start inside the part",
+    Objection.MEETS_WALL: "the part meets a wall",
+    Objection.MISSES_GOAL: "the last pose misses the goal",
+    Objection.END_UNDECIDED: "the last pose is neither inside nor outside the goal for certain",
 }
 
 

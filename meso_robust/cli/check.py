@@ -21,7 +21,10 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON only.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the verdict.")] = False,
 ) -> None:
-    """Verify a certificate without the planner, in exact and ball arithmetic."""
+    """Verify a certificate without the planner, in exact and ball arithmetic.
+
+    Exit status 0: VERIFIED, the plan is proved. 1: any other answer.
+    """
     import json
 
     from meso_robust.api.check import check as checked

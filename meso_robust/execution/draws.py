@@ -24,7 +24,7 @@ class Draws:
     film_ratio: Floats
     """(N,)"""
     misalignment: Floats
-    """(N,)"""
+    """(N,) rad; positive: the tip on the right, seen along the push, is ahead."""
     sensing: Floats
     """(N, M, 3) sensed minus true pose before each move. The pose sensed before the first move is
     the task's start, so the first error follows from the true start."""

@@ -18,7 +18,7 @@ from meso_robust.bounds import Interval
 from meso_robust.execution.draws import Draws, draw
 from meso_robust.execution.engines import Engine
 from meso_robust.execution.running import STEP, PlanRun, run
-from meso_robust.planning.document import NAMES
+from meso_robust.planning.document import names_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup
 
@@ -122,7 +122,7 @@ class Feedback:
     @property
     def probes(self) -> tuple[tuple[str, ...], ...]:
         """Names of each move's probes."""
-        return tuple(NAMES[:2] if rule.single is None else NAMES for rule in self.rules)
+        return tuple(map(names_of, self.rules))
 
     @property
     def columns(self) -> tuple[Column, ...]:

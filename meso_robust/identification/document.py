@@ -19,9 +19,12 @@ SCHEMA = "meso-robust/model/1"
 FILE = "model.toml"
 
 Share = Annotated[FiniteFloat, Field(gt=0, lt=1)]
-Count = Annotated[int, Field(ge=0)]
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+MOST = 1e15
+"""Of any number: far beyond all that is fitted in earnest, and squares of it are still numbers."""
+Count = Annotated[int, Field(ge=0, le=10**15)]
+Number = Annotated[FiniteFloat, Field(ge=-MOST, le=MOST)]
+Positive = Annotated[FiniteFloat, Field(gt=0, le=MOST)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0, le=MOST)]
 Key = Annotated[str, Field(min_length=1)]
 
 
@@ -36,7 +39,7 @@ class PartSection(_Section):
     """Side along the part's x axis at theta = 0, the long one, um."""
     width_um: Positive | None = None
     """Side across it, um."""
-    polygon_um: tuple[tuple[FiniteFloat, FiniteFloat], ...] | None = None
+    polygon_um: tuple[tuple[Number, Number], ...] | None = None
     """Corners [x, y] about the reference point, counter-clockwise, um."""
 
     @model_validator(mode="after")
@@ -50,11 +53,11 @@ class PartSection(_Section):
 class ParameterSection(_Section):
     """A parameter in the unit that its name ends in."""
 
-    value: FiniteFloat
+    value: Number
     """Best value."""
-    low: FiniteFloat
+    low: Number
     """Lower end of the interval; of the range where the recordings give no bound."""
-    high: FiniteFloat
+    high: Number
     """Upper end, likewise."""
     open_low: bool
     """Whether the recordings give no lower bound."""
@@ -92,7 +95,7 @@ class MinimumSection(_Section):
     """Root mean squares over all recordings."""
     found: Count
     """Number of random starts that led there."""
-    parameters: dict[Key, FiniteFloat]
+    parameters: dict[Key, Number]
     """The parameters there, each in the unit that its name ends in."""
 
 
@@ -101,13 +104,13 @@ class QualitySection(_Section):
 
     chi2: NotNegative
     """Squared residuals over the noise, added up."""
-    freedom: int
+    freedom: Annotated[int, Field(ge=-(10**15), le=10**15)]
     """Degrees of freedom: residuals less fitted values."""
     p_value: Annotated[FiniteFloat, Field(ge=0, le=1)]
     """Probability of such a χ² if model and noise are right."""
-    correlation: FiniteFloat
+    correlation: Number
     """Of the residuals of neighbouring frames."""
-    inflation: Annotated[FiniteFloat, Field(ge=1)]
+    inflation: Annotated[FiniteFloat, Field(ge=1, le=MOST)]
     """What the variance was multiplied with for the intervals; 1 if residuals look like the noise."""
     numerical: NotNegative
     """Standard deviations that a parameter moved when predictions were corrected for the steps."""
@@ -148,9 +151,9 @@ class ProvenanceSection(_Section):
 
     recordings_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
     """Of the values of the recording set, independent of layout."""
-    seed: Count
+    seed: Annotated[int, Field(ge=0, le=10**80)]
     """From which the random starts follow."""
-    starts: Annotated[int, Field(ge=1)]
+    starts: Annotated[int, Field(ge=1, le=10**15)]
     """Random starts of the search."""
     meso_robust: Key
     """Version of the package."""
@@ -178,7 +181,7 @@ class ModelDocument(_Section):
     """The outline that was pushed."""
     parameters: dict[Key, ParameterSection]
     """The fitted parameters by name."""
-    held: dict[Key, FiniteFloat] = {}
+    held: dict[Key, Number] = {}
     """Parameters that no motion shows, as they were simulated (any other value does as well), and
     parameters of effects that were not fitted."""
     not_identifiable: tuple[NotIdentifiableSection, ...]

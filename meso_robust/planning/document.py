@@ -9,17 +9,22 @@ from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from meso_robust import units
 from meso_robust.primitives.frame import Heading
 from meso_robust.primitives.move import Action, Aim, MoveRule
 from meso_robust.primitives.setup import PoseBox
+from meso_robust.reading import Deg, PaperStep, Um
 from meso_robust.task import Task
 
 Floats = npt.NDArray[np.float64]
-Pair = tuple[float, float]
+Commanded = Annotated[float, Field(json_schema_extra={"minimum": -1e6, "maximum": 1e6})]
+"""um; ``reading`` keeps the limits, with an advice about the unit."""
+Pair = tuple[Commanded, Commanded]
 NAMES = ("dtp_top", "dtp_bottom", "stp")
+"""Tips: the one on the right of the dual-tip probe, seen along the push, the one on the left, and the
+single one. A name stays with its tip whether the axes of a move are mirrored or not."""
 
 
 class _Model(BaseModel):
@@ -31,20 +36,20 @@ class AimDocument(_Model):
 
     relative_to: Literal["sensed part", "world"]
     """What the offset is added to: the coordinate sensed before the move, or the world's zero."""
-    offset_um: float
+    offset_um: Commanded
     """The offset, um, along the axis that the key names."""
 
 
 class RuleDocument(_Model):
     """A move as a function of the pose sensed before it."""
 
-    step: int
+    step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
     primitive: str
     """The primitive: y_translation, rotation or x_translation."""
     action: Action
     """Which certified motion the move is."""
-    side: int
+    side: Annotated[int, Field(json_schema_extra={"minimum": -1, "maximum": 1})]
     """Of a tilt or a rotation: 1 turns the part counter-clockwise in these axes, -1 clockwise; else 0."""
     dual_x: AimDocument
     """x of the middle of the two active tips at the start; the push goes along -x of the axes of `heading`."""
@@ -66,7 +71,9 @@ class ProbeDocument(_Model):
     """A probe of a move; an active one travels and is lifted out of the plane afterwards."""
 
     name: str
-    """The tip: dtp_top and dtp_bottom are the two of the dual-tip probe, stp is the single one."""
+    """The tip: of the dual-tip probe dtp_top is the one on the right and dtp_bottom the one on the left,
+    seen along the push, stp is the single one. So dtp_top has the larger y of the two in a push along
+    -x, the smaller y along +x, the smaller x along -y and the larger x along +y."""
     start_um: Pair
     """[x, y] of the tip before the move, free of contact, um, world frame."""
     passive: bool = False
@@ -76,18 +83,18 @@ class ProbeDocument(_Model):
 class BoxDocument(_Model):
     """A box of poses."""
 
-    x_um: Pair
+    x_um: tuple[Um, Um]
     """[low, high] of the reference point's x, um."""
-    y_um: Pair
+    y_um: tuple[Um, Um]
     """[low, high] of the reference point's y, um."""
-    theta_deg: Pair
+    theta_deg: tuple[Deg, Deg]
     """[low, high] of the orientation, deg."""
 
 
 class MoveDocument(_Model):
     """What the hardware does."""
 
-    step: int
+    step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
     primitive: str
     """The primitive: y_translation, rotation or x_translation."""
@@ -95,7 +102,7 @@ class MoveDocument(_Model):
     """Every tip in the plane."""
     travel_um: Pair
     """[x, y] by which every active tip travels, um, world frame."""
-    speed_um_s: float
+    speed_um_s: Annotated[FiniteFloat, Field(ge=0, le=1e6)]
     """Speed of the travel, um/s."""
     expect: BoxDocument | None
     """Certified box of the part's pose after the move, rounded outward; null if not certified."""
@@ -174,17 +181,26 @@ def _rule(rule: MoveRule) -> RuleDocument:
 def _move(task: Task, rule: MoveRule, pose: Floats, post: PoseBox | None) -> MoveDocument:
     spacing = task.probe.tip_spacing_um * units.UM
     commands = rule.commands(pose[None], spacing, np.zeros(1))
+    places = dict(zip(names_of(rule), commands.tips[0], strict=True))
     return MoveDocument(
         step=rule.step,
         primitive=rule.primitive,
         probes=tuple(
-            ProbeDocument(name=name, start_um=_um(point), passive=name == "stp")
-            for name, point in zip(NAMES, commands.tips[0], strict=False)
+            ProbeDocument(name=name, start_um=_um(places[name]), passive=name == "stp")
+            for name in NAMES
+            if name in places
         ),
         travel_um=_um(commands.travel[0, 0]),
         speed_um_s=task.probe.speed_um_s,
         expect=None if post is None else box_document(post),
     )
+
+
+def names_of(rule: MoveRule) -> tuple[str, ...]:
+    """Names of a move's tips in the order of ``MoveRule.commands``: upper, lower, passive."""
+    right, left, single = NAMES
+    pair = (left, right) if rule.frame.mirrored else (right, left)
+    return pair if rule.single is None else (*pair, single)
 
 
 def _um(point: Floats) -> Pair:

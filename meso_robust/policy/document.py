@@ -32,6 +32,7 @@ from meso_robust.policy.proof import NotProvedError, recertified
 from meso_robust.policy.region import Region, region_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, setup_of
+from meso_robust.reading import Count, Deg, MoveNumber, Percent
 from meso_robust.task import Task
 
 SCHEMA: Literal["meso-robust/policy/1"] = "meso-robust/policy/1"
@@ -45,9 +46,9 @@ class _Model(BaseModel):
 class CellDocument(_Model):
     """One move for all sensed poses of a box."""
 
-    moves: Annotated[int, Field(ge=1)]
+    moves: MoveNumber
     """Bound of the moves to the goal, this one included."""
-    rule: Annotated[int, Field(ge=0)]
+    rule: Count
     """Index into ``rules``."""
     sensed: BoxDocument
     """Sensed poses for which the move is made, for reading."""
@@ -64,15 +65,15 @@ class CellDocument(_Model):
 class RegionDocument(_Model):
     """How far the certified starts reach near one orientation of the part."""
 
-    near_deg: float
+    near_deg: Deg
     """The orientation, deg."""
-    cells: int
+    cells: Count
     """Number of its cells."""
-    moves: int
+    moves: MoveNumber
     """Bound of the moves from here."""
     extent: BoxDocument
     """Hull of the cells; not every pose of it is certified."""
-    certified_percent: float
+    certified_percent: Percent
     """Share of the hull that the cells fill (rounded down)."""
 
 
@@ -96,7 +97,7 @@ class PolicyDocument(_Model):
     """SHA-256 of the task's values, independent of the layout of its file."""
     claim: PolicyClaim
     """What is proved."""
-    most_moves: int
+    most_moves: Count
     """N."""
     region: tuple[RegionDocument, ...]
     """Extent of the certified starts, an entry for each orientation."""

@@ -121,13 +121,15 @@ class MoveRule:
         spacing
             Distance of the two tips across the push, m.
         misalignment
-            (N,) angle beta of the pair in the world's axes, rad; positive: upper tip ahead.
+            (N,) angle beta by which the pair is turned counter-clockwise in the world from square to
+            the push, rad; positive: the tip on the right, seen along the push, is ahead.
         """
         own = self.frame.sensed(sensed)
         x, y = own[:, 0], own[:, 1]
         start = np.stack([self.dual.x.command(x), self.dual.y.command(y)], axis=1)
+        # counter-clockwise in own axes, where the right-hand tip is the upper one unless they are
+        # mirrored; a positive beta puts the upper tip ahead, towards -x
         beta = -misalignment if self.frame.mirrored else misalignment
-        # a positive misalignment puts the upper tip ahead, towards -x
         upper = 0.5 * spacing * np.stack([-np.tan(beta), np.ones_like(beta)], axis=1)
         push = np.stack([self.dual_end.command(x) - start[:, 0], np.zeros_like(x)], axis=1)
         tips, travel = [start + upper, start - upper], [push, push]

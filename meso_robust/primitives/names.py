@@ -142,18 +142,19 @@ class Reason(StrEnum):
     WITHIN_BOUNDS = "within_bounds"
 
 
-DATA: Mapping[ObligationId, Mapping[str, type[StrEnum]]] = {
-    ObligationId.TIP_FREE_AT_START: {"tip": Which},
-    ObligationId.TIP_ON_EDGE: {"tip": Which},
-    ObligationId.TIP_PUSHES: {"tip": Which},
-    ObligationId.TIP_STICKS: {"tip": Which},
-    ObligationId.TIP_TURNS_PART: {"tip": Which, "turn": Turning},
-    ObligationId.NO_SLIPPING: {"tip": Which},
-    ObligationId.IDLE_TIP_PASSES: {"when": When},
-    ObligationId.WITHDRAWS_FREE: {"tips": Which},
-    ObligationId.TIP_CLEAR_OF_PART: {"tip": Which},
+_PUSHING = (Which.PUSHING, Which.UPPER, Which.LOWER)
+DATA: Mapping[ObligationId, Mapping[str, tuple[StrEnum, ...]]] = {
+    ObligationId.TIP_FREE_AT_START: {"tip": (Which.UPPER, Which.LOWER, Which.PASSIVE)},
+    ObligationId.TIP_ON_EDGE: {"tip": (*_PUSHING, Which.ACTIVE)},
+    ObligationId.TIP_PUSHES: {"tip": _PUSHING},
+    ObligationId.TIP_STICKS: {"tip": _PUSHING},
+    ObligationId.TIP_TURNS_PART: {"tip": _PUSHING, "turn": tuple(Turning)},
+    ObligationId.NO_SLIPPING: {"tip": _PUSHING},
+    ObligationId.IDLE_TIP_PASSES: {"when": tuple(When)},
+    ObligationId.WITHDRAWS_FREE: {"tips": (Which.PUSHING, Which.PAIR, Which.BOTH)},
+    ObligationId.TIP_CLEAR_OF_PART: {"tip": (Which.UPPER, Which.LOWER)},
 }
-"""The data that obligations are about; all others have none."""
+"""The data that obligations are about, and what it can be; all others have none."""
 
 
 def every_obligation() -> Iterator[Named]:

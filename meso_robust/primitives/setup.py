@@ -54,7 +54,7 @@ class Uncertainty:
     film_ratio: Interval
     """rho = e_theta/e_x, m^2."""
     misalignment: Interval
-    """beta, rad; positive: upper tip ahead (towards -x)."""
+    """beta, rad; positive: the tip on the right, seen along the push, is ahead."""
 
     def scaled(self, factor: float, only: str | None = None) -> Uncertainty:
         """Widen all ranges (or ``only`` one) about their middle by ``factor``."""

@@ -45,7 +45,7 @@ class Tip:
 def tip_of(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Tip:
     """Enclose where the upper (1) or lower (-1) tip is.
 
-    A positive misalignment puts the upper tip ahead, that is towards -x.
+    In the axes of a move a positive misalignment puts the upper tip ahead, that is towards -x.
     """
     u = setup.uncertainty
     up = Interval.point(float(side)) * HALF * setup.spacing

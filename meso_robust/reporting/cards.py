@@ -40,6 +40,14 @@ _CHECKED = {
         "The certificate proves what it claims; what no check can confirm is listed below.",
     ),
     "REJECTED": ("REFUTED", "Something that the certificate states was not confirmed."),
+    "WITNESS CONFIRMED": (
+        "REFUTED",
+        "The plan fails: the run that the certificate tells is proved to.",
+    ),
+    "WITNESS UNDECIDED": (
+        "UNKNOWN",
+        "The plan is said to fail; the checker cannot follow the run, only the simulator can.",
+    ),
     "NOTHING CLAIMED": ("UNKNOWN", "The certificate claims nothing that could be checked."),
 }
 _CAMPAIGN = {

@@ -11,7 +11,7 @@ from matplotlib.patches import Polygon
 from meso_robust import units
 from meso_robust.execution.running import MoveRun, outline as outline_of_part
 from meso_robust.job import Planned
-from meso_robust.planning.document import NAMES
+from meso_robust.planning.document import names_of
 from meso_robust.reporting.canvas import (
     AFTER,
     BEFORE,
@@ -78,7 +78,7 @@ def move_figure(result: Planned, index: int) -> Figure:
     extent = np.concatenate([*drawn, tips])
     room = _room_for_names(move, extent)
     fit_equal(axes, np.concatenate([extent, room]), 0.06)
-    _name_tips(axes, move)
+    _name_tips(axes, move, names_of(result.found.rules[index]))
     return figure
 
 
@@ -187,9 +187,9 @@ def _room_for_names(move: MoveRun, extent: Floats) -> Floats:
     return move.tips[0] / units.UM + np.stack([outward, np.zeros_like(outward)], axis=1)
 
 
-def _name_tips(axes: Axes, move: MoveRun) -> None:
+def _name_tips(axes: Axes, move: MoveRun, names: tuple[str, ...]) -> None:
     """Name each tip on the side that faces away from the part."""
-    for name, ahead, place in zip(NAMES, _ahead(move), move.tips[0] / units.UM, strict=False):
+    for name, ahead, place in zip(names, _ahead(move), move.tips[0] / units.UM, strict=True):
         axes.annotate(
             name,
             place,

@@ -18,7 +18,7 @@ from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.certificates.document import name_of
 from meso_robust.certificates.words import words
 from meso_robust.job import Planned
-from meso_robust.planning.document import NAMES, BoxDocument
+from meso_robust.planning.document import BoxDocument, names_of
 from meso_robust.primitives.names import every_obligation
 from meso_robust.primitives.outline import Edge, Line, Outline, Polygon
 from meso_robust.primitives.setup import Setup
@@ -136,7 +136,7 @@ def _moves(result: Planned) -> list[Json]:
         found.append(
             {
                 "name": f"{move.primitive.replace('_', ' ')} · {rule.action}",
-                "probes": list(NAMES[: len(move.probes)]),
+                "probes": list(names_of(result.found.rules[k])),
                 "passive": [probe.passive for probe in move.probes],
                 "seconds": max(round(math.hypot(*move.travel_um) / move.speed_um_s, 3), 0.001),
                 "box": None if step is None else _box(step.post),

@@ -196,10 +196,7 @@ def test_a_refuted_certificate_must_keep_within_the_bounds(wide_friction_plan: P
     task = paper_task(uncertainty__friction=[0.05, 0.9])
     text = wide_friction_plan.certificate.model_dump_json(by_alias=True)
     document = json.loads(text)
-    if document["verdict"] != "REFUTED":
-        assert checked(document, task).verdict == "NOTHING CLAIMED"
-        return
-    assert checked(document, task).verdict == "VERIFIED"
+    assert checked(document, task).verdict == "WITNESS UNDECIDED"
     document["witness"]["friction"] = (0.91).hex()
     assert objection(document, task) == "value: witness.friction"
 

@@ -121,7 +121,11 @@ CHECK = Table(
     "Printed, not written to a file.",
     (
         Column("schema", "`meso-robust/check/1`"),
-        Column("verdict", "VERIFIED, REJECTED or NOTHING CLAIMED (the certificate is not PROVED)"),
+        Column(
+            "verdict",
+            "VERIFIED; REJECTED; WITNESS CONFIRMED or WITNESS UNDECIDED (the certificate is REFUTED); "
+            "NOTHING CLAIMED (it is UNKNOWN)",
+        ),
         Column("claims", "what is verified, in the checker's own words"),
         Column("premises", "what the proof takes for granted: a sentence for each id"),
         Column(

@@ -12,7 +12,9 @@ from meso_robust.checker.verdict import check
 from meso_robust.errors import InputError
 from meso_robust.task import Task
 
-MALFORMED, REJECTED, ACCEPTED = "malformed", "REJECTED", "VERIFIED"
+MALFORMED, REJECTED, VERIFIED = "malformed", "REJECTED", "VERIFIED"
+ACCEPTED = (VERIFIED, "WITNESS CONFIRMED")
+"""Answers by which the checker says that a claim is true: of a proof, and of a run that fails."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +22,7 @@ class Reply:
     """An answer, and the objection if there is one."""
 
     word: str
-    """``malformed``, ``REJECTED``, ``NOTHING CLAIMED`` or ``VERIFIED``."""
+    """``malformed``, or the checker's verdict."""
     why: str = ""
 
 

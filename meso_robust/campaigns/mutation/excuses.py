@@ -211,7 +211,7 @@ _JUDGES: Sequence[tuple[Callable[[Place], bool], Callable[[Accepted, Difference]
 
 
 def _refuted(accepted: Accepted) -> str | None:
-    """A witness proves nothing by itself: it must be a run that can be, and `simulate` replays it."""
+    """A witness must be a run that can be, and it must fail when both engines make it again."""
     setup, witness = accepted.original.setup, accepted.document["witness"]
     u, start = setup.uncertainty, setup.start
     probes = [
@@ -233,6 +233,5 @@ def _refuted(accepted: Accepted) -> str | None:
         for side, ends in bounds
         for end in ends
     )
-    return (
-        "REFUTED: a run within the bounds, said to be for `simulate` to judge" if inside else None
-    )
+    fails = inside and accepted.original.fails(accepted.document["policy"], witness)
+    return "REFUTED: a run within the bounds that fails by both engines" if fails else None

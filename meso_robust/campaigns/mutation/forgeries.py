@@ -190,7 +190,10 @@ def _another_task(document: Document, original: Original, rng: random.Random) ->
 
 
 def _invented_witness(document: Document, original: Original, rng: random.Random) -> Document:
-    """REFUTED, by a run that does not fail; in half of the cases it leaves the bounds besides."""
+    """REFUTED, by a run that does not fail, and told as such a certificate would tell it.
+
+    In half of the cases the run leaves the bounds besides.
+    """
     setup, moves = original.setup, len(document["policy"])
     wide = setup.uncertainty.scaled(1.0 if rng.random() < 0.5 else 1.5)
 
@@ -204,8 +207,8 @@ def _invented_witness(document: Document, original: Original, rng: random.Random
     start = [side.mid for side in (setup.start.x, setup.start.y, setup.start.theta)]
     document["verdict"] = "REFUTED"
     document["witness"] = {
-        "outcome": "jam",
-        "move": moves,
+        "outcome": "misses_goal",
+        "move": None,
         "start": [end.hex() for end in start],
         "friction": drawn(wide.friction.lo, wide.friction.hi).hex(),
         "film_ratio_m2": drawn(wide.film_ratio.lo, wide.film_ratio.hi).hex(),
@@ -213,6 +216,21 @@ def _invented_witness(document: Document, original: Original, rng: random.Random
         "sensing": [[(0.0).hex()] * 3 for _ in range(moves)],
         "dual_probe": pairs(),
         "single_probe": pairs(),
+    }
+    last, margin = document["steps"][-1], document["margin"]
+    last.update(verdict="UNKNOWN", post=None, post_exact=None)
+    margin.update(factor=0.0, refused_at=1.0, binds_first=None)
+    margin["each_alone"] = dict.fromkeys(margin["each_alone"], 0.0)
+    first, of = last["obligations"][0], {key: last[key] for key in ("step", "action")}
+    reason = {key: first[key] for key in ("id", "about")}
+    margin["limit"] = {**reason, **of}
+    document["undecided"] = {
+        **{key: first[key] for key in ("inequality", "over")},
+        **of,
+        "reason": reason,
+        "move": moves,
+        "fails": False,
+        "settled_by": {"id": "change_move", "about": {}},
     }
     return document
 

@@ -60,7 +60,7 @@ class Trial:
     @property
     def missed(self) -> bool:
         """Accepted, though it claims something untrue."""
-        return self.word == ACCEPTED and self.reason is None
+        return self.word in ACCEPTED and self.reason is None
 
 
 def prepare(part: Part) -> Prepared:
@@ -98,7 +98,7 @@ def mutate(original: Original, changes: int, rng: random.Random) -> Mutant:
 def judged(mutant: Mutant, original: Original, prover: Prover = PLAIN) -> Trial:
     """Have a certificate checked, and what is accepted judged."""
     reply = answered(mutant.document, original.task, prover)
-    if reply.word != ACCEPTED:
+    if reply.word not in ACCEPTED:
         return Trial(mutant, reply.word, reply.why)
     return Trial(mutant, reply.word, excuse(original, mutant.document))
 
@@ -123,7 +123,7 @@ def execute(prepared: Prepared, part: Part, chunk: int) -> Result:
 
 def counted(trials: Sequence[Trial]) -> Values:
     """How often what was answered, and to which change."""
-    accepted = [one for one in trials if one.word == ACCEPTED]
+    accepted = [one for one in trials if one.word in ACCEPTED]
     rejected = [one for one in trials if one.word == REJECTED]
     names = sorted({name for one in trials for name in one.mutant.names})
     return {

@@ -10,11 +10,15 @@ import numpy as np
 
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.certificates.chain import Chain, certify
-from meso_robust.certificates.document import CertificateDocument
+from meso_robust.certificates.document import CertificateDocument, WitnessDocument
 from meso_robust.execution.claims import Accuracy, broken, only_motions
 from meso_robust.execution.draws import Draws, draw
+from meso_robust.execution.engines import Engine
 from meso_robust.execution.judging import EXACT_SLIP, INSTANTS, ROUNDING
+from meso_robust.execution.replay import Feedback
 from meso_robust.execution.running import PlanRun, run
+from meso_robust.execution.simulation import in_goal
+from meso_robust.execution.witness import witness_row
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.reading import rules_of
 from meso_robust.primitives.move import MoveRule
@@ -22,6 +26,7 @@ from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task
 
+ENGINES: tuple[Engine, ...] = ("stepper", "events")
 RUNS, RECORD = 500, 200
 """Simulated runs of a policy, half of them at corners of the uncertainties; intervals of their paths."""
 
@@ -71,6 +76,16 @@ class Original:
         exact = Accuracy(slip=EXACT_SLIP, pose=(np.full((1, 3), ROUNDING),) * len(rules))
         flags = broken(runs, only_motions(rules, setup), exact).values()
         return bool(runs.completed.all()) and not any(flag.any() for flag in flags)
+
+    def fails(self, policy: Any, witness: Any) -> bool:
+        """Whether the run of a witness fails by each engine of the simulator."""
+        found = WitnessDocument.model_validate(witness)
+        players = [
+            Feedback(rules=self.rules(policy), setup=self.setup, engine=engine)
+            for engine in ENGINES
+        ]
+        runs = [one.run(witness_row(found, one, "certificate")) for one in players]
+        return not any(in_goal(one, self.setup).any() for one in runs)
 
     @cached_property
     def _own_paths(self) -> tuple[PlanRun, Draws]:

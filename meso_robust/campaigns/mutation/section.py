@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from meso_robust import __version__
 from meso_robust.campaigns.kind import Values
-from meso_robust.campaigns.mutation.answer import ACCEPTED, answered
+from meso_robust.campaigns.mutation.answer import VERIFIED, answered
 from meso_robust.campaigns.mutation.places import Document, sealed
 from meso_robust.campaigns.planned import PlanSection, given_plan
 from meso_robust.checker.reading import read_certificate
@@ -95,10 +95,10 @@ def _made(given: Values, task: Task) -> Document:
 def _accepted(document: Document, task: Task, source: str) -> Document:
     """The certificate, if it is one that the checker accepts as PROVED."""
     reply = answered(document, task)
-    if document["verdict"] != "PROVED" or reply.word != ACCEPTED:
+    if document["verdict"] != "PROVED" or reply.word != VERIFIED:
         raise InputError(
             f"{source}: the certificate says {document['verdict']} and the checker {reply.word}"
-            f"{reply.why and f' ({reply.why})'}; must be PROVED and {ACCEPTED}: tampering with it "
+            f"{reply.why and f' ({reply.why})'}; must be PROVED and {VERIFIED}: tampering with it "
             "would show nothing, give another task or plan"
         )
     return document

@@ -11,7 +11,7 @@ from meso_robust.campaigns.mutation.answer import ACCEPTED, MALFORMED, REJECTED
 UNTRUE = "accepted, though it claims something untrue"
 LISTED = 40
 """Objections that are listed."""
-WORDS = (MALFORMED, REJECTED, "NOTHING CLAIMED", ACCEPTED)
+WORDS = (MALFORMED, REJECTED, "NOTHING CLAIMED", "WITNESS UNDECIDED", *ACCEPTED)
 
 
 def tell(part: Part, values: Values) -> Told:
@@ -19,7 +19,7 @@ def tell(part: Part, values: Values) -> Told:
     runs, missed = int(values["runs"]), int(values["missed"])
     if not runs:
         return Told(verdict="measured", answer="No chunk was done.", figures=(), views=())
-    rejected = runs - int(values["answers"].get(ACCEPTED, 0))
+    rejected = runs - sum(int(values["answers"].get(word, 0)) for word in ACCEPTED)
     return Told(
         verdict="broken" if missed else "held",
         answer=(

@@ -249,6 +249,9 @@ def test_a_witness_must_be_a_run_that_can_be(original: Original) -> None:
         "single_probe": [[zero] * 2] * moves,
     }  # fmt: skip
     told = {**original.document, "verdict": "REFUTED", "witness": witness}
-    assert "for `simulate` to judge" in str(excuse(original, told))
+    assert excuse(original, told) is None  # the run ends in the goal
+    policy = copy.deepcopy(original.document["policy"])
+    policy[0]["dual_x"]["offset_um"] -= 60.0  # the probe starts inside the part
+    assert "fails by both engines" in str(excuse(original, {**told, "policy": policy}))
     told["witness"] = {**witness, "friction": (u.friction.hi + 0.01).hex()}
     assert excuse(original, told) is None

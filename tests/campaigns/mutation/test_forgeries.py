@@ -28,13 +28,13 @@ OBJECTIONS = {
     "all bounds raised": "lower_bound",
     "proofs of an easier task": "",
     "an unproved policy called PROVED": "",
+    "an invented witness": "witness",
 }
 """What the checker's objection must be about, if it is always the same, of those that are never true."""
 TRUE_AT_TIMES = {
     "a box narrowed": "holds 500 runs",
     "the margin raised": "a factor",
     "a move called by another name": "name",
-    "an invented witness": "REFUTED",
     "an inequality of another move": "true at 20000 points",
 }
 """And of the others: why one that is accepted is true."""
