@@ -19,6 +19,7 @@ from meso_robust.certificates.document import (
     exact_box,
     in_um_deg,
     margin_document,
+    reading_document,
     sealed,
     step_document,
     undecided_document,
@@ -67,10 +68,10 @@ class Planned:
                 f"margin: still proved with all uncertainties x {down(self.margin.factor, 2)}; "
                 f"{(self.margin.binding or '').replace('_', ' ')} binds first"
             )
-        elif self.certificate.undecided is not None:
-            open_ = self.certificate.undecided
-            lines.append(f"not proved in step {open_.step} ({open_.action}): {open_.claim}")
-            lines.append(f"what would settle it: {open_.settled_by}")
+        open_, said = self.certificate.undecided, self.certificate.reading.undecided
+        if open_ is not None and said is not None:
+            lines.append(f"not proved in step {open_.step} ({open_.action}): {said.claim}")
+            lines.append(f"what would settle it: {said.settled_by}")
         return worded("\n".join(lines))
 
 
@@ -138,7 +139,7 @@ def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = _qui
     if chain.verdict is Verdict.PROVED and check.failure is not None:
         raise SimulatorContradictsProofError(
             f"run {check.failure} of seed {seed} breaks a PROVED claim: "
-            f"{_outcome(check, check.failure)}, final pose {check.sampled.final[check.failure]}"
+            f"{_ending(check, check.failure).words}, final pose {check.sampled.final[check.failure]}"
         )
     sensed = [move.sensed[0] for move in check.nominal.moves]
     plan = plan_document(task, found.rules, sensed, _certified(chain, len(found.rules)))
@@ -173,23 +174,32 @@ def _certificate(
     bears: Margin,
     plan: PlanDocument,
 ) -> CertificateDocument:
-    verdict, witness = chain.verdict, None
+    verdict, witness, outcome = chain.verdict, None, None
     if verdict is Verdict.UNKNOWN and confirmed(found.rules, setup, check):
-        verdict, witness = Verdict.REFUTED, _witness(check)
+        verdict, witness, outcome = Verdict.REFUTED, *_witness(check)
+    moves, undecided = len(found.rules), undecided_document(chain, found.settled_by)
     document = CertificateDocument(
         verdict=verdict.word,
         task=task.name,
         task_hash=task.hash,
-        claim=claim_document(task, chain, len(found.rules)),
+        claim=claim_document(task, chain, moves),
         goal=goal_document(setup.goal),
         goal_exact=exact_box(setup.goal),
         policy=plan.policy,
         steps=tuple(step_document(step) for step in chain.steps),
-        undecided=undecided_document(chain, found.settled_by),
+        undecided=None if undecided is None else undecided.document,
         witness=witness,
         margin=margin_document(bears),
         simulation=_simulation(check),
         made_with=_made_with(check.seed),
+        reading=reading_document(
+            task,
+            chain,
+            moves,
+            undecided=None if undecided is None else undecided.reading,
+            limit=bears.limit,
+            outcome=outcome,
+        ),
     )
     return sealed(document)
 
@@ -207,16 +217,28 @@ def _simulation(check: CrossCheck) -> SimulationDocument:
     )
 
 
-def _outcome(check: CrossCheck, row: int) -> str:
-    code = int(check.sampled.outcomes[row])
-    if code == STARTS_INSIDE:
-        return "a probe would start inside the part"
+@dataclass(frozen=True, slots=True)
+class _Ending:
+    """How a run ends that breaks the claim."""
+
+    id: str
+    words: str
+    move: int | None = None
+    """The move that was not completed, from 1."""
+
+
+def _ending(check: CrossCheck, row: int) -> _Ending:
+    code, move = int(check.sampled.outcomes[row]), int(check.sampled.failed_in[row]) + 1
     if code == Outcome.COMPLETED:
-        return "the last pose misses the goal"
-    return f"move {int(check.sampled.failed_in[row]) + 1}: {Outcome(code).message}"
+        return _Ending("misses_goal", "the last pose misses the goal")
+    if code == STARTS_INSIDE:
+        return _Ending("starts_inside", "a probe would start inside the part", move)
+    outcome = Outcome(code)
+    return _Ending(outcome.name.lower(), f"move {move}: {outcome.message}", move)
 
 
-def _witness(check: CrossCheck) -> WitnessDocument:
+def _witness(check: CrossCheck) -> tuple[WitnessDocument, str]:
+    """The run that fails, and how it ends in words."""
     row = check.failure
     if row is None:
         raise ValueError("no run failed, so there is no witness")
@@ -226,8 +248,10 @@ def _witness(check: CrossCheck) -> WitnessDocument:
         return tuple((float(x).hex(), float(y).hex()) for x, y in draws[name])
 
     x, y, theta = (float(value).hex() for value in draws["start"])
-    return WitnessDocument(
-        outcome=_outcome(check, row),
+    ending = _ending(check, row)
+    document = WitnessDocument(
+        outcome=ending.id,
+        move=ending.move,
         start=(x, y, theta),
         friction=float(draws["friction"]).hex(),
         film_ratio_m2=float(draws["film_ratio"]).hex(),
@@ -238,6 +262,7 @@ def _witness(check: CrossCheck) -> WitnessDocument:
         dual_probe=pairs("dual"),
         single_probe=pairs("single"),
     )
+    return document, ending.words
 
 
 def _made_with(seed: int) -> dict[str, str]:

@@ -18,6 +18,7 @@ from meso_robust.certificates.document import (
     claim_document,
     exact_box,
     margin_document,
+    reading_document,
     step_document,
 )
 from meso_robust.certificates.margin import Margin
@@ -81,6 +82,7 @@ def certificate(task: Task, rules: Sequence[MoveRule], chain: Chain) -> dict[str
             simulator_error_um_um_deg=(0.0, 0.0, 0.0),
         ),
         made_with={},
+        reading=reading_document(task, chain, len(rules)),
     )
     found: dict[str, Any] = json.loads(made.model_dump_json(by_alias=True))
     return found

@@ -177,10 +177,10 @@ def test_no_print_and_no_assert_in_the_library() -> None:
 
 def test_derivations_named_in_obligations_exist() -> None:
     named = {
-        obligation.derivation
+        obligation.inequality.derivation
         for step in paper_chain().steps
         for obligation in step.obligations
-        if "/" in obligation.derivation
+        if obligation.inequality.derivation is not None
     }
     assert len(named) >= 4
     for name in sorted(named):
@@ -200,3 +200,52 @@ def test_every_generated_module_names_its_own_derivation() -> None:
     for path in modules:
         if path.stem != "__init__":
             assert f"Generated from derivations/{path.name} " in path.read_text(encoding="utf-8")
+
+
+PROMISE = {
+    "primitives", "planning", "admissible", "certificates", "checker", "premises", "policy", "job",
+    "api", "reporting",
+}  # fmt: skip
+_ASKED = {"startswith", "endswith", "removeprefix", "index", "find", "search", "match", "fullmatch"}
+
+
+def sentences_compared(source: ast.AST) -> Iterator[tuple[int, str]]:
+    """Texts of several words that something is compared with, searched for or looked up by."""
+    for node in ast.walk(source):
+        held: list[ast.expr] = []
+        if isinstance(node, ast.Compare):
+            held = [node.left, *node.comparators]
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+            held = node.args if node.func.attr in _ASKED else []
+        elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load):
+            typed = isinstance(node.value, ast.Name) and node.value.id == "Literal"
+            held = [] if typed else [node.slice]
+        for inner in (one for expression in held for one in ast.walk(expression)):
+            if isinstance(inner, ast.Constant) and isinstance(inner.value, str):
+                said = inner.value
+                if len(said.split()) > 2:
+                    yield inner.lineno, said
+
+
+def test_nothing_of_the_promise_compares_or_searches_a_sentence() -> None:
+    """Names are compared; the sentences of schema 1, which were compared, stand in one file."""
+    found = [
+        f"{names(path)}:{line}: {text}"
+        for path in SOURCES
+        if part_of(path) in PROMISE and path.name != "schema_one.py"
+        for line, text in sentences_compared(tree(path))
+    ]
+    assert found == []
+
+
+def test_words_of_names_stand_in_one_file_a_side() -> None:
+    """No other file of the proof tells what an obligation, a premise or a remedy says."""
+    from meso_robust.certificates.words import _SENTENCES, PREMISES
+
+    said = {text for text in (*_SENTENCES.values(), *PREMISES.values()) if len(text.split()) > 4}
+    rooms = PROMISE - {"checker", "reporting"}
+    for path in (path for path in SOURCES if part_of(path) in rooms):
+        if names(path) != "certificates/words.py":
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            texts = {one.value for one in ast.walk(tree) if isinstance(one, ast.Constant)}
+            assert not texts & said, names(path)

@@ -75,7 +75,10 @@ def test_wide_friction_is_not_proved(wide_friction_plan: Planned) -> None:
 
     assert certificate.verdict != "PROVED"
     assert certificate.undecided is not None
-    assert certificate.undecided.settled_by
+    from meso_robust.planning.remedy import Remedy
+
+    assert certificate.undecided.settled_by.id == Remedy.NARROW_ALL
+    assert 0.0 < float(certificate.undecided.settled_by.about["scale"]) < 1.0
     assert certificate.simulation.in_goal < certificate.simulation.samples
 
 

@@ -11,6 +11,7 @@ from meso_robust.bounds import Interval, Verdict, enclose
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -104,5 +105,5 @@ def _enclosed(step: Step) -> bool:
     return all(
         obligation.proof.verdict is Verdict.PROVED
         for obligation in step.obligations
-        if not obligation.claim.startswith("the other tip passes")
+        if obligation.name.id is not ObligationId.IDLE_TIP_PASSES
     )

@@ -56,9 +56,17 @@ class Checked:
             "schema": "meso-robust/check/1",
             "verdict": self.verdict,
             "claims": self.answer.claims,
+            "premises": dict(self.answer.premises),
             "rejected": None
             if refused is None
-            else {"claim": refused.claim, "stated": refused.stated, "found": refused.found},
+            else {
+                "id": refused.name.id,
+                "about": dict(refused.name.about),
+                "at": refused.name.at,
+                "claim": refused.claim,
+                "stated": refused.stated,
+                "found": refused.found,
+            },
             "not_checked": list(self.answer.not_checked),
         }
 
@@ -69,7 +77,10 @@ class Checked:
             head = f"{self.verdict}: {refused.claim}"
             return "\n".join([head, f"stated: {refused.stated}", f"found: {refused.found}"])
         evidence = [f"not checked (evidence, not proof): {one}" for one in self.answer.not_checked]
-        return "\n".join([f"{self.verdict}: {self.answer.claims}", *evidence])
+        premises = (
+            [f"taken for granted: {', '.join(self.answer.premises)}"] if self.verified else []
+        )
+        return "\n".join([f"{self.verdict}: {self.answer.claims}", *premises, *evidence])
 
     def __repr__(self) -> str:
         return f"<Checked {self.verdict}: {self.task.name}>"

@@ -22,6 +22,7 @@ from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.inference import inferred
 from meso_robust.planning.reading import parse_plan, read_plan
+from meso_robust.planning.remedy import Remedy
 from meso_robust.planning.rules import rules_of
 from meso_robust.policy.build import make_policy
 from meso_robust.policy.document import policy_document
@@ -273,7 +274,7 @@ def certify(
     found = Found(
         rules=rules,
         scale=1.0,
-        advice="change the move that is not proved, or let `meso-robust plan` find a plan",
+        remedy=Remedy.CHANGE_MOVE,
     )
     result = job.judge(known, found, samples, seed, progress.doing)
     return Planned(result=result, inputs=files_of(task, plan))

@@ -9,6 +9,7 @@ from meso_robust.bounds import Verdict
 from meso_robust.certificates.grid import on_grid
 from meso_robust.primitives.certify import Before, certify_move
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import Named, Reason, about
 from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox, Setup
 
@@ -38,6 +39,14 @@ class Chain:
         """PROVED if every step is and the end lies in the goal; else UNKNOWN."""
         proved = all(step.verdict is Verdict.PROVED for step in self.steps)
         return Verdict.PROVED if proved and self.reaches_goal else Verdict.UNKNOWN
+
+    @property
+    def first_open(self) -> tuple[Step, Named, Obligation | None]:
+        """What is not proved first, with its step: an obligation, or that the plan ends in the goal."""
+        found = self.open_obligation
+        if found is None:
+            return self.steps[-1], about(Reason.ENDS_IN_GOAL), None
+        return found[0], found[1].name, found[1]
 
     @property
     def open_obligation(self) -> tuple[Step, Obligation] | None:

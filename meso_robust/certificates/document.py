@@ -1,13 +1,16 @@
 """``certificate.json``: what is claimed, what was proved of it, and how far it reaches.
 
 Numbers that the claim rests on are doubles in hexadecimal (``float.hex``), SI units; those in um
-and deg beside them are for reading.
+and deg beside them are for reading. What is claimed is told by stable names and their data; the
+sentences under ``reading`` are rendered from them for people, and nothing compares them.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -15,53 +18,50 @@ from pydantic import BaseModel, ConfigDict, Field
 from meso_robust import units
 from meso_robust.bounds import Box, Verdict, VerdictWord
 from meso_robust.certificates.chain import Chain
-from meso_robust.certificates.margin import Margin
+from meso_robust.certificates.margin import Limit, Margin
+from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.words import (
+    PREMISES,
+    claim_words,
+    derivation_words,
+    id_of,
+    inequality_words,
+    words,
+)
 from meso_robust.planning.document import BoxDocument, RuleDocument, box_document
+from meso_robust.primitives.names import Inequality, Named, ObligationId
 from meso_robust.primitives.obligation import Obligation, Step
-from meso_robust.primitives.setup import PoseBox
+from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reading import Count, Distance, Factor, MoveNumber, PaperStep, Seed
-from meso_robust.task import Part, Task
+from meso_robust.task import Task
 from meso_robust.telling import up
 
 HexPair = tuple[str, str]
 
-ASSUMPTIONS = (
-    "quasi-static motion: inertia is neglected",
-    "the film's drag is diag(e_x, e_x, e_theta) about the part's centre; only rho = e_theta/e_x enters",
-    "Coulomb friction at point contacts; at every instant mu is the same at all tips",
-    "the part is the stated rectangle, rigid and exactly known; nothing but the probes touches it",
-    "each error keeps within its bound; a probe's position error is constant during a move (and may "
-    "differ in the next), and the two tips of the active probe share it",
-    "the active probe travels exactly along an axis of the task's frame, as each move states; tips are "
-    "points",
-    "the part rests between moves, and probes are lifted without disturbing it",
-)
-
 TIPS = "point tips"
 """What every verdict is about, whatever the tips of the laboratory."""
-
-
-def assumptions(task: Task) -> tuple[str, ...]:
-    """What a certificate of a task assumes."""
-    if isinstance(task.part, Part):
-        return ASSUMPTIONS
-    polygon = "stated polygon, its reference point the centre of drag"
-    return tuple(one.replace("stated rectangle", polygon) for one in ASSUMPTIONS)
 
 
 class _Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
 
-class ObligationDocument(_Model):
+class NamedDocument(_Model):
+    """A stable id and its data."""
+
+    id: str
+    """The id; it never changes its meaning."""
+    about: dict[str, str]
+    """What tells apart names of the same id."""
+
+
+class ObligationDocument(NamedDocument):
     """One inequality over one box."""
 
-    claim: str
-    """What is to hold, in words."""
-    inequality: str
-    """The same as an inequality in the field's symbols."""
-    derivation: str
-    """File in which it is derived, or what it follows from."""
+    id: ObligationId
+    """What is to hold; `reading.obligations` has it in words."""
+    inequality: Inequality
+    """The inequality that it was reduced to; `reading.inequalities` has it in symbols."""
     verdict: VerdictWord
     """Of this inequality."""
     lower_bound: str | None
@@ -92,8 +92,8 @@ class StepDocument(_Model):
     """The primitive: y_translation, rotation or x_translation."""
     action: str
     """Which certified motion the move is: tilt, straighten, rotate or regrasp."""
-    property: str
-    """What the move is claimed to do, in words."""
+    property: NamedDocument
+    """What the move is claimed to do; `reading.properties` has it in words."""
     verdict: VerdictWord
     """Of the move: the worst of its inequalities."""
     pre: BoxDocument
@@ -109,14 +109,18 @@ class StepDocument(_Model):
 
 
 class ClaimDocument(_Model):
-    """What the certificate is about."""
+    """What the certificate is about: for all uncertainties and starts every motion ends in the goal."""
 
-    words: str
-    """The claim in words."""
-    assumptions: tuple[str, ...]
-    """What the proof assumes, a sentence each."""
-    inequalities: tuple[str, ...]
-    """All inequalities of all moves, each once, with its derivation."""
+    id: str
+    """ends_in_goal; of a task with a slot ends_in_goal_clear_of_walls."""
+    moves: MoveNumber
+    """Number of moves of the plan."""
+    premises: tuple[Premise, ...]
+    """What the proof takes for granted; `reading.premises` has each in words."""
+    uncertainties: dict[str, HexPair]
+    """What the claim holds for all of: each uncertainty with its ends, m, rad or m^2, rounded outward."""
+    inequalities: dict[Inequality, str | None]
+    """All inequalities of all moves, each with its derivation; null: interval arithmetic."""
 
 
 class UndecidedDocument(_Model):
@@ -128,23 +132,66 @@ class UndecidedDocument(_Model):
     """Step of the paper's algorithm, 1 to 4, that it belongs to."""
     action: str
     """Which motion the move is: tilt, straighten, rotate or regrasp."""
-    claim: str
-    """What is not proved, in words."""
-    inequality: str
-    """The same as an inequality."""
+    reason: NamedDocument
+    """What is not proved: an obligation, or ends_in_goal, premise_kept, effect_bounded, within_bounds."""
+    inequality: Inequality | None
+    """The same as an inequality, if it is one."""
     fails: bool
     """True: it is proved to fail at the point ``over``; false: it is undecided on that box."""
     over: dict[str, HexPair]
     """The point or box by variable, [low, high], SI, hexadecimal."""
+    settled_by: NamedDocument
+    """What would settle it."""
+
+
+class LimitDocument(NamedDocument):
+    """What is not proved at a larger factor, and of which move."""
+
+    step: PaperStep
+    """Step of the paper's algorithm, 1 to 4, that the move belongs to."""
+    action: str
+    """Which motion the move is."""
+
+
+class UndecidedReading(_Model):
+    """Why the verdict is UNKNOWN, in words."""
+
+    claim: str
+    """What is not proved."""
+    inequality: str
+    """The same as an inequality, or how a premise is broken."""
     settled_by: str
-    """What would settle it, in words."""
+    """What would settle it."""
+
+
+class ReadingDocument(_Model):
+    """The certificate in words, for people: rendered from the ids, and compared by nobody."""
+
+    claim: str
+    """What is claimed."""
+    premises: dict[str, str]
+    """Each premise by its id."""
+    properties: dict[str, str]
+    """What moves are claimed to do, by id and data."""
+    obligations: dict[str, str]
+    """What is to hold, by id and data."""
+    inequalities: dict[str, str]
+    """Each inequality in the field's symbols, with its derivation."""
+    undecided: UndecidedReading | None
+    """What is open; null if PROVED."""
+    limit: str | None
+    """`margin.limit` in words."""
+    outcome: str | None
+    """How the run of the witness ends."""
 
 
 class WitnessDocument(_Model):
     """A run that breaks the claim, as the simulator replays it; SI units, hexadecimal."""
 
     outcome: str
-    """How the run ends."""
+    """How the run ends: jam, starts_inside, misses_goal or another outcome of the simulator."""
+    move: MoveNumber | None = None
+    """The move that was not completed, from 1; null if all were."""
     start: tuple[str, str, str]
     """True pose at the start: x and y, m; theta, rad."""
     friction: str
@@ -174,8 +221,8 @@ class MarginDocument(_Model):
     """Uncertainty that bears the least when it is scaled alone."""
     each_alone: dict[str, Factor]
     """Largest certified factor of each uncertainty, scaled alone."""
-    limit: str | None
-    """First inequality that fails at `refused_at`."""
+    limit: LimitDocument | None
+    """What fails first at `refused_at`."""
 
 
 class SimulationDocument(_Model):
@@ -202,8 +249,8 @@ class SimulationDocument(_Model):
 class CertificateDocument(_Model):
     """A certificate."""
 
-    schema_: Annotated[Literal["meso-robust/certificate/1"], Field(alias="schema")] = (
-        "meso-robust/certificate/1"
+    schema_: Annotated[Literal["meso-robust/certificate/2"], Field(alias="schema")] = (
+        "meso-robust/certificate/2"
     )
     """Name and version of the format."""
     verdict: VerdictWord
@@ -232,6 +279,8 @@ class CertificateDocument(_Model):
     """The cross-check by the simulator."""
     made_with: dict[str, str]
     """Versions of what the certificate was made with."""
+    reading: ReadingDocument
+    """All of it in words."""
     digest: str = ""
     """SHA-256 of everything else; see :func:`sealed`."""
 
@@ -253,7 +302,7 @@ def step_document(step: Step) -> StepDocument:
         step=step.rule.step,
         primitive=step.rule.primitive,
         action=step.rule.action,
-        property=step.claim,
+        property=named(step.claim),
         verdict=step.verdict.word,
         pre=box_document(step.pre),
         pre_exact=exact_box(step.pre),
@@ -267,9 +316,9 @@ def _obligation(obligation: Obligation) -> ObligationDocument:
     proof = obligation.proof
     finite = proof.verdict is Verdict.PROVED and proof.lower < float("inf")
     return ObligationDocument(
-        claim=obligation.claim,
+        id=ObligationId(obligation.name.id),
+        about=dict(obligation.name.about),
         inequality=obligation.inequality,
-        derivation=obligation.derivation,
         verdict=proof.verdict.word,
         lower_bound=proof.lower.hex() if finite else None,
         boxes=proof.boxes,
@@ -287,63 +336,97 @@ def exact_box(box: PoseBox) -> ExactBox:
     return ExactBox(x_m=ends["x"], y_m=ends["y"], theta_rad=ends["theta"])
 
 
+def named(name: Named) -> NamedDocument:
+    """Write out a name."""
+    return NamedDocument(id=name.id, about=dict(name.about))
+
+
+def name_of(document: NamedDocument) -> Named:
+    """The name that was written out."""
+    return Named(id_of(document.id), document.about)
+
+
 def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
-    """The claim in words and as the inequalities that it was reduced to."""
-    goal, u = task.goal, task.uncertainty
-    walls = "" if task.slot is None else " and neither the part nor a tip touches the slot's walls"
-    words = (
-        f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "
-        f"({task.start.x_um} um, {task.start.y_um} um, {task.start.theta_deg} deg), whatever the "
-        f"sensing errors (same bounds, before each move), the probe errors (within "
-        f"{u.probe_position_um} um), mu in {list(u.friction)}, film ratio within "
-        f"{u.film_ratio_percent} % of {u.film_ratio_um2} um^2 and tip misalignment in "
-        f"{list(u.tip_misalignment_deg)} deg, the plan's policy of {moves} moves can be "
-        f"carried out, and every motion of the quasi-static model ends with the part within "
-        f"{goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
-        f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg){walls}."
-    )
-    inequalities = {
-        f"{obligation.inequality} [{obligation.derivation}]": None
-        for step in chain.steps
-        for obligation in step.obligations
-    }
+    """What is claimed, what it rests on, and the inequalities that it was reduced to."""
+    u = setup_of(task).uncertainty
     return ClaimDocument(
-        words=words, assumptions=assumptions(task), inequalities=tuple(inequalities)
+        id="ends_in_goal" if task.slot is None else "ends_in_goal_clear_of_walls",
+        moves=moves,
+        premises=tuple(Premise),
+        uncertainties=_hex_box({field.name: getattr(u, field.name) for field in fields(u)}),
+        inequalities={one.inequality: one.inequality.derivation for one in _obligations(chain)},
     )
 
 
-def undecided_document(chain: Chain, settled_by: str) -> UndecidedDocument | None:
-    """The first inequality that is not proved; None if the chain is PROVED."""
+def _obligations(chain: Chain) -> Iterator[Obligation]:
+    return (obligation for step in chain.steps for obligation in step.obligations)
+
+
+def reading_document(
+    task: Task,
+    chain: Chain,
+    moves: int,
+    *,
+    undecided: UndecidedReading | None = None,
+    limit: Limit | None = None,
+    outcome: str | None = None,
+) -> ReadingDocument:
+    """The certificate in words."""
+    listed = tuple(_obligations(chain))
+    return ReadingDocument(
+        claim=claim_words(task, moves),
+        premises={one.value: PREMISES[one] for one in Premise},
+        properties={step.claim.key: words(step.claim) for step in chain.steps},
+        obligations={one.name.key: words(one.name) for one in listed},
+        inequalities={
+            one.inequality.value: f"{inequality_words(one.inequality)} "
+            f"[{derivation_words(one.inequality.derivation)}]"
+            for one in listed
+        },
+        undecided=undecided,
+        limit=None if limit is None else limit_words(limit),
+        outcome=outcome,
+    )
+
+
+def limit_words(limit: Limit) -> str:
+    """What fails first at a larger factor."""
+    return f"{words(limit.name)} (step {limit.step}, {limit.action})"
+
+
+@dataclass(frozen=True, slots=True)
+class Undecided:
+    """What is open: as it is compared, and in words."""
+
+    document: UndecidedDocument
+    reading: UndecidedReading
+
+
+def undecided_document(chain: Chain, settled_by: Named) -> Undecided | None:
+    """What is not proved first; None if the chain is PROVED."""
     if chain.verdict is Verdict.PROVED:
         return None
-    found = chain.open_obligation
-    if found is None:
-        last = chain.steps[-1]
-        return UndecidedDocument(
-            move=len(chain.steps),
-            step=last.rule.step,
-            action=last.rule.action,
-            claim="every final pose lies in the goal",
-            inequality="final box within goal",
-            fails=False,
-            over=_hex_box({} if last.post is None else _sides(last.post)),
-            settled_by=settled_by,
-        )
-    step, obligation = found
-    return UndecidedDocument(
+    step, name, found = chain.first_open
+    over = found.proof.box if found is not None else _sides(step.post)
+    document = UndecidedDocument(
         move=1 + next(k for k, one in enumerate(chain.steps) if one is step),
         step=step.rule.step,
         action=step.rule.action,
-        claim=obligation.claim,
-        inequality=obligation.inequality,
-        fails=obligation.proof.verdict is Verdict.REFUTED,
-        over=_hex_box(obligation.proof.box),
-        settled_by=settled_by,
+        reason=named(name),
+        inequality=None if found is None else found.inequality,
+        fails=found is not None and found.proof.verdict is Verdict.REFUTED,
+        over=_hex_box(over),
+        settled_by=named(settled_by),
+    )
+    inequality = "final box within goal" if found is None else inequality_words(found.inequality)
+    return Undecided(
+        document,
+        UndecidedReading(claim=words(name), inequality=inequality, settled_by=words(settled_by)),
     )
 
 
-def _sides(box: PoseBox) -> Box:
-    return {"x": box.x, "y": box.y, "theta": box.theta}
+def _sides(box: PoseBox | None) -> Box:
+    return {} if box is None else {"x": box.x, "y": box.y, "theta": box.theta}
 
 
 def margin_document(margin: Margin) -> MarginDocument:
@@ -353,7 +436,13 @@ def margin_document(margin: Margin) -> MarginDocument:
         refused_at=margin.refused,
         binds_first=margin.binding,
         each_alone=margin.each,
-        limit=margin.limit,
+        limit=None
+        if margin.limit is None
+        else LimitDocument(
+            **named(margin.limit.name).model_dump(),
+            step=margin.limit.step,
+            action=margin.limit.action,
+        ),
     )
 
 

@@ -8,12 +8,22 @@ from dataclasses import dataclass, fields
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
-from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.move import Action, MoveRule
+from meso_robust.primitives.names import Named
 from meso_robust.primitives.setup import Uncertainty, setup_of
 from meso_robust.task import Task
 
 LARGEST = 8.0  # factors beyond it are not tried
 RESOLUTION = 0.02
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limit:
+    """What is not proved, and of which move."""
+
+    name: Named
+    step: int
+    action: Action
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,8 +38,8 @@ class Margin:
     """The uncertainty that bears the least when it is scaled alone."""
     each: dict[str, float]
     """Factor at which the plan was certified when one uncertainty alone was scaled."""
-    limit: str | None
-    """The first inequality that fails at ``refused``."""
+    limit: Limit | None
+    """What fails first at ``refused``."""
 
 
 def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
@@ -78,10 +88,6 @@ def _bisect(proved: Callable[[float], bool]) -> tuple[float, float | None]:
     return good, bad
 
 
-def _limit(rules: Sequence[MoveRule], task: Task, factor: float) -> str:
-    chain = certify(rules, setup_of(task, factor))
-    found = chain.open_obligation
-    if found is None:
-        return "the final box leaves the goal"
-    step, obligation = found
-    return f"{obligation.claim} (step {step.rule.step}, {step.rule.action})"
+def _limit(rules: Sequence[MoveRule], task: Task, factor: float) -> Limit:
+    step, name, _ = certify(rules, setup_of(task, factor)).first_open
+    return Limit(name=name, step=step.rule.step, action=step.rule.action)

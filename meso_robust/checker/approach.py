@@ -30,6 +30,7 @@ from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, off_line, place_on_edge
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.grip import Grip
+from meso_robust.checker.ids import Must, Named, Objection, named
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Pose, Sweep
 from meso_robust.checker.pushing import UNIT, constant
@@ -132,7 +133,7 @@ class Approach:
 
     def swept(self) -> Sweep:
         """All poses until the gap is closed."""
-        own = {name: self.scene.box[name] for name in ("x", "sx", "qx")}
+        own = {key: self.scene.box[key] for key in ("x", "sx", "qx")}
         return Sweep(self.pose, {**self.box(), **own}, "left")
 
     def touching(self, at: Point) -> tuple[Dual, Dual]:
@@ -156,20 +157,16 @@ class Approach:
             "half": constant(scene.half),
         }
 
-        def one(claim: str, statement: st.Statement, names: str) -> Requirement:
-            part = Part({name: contact[name] for name in names.split()}, box)
+        def one(must: Named, statement: st.Statement, keys: str) -> Requirement:
+            part = Part({key: contact[key] for key in keys.split()}, box)
             return Requirement(
-                claim=claim, statement=statement, parts=(part,), cover=(_at_first(part),)
+                name=must, statement=statement, parts=(part,), cover=(_at_first(part),)
             )
 
         return [
-            one(
-                "the active tip pushes until the part rests on both",
-                st.PRESSES,
-                "theta d1 d2 rho",
-            ),
-            one("its motion, sticking or slipping, is unique until then", st.ONLY, "d1 d2 rho mu"),
-            one("the active tip touches the edge", st.ON_EDGE, "d2 half"),
+            one(named(Must.PUSHES_UNTIL_REST), st.PRESSES, "theta d1 d2 rho"),
+            one(named(Must.UNIQUE_UNTIL_REST), st.ONLY, "d1 d2 rho mu"),
+            one(named(Must.TIP_ON_EDGE, tip="active"), st.ON_EDGE, "d2 half"),
         ]
 
 
@@ -190,7 +187,7 @@ def approach(scene: Scene, pair: Pair) -> Approach:
     free = {
         "theta": box["theta"],
         "gap": span(functools.partial(_gap, scene), box),
-        **{name: box[name] for name in ("y", "sy", "py", "qy", "rho", "mu")},
+        **{key: box[key] for key in ("y", "sy", "py", "qy", "rho", "mu")},
     }
     trial = Approach(scene, pair, free, START, START, START)
     for _ in range(GUESSES):
@@ -198,7 +195,7 @@ def approach(scene: Scene, pair: Pair) -> Approach:
         if _inside(found.turn, trial.turn) and _inside(found.creep, trial.creep):
             return found
         trial = dataclasses.replace(found, turn=_enlarged(found.turn), creep=_enlarged(found.creep))
-    raise Refused("the part comes to rest on both tips", "bounded rates", "no bound")
+    raise Refused(named(Objection.COMES_TO_REST), "bounded rates", "no bound")
 
 
 def _gap(scene: Scene, at: Point) -> Dual:
@@ -212,9 +209,9 @@ def _follows(trial: Approach) -> Approach:
     ratio = _ratio(trial)
     trial = dataclasses.replace(trial, ratio=ratio)
     box = trial.box()
-    for name in ("pressing", "closing"):
-        if not positive(functools.partial(_rate, trial, name), box):
-            raise Refused("the active tip pushes the part onto the passive one", "> 0", name)
+    for rate in ("pressing", "closing"):
+        if not positive(functools.partial(_rate, trial, rate), box):
+            raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", rate)
     turn = span(functools.partial(_rate, trial, "turn"), box, within=NEAR_TURN)
     low, high = span(functools.partial(_rate, trial, "creep"), box, within=NEAR_CREEP)
     least_mu = trial.scene.box["mu"][0]
@@ -225,8 +222,8 @@ def _follows(trial: Approach) -> Approach:
     return dataclasses.replace(trial, turn=turn, creep=(low, high))
 
 
-def _rate(trial: Approach, name: str, at: Point) -> Dual:
-    found: Dual = getattr(trial.state(at), name)
+def _rate(trial: Approach, rate: str, at: Point) -> Dual:
+    found: Dual = getattr(trial.state(at), rate)
     return found
 
 

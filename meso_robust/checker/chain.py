@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from meso_robust.checker.document import RuleDocument
 from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.ranges import Side
@@ -70,4 +71,4 @@ def verify_alone(policy: Sequence[RuleDocument], given: Given, prover: Prover = 
     moves = passages(policy, given, given.start, prover=prover)
     ends = [given.start, *(post for _, post in moves)]
     if not within(ends[-1], given.goal):
-        raise Refused("every final pose lies in the goal", "inside", "not shown")
+        raise Refused(named(Objection.GOAL_REACHED), "inside", "not shown")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
@@ -13,18 +13,20 @@ Word = Literal["PROVED", "REFUTED", "UNKNOWN"]
 Over = dict[str, HexPair]
 
 
-class _Model(BaseModel):
+class Model(BaseModel):
+    """Values of a file: known keys only, nothing converted."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
-class AimDocument(_Model):
+class AimDocument(Model):
     """A commanded coordinate."""
 
     relative_to: Literal["sensed part", "world"]
     offset_um: Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 
 
-class RuleDocument(_Model):
+class RuleDocument(Model):
     """A move of the policy."""
 
     step: PaperStep
@@ -40,7 +42,7 @@ class RuleDocument(_Model):
     mirrored: bool
 
 
-class BoxDocument(_Model):
+class BoxDocument(Model):
     """A box of poses for reading."""
 
     x_um: tuple[Um, Um]
@@ -48,7 +50,7 @@ class BoxDocument(_Model):
     theta_deg: tuple[Deg, Deg]
 
 
-class ExactBox(_Model):
+class ExactBox(Model):
     """A box of poses, exactly."""
 
     x_m: HexPair
@@ -56,25 +58,30 @@ class ExactBox(_Model):
     theta_rad: HexPair
 
 
-class ObligationDocument(_Model):
+class NamedDocument(Model):
+    """A stable id and its data."""
+
+    id: str
+    about: dict[str, str]
+
+
+class ObligationDocument(NamedDocument):
     """One inequality over one box."""
 
-    claim: str
     inequality: str
-    derivation: str
     verdict: Word
     lower_bound: str | None
     boxes: Count
     over: Over
 
 
-class StepDocument(_Model):
+class StepDocument(Model):
     """One certified move."""
 
     step: PaperStep
     primitive: str
     action: str
-    property: str
+    property: NamedDocument
     verdict: Word
     pre: BoxDocument
     pre_exact: ExactBox
@@ -83,31 +90,34 @@ class StepDocument(_Model):
     obligations: tuple[ObligationDocument, ...]
 
 
-class ClaimDocument(_Model):
+class ClaimDocument(Model):
     """What the certificate is about."""
 
-    words: str
-    assumptions: tuple[str, ...]
-    inequalities: tuple[str, ...]
+    id: str
+    moves: MoveNumber
+    premises: tuple[str, ...]
+    uncertainties: dict[str, HexPair]
+    inequalities: dict[str, str | None]
 
 
-class UndecidedDocument(_Model):
+class UndecidedDocument(Model):
     """Why the verdict is UNKNOWN."""
 
     move: MoveNumber
     step: PaperStep
     action: str
-    claim: str
-    inequality: str
+    reason: NamedDocument
+    inequality: str | None
     fails: bool
     over: Over
-    settled_by: str
+    settled_by: NamedDocument
 
 
-class WitnessDocument(_Model):
+class WitnessDocument(Model):
     """A run that breaks the claim."""
 
     outcome: str
+    move: MoveNumber | None
     start: tuple[str, str, str]
     friction: str
     film_ratio_m2: str
@@ -117,17 +127,24 @@ class WitnessDocument(_Model):
     single_probe: tuple[HexPair, ...]
 
 
-class MarginDocument(_Model):
+class LimitDocument(NamedDocument):
+    """What is not proved at a larger factor."""
+
+    step: PaperStep
+    action: str
+
+
+class MarginDocument(Model):
     """How much more uncertainty the plan could bear."""
 
     factor: Factor
     refused_at: Factor | None
     binds_first: str | None
     each_alone: dict[str, Factor]
-    limit: str | None
+    limit: LimitDocument | None
 
 
-class SimulationDocument(_Model):
+class SimulationDocument(Model):
     """Runs of the simulator: evidence beside the proof."""
 
     samples: Count
@@ -140,10 +157,10 @@ class SimulationDocument(_Model):
     simulator_error_um_um_deg: tuple[Distance, Distance, Distance]
 
 
-class Certificate(_Model):
+class Certificate(Model):
     """A certificate."""
 
-    schema_: Annotated[Literal["meso-robust/certificate/1"], Field(alias="schema")]
+    schema_: Annotated[Literal["meso-robust/certificate/2"], Field(alias="schema")]
     digest: str
     verdict: Word
     task: str
@@ -158,3 +175,5 @@ class Certificate(_Model):
     margin: MarginDocument
     simulation: SimulationDocument
     made_with: dict[str, str]
+    reading: dict[str, Any]
+    """Sentences for people: not looked at."""

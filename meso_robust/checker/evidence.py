@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from meso_robust.checker.document import Certificate
+from meso_robust.checker.ids import place
 from meso_robust.checker.refusal import Refused
 
 
@@ -22,10 +23,12 @@ def check_evidence(certificate: Certificate) -> None:
     ):
         most, own = getattr(told, whole), getattr(told, part)
         if own is not None and own > most:
-            raise Refused(f"simulation.{part}: at most simulation.{whole}", own, most)
+            raise Refused(
+                place(f"simulation.{part}"), own, f"at most {most}, of simulation.{whole}"
+            )
     count = len(told.largest_excess_um_um_deg)
     if count > moves:
-        raise Refused("simulation.largest_excess_um_um_deg: at most one a move", count, moves)
+        raise Refused(place("simulation.largest_excess_um_um_deg"), count, f"at most {moves}")
     undecided = certificate.undecided
     if undecided is not None and undecided.move > moves:
-        raise Refused("undecided.move: a move of the policy", undecided.move, f"1 to {moves}")
+        raise Refused(place("undecided.move"), undecided.move, f"1 to {moves}")

@@ -87,6 +87,18 @@ class Given:
     """The slot's walls, world axes."""
 
 
+def uncertainties(known: Given) -> dict[str, Side]:
+    """What the claim holds for all of, by the names of a certificate."""
+    return {
+        "sensed_position": known.sensed,
+        "sensed_orientation": known.turned,
+        "probe_position": known.probe,
+        "friction": known.friction,
+        "film_ratio": known.film_ratio,
+        "misalignment": known.misalignment,
+    }
+
+
 def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -> Given:
     """Convert a task, its uncertainties (or ``only`` one of them) scaled about their middle."""
     u = task.uncertainty

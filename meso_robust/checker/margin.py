@@ -7,12 +7,13 @@ from fractions import Fraction
 from meso_robust.checker.chain import verify_alone
 from meso_robust.checker.document import Certificate, MarginDocument
 from meso_robust.checker.given import SCALED, given
+from meso_robust.checker.ids import place
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.refusal import Refused
 from meso_robust.task import Task
 
 
-def check_words(margin: MarginDocument) -> None:
+def check_form(margin: MarginDocument) -> None:
     """What must hold of the margin's numbers among each other.
 
     Raises
@@ -22,16 +23,16 @@ def check_words(margin: MarginDocument) -> None:
     """
     alone = margin.each_alone
     if set(alone) != set(SCALED):
-        raise Refused("margin.each_alone: one factor an uncertainty", sorted(alone), sorted(SCALED))
+        raise Refused(place("margin.each_alone"), sorted(alone), sorted(SCALED))
     least = min(alone, key=lambda name: alone[name])
     if margin.binds_first is None or alone.get(margin.binds_first) != alone[least]:
-        raise Refused("margin.binds_first: the least of each_alone", margin.binds_first, least)
+        raise Refused(place("margin.binds_first"), margin.binds_first, least)
     if not 1.0 <= margin.factor <= alone[least]:
-        raise Refused("margin.factor: from 1 to each_alone", margin.factor, f"1 to {alone[least]}")
+        raise Refused(place("margin.factor"), margin.factor, f"1 to {alone[least]}")
     if (margin.refused_at is None) != (margin.limit is None):
-        raise Refused("margin.limit: given with refused_at", margin.limit, margin.refused_at)
+        raise Refused(place("margin.limit"), margin.limit, margin.refused_at)
     if margin.refused_at is not None and not margin.factor < margin.refused_at:
-        raise Refused("margin.refused_at: above factor", margin.refused_at, margin.factor)
+        raise Refused(place("margin.refused_at"), margin.refused_at, margin.factor)
 
 
 def check_none(margin: MarginDocument) -> None:
@@ -43,7 +44,7 @@ def check_none(margin: MarginDocument) -> None:
         A factor is stated.
     """
     if margin.factor != 0.0 or any(margin.each_alone.values()):
-        raise Refused("margin: 0 of a plan that is not proved", margin.factor, 0.0)
+        raise Refused(place("margin.factor"), margin.factor, 0.0)
 
 
 def check_factor(
@@ -73,4 +74,6 @@ def check_factor(
         try:
             verify_alone(certificate.policy, given(task, Fraction(factor), only), prover)
         except Refused as refused:
-            raise Refused(f"margin.{name}", factor, f"not shown: {refused.claim}") from refused
+            raise Refused(
+                place(f"margin.{name}"), factor, f"not shown: {refused.claim}"
+            ) from refused

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from meso_robust.checker.document import RuleDocument
 from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.passage import Memory, Passage
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.regrasp import check_regrasp
@@ -63,11 +64,13 @@ def check_rule(rule: RuleDocument) -> None:
         It does not, or the kind of move is not known.
     """
     if rule.action not in MOVES:
-        raise Refused("the checker knows each move of the policy", rule.action, sorted(MOVES))
+        raise Refused(named(Objection.MOVE_KNOWN), rule.action, sorted(MOVES))
     turns = rule.action in {"tilt", "rotate"}
     if turns != (rule.side != 0):
-        raise Refused(f"the side of a {rule.action}", rule.side, "1 or -1" if turns else 0)
+        raise Refused(
+            named(Objection.SIDE_OF_MOVE, action=rule.action), rule.side, "1 or -1" if turns else 0
+        )
     passive = [part is not None for part in (rule.single_x, rule.single_y)]
     if passive != [rule.action == "rotate"] * 2:
         needed = "given" if rule.action == "rotate" else "null"
-        raise Refused(f"the passive tip of a {rule.action}", passive, needed)
+        raise Refused(named(Objection.PASSIVE_TIP, action=rule.action), passive, needed)

@@ -9,6 +9,7 @@ from flint import arb
 
 from meso_robust.checker.document import BoxDocument, ExactBox, HexPair
 from meso_robust.checker.given import PoseBox
+from meso_robust.checker.ids import Named
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
 
@@ -18,7 +19,7 @@ SHIFT = Fraction(1, 10**6)
 """By which they are moved outward before they are rounded, in their last decimal."""
 
 
-def double(text: str, what: str) -> float:
+def double(text: str, what: Named) -> float:
     """A finite double, from its hexadecimal spelling by ``float.hex``.
 
     Raises
@@ -35,7 +36,7 @@ def double(text: str, what: str) -> float:
     return value
 
 
-def side(pair: HexPair, what: str) -> Side:
+def side(pair: HexPair, what: Named) -> Side:
     """A range from its two ends.
 
     Raises
@@ -49,14 +50,16 @@ def side(pair: HexPair, what: str) -> Side:
     return arb(low), arb(high)
 
 
-def box(stated: ExactBox, what: str) -> PoseBox:
+def box(stated: ExactBox, what: Named) -> PoseBox:
     """A box of poses."""
     return PoseBox(
-        x=side(stated.x_m, what), y=side(stated.y_m, what), theta=side(stated.theta_rad, what)
+        x=side(stated.x_m, what.value("x_m")),
+        y=side(stated.y_m, what.value("y_m")),
+        theta=side(stated.theta_rad, what.value("theta_rad")),
     )
 
 
-def check_reading(told: BoxDocument, exact: PoseBox, what: str, *, outward: bool = True) -> None:
+def check_reading(told: BoxDocument, exact: PoseBox, what: Named, *, outward: bool = True) -> None:
     """Compare the numbers for reading with the exact ones, rounded to three decimals.
 
     Raises
@@ -73,7 +76,7 @@ def check_reading(told: BoxDocument, exact: PoseBox, what: str, *, outward: bool
     for name, stated, ends, factor in pairs:
         low, high = _thousandths(ends[0] * factor, -ends[1] * factor, outward=outward)
         if stated != (low, -high):
-            raise Refused(f"{what}, {name}", list(stated), [low, -high])
+            raise Refused(what.value(name), list(stated), [low, -high])
 
 
 def _thousandths(low: arb, high: arb, *, outward: bool) -> tuple[float, float]:

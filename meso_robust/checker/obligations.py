@@ -12,11 +12,13 @@ from flint import arb
 
 from meso_robust.checker.document import ObligationDocument
 from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.ids import Named, Objection, named
 from meso_robust.checker.numbers import double, side
 from meso_robust.checker.ranges import ZERO, Box, Formula, Side, either, least
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, formulas
 from meso_robust.checker.statement import Statement
+from meso_robust.checker.words import sentence
 
 NINE_DIGITS = arb(1e-9)
 """To what a stated box is compared with the states that are found reachable. Nothing rests on this:
@@ -32,12 +34,15 @@ def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ..
         One differs, is missing, or claims more than is true.
     """
     wanted = [requirement for requirement in found if requirement.stated]
-    claims = [one.claim for one in stated]
-    if claims != [one.claim for one in wanted]:
-        missing = next((w.claim for w in wanted if w.claim not in claims), "another order")
-        raise Refused("the list of obligations", f"{len(claims)} claims", f"lacks: {missing}")
+    told = [(one.id, one.about) for one in stated]
+    if told != [(one.name.id, one.name.about) for one in wanted]:
+        missing = (w for w in wanted if (w.name.id, w.name.about) not in told)
+        lacks = next((sentence(w.name) for w in missing), "another order")
+        raise Refused(
+            named(Objection.OBLIGATIONS_LISTED), f"{len(told)} of them", f"lacks: {lacks}"
+        )
     for one, requirement in zip(stated, wanted, strict=True):
-        _words(one, requirement.statement)
+        _form(one, requirement)
     for one, requirement in zip(stated, wanted, strict=True):
         _verify(one, requirement)
 
@@ -57,38 +62,35 @@ def _verify(stated: ObligationDocument, requirement: Requirement) -> None:
         raise refused
 
 
-def _words(stated: ObligationDocument, statement: Statement) -> None:
+def _form(stated: ObligationDocument, requirement: Requirement) -> None:
     pairs = (
-        ("inequality", stated.inequality, statement.text),
-        ("derivation", stated.derivation, statement.derivation),
+        ("inequality", stated.inequality, requirement.statement.id),
         ("verdict", stated.verdict, "PROVED"),
     )
-    for name, told, own in pairs:
+    for key, told, own in pairs:
         if told != own:
-            raise Refused(f"{stated.claim}: {name}", told, own)
+            raise Refused(requirement.name.value(key), told, own)
 
 
-def _sides(stated: ObligationDocument) -> dict[str, Side]:
-    return {name: side(pair, f"{stated.claim}: {name}") for name, pair in stated.over.items()}
+def _sides(stated: ObligationDocument, of: Named) -> dict[str, Side]:
+    return {key: side(pair, of.value(key)) for key, pair in stated.over.items()}
 
 
 def _reach(stated: ObligationDocument, requirement: Requirement) -> None:
     """The stated box must hold all that can be."""
-    sides = _sides(stated)
+    sides = _sides(stated, requirement.name)
     for part in requirement.cover or requirement.parts:
         if set(part.variables) != set(sides):
-            raise Refused(
-                f"{stated.claim}: names of the box", sorted(sides), sorted(part.variables)
-            )
-        for name, of in part.variables.items():
-            low, high = sides[name]
+            raise Refused(requirement.name.value("over"), sorted(sides), sorted(part.variables))
+        for key, of in part.variables.items():
+            low, high = sides[key]
             room = (abs(low) + abs(high)) * NINE_DIGITS
             if not (
                 _at_least(of, part.box, low - room)
                 and _at_least(_minus(of), part.box, -high - room)
             ):
                 told = f"{float(low):.9g} to {float(high):.9g}"
-                raise Refused(f"{stated.claim}: {name}", told, "more can be reached")
+                raise Refused(requirement.name.value(key), told, "more can be reached")
 
 
 def _minus(of: Formula) -> Formula:
@@ -101,16 +103,17 @@ def _at_least(of: Formula, box: Box, bound: arb) -> bool:
 
 def _bound(stated: ObligationDocument, requirement: Requirement) -> None:
     """The stated bound must be one."""
+    what = requirement.name.value("lower_bound")
     if stated.lower_bound is None:
-        raise Refused(f"{stated.claim}: lower_bound", "null", "a number")
-    bound = double(stated.lower_bound, f"{stated.claim}: lower_bound")
+        raise Refused(what, "null", "a number")
+    bound = double(stated.lower_bound, what)
     if not _spares(stated, requirement, arb(bound)):
-        raise Refused(f"{stated.claim}: lower bound", bound, "the inequality has less to spare")
+        raise Refused(what, bound, "the inequality has less to spare")
 
 
 def _spares(stated: ObligationDocument, requirement: Requirement, bound: arb) -> bool:
     if requirement.verify is not None:
-        return requirement.verify(_sides(stated), bound)
+        return requirement.verify(_sides(stated, requirement.name), bound)
     where = _where(stated, requirement)
     return all(_holds(requirement.statement, part, bound) for part in where)
 
@@ -118,14 +121,14 @@ def _spares(stated: ObligationDocument, requirement: Requirement, bound: arb) ->
 def _where(stated: ObligationDocument, requirement: Requirement) -> tuple[Part, ...]:
     if requirement.over_parts:
         return requirement.parts
-    box: Mapping[str, Side] = _sides(stated)
+    box: Mapping[str, Side] = _sides(stated, requirement.name)
     if requirement.stated_box is not None:
         box = requirement.stated_box(box)
-    return (Part({name: _variable(name) for name in box}, box),)
+    return (Part({key: _variable(key) for key in box}, box),)
 
 
-def _variable(name: str) -> Callable[[Point], Dual]:
-    return lambda at: at[name]
+def _variable(key: str) -> Callable[[Point], Dual]:
+    return lambda at: at[key]
 
 
 def _holds(statement: Statement, part: Part, bound: arb) -> bool:

@@ -14,6 +14,7 @@ from fractions import Fraction
 
 from flint import arb, fmpq
 
+from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.refusal import Refused
 from meso_robust.task import Part, PolygonPart
 
@@ -106,7 +107,7 @@ class Polygon:
         ends = zip(self.around, (*self.around[1:], self.around[0]), strict=True)
         own = [e for e, (i, j) in zip(self.every, ends, strict=True) if (j - i) % count == 1]
         if not own:
-            raise Refused("an edge of the part belongs to its convex hull", 0, "1 or more")
+            raise Refused(named(Objection.EDGE_ON_HULL), 0, "1 or more")
         ahead = [(theta - edge.turn) / (arb.pi() / 2) - 1 for edge in own]
         turns = [round(float((right / 4).mid())) for right in ahead]
         off = [abs(float((r - 4 * n).mid())) for r, n in zip(ahead, turns, strict=True)]
@@ -191,7 +192,7 @@ def _side(name: int, p: Corner, q: Corner) -> Edge:
 
     d1 = over(p[0] * q[1] - p[1] * q[0])
     if not d1 > 0:
-        raise Refused("the centre lies within the part's convex hull", float(d1), "more than 0")
+        raise Refused(named(Objection.CENTRE_IN_HULL), float(d1), "more than 0")
     return Edge(
         name=name,
         turn=-arb.atan2(_ball(along[1]), _ball(along[0])),

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
+from meso_robust.checker.ids import Named
 from meso_robust.checker.ranges import Box
 from meso_robust.checker.requirement import Requirement
 from meso_robust.checker.scene import Scene
@@ -46,8 +47,8 @@ class Sweep:
 class Passage:
     """A verified move."""
 
-    says: str
-    """The property, in words."""
+    does: Named
+    """The property that it is proved to have."""
     post: PoseBox
     """All poses after it, in the move's own axes."""
     requirements: tuple[Requirement, ...]

@@ -10,13 +10,14 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, place_on_edge
 from meso_robust.checker.dual import Dual, Number, Point
+from meso_robust.checker.ids import Must, Named, named
 from meso_robust.checker.outline import Edge, Rectangle
 from meso_robust.checker.ranges import Box, Formula
 from meso_robust.checker.requirement import Part, Requirement, Variables, holds
 from meso_robust.checker.scene import Scene, direction
 
 NAMES = {1: "upper", -1: "lower"}
-TURNS = {1: "counter-clockwise", -1: "clockwise"}
+TURNS = {1: "counter_clockwise", -1: "clockwise"}
 UNIT = (arb(0), arb(1))
 """Side of a share between none and all."""
 Touching = Callable[[Point], Contact]
@@ -38,7 +39,7 @@ def free_at_start(scene: Scene, sides: tuple[int, ...]) -> list[Requirement]:
 
     def one(side: int) -> Requirement:
         return Requirement(
-            claim=f"the {NAMES[side]} tip is free of contact at the start",
+            name=named(Must.TIP_FREE_AT_START, tip=NAMES[side]),
             statement=st.CLEARANCE,
             parts=(
                 Part(
@@ -64,7 +65,7 @@ def on_edge(which: str, scene: Scene, offset: Formula, box: Box) -> Requirement:
         statement = st.BETWEEN_ENDS
         variables = {"d2": offset, "first": constant(edge.first), "last": constant(edge.last)}
     return Requirement(
-        claim=f"the {which} tip touches the edge",
+        name=named(Must.TIP_ON_EDGE, tip=which),
         statement=statement,
         parts=(Part(variables, box),),
     )
@@ -92,23 +93,19 @@ def sticks(
         "side": constant(arb(side)),
     }
 
-    def one(claim: str, statement: st.Statement, names: str) -> Requirement:
+    def one(must: Named, statement: st.Statement, keys: str) -> Requirement:
         def part(angle: Formula) -> Part:
             every = {"theta": angle, **variables}
-            return Part({name: every[name] for name in names.split()}, box)
+            return Part({key: every[key] for key in keys.split()}, box)
 
         cover = tuple(map(part, ends)) or None
-        return Requirement(claim=claim, statement=statement, parts=(part(theta),), cover=cover)
+        return Requirement(name=must, statement=statement, parts=(part(theta),), cover=cover)
 
     return [
-        one(f"the {which} tip pushes", st.PRESSES, "theta d1 d2 rho"),
-        one(f"the {which} tip sticks", st.STICKS, "theta d1 d2 rho mu"),
-        one(f"the {which} tip turns the part {TURNS[side]}", st.TURNS, "theta d1 d2 side"),
-        one(
-            f"no slipping motion is possible beside the sticking one ({which} tip)",
-            st.ONLY,
-            "d1 d2 rho mu",
-        ),
+        one(named(Must.TIP_PUSHES, tip=which), st.PRESSES, "theta d1 d2 rho"),
+        one(named(Must.TIP_STICKS, tip=which), st.STICKS, "theta d1 d2 rho mu"),
+        one(named(Must.TIP_TURNS_PART, tip=which, turn=TURNS[side]), st.TURNS, "theta d1 d2 side"),
+        one(named(Must.NO_SLIPPING, tip=which), st.ONLY, "d1 d2 rho mu"),
     ]
 
 
@@ -128,8 +125,8 @@ def passes(
     when: str, parts: tuple[Part, ...], cover: tuple[Part, ...] | None = None
 ) -> Requirement:
     """The idle tip is clear of the part in all ``parts`` (variables as from :func:`beside`)."""
-    claim = f"the other tip passes the part ({when})"
-    return Requirement(claim=claim, statement=st.BESIDE, parts=parts, cover=cover)
+    must = named(Must.IDLE_TIP_PASSES, when=when)
+    return Requirement(name=must, statement=st.BESIDE, parts=parts, cover=cover)
 
 
 def passes_hull(
@@ -145,14 +142,14 @@ def passes_hull(
 
     ``angles``: the direction of the pushed edge, and if it passes many its first and last one.
     """
-    claim = f"the other tip passes the part ({when})"
+    must = named(Must.IDLE_TIP_PASSES, when=when)
 
     def off(line: Edge) -> Requirement:
         def part(angle: Formula) -> Part:
             return Part(_off_side(scene, line, angle, offset, flight, side), box)
 
         parts, ends = (part(angles[0]),), tuple(map(part, angles[1:]))
-        return Requirement(claim=claim, statement=st.CLEARANCE, parts=parts, cover=ends or None)
+        return Requirement(name=must, statement=st.CLEARANCE, parts=parts, cover=ends or None)
 
     tried = [off(line) for line in scene.outline.sides(scene.edge)]
     shown = [one for one in tried if holds(one.statement, one.parts[0])] or tried
@@ -178,7 +175,7 @@ def _off_side(
 def comes_free(which: str, theta: Formula, box: Box) -> Requirement:
     """A tip on the edge leaves its line at once when it backs off along +x (sin(theta) > 0)."""
     return Requirement(
-        claim=f"the {which} free of contact on withdrawal",
+        name=named(Must.WITHDRAWS_FREE, tips=which),
         statement=st.COMES_FREE,
         parts=(Part({"theta": theta}, box),),
     )

@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from meso_robust.checker.document import Certificate
+from meso_robust.checker.schema_one import SCHEMA, CertificateOne, certificate_of
 from meso_robust.errors import InputError
 from meso_robust.reading import each_once, first_fault, text_of
 from meso_robust.task import Task
@@ -40,18 +41,24 @@ def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, 
         raise InputError(
             f"{source}: is not a JSON file in UTF-8 ({error}); give a certificate"
         ) from error
+    model = CertificateOne if _is_one(values) else Certificate
     try:
-        found = Certificate.model_validate_json(text)
+        found = model.model_validate_json(text)
+        if found.task_hash != task.hash:
+            raise InputError(
+                f"{source}: key task_hash = {found.task_hash!r}: must be the hash {task.hash!r} of "
+                f"the task; the certificate is about another task ({found.task!r}), give that one"
+            )
+        named = certificate_of(found, task) if isinstance(found, CertificateOne) else found
     except ValidationError as error:
         keys = "`meso-robust schema certificate`"
-        fault = first_fault(error, Certificate, whole="certificate", keys=keys)
+        fault = first_fault(error, model, whole="certificate", keys=keys)
         raise InputError(f"{source}: {fault}; give a certificate") from error
-    if found.task_hash != task.hash:
-        raise InputError(
-            f"{source}: key task_hash = {found.task_hash!r}: must be the hash {task.hash!r} of the "
-            f"task; the certificate is about another task ({found.task!r}), give that one"
-        )
-    return found, digest(values)
+    return named, digest(values)
+
+
+def _is_one(values: Any) -> bool:
+    return isinstance(values, dict) and values.get("schema") == SCHEMA
 
 
 def digest(values: dict[str, Any]) -> str:

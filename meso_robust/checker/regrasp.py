@@ -5,6 +5,7 @@ from __future__ import annotations
 from meso_robust.checker import statement as st
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
+from meso_robust.checker.ids import Must, Property, named
 from meso_robust.checker.outline import Edge
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.pushing import NAMES, UNIT, constant
@@ -27,7 +28,7 @@ def check_regrasp(scene: Scene) -> Passage:
     box = scene.box
     at_rest = PoseBox(x=box["x"], y=box["y"], theta=shift(box["theta"], scene.turn))
     return Passage(
-        says="the probes travel clear of the part, which stays at rest",
+        does=named(Property.PART_RESTS),
         post=at_rest,
         requirements=requirements,
     )
@@ -51,7 +52,7 @@ def _beyond(scene: Scene, side: int, edge: Edge) -> Requirement:
         "dy": lambda at: scene.rise(at, side),
     }
     return Requirement(
-        claim=f"the {NAMES[side]} tip stays clear of the part on its way",
+        name=named(Must.TIP_CLEAR_OF_PART, tip=NAMES[side]),
         statement=st.CLEARANCE,
         parts=(Part(variables, {**scene.box, "share": UNIT}),),
     )

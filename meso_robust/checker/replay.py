@@ -24,6 +24,7 @@ from meso_robust.checker.contact import off_line
 from meso_robust.checker.document import RuleDocument, WitnessDocument
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.ids import Named, Objection, named, place
 from meso_robust.checker.moves import verify_scene
 from meso_robust.checker.numbers import double
 from meso_robust.checker.outline import Edge, Polygon
@@ -33,9 +34,8 @@ from meso_robust.checker.refusal import Refused
 from meso_robust.checker.scene import Scene, direction, frame_of, scene_of
 from meso_robust.checker.walls import clear_of_walls, meets_a_wall
 
-INSIDE = "a probe would start inside the part"
-MISSES = "the last pose misses the goal"
-WALL = "the part meets a wall"
+INSIDE, MISSES = "starts_inside", "misses_goal"
+"""Outcomes of a witness that are found here as well."""
 Three = tuple[arb, arb, arb]
 
 
@@ -45,10 +45,12 @@ class Fate:
 
     fails: bool
     """Whether that was proved; else nothing was."""
-    why: str
+    why: Named
     """How it fails, or what could not be shown."""
+    move: int | None = None
+    """In which move, from 1; None: at the end."""
     outcome: str | None = None
-    """What the witness must say of it; None: whatever the simulator found."""
+    """What the witness must name; None: whatever the simulator found."""
 
 
 def replay(witness: WitnessDocument, policy: tuple[RuleDocument, ...], given: Given) -> Fate:
@@ -72,21 +74,23 @@ def replay(witness: WitnessDocument, policy: tuple[RuleDocument, ...], given: Gi
     for number, rule in enumerate(policy):
         scene = run.scene(rule, number, pose)
         if _starts_inside(scene):
-            return Fate(fails=True, why=f"move {number + 1}: {INSIDE}", outcome=INSIDE)
+            return Fate(
+                fails=True, why=named(Objection.STARTS_INSIDE), move=number + 1, outcome=INSIDE
+            )
         try:
             passage = verify_scene(scene, run.given, memory)
         except Refused as refused:
-            return Fate(fails=False, why=f"move {number + 1}: {refused.claim}")
+            return Fate(fails=False, why=refused.name, move=number + 1)
         fate = _at_walls(scene, passage, run.given, number)
         if fate is not None:
             return fate
         pose, memory = scene.frame.world(passage.post), passage.memory
     if within(pose, given.goal):
         stated, found = "it fails", "every motion of it is proved to end in the goal"
-        raise Refused("the witness is a run that fails", f"{stated} ({witness.outcome})", found)
+        raise Refused(named(Objection.WITNESS_FAILS), f"{stated} ({witness.outcome})", found)
     if _outside(pose, given.goal):
-        return Fate(fails=True, why=MISSES, outcome=MISSES)
-    return Fate(fails=False, why="the last pose is neither inside nor outside the goal for certain")
+        return Fate(fails=True, why=named(Objection.MISSES_GOAL), outcome=MISSES)
+    return Fate(fails=False, why=named(Objection.END_UNDECIDED))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,7 +146,7 @@ class _Run:
 
 def _number(text: str, bounds: Side) -> arb:
     """A number of the run, put back into its bounds where rounding took it out."""
-    return arb(double(text, "witness")).max(bounds[0]).min(bounds[1])
+    return arb(double(text, place("witness"))).max(bounds[0]).min(bounds[1])
 
 
 def _numbers(texts: tuple[str, str, str], bounds: tuple[Side, Side, Side]) -> Three:
@@ -195,7 +199,8 @@ def _at_walls(scene: Scene, passage: Passage, given: Given, number: int) -> Fate
         clear_of_walls(scene, passage, given)
     except Refused as refused:
         touches = meets_a_wall(scene, passage, given)
-        return Fate(fails=touches, why=f"move {number + 1}: {WALL if touches else refused.claim}")
+        why = named(Objection.MEETS_WALL) if touches else refused.name
+        return Fate(fails=touches, why=why, move=number + 1)
     return None
 
 

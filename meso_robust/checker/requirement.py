@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from flint import arb
 
 from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.ids import Named
 from meso_robust.checker.ranges import ZERO, Box, Formula, either, least, point_of, positive
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.statement import Statement
@@ -32,7 +33,7 @@ class Part:
 class Requirement:
     """An inequality over everything that a move can be like."""
 
-    claim: str
+    name: Named
     statement: Statement
     parts: tuple[Part, ...]
     stated: bool = True
@@ -86,7 +87,7 @@ def prove(requirement: Requirement) -> None:
     for part in requirement.parts:
         if not holds(requirement.statement, part):
             found = ", ".join(_bounds(requirement.statement, part))
-            raise Refused(requirement.claim, "more than 0", f"a bound of {found}")
+            raise Refused(requirement.name, "more than 0", f"a bound of {found}")
 
 
 def _bounds(statement: Statement, part: Part) -> Iterator[str]:

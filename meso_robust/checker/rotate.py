@@ -21,6 +21,7 @@ from meso_robust.checker.approach import Approach, approach
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
 from meso_robust.checker.grip import Grip
+from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.outline import Rectangle
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Passage, Pose, Sweep
@@ -43,10 +44,6 @@ IDLE = 1
 """The upper tip of the active probe touches nothing; the lower one pushes."""
 NEAR = 2e-7
 """How closely the touch is bounded, m."""
-SAYS = (
-    "both tips stay in contact and the part turns to nearly horizontal without jamming; its slide "
-    "stays in the tube although the motion need not be unique"
-)
 
 
 def check_rotate(scene: Scene) -> Passage:
@@ -58,9 +55,9 @@ def check_rotate(scene: Scene) -> Passage:
         A requirement does not follow.
     """
     if not isinstance(scene.outline, Rectangle):
-        raise Refused("a rotation turns a rectangle", "a polygon", "a rectangle")
+        raise Refused(named(Objection.IS_RECTANGLE), "a polygon", "a rectangle")
     if scene.rule.side != 1:
-        raise Refused("a rotation turns its part to side 1 of its axes", scene.rule.side, 1)
+        raise Refused(named(Objection.SIDE_OF_MOVE, action="rotate"), scene.rule.side, 1)
     pair, box = Pair(scene), scene.box
     before = [*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(scene), _no_jam(pair)]
     _prove(before)
@@ -79,7 +76,7 @@ def check_rotate(scene: Scene) -> Passage:
     after = turn.requirements()
     _prove(after)
     return Passage(
-        says=SAYS,
+        does=named(Property.TURNS_BETWEEN_TIPS),
         post=turn.post(),
         requirements=(*before, *arrival, *after),
         swept=(touching.swept(), *turn.swept()),
@@ -99,7 +96,7 @@ def _passive_free(scene: Scene) -> Requirement:
         "dy": lambda at: -scene.passive_rise(at),
     }
     return Requirement(
-        claim="the passive tip is free of contact at the start",
+        name=named(Must.TIP_FREE_AT_START, tip="passive"),
         statement=st.CLEARANCE,
         parts=(Part(variables, scene.box),),
     )
@@ -112,7 +109,7 @@ def _no_jam(pair: Pair) -> Requirement:
         "mu": lambda at: at["mu"],
     }
     return Requirement(
-        claim="the grasp cannot close: the motion exists (no jam)",
+        name=named(Must.NO_JAM),
         statement=st.NO_JAM,
         parts=(Part(variables, pair.scene.box),),
     )
@@ -124,7 +121,7 @@ def _rests(touching: Approach, h_end: Side) -> Requirement:
         "h_end": lambda at: at["h_end"],
     }
     return Requirement(
-        claim="the part rests on the passive tip before the push ends",
+        name=named(Must.RESTS_BEFORE_END),
         statement=st.RESTS,
         parts=(Part(variables, {**touching.box(), "h_end": h_end}),),
     )
@@ -185,37 +182,36 @@ class _Turn:
         while_turning = tuple(self.idle(piece) for piece in self.pieces)
         return [
             Requirement(
-                claim="both tips stay in contact: the active one alone would press the part on the "
-                "other",
+                name=named(Must.BOTH_TIPS_TOUCH),
                 statement=st.PASSIVE_FORCE,
                 parts=tube,
                 cover=span_of,
                 over_parts=True,
             ),
             Requirement(
-                claim="both tips stay on their edges",
+                name=named(Must.BOTH_TIPS_ON_EDGES),
                 statement=st.TIPS_ON_EDGES,
                 parts=tube,
                 cover=span_of,
                 over_parts=True,
             ),
             Requirement(
-                claim="the active tip presses on the part between both tips",
+                name=named(Must.ACTIVE_PRESSES),
                 statement=st.ACTIVE_FORCE,
                 parts=tube,
                 stated=False,
             ),
             Requirement(
-                claim="the active tip alone would press on the part",
+                name=named(Must.ACTIVE_PRESSES_ALONE),
                 statement=st.ALONE,
                 parts=tube,
                 stated=False,
             ),
-            passes("before the touch", (self.flight(),)),
-            passes("early in the turn", (self.early(),)),
-            passes("late in the turn", while_turning, cover=(self.at_end(),)),
-            passes("on withdrawal", (self.withdrawal(),)),
-            comes_free("two tips come", self.end_angle, self.end_box()),
+            passes("before_touch", (self.flight(),)),
+            passes("early_in_turn", (self.early(),)),
+            passes("late_in_turn", while_turning, cover=(self.at_end(),)),
+            passes("on_withdrawal", (self.withdrawal(),)),
+            comes_free("both", self.end_angle, self.end_box()),
         ]
 
     def ends(self) -> Box:

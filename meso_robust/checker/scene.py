@@ -20,6 +20,7 @@ from flint import arb
 from meso_robust.checker.document import AimDocument, RuleDocument
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import Given, PoseBox, ball, metres
+from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.outline import Edge, Outline
 from meso_robust.checker.ranges import Box, Side, shift, whole
 from meso_robust.checker.refusal import Refused
@@ -134,7 +135,9 @@ class Scene:
 def given_aim(to: AimDocument | None) -> AimDocument:
     """An aim that a rotation must have."""
     if to is None:
-        raise Refused("a rotation has a passive tip", "null", "single_x and single_y")
+        raise Refused(
+            named(Objection.PASSIVE_TIP, action="rotate"), "null", "single_x and single_y"
+        )
     return to
 
 

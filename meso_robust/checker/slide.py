@@ -29,6 +29,7 @@ from flint import arb
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.grip import Grip
 from meso_robust.checker.guess import Corners, corners_of, curve
+from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.pushing import UNIT
 from meso_robust.checker.ranges import Box, Formula, Side, positive
 from meso_robust.checker.refusal import Refused
@@ -43,7 +44,7 @@ SPARE = (2e-4, 8e-4, 3e-3, 1.2e-2, 5e-2, 0.2)
 BOTH = (-1, 1)
 ROOM = 1e-12
 """m; between what must be held and what holds it."""
-CLAIM = "the slide between both tips stays in the tube"
+CLAIM = named(Objection.SLIDE_IN_TUBE)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -122,7 +123,7 @@ def _knots(h: Side, h_end: Side) -> list[float]:
     top, landed = _beyond(h[1], 1), _beyond(h[0], -1)
     near, bottom = _beyond(h_end[1], 1), _beyond(h_end[0], -1)
     if not landed > near:
-        raise Refused("the part rests on the passive tip well before the push ends", landed, near)
+        raise Refused(named(Objection.RESTS_WELL_BEFORE_END), landed, near)
     band = [top + (landed - top) * k / BAND for k in range(BAND)]
     turn = [landed + (near - landed) * k / PIECES for k in range(PIECES)]
     return [*band, *turn, near, bottom]

@@ -1,7 +1,7 @@
 """The inequalities that a certificate may state, each with the checker's own formula for it.
 
-The key is the text as it stands in the certificate: an inequality that is not in this table is not
-understood, and the certificate is rejected.
+An inequality is named by its id: one with a dot is what that file of the derivations states. What is
+not in this table is not understood, and the certificate is rejected.
 """
 
 from __future__ import annotations
@@ -17,20 +17,23 @@ from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.grip import Forces, Grip
 
 Values = tuple[Dual, ...]
-ARITHMETIC = "interval arithmetic on the enclosures above"
 
 
 @dataclass(frozen=True, slots=True)
 class Statement:
     """One kind of inequality."""
 
-    text: str
-    derivation: str
-    """What the certificate names as its source."""
+    id: str
     of: Callable[[Point, arb], Values]
     """Values that are positive where the inequality holds with more than a number to spare."""
     any_value: bool = False
     """Whether it is enough that one value is positive at each point."""
+
+    @property
+    def derivation(self) -> str | None:
+        """File that derives it; None: it follows from the enclosures."""
+        module, dot, _ = self.id.partition(".")
+        return f"derivations/{module}.py" if dot else None
 
 
 def _contact(at: Point) -> Contact:
@@ -114,72 +117,49 @@ def _tips_on_edges(at: Point) -> Values:
     return tuple(at["half"] - (reach + at["sigma"] * sign) for sign in (-1, 1))
 
 
-_EVERY, _ANY = ": every value > 0", ": at least one of its values > 0"
-
-
 def _less(values: Callable[[Point], Values]) -> Callable[[Point, arb], Values]:
     return lambda at, above: tuple(value - above for value in values(at))
 
 
-def _named(
-    module: str, call: str, values: Callable[[Point], Values], *, any_value: bool = False
-) -> Statement:
-    text = f"{module}.{call}{_ANY if any_value else _EVERY}"
-    return Statement(text, f"derivations/{module}.py", _less(values), any_value)
+def _plain(id_: str, values: Callable[[Point], Values], *, any_value: bool = False) -> Statement:
+    return Statement(id_, _less(values), any_value)
 
 
-def _plain(text: str, values: Callable[[Point], Values]) -> Statement:
-    return Statement(text, ARITHMETIC, _less(values))
-
-
-CLEARANCE = _named("sticking_motion", "clearance(theta, d1, dx, dy)", _clearance)
-BESIDE = _named("sticking_motion", "beside(theta, d2, half, dx, dy, side)", _beside, any_value=True)
-PRESSES = _named(
-    "one_point_sticking",
-    "normal_force(theta, d1, d2, rho)",
+CLEARANCE = _plain("sticking_motion.clearance", _clearance)
+BESIDE = _plain("sticking_motion.beside", _beside, any_value=True)
+PRESSES = _plain(
+    "one_point_sticking.normal_force",
     lambda at: (_contact(at).press(at["rho"]),),
 )
-STICKS = _named("one_point_sticking", "friction_margin(theta, d1, d2, rho, mu)", _friction)
-TURNS = _named(
-    "one_point_sticking",
-    "turning(theta, d1, d2, side)",
+STICKS = _plain("one_point_sticking.friction_margin", _friction)
+TURNS = _plain(
+    "one_point_sticking.turning",
     lambda at: (_contact(at).arm_y * at["side"],),
 )
-ONLY = _named("one_point_sticking", "only_solution(d1, d2, rho, mu)", _only)
-PAIR_STICKS = _named("two_point_sticking", "friction_margin(beta, mu)", _pair_sticks)
-PAIR_PRESSES = _named("two_point_sticking", "normal_forces(beta, d1, d2, d4)", _pair_presses)
-NO_JAM = _named("two_sided_rotation", "no_jam(V, d1, mu)", _no_jam)
-REACHES = _plain("travel > 0", lambda at: (at["travel"],))
-ON_EDGE = _plain("half - |d2| > 0", lambda at: (at["half"] - at["d2"], at["half"] + at["d2"]))
+ONLY = _plain("one_point_sticking.only_solution", _only)
+PAIR_STICKS = _plain("two_point_sticking.friction_margin", _pair_sticks)
+PAIR_PRESSES = _plain("two_point_sticking.normal_forces", _pair_presses)
+NO_JAM = _plain("two_sided_rotation.no_jam", _no_jam)
+REACHES = _plain("travel", lambda at: (at["travel"],))
+ON_EDGE = _plain("within_edge", lambda at: (at["half"] - at["d2"], at["half"] + at["d2"]))
 BETWEEN_ENDS = _plain(
-    "d2 - first > 0 and last - d2 > 0",
+    "between_corners",
     lambda at: (at["d2"] - at["first"], at["last"] - at["d2"]),
 )
-ARRIVES = _plain("travel in contact > longest travel of the turn", _arrives)
-RESTS = _plain("h at the touch > h at the end", lambda at: (at["h_start"] - at["h_end"],))
-COMES_FREE = _plain("sin(theta) > 0 at the end", lambda at: (at["theta"].sin_cos()[0],))
-PASSIVE_FORCE = Statement(
-    "two_sided_rotation.passive_force > 0 over the tube",
-    "derivations/two_sided_rotation.py",
-    _passive_force,
-)
-ALONE = _plain("normal force of the active tip alone > 0 over the tube", _alone)
-ACTIVE_FORCE = Statement("force at the active tip > 0 over the tube", "", _active_force)
-TIPS_ON_EDGES = Statement(
-    "half - |T/2 -+ sigma| > 0 over the tube",
-    "derivations/two_sided_rotation.py",
-    _less(_tips_on_edges),
-)
+ARRIVES = _plain("travel_to_spare", _arrives)
+RESTS = _plain("touch_before_end", lambda at: (at["h_start"] - at["h_end"],))
+COMES_FREE = _plain("faces_back", lambda at: (at["theta"].sin_cos()[0],))
+PASSIVE_FORCE = Statement("two_sided_rotation.passive_force", _passive_force)
+ALONE = _plain("active_alone", _alone)
+ACTIVE_FORCE = Statement("active_force", _active_force)
+TIPS_ON_EDGES = _plain("two_sided_rotation.ends_of_edges", _tips_on_edges)
 PART_CLEAR, TIPS_CLEAR = (
     # verified over what is swept (walls.py), not as a formula of a few numbers
-    Statement(text, ARITHMETIC, lambda at, above: ())
-    for text in (
-        "distance of part and wall along one of their sides > 0 over the tube",
-        "distance of tip and wall along x or y > 0 over the travel",
-    )
+    Statement(id_, lambda at, above: ())
+    for id_ in ("part_to_wall", "tip_to_wall")
 )
 STATEMENTS: Mapping[str, Statement] = {
-    one.text: one
+    one.id: one
     for one in (
         CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
         REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,

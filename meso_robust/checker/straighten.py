@@ -18,6 +18,7 @@ from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import PoseBox
+from meso_robust.checker.ids import Must, Property, named
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     NAMES,
@@ -51,7 +52,7 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
     """
     requirements = [
         *free_at_start(scene, (1, -1)),
-        comes_free("pair comes", _aligned, scene.box),
+        comes_free("pair", _aligned, scene.box),
     ]
     cases = [_Case(scene, side, box) for side, box in _first_contacts(scene)]
     for case in cases:
@@ -61,8 +62,7 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
     theta = scene.box["beta"]
     right = arb.pi() / 2
     return Passage(
-        says="one tip sticks until the other one touches, then both stick and the part translates "
-        "with the probe; the motion is unique",
+        does=named(Property.STRAIGHTENS),
         post=PoseBox(
             x=functools.reduce(hull, (span(case.x_end, case.box) for case in cases)),
             y=functools.reduce(hull, (case.height(memory) for case in cases)),
@@ -159,7 +159,7 @@ class _Case:
     def y_after(self, memory: Memory, at: Point) -> Dual:
         """The same, from the tilt's own start: its height before follows from the angle."""
         c, s = direction(at["theta"])
-        earlier = {name.removeprefix("tilt "): at[name] for name in at if name.startswith("tilt ")}
+        earlier = {key.removeprefix("tilt "): at[key] for key in at if key.startswith("tilt ")}
         before = {"beta": at["beta"], "rho": at["rho"], "mu": at["mu"], **earlier}
         return self.y_end({**at, "y": memory.height(before, c, s)})
 
@@ -170,7 +170,7 @@ class _Case:
 
     def requirements(self) -> list[Requirement]:
         scene, side, box = self.scene, self.side, self.box
-        name, second = NAMES[side], NAMES[-side]
+        first, second = NAMES[side], NAMES[-side]
 
         def path(at: Point) -> Dual:
             return at["theta"] + at["share"] * (_aligned(at) - at["theta"])
@@ -201,22 +201,22 @@ class _Case:
             for angle in (start, _aligned)
         )
         return [
-            on_edge(name, scene, offset, box),
-            *sticks(name, scene, path, offset, side, {**box, "share": UNIT}, (start, _aligned)),
+            on_edge(first, scene, offset, box),
+            *sticks(first, scene, path, offset, side, {**box, "share": UNIT}, (start, _aligned)),
             on_edge(second, scene, self.other, box),
             Requirement(
-                claim="the pair of tips sticks",
+                name=named(Must.PAIR_STICKS),
                 statement=st.PAIR_STICKS,
                 parts=(Part({"beta": lambda at: at["beta"], "mu": lambda at: at["mu"]}, box),),
             ),
             Requirement(
-                claim="both tips push",
+                name=named(Must.PAIR_PUSHES),
                 statement=st.PAIR_PRESSES,
                 parts=(Part(pair, box),),
             ),
             *sticks(second, scene, _aligned, self.other, -side, box),
             Requirement(
-                claim="the second tip touches before the probe stops",
+                name=named(Must.SECOND_TIP_TOUCHES),
                 statement=st.ARRIVES,
                 parts=(Part(turn, box),),
                 cover=ends,

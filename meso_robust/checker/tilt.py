@@ -8,6 +8,7 @@ from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Number, Point
 from meso_robust.checker.given import PoseBox
+from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.outline import Rectangle
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
@@ -39,7 +40,7 @@ def check_tilt(scene: Scene) -> Passage:
     """
     side, box = scene.rule.side, scene.box
     if side == 0:
-        raise Refused("a tilt turns the part to a side", "side = 0", "neither 1 nor -1")
+        raise Refused(named(Objection.SIDE_OF_MOVE, action="tilt"), 0, "1 or -1")
     turning = functools.partial(_turning, scene)
     offset: Formula = lambda at: turning(at).start.d2  # noqa: E731
     while_it_turns = {**box, "share": UNIT}
@@ -65,16 +66,16 @@ def check_tilt(scene: Scene) -> Passage:
     requirements = [
         *free_at_start(scene, (-side, side)),
         Requirement(
-            claim="the tip reaches the part",
+            name=named(Must.TIP_REACHES_PART),
             statement=st.REACHES,
             parts=(Part({"travel": functools.partial(_travel, scene)}, box),),
         ),
         on_edge("pushing", scene, offset, box),
         *sticks("pushing", scene, later, offset, side, while_it_turns, (theta, end)),
-        idle("before the touch", flight, theta),
-        idle("while it turns", constant(ZERO), later, theta, end),
-        idle("on withdrawal", way_back, end),
-        comes_free("pushing tip comes", end, box),
+        idle("before_touch", flight, theta),
+        idle("while_turning", constant(ZERO), later, theta, end),
+        idle("on_withdrawal", way_back, end),
+        comes_free("pushing", end, box),
     ]
     for requirement in requirements:
         prove(requirement)
@@ -82,7 +83,7 @@ def check_tilt(scene: Scene) -> Passage:
     centre = functools.partial(_centre, scene, left=ZERO)
     x, y, theta_end = (span(component(centre, k), box) for k in range(3))
     return Passage(
-        says=f"one tip sticks all the way and turns the part {TURNS[side]}; the motion is unique",
+        does=named(Property.TURNS_PART, turn=TURNS[side]),
         post=PoseBox(x=x, y=y, theta=shift(theta_end, scene.turn)),
         requirements=tuple(requirements),
         memory=Memory(scene=scene, height=functools.partial(_height, scene)),

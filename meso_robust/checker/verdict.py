@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,14 +10,17 @@ from flint import arb, ctx
 
 from meso_robust.checker import margin as margins, words
 from meso_robust.checker.chain import holds_side, passages, within
-from meso_robust.checker.document import Certificate, StepDocument
+from meso_robust.checker.document import Certificate, HexPair, StepDocument
 from meso_robust.checker.evidence import check_evidence
-from meso_robust.checker.given import Given, PoseBox, given
+from meso_robust.checker.given import Given, PoseBox, given, uncertainties
+from meso_robust.checker.ids import Claim, Named, Objection, Premise, named, of_move, place
 from meso_robust.checker.moves import check_rule
-from meso_robust.checker.numbers import box, check_reading
+from meso_robust.checker.numbers import box, check_reading, side
 from meso_robust.checker.prover import PLAIN, Prover
+from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.replay import replay
+from meso_robust.checker.statement import STATEMENTS
 from meso_robust.checker.witness import check_witness
 from meso_robust.task import Task
 
@@ -32,6 +36,7 @@ EVIDENCE = (
     "margin.refused_at, margin.limit: where the search of the margin gave up",
     "boxes of the obligations: how the search cut its boxes",
     "made_with: versions and machine",
+    "reading: the file's own sentences; those above are the checker's",
 )
 """What no check can confirm: evidence, not proof."""
 ALONE = "margin.each_alone, margin.binds_first: confirmed only with --thorough"
@@ -48,9 +53,14 @@ class Answer:
     """VERIFIED: a proof; WITNESS CONFIRMED: a plan that is proved to fail; WITNESS UNDECIDED: one that
     is said to fail; NOTHING CLAIMED: neither; REJECTED: something that is stated is not so."""
     claims: str
-    """What the certificate is now known, or said, to claim."""
+    """What the certificate is now known, or said, to claim, in the checker's own words."""
     refused: Refused | None = None
     not_checked: tuple[str, ...] = EVIDENCE
+
+    @property
+    def premises(self) -> Mapping[str, str]:
+        """What the proof takes for granted, by name and in words; nothing if nothing is proved."""
+        return {one.value: words.PREMISES[one] for one in Premise} if self.positive else {}
 
     @property
     def positive(self) -> bool:
@@ -88,13 +98,13 @@ def _check(
     certificate: Certificate, digest: str, task: Task, thorough: bool, prover: Prover
 ) -> Answer:
     if certificate.digest != digest:
-        raise Refused("digest: the SHA-256 of all other values", certificate.digest, digest)
+        raise Refused(named(Objection.DIGEST), certificate.digest, digest)
     check_evidence(certificate)
     known = given(task)
-    _check_text(certificate, task)
+    _check_claim(certificate, task, known)
     _check_goal(certificate, known)
     if certificate.verdict == "UNKNOWN":
-        _expect("verdict UNKNOWN says what is undecided", certificate.undecided is not None)
+        _expect(place("undecided"), certificate.undecided is not None)
         says = "nothing is claimed: the verdict is UNKNOWN"
         return Answer(verdict="NOTHING CLAIMED", claims=says, not_checked=(OPEN,))
     _check_known(task)
@@ -102,12 +112,13 @@ def _check(
     if certificate.verdict == "REFUTED":
         return _refuted(certificate, known)
     _check_shape(certificate)
-    margins.check_words(certificate.margin)
+    margins.check_form(certificate.margin)
     boxes = _boxes(certificate, known)
     _check_steps(certificate, known, boxes, prover)
     margins.check_factor(certificate, task, alone=thorough, prover=prover)
     not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
-    return Answer(verdict="VERIFIED", claims=certificate.claim.words, not_checked=not_checked)
+    claims = words.claim(task, len(certificate.policy))
+    return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked)
 
 
 def _refuted(certificate: Certificate, known: Given) -> Answer:
@@ -115,58 +126,77 @@ def _refuted(certificate: Certificate, known: Given) -> Answer:
     steps = certificate.steps
     proved = len(steps) == len(certificate.policy) and all(s.verdict == "PROVED" for s in steps)
     ends = steps[-1].post_exact if proved and steps else None
-    if ends is not None and within(box(ends, "the last post_exact"), known.goal):
-        raise Refused("verdict REFUTED: a move is open", "every move PROVED, into the goal", "none")
-    _expect("verdict REFUTED says what is undecided", certificate.undecided is not None)
-    _expect("a policy has moves", len(certificate.policy) > 0)
+    if ends is not None and within(box(ends, of_move(len(steps) - 1, "post_exact")), known.goal):
+        raise Refused(place("verdict"), "every move PROVED, into the goal", "none")
+    _expect(place("undecided"), certificate.undecided is not None)
+    _expect(place("policy"), len(certificate.policy) > 0)
     for rule in certificate.policy:
         check_rule(rule)
     margins.check_none(certificate.margin)
     witness = check_witness(certificate, known)
     fate = replay(witness, certificate.policy, known)
+    move = "" if fate.move is None else f"move {fate.move}: "
+    why = f"{move}{words.sentence(fate.why)}"
     if fate.fails:
         if fate.outcome is not None:
-            _same("witness.outcome", witness.outcome, fate.outcome)
+            _same(place("witness.outcome"), witness.outcome, fate.outcome)
         return Answer(
             verdict="WITNESS CONFIRMED",
             claims="the plan fails: of the witness, a run within the bounds of the task, it is proved "
-            f"that it fails ({fate.why})",
+            f"that it fails ({why})",
             not_checked=(*EVIDENCE, OPEN),
         )
     return Answer(
         verdict="WITNESS UNDECIDED",
         claims=f"the witness keeps within the bounds of the task; that it fails was not shown here, "
-        f"as the checker cannot follow it ({fate.why}), and rests on the simulator alone: `{REPLAY}`",
+        f"as the checker cannot follow it ({why}), and rests on the simulator alone: `{REPLAY}`",
         not_checked=(*EVIDENCE, OPEN, SIMULATED),
     )
 
 
-def _expect(claim: str, holds: bool, stated: object = "otherwise", found: object = "must") -> None:
+def _expect(what: Named, holds: bool, stated: object = "otherwise", found: object = "must") -> None:
     if not holds:
-        raise Refused(claim, stated, found)
+        raise Refused(what, stated, found)
 
 
-def _same(claim: str, stated: object, own: object) -> None:
-    _expect(claim, stated == own, stated, own)
+def _same(what: Named, stated: object, own: object) -> None:
+    _expect(what, stated == own, stated, own)
 
 
-def _check_text(certificate: Certificate, task: Task) -> None:
-    _same("task", certificate.task, task.name)
-    _same("claim.words", certificate.claim.words, words.claim(task, len(certificate.policy)))
-    _same("claim.assumptions", certificate.claim.assumptions, words.assumptions(task))
-    listed = {
-        f"{one.inequality} [{one.derivation}]": None
-        for step in certificate.steps
-        for one in step.obligations
-    }
-    _same("claim.inequalities: those of the steps", certificate.claim.inequalities, tuple(listed))
+def _check_claim(certificate: Certificate, task: Task, known: Given) -> None:
+    """The certificate claims neither more nor less than what is verified here, on the same ground."""
+    claim = certificate.claim
+    own = Claim.ENDS_IN_GOAL if task.slot is None else Claim.ENDS_IN_GOAL_CLEAR_OF_WALLS
+    _same(place("task"), certificate.task, task.name)
+    _same(place("claim.id"), claim.id, own)
+    _same(place("claim.moves"), claim.moves, len(certificate.policy))
+    _same(place("claim.premises"), claim.premises, tuple(Premise))
+    _check_uncertainties(claim.uncertainties, uncertainties(known))
+    listed = {one.inequality for step in certificate.steps for one in step.obligations}
+    _same(place("claim.inequalities"), sorted(claim.inequalities), sorted(listed))
+    for id_, derivation in claim.inequalities.items():
+        where = place(f"claim.inequalities.{id_}")
+        _expect(where, id_ in STATEMENTS, id_, "an inequality that the checker knows")
+        _same(where, derivation, STATEMENTS[id_].derivation)
+
+
+def _check_uncertainties(stated: Mapping[str, HexPair], own: Mapping[str, Side]) -> None:
+    """Each range is the task's, rounded outward; one that the checker does not know is refused."""
+    _same(place("claim.uncertainties"), sorted(stated), sorted(own))
+    for key, pair in stated.items():
+        where = place(f"claim.uncertainties.{key}")
+        told, known = side(pair, where), own[key]
+        reach = max(abs(float(end)) for end in known) * NEAR
+        close = all(abs(p - q) <= arb(reach) for p, q in zip(told, known, strict=True))
+        ends = [[float(end) for end in one] for one in (told, known)]
+        _expect(where, close and holds_side(told, known), *ends)
 
 
 def _check_goal(certificate: Certificate, known: Given) -> None:
-    stated = box(certificate.goal_exact, "goal_exact")
-    check_reading(certificate.goal, stated, "goal", outward=False)
-    _expect("goal_exact lies in the task's goal", within(stated, known.goal))
-    _expect("goal_exact is the task's goal", _near(stated, known.goal))
+    stated = box(certificate.goal_exact, place("goal_exact"))
+    check_reading(certificate.goal, stated, place("goal"), outward=False)
+    _expect(place("goal_exact"), within(stated, known.goal))
+    _expect(place("goal_exact"), _near(stated, known.goal))
 
 
 def _near(one: PoseBox, other: PoseBox) -> bool:
@@ -178,19 +208,19 @@ def _check_known(task: Task) -> None:
     """Nothing of the task may be left out: a section that the checker does not know is refused."""
     for name in type(task).model_fields:
         if name not in SECTIONS and getattr(task, name) is not None:
-            raise Refused("the checker knows every section of the task", name, sorted(SECTIONS))
+            raise Refused(named(Objection.TASK_SECTIONS), name, sorted(SECTIONS))
 
 
 def _check_shape(certificate: Certificate) -> None:
     """A PROVED certificate has one proved step a move and nothing that is open."""
-    _expect("verdict PROVED leaves nothing undecided", certificate.undecided is None)
-    _expect("verdict PROVED has no witness", certificate.witness is None)
-    _expect("a policy has moves", len(certificate.policy) > 0)
-    _same("steps: one a move", len(certificate.steps), len(certificate.policy))
+    _expect(place("undecided"), certificate.undecided is None)
+    _expect(place("witness"), certificate.witness is None)
+    _expect(place("policy"), len(certificate.policy) > 0)
+    _same(place("steps"), len(certificate.steps), len(certificate.policy))
     for number, (step, rule) in enumerate(zip(certificate.steps, certificate.policy, strict=True)):
         for name in ("step", "primitive", "action"):
-            _same(f"move {number + 1}: {name}", getattr(step, name), getattr(rule, name))
-        _same(f"move {number + 1}: verdict", step.verdict, "PROVED")
+            _same(of_move(number, name), getattr(step, name), getattr(rule, name))
+        _same(of_move(number, "verdict"), step.verdict, "PROVED")
 
 
 def _check_headings(certificate: Certificate, task: Task) -> None:
@@ -198,30 +228,29 @@ def _check_headings(certificate: Certificate, task: Task) -> None:
     stated = task.probe.headings
     for number, rule in enumerate(certificate.policy):
         if stated is not None and rule.heading not in stated:
-            raise Refused(f"move {number + 1}: heading", rule.heading, list(stated))
+            raise Refused(of_move(number, "heading"), rule.heading, list(stated))
 
 
 def _boxes(certificate: Certificate, known: Given) -> list[PoseBox]:
     """The boxes before the first move and after each one, as far as they can be judged alone."""
     boxes = [_told(certificate.steps[0], 0, "pre")]
-    _expect("move 1: pre holds the task's start", within(known.start, boxes[0]))
-    _expect("move 1: pre is the task's start", _near(known.start, boxes[0]))
+    _expect(of_move(0, "pre_exact"), within(known.start, boxes[0]))
+    _expect(of_move(0, "pre_exact"), _near(known.start, boxes[0]))
     for number, step in enumerate(certificate.steps):
         if number > 0:
             before = certificate.steps[number - 1]
-            _same(f"move {number + 1}: pre is the post of the move before", (step.pre, step.pre_exact), (before.post, before.post_exact))  # fmt: skip
+            _same(of_move(number, "pre"), (step.pre, step.pre_exact), (before.post, before.post_exact))  # fmt: skip
         boxes.append(_told(step, number, "post"))
-    _expect("every final pose lies in the goal", within(boxes[-1], known.goal))
+    _expect(named(Objection.GOAL_REACHED), within(boxes[-1], known.goal))
     return boxes
 
 
 def _told(step: StepDocument, number: int, which: str) -> PoseBox:
-    what = f"move {number + 1}: {which}"
     exact, reading = getattr(step, f"{which}_exact"), getattr(step, which)
     if exact is None or reading is None:
-        raise Refused(what, "null", "a box")
-    found = box(exact, f"{what}_exact")
-    check_reading(reading, found, what)
+        raise Refused(of_move(number, which), "null", "a box")
+    found = box(exact, of_move(number, f"{which}_exact"))
+    check_reading(reading, found, of_move(number, which))
     return found
 
 
@@ -233,10 +262,12 @@ def _check_steps(
         certificate.policy, known, boxes[0], lambda number, _: boxes[number + 1], prover
     )
     for number, (passage, post) in enumerate(moves):
-        step, what = certificate.steps[number], f"move {number + 1}"
-        _same(f"{what}: property", step.property, passage.says)
+        step, does = certificate.steps[number], passage.does
+        stated_property = (step.property.id, step.property.about)
+        _same(of_move(number, "property"), stated_property, (does.id, does.about))
         for name in ("x", "y", "theta"):
             stated, own = getattr(boxes[number + 1], name), getattr(post, name)
             ends = [[float(end) for end in side] for side in (stated, own)]
-            _expect(f"{what}: every pose after it lies in post_exact.{name}", holds_side(stated, own), *ends)  # fmt: skip
+            what = named(Objection.POST_HOLDS, move=str(number + 1)).value(f"post_exact.{name}")
+            _expect(what, holds_side(stated, own), *ends)
         prover.compare(step.obligations, passage.requirements)

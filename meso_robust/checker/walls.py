@@ -17,6 +17,7 @@ from meso_robust.checker import statement as st
 from meso_robust.checker.contact import off_line
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.given import Block, Given, PoseBox
+from meso_robust.checker.ids import Must, Named, named
 from meso_robust.checker.outline import Edge
 from meso_robust.checker.passage import Passage, Sweep
 from meso_robust.checker.pushing import UNIT
@@ -84,19 +85,19 @@ def clear_of_walls(scene: Scene, passage: Passage, given: Given) -> tuple[Requir
         return all(beside(way, block, above) for way in ways for block in given.blocks)
 
     _expect(
-        "the part stays clear of the slot's walls",
+        named(Must.PART_CLEAR_OF_WALLS),
         all(_passes(scene, one, given) for one in sweeps),
     )
-    _expect("the tips stay clear of the slot's walls", tips_apart(ways, ZERO))
+    _expect(named(Must.TIPS_CLEAR_OF_WALLS), tips_apart(ways, ZERO))
     return (
         _requirement(
-            "the part stays clear of the slot's walls",
+            named(Must.PART_CLEAR_OF_WALLS),
             st.PART_CLEAR,
             ("x", "y", "theta"),
             lambda box, bound: part_apart([*certain, box], bound),
         ),
         _requirement(
-            "the tips stay clear of the slot's walls",
+            named(Must.TIPS_CLEAR_OF_WALLS),
             st.TIPS_CLEAR,
             ("x", "y"),
             lambda box, bound: tips_apart([*ways, (box["x"], box["y"])], bound),
@@ -130,20 +131,20 @@ def _enters(box: Box, block: Block, given: Given) -> bool:
     return any(all(positive(short(of), box) for of in beyond) for beyond in corners)
 
 
-def _expect(claim: str, holds: bool) -> None:
+def _expect(must: Named, holds: bool) -> None:
     if not holds:
-        raise Refused(claim, "apart from each wall", "not shown")
+        raise Refused(must, "apart from each wall", "not shown")
 
 
 def _requirement(
-    claim: str, statement: st.Statement, names: tuple[str, ...], verify: Verify
+    must: Named, statement: st.Statement, keys: tuple[str, ...], verify: Verify
 ) -> Requirement:
     def named(box: Box, bound: arb) -> bool:
-        if set(box) != set(names):
-            raise Refused(f"{claim}: names of the box", sorted(box), sorted(names))
+        if set(box) != set(keys):
+            raise Refused(must.value("over"), sorted(box), sorted(keys))
         return verify(box, bound)
 
-    return Requirement(claim=claim, statement=statement, parts=(), verify=named)
+    return Requirement(name=must, statement=statement, parts=(), verify=named)
 
 
 def _rest(scene: Scene) -> Sweep:
@@ -204,10 +205,10 @@ def _world(scene: Scene, sweep: Sweep, at: Point) -> Point:
 def _in_world(scene: Scene, sweep: Sweep, box: Box) -> Box:
     """Poses in world axes, as a box."""
 
-    def coordinate(name: str, at: Point) -> Dual:
-        return _world(scene, sweep, at)[name]
+    def coordinate(key: str, at: Point) -> Dual:
+        return _world(scene, sweep, at)[key]
 
-    return {name: _around(partial(coordinate, name), box) for name in ("x", "y", "theta")}
+    return {key: _around(partial(coordinate, key), box) for key in ("x", "y", "theta")}
 
 
 def _around(of: Formula, box: Box) -> Side:

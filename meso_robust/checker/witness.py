@@ -8,6 +8,7 @@ from flint import arb
 
 from meso_robust.checker.document import Certificate, WitnessDocument
 from meso_robust.checker.given import Given
+from meso_robust.checker.ids import place
 from meso_robust.checker.numbers import double
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
@@ -27,16 +28,16 @@ def check_witness(certificate: Certificate, given: Given) -> WitnessDocument:
     """
     witness, moves = certificate.witness, len(certificate.policy)
     if witness is None:
-        raise Refused("a REFUTED certificate has a witness", "null", "a run")
+        raise Refused(place("witness"), "null", "a run")
     for name in ("sensing", "dual_probe", "single_probe"):
         count = len(getattr(witness, name))
         if count != moves:
-            raise Refused(f"witness.{name}: one entry a move", count, moves)
+            raise Refused(place(f"witness.{name}"), count, moves)
     for name, text, bounds in _bounded(witness, given):
-        value = arb(double(text, f"witness.{name}"))
-        if not (bounds[0] - ROUNDING <= value and value <= bounds[1] + ROUNDING):
+        told = arb(double(text, place(f"witness.{name}")))
+        if not (bounds[0] - ROUNDING <= told and told <= bounds[1] + ROUNDING):
             inside = f"within {float(bounds[0]):.9g} and {float(bounds[1]):.9g}"
-            raise Refused(f"witness.{name}", float(value), inside)
+            raise Refused(place(f"witness.{name}"), float(told), inside)
     _first_sensing(witness, given)
     return witness
 
@@ -61,7 +62,9 @@ def _first_sensing(witness: WitnessDocument, given: Given) -> None:
     """The first pose is sensed as the task states it: its error follows from the start."""
     sides = (given.start.x, given.start.y, given.start.theta)
     for true, error, range_ in zip(witness.start, witness.sensing[0], sides, strict=True):
-        sensed = arb(double(true, "witness.start")) + arb(double(error, "witness.sensing.0"))
+        sensed = arb(double(true, place("witness.start"))) + arb(
+            double(error, place("witness.sensing.0"))
+        )
         stated = (range_[0] + range_[1]) / 2
         if not abs(sensed - stated) <= ROUNDING:
-            raise Refused("witness.sensing.0: the task's start minus witness.start", error, stated)
+            raise Refused(place("witness.sensing.0"), error, stated)

@@ -1,32 +1,96 @@
-"""The sentences of a certificate, written anew from the task."""
+"""The checker's own words for what it verifies, rendered from names that it understands.
+
+What a certificate says of itself in words is never shown as verified.
+"""
 
 from __future__ import annotations
 
-from meso_robust.task import Part, Task
+from collections.abc import Mapping
+from enum import StrEnum
 
-_ASSUMPTIONS = (
-    "quasi-static motion: inertia is neglected",
-    "the film's drag is diag(e_x, e_x, e_theta) about the part's centre; only rho = e_theta/e_x enters",
-    "Coulomb friction at point contacts; at every instant mu is the same at all tips",
-    "the part is the stated {outline}, rigid and exactly known; nothing but the probes touches it",
-    "each error keeps within its bound; a probe's position error is constant during a move (and may "
-    "differ in the next), and the two tips of the active probe share it",
-    "the active probe travels exactly along an axis of the task's frame, as each move states; tips are "
-    "points",
-    "the part rests between moves, and probes are lifted without disturbing it",
-)
+from meso_robust.checker.ids import Must, Named, Objection, Premise
+from meso_robust.task import Task
+
+PREMISES: Mapping[Premise, str] = {
+    Premise.QUASI_STATIC: "motion is quasi-static: inertia is neglected",
+    Premise.FILM_DRAG: "the film drags by diag(e_x, e_x, e_theta) about the part's reference point "
+    "(a rectangle's centre), and only rho = e_theta/e_x matters",
+    Premise.COULOMB_FRICTION: "point contacts have Coulomb friction, with one mu at all tips at every "
+    "instant",
+    Premise.PART_KNOWN: "the part has exactly the task's outline and is rigid; only probes touch it",
+    Premise.ERRORS_BOUNDED: "errors keep within their bounds; a probe's position error is constant "
+    "during a move, and one for both tips of the active probe",
+    Premise.TRAVEL_STRAIGHT: "the active probe travels exactly along an axis of the task's frame",
+    Premise.TRAVEL_TO_SCALE: "a probe travels exactly as far as commanded",
+    Premise.POINT_TIPS: "tips are points",
+    Premise.TIP_SPACING_EXACT: "the tips of the active probe are exactly tip_spacing_um apart, square "
+    "to the push",
+    Premise.MISALIGNMENT_SIGN: "positive misalignment turns the line through the tips of the active "
+    "probe counter-clockwise from square to the push: the tip on the right, seen along the push, is "
+    "ahead, whatever the heading",
+    Premise.PROBES_RIGID: "probes and tips are rigid under any force; no force is bounded, and forces "
+    "grow without limit close to a jam",
+    Premise.PART_RESTS: "the part rests between moves; lifting a probe does not disturb it",
+}
+
+_SENTENCES: Mapping[StrEnum, str] = {
+    Must.TIP_FREE_AT_START: "the {tip} tip is free of contact at the start",
+    Must.TIP_REACHES_PART: "the tip reaches the part",
+    Must.TIP_ON_EDGE: "the {tip} tip touches the edge",
+    Must.TIP_PUSHES: "the {tip} tip pushes",
+    Must.TIP_STICKS: "the {tip} tip sticks",
+    Must.TIP_TURNS_PART: "the {tip} tip turns the part {turn}",
+    Must.NO_SLIPPING: "the {tip} tip can only stick, not slip",
+    Must.IDLE_TIP_PASSES: "the idle tip passes the part ({when})",
+    Must.WITHDRAWS_FREE: "on withdrawal contact is lost at once ({tips})",
+    Must.PAIR_STICKS: "the pair of tips sticks",
+    Must.PAIR_PUSHES: "both tips push",
+    Must.SECOND_TIP_TOUCHES: "the second tip touches before the probe stops",
+    Must.NO_JAM: "the grasp cannot close (no jam)",
+    Must.PUSHES_UNTIL_REST: "the active tip pushes until the part rests on both",
+    Must.UNIQUE_UNTIL_REST: "the motion is unique until the part rests on both",
+    Must.RESTS_BEFORE_END: "the part rests on the passive tip before the push ends",
+    Must.BOTH_TIPS_TOUCH: "both tips stay in contact",
+    Must.BOTH_TIPS_ON_EDGES: "both tips stay on their edges",
+    Must.TIP_CLEAR_OF_PART: "the {tip} tip stays clear of the part on its way",
+    Must.PART_CLEAR_OF_WALLS: "the part stays clear of the slot's walls",
+    Must.TIPS_CLEAR_OF_WALLS: "the tips stay clear of the slot's walls",
+    Must.ACTIVE_PRESSES: "the active tip presses on the part between both tips",
+    Must.ACTIVE_PRESSES_ALONE: "the active tip alone would press on the part",
+    Objection.VALUE: "",
+    Objection.MOVE_VALUE: "move {move}",
+    Objection.DIGEST: "digest: the SHA-256 of all other values",
+    Objection.TASK_SECTIONS: "the checker knows every section of the task",
+    Objection.GOAL_REACHED: "every final pose lies in the goal",
+    Objection.POST_HOLDS: "every pose after move {move} lies in its box",
+    Objection.OBLIGATIONS_LISTED: "the list of obligations",
+    Objection.MOVE_KNOWN: "the checker knows each move of the policy",
+    Objection.SIDE_OF_MOVE: "the side of a {action}",
+    Objection.PASSIVE_TIP: "the passive tip of a {action}",
+    Objection.IS_RECTANGLE: "a rotation turns a rectangle",
+    Objection.EDGE_ON_HULL: "an edge of the part belongs to its convex hull",
+    Objection.CENTRE_IN_HULL: "the centre lies within the part's convex hull",
+    Objection.COMES_TO_REST: "the part comes to rest on both tips",
+    Objection.PUSHES_ONTO_PASSIVE: "the active tip pushes the part onto the passive one",
+    Objection.RESTS_WELL_BEFORE_END: "the part rests on the passive tip well before the push ends",
+    Objection.SLIDE_IN_TUBE: "the slide between both tips stays in the tube",
+    Objection.WITNESS_FAILS: "the witness is a run that fails",
+    Objection.STARTS_INSIDE: "a probe would start inside the part",
+    Objection.MEETS_WALL: "the part meets a wall",
+    Objection.MISSES_GOAL: "the last pose misses the goal",
+    Objection.END_UNDECIDED: "the last pose is neither inside nor outside the goal for certain",
+}
 
 
-def assumptions(task: Task) -> tuple[str, ...]:
-    """What the checker assumes as well; a certificate that assumes anything else is rejected."""
-    outline = "rectangle"
-    if not isinstance(task.part, Part):
-        outline = "polygon, its reference point the centre of drag"
-    return tuple(one.format(outline=outline) for one in _ASSUMPTIONS)
+def sentence(name: Named) -> str:
+    """A name in words, with the value of it that is meant."""
+    data = {key: text.replace("_", " ") for key, text in name.about.items()}
+    said = _SENTENCES[name.id].format(**data)
+    return ": ".join(part for part in (said, name.at) if part)
 
 
 def claim(task: Task, moves: int) -> str:
-    """What is claimed of a policy of ``moves`` moves."""
+    """What is verified of a policy of ``moves`` moves."""
     u, start, goal = task.uncertainty, task.start, task.goal
     return (
         f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "

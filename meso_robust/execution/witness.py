@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
+from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument, WitnessDocument
 from meso_robust.errors import InputError
 from meso_robust.execution.draws import Draws
@@ -17,7 +19,7 @@ from meso_robust.execution.engines import Engine
 from meso_robust.execution.replay import Feedback, Player, limits
 from meso_robust.execution.witness_file import hex_double, row_of
 from meso_robust.execution.witness_form import WitnessFile, parse_witness
-from meso_robust.planning.document import PlanDocument
+from meso_robust.planning.document import PlanDocument, RuleDocument
 from meso_robust.planning.reading import first_of, read_text
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
@@ -25,6 +27,18 @@ from meso_robust.task import Task
 Floats = npt.NDArray[np.float64]
 
 ROUNDING = 1e-15  # m and rad; of the first sensing error, which follows from the start
+
+
+_ONE = "meso-robust/certificate/1"
+
+
+class _CertificateOne(BaseModel):
+    """What a replay takes from a certificate of schema 1; `check` reads all of it."""
+
+    task_hash: str
+    policy: tuple[RuleDocument, ...]
+    verdict: VerdictWord
+    witness: WitnessDocument | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -93,8 +107,9 @@ def _check_task(found: str, path: str, task: Task, what: str) -> None:
 def _of_a_certificate(
     text: str, path: str, task: Task, plan: PlanDocument, player: Player
 ) -> Witness:
+    model = _CertificateOne if json.loads(text).get("schema") == _ONE else CertificateDocument
     try:
-        found = CertificateDocument.model_validate_json(text, strict=True)
+        found = model.model_validate_json(text, strict=True)
     except ValidationError as error:
         raise InputError(
             f"{path}: {first_of(error, CertificateDocument, 'certificate')}"

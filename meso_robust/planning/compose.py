@@ -10,12 +10,14 @@ from dataclasses import dataclass, fields, replace
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.arrival import Arrival, across, arrive
+from meso_robust.planning.remedy import Remedy
 from meso_robust.planning.rotation import CLOSE_ENOUGH_UM, E, Finish, rotate_and_finish
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import Before, certify_move
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import Named, about
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
 from meso_robust.task import Task
@@ -45,26 +47,17 @@ class Found:
     only: str | None = None
     """The one uncertainty that was scaled, None for all."""
 
-    advice: str = (
-        "the plan is robust away from the slot: widen the slot, or start further from its mouth, so "
-        "that the part is straight before it enters"
-    )
+    remedy: Remedy = Remedy.LEAVE_SLOT
     """What to do if the plan is robust where it was searched and still not certified."""
 
     @property
-    def settled_by(self) -> str:
+    def settled_by(self) -> Named:
         """What a user can do if the plan is not certified for the task."""
         if self.scale >= 1.0:
-            return self.advice
+            return about(self.remedy)
         if self.only is None:
-            return (
-                f"a robust plan was found with all uncertainties scaled by {self.scale}: narrow "
-                "them, or change the task so that more room is left"
-            )
-        return (
-            f"a robust plan was found with the range of {self.only.replace('_', ' ')} alone scaled "
-            f"by {self.scale}: narrow it, or change the task so that more room is left"
-        )
+            return about(Remedy.NARROW_ALL, scale=str(self.scale))
+        return about(Remedy.NARROW_ONE, uncertainty=self.only, scale=str(self.scale))
 
 
 def compose(task: Task) -> Found:

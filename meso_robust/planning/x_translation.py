@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
@@ -13,6 +12,7 @@ from meso_robust.planning import nominal
 from meso_robust.planning.clearance import rise_of, start_ahead_um
 from meso_robust.planning.sampling import best_robust
 from meso_robust.primitives.move import Aim, MoveRule, Point, from_part, in_world
+from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.straighten import certify_straighten
@@ -97,10 +97,7 @@ def rule_at(
 def reserve(candidate: Step) -> float:
     """Travel that is left after the longest turn, m."""
     return min(
-        (
-            obligation.proof.lower
-            for obligation in candidate.obligations
-            if obligation.inequality.startswith("travel in contact")
-        ),
-        default=-math.inf,
+        obligation.proof.lower
+        for obligation in candidate.obligations
+        if obligation.name.id is ObligationId.SECOND_TIP_TOUCHES
     )

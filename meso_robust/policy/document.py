@@ -16,7 +16,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from meso_robust import units
 from meso_robust.bounds import Interval
-from meso_robust.certificates.document import ASSUMPTIONS, ExactBox, exact_box
+from meso_robust.certificates.document import ExactBox, exact_box
+from meso_robust.certificates.words import premise_words
 from meso_robust.errors import InputError
 from meso_robust.planning.document import (
     BoxDocument,
@@ -120,7 +121,7 @@ def policy_document(policy: Policy) -> PolicyDocument:
     return PolicyDocument(
         task=task.name,
         task_hash=task.hash,
-        claim=PolicyClaim(words=claim(policy), assumptions=ASSUMPTIONS),
+        claim=PolicyClaim(words=claim(policy), assumptions=premise_words()),
         most_moves=policy.moves,
         region=tuple(_region(region) for region in region_of(policy)),
         rest=None if rest is None else box_document(rest),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.document import TIPS
+from meso_robust.certificates.words import words
 from meso_robust.premises.changing import Changed
 from meso_robust.premises.document import (
     BeyondMade,
@@ -13,9 +14,9 @@ from meso_robust.premises.document import (
     PremisesDocument,
     StandingMade,
 )
-from meso_robust.premises.lines import NO_LINE
+from meso_robust.premises.lines import Ground
 from meso_robust.premises.promise import Promise, model_hash
-from meso_robust.premises.standing import BREAKS, Standing, advice
+from meso_robust.premises.standing import BREAKS, Standing, remedy
 from meso_robust.telling import counted, down, down_to, worded
 
 
@@ -42,6 +43,7 @@ def document(made: Promise) -> PremisesDocument:
                 name=one.name,
                 standing=one.word,
                 premise=one.premise,
+                premise_words=one.premise_words,
                 claim=one.claim,
                 derivation=one.derivation,
                 said=one.said,
@@ -63,13 +65,15 @@ def why(made: Promise) -> str:
         return ""
     if made.broken:
         return "; ".join(
-            f"{one.name} ({one.word}): {one.premise} [{_place(one)}]"
+            f"{one.name} ({one.word}): {one.premise_words} [{_place(one)}]"
             if one.word == BREAKS
             else f"{one.name} ({one.word}): {one.said}"
             for one in made.broken
         )
-    open_ = certificate.undecided
-    return "" if open_ is None else f"{open_.claim} (move {open_.move}, {open_.action})"
+    open_, said = certificate.undecided, certificate.reading.undecided
+    if open_ is None or said is None:
+        return ""
+    return f"{said.claim} (move {open_.move}, {open_.action})"
 
 
 def _place(one: Standing) -> str:
@@ -78,7 +82,7 @@ def _place(one: Standing) -> str:
 
 
 def _alone(one: Standing) -> str:
-    return f"{one.name} has no line of its own" if one.premise == NO_LINE else one.said
+    return f"{one.name} has no line of its own" if one.premise is Ground.A_LINE else one.said
 
 
 def cautions(made: Promise) -> tuple[str, ...]:
@@ -126,15 +130,15 @@ def _judged_words(made: Promise) -> list[str]:
         return [f"margin: still proved with all uncertainties x {down(factor, 2)}{of}"]
     if made.broken:
         return [
-            f"premise not kept: {one.premise} [{_place(one)}]"
+            f"premise not kept: {one.premise_words} [{_place(one)}]"
             if one.word == BREAKS
             else f"no bounds of {one.name}: {one.said}"
             for one in made.broken
-        ] + [f"what would settle it: {advice(one)}" for one in made.broken]
-    open_ = certificate.undecided
-    if open_ is None:
+        ] + [f"what would settle it: {words(remedy(one))}" for one in made.broken]
+    said = certificate.reading.undecided
+    if said is None:
         return []
-    return [f"not proved: {open_.claim}", f"what would settle it: {open_.settled_by}"]
+    return [f"not proved: {said.claim}", f"what would settle it: {said.settled_by}"]
 
 
 def size_claim(changed: Changed) -> str:
@@ -179,13 +183,11 @@ def worst_words(found: EvidenceMade) -> str:
 def _beyond(made: Promise) -> BeyondMade | None:
     if made.wide is None:
         return None
-    open_ = made.wide.open_obligation
-    left = "the final box leaves the goal" if open_ is None else open_[1].claim
     proved = made.wide.verdict is Verdict.PROVED
     return BeyondMade(
         claim=size_claim(made.changed),
         verdict=made.wide.verdict.word,
-        open="" if proved else left,
+        open="" if proved else words(made.wide.first_open[1]),
     )
 
 

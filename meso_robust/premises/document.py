@@ -49,8 +49,10 @@ class StandingMade(_Model):
     """The parameter or effect."""
     standing: Word
     """What becomes of it in the proof."""
-    premise: str
-    """The premise of the proof, in words."""
+    premise: str | None
+    """Id of the premise of the proof; null if none is concerned."""
+    premise_words: str
+    """The premise in words."""
     claim: str
     """Key in the register of claims (``meso-robust derive``)."""
     derivation: str
@@ -111,7 +113,7 @@ class PremisesDocument(_Model):
     standings: tuple[StandingMade, ...]
     """What becomes of each parameter and effect in the proof."""
     conditions: tuple[str, ...]
-    """What the laboratory must keep to beside the certificate's assumptions."""
+    """What the laboratory must keep to beside the certificate's premises."""
     beyond: BeyondMade | None
     """A claim for a range of parts; null if the model leaves the part as it is."""
     evidence: EvidenceMade | None

@@ -7,27 +7,32 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 
-from meso_robust.certificates.document import ASSUMPTIONS
+from meso_robust.certificates.premise import Premise
 from meso_robust.premises import absorbing
 from meso_robust.premises.absorbing import Absorb
 
-_FILM = ASSUMPTIONS[1]
-_FRICTION = ASSUMPTIONS[2]
-_PART = ASSUMPTIONS[3]
-_ERRORS = ASSUMPTIONS[4]
-_PROBES = ASSUMPTIONS[5]
-_REST = ASSUMPTIONS[6]
 
-NO_LINE = "no premise is known to survive"
+class Ground(StrEnum):
+    """What a promise rests on that is no premise of a certificate."""
+
+    ONE_MODEL = "one_model"
+    A_LINE = "a_line"
+
+
+GROUND_WORDS: Mapping[Ground, str] = {
+    Ground.ONE_MODEL: "the recordings support one model",
+    Ground.A_LINE: "no premise is known to survive",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Line:
     """An effect, or a base model, and the certificate."""
 
-    premise: str
-    """Which of the certificate's assumptions it bears on."""
+    premise: Premise
+    """Which of the certificate's premises it bears on."""
     claim: str
     """What rests on that premise: a key of the register of claims."""
     derivation: str
@@ -38,19 +43,19 @@ class Line:
     """How it is absorbed in the task; None: it is not, and nothing is proved."""
 
 
-def _one_point(claim: str, premise: str, why: str) -> Line:
+def _one_point(claim: str, premise: Premise, why: str) -> Line:
     file = "derivations/one_point_sticking.py"
     return Line(premise=premise, claim=claim, derivation=file, why=why)
 
 
-def _invariance(claim: str, premise: str, why: str, absorb: Absorb | None = None) -> Line:
+def _invariance(claim: str, premise: Premise, why: str, absorb: Absorb | None = None) -> Line:
     file = "derivations/invariances.py"
     return Line(premise=premise, claim=claim, derivation=file, why=why, absorb=absorb)
 
 
 def _sensing(why: str, absorb: Absorb) -> Line:
     return Line(
-        premise=_ERRORS,
+        premise=Premise.ERRORS_BOUNDED,
         claim="step-1-conditions",
         derivation="derivations/y_translation.py",
         why=why,
@@ -61,58 +66,67 @@ def _sensing(why: str, absorb: Absorb) -> Line:
 LINES: Mapping[str, Line] = {
     "dry_friction": _one_point(
         "eq-5-ratio",
-        _FILM,
+        Premise.FILM_DRAG,
         "a dry force does not grow with the velocity: the sticking condition of eq. (5) is another, "
         "and the path depends on the speed",
     ),
     "stribeck_friction": _invariance(
-        "rate-film", _FILM, "a dry force that falls with the speed: the path depends on the speed"
+        "rate-film",
+        Premise.FILM_DRAG,
+        "a dry force that falls with the speed: the path depends on the speed",
     ),
     "shear_thinning": _one_point(
         "sticking-arc",
-        _FILM,
+        Premise.FILM_DRAG,
         "the drag is not linear in the twist: force over turning is no longer that of one ρ",
     ),
     "anisotropic_drag": _invariance(
-        "film-isotropy", _FILM, "the drag has a preferred direction on the stage"
+        "film-isotropy", Premise.FILM_DRAG, "the drag has a preferred direction on the stage"
     ),
     "part_anisotropic_drag": _one_point(
-        "eq-5-normal-force", _FILM, "the drag along and across the part differ: e_x ≠ e_y"
+        "eq-5-normal-force",
+        Premise.FILM_DRAG,
+        "the drag along and across the part differ: e_x ≠ e_y",
     ),
     "drag_centre_offset": _one_point(
         "eq-5-turning",
-        _FILM,
+        Premise.FILM_DRAG,
         "the drag is centred beside the part's centre: pushing there turns it",
     ),
     "drag_gradient": _invariance(
-        "film-isotropy", _FILM, "the drag depends on the place, and its centre with it"
+        "film-isotropy", Premise.FILM_DRAG, "the drag depends on the place, and its centre with it"
     ),
     "drag_drift": _invariance(
-        "film-scale", _FILM, "the drag grows as a whole: only ρ enters", absorbing.drag_scale
+        "film-scale",
+        Premise.FILM_DRAG,
+        "the drag grows as a whole: only ρ enters",
+        absorbing.drag_scale,
     ),
     "breakaway_friction": _invariance(
-        "rate-film", _FILM, "a dry force that ages at rest: the path depends on times and speeds"
+        "rate-film",
+        Premise.FILM_DRAG,
+        "a dry force that ages at rest: the path depends on times and speeds",
     ),
     "uneven_support": _one_point(
-        "eq-5-turning", _FILM, "a dry force centred beside the part's centre"
+        "eq-5-turning", Premise.FILM_DRAG, "a dry force centred beside the part's centre"
     ),
     "body_force": _one_point(
         "eq-5-normal-force",
-        _REST,
+        Premise.PART_RESTS,
         "an untouched part moves, and the force enters the balance of eq. (5)",
     ),
     "film_flow": _one_point(
         "eq-5-normal-force",
-        _REST,
+        Premise.PART_RESTS,
         "an untouched part moves with the film, and the flow enters the balance of eq. (5)",
     ),
     "wall_capillarity": _one_point(
         "eq-5-normal-force",
-        _REST,
+        Premise.PART_RESTS,
         "a wall draws the part without touching it, untouched or pushed",
     ),
     "unmodelled_wall": Line(
-        premise=_PART,
+        premise=Premise.PART_KNOWN,
         claim="uniqueness-one-contact",
         derivation="derivations/one_point_sticking.py",
         why="a contact with something that is not in the task",
@@ -120,30 +134,30 @@ LINES: Mapping[str, Line] = {
     ),
     "tip_adhesion": _one_point(
         "eq-5-normal-force",
-        _FRICTION,
+        Premise.COULOMB_FRICTION,
         "a meniscus pulls: contacts no longer only press (λ_n ≥ 0), and a tip that leaves drags "
         "the part along",
     ),
     "tip_attraction": _one_point(
         "eq-5-normal-force",
-        _REST,
+        Premise.PART_RESTS,
         "a tip draws the part before it touches and while it leaves: the part does not rest",
     ),
     "edge_dependent_friction": Line(
-        premise=_FRICTION,
+        premise=Premise.COULOMB_FRICTION,
         claim="no-jam",
         derivation="derivations/rotation_existence.py",
         why="the two tips of a rotation press on different edges: their μ differ",
     ),
     "part_geometry": Line(
-        premise=_PART,
+        premise=Premise.PART_KNOWN,
         claim="rectangle-edges",
         derivation="derivations/polygon_edge.py",
         why="a rectangle still, with other sides",
         absorb=absorbing.part_geometry,
     ),
     "tip_radius": Line(
-        premise=_PROBES,
+        premise=Premise.POINT_TIPS,
         claim="closed-form-motion",
         derivation="derivations/sticking_motion.py",
         why="a round tip rolls on the edge while the part turns: the contact does not stay at d2",
@@ -152,19 +166,19 @@ LINES: Mapping[str, Line] = {
         "the tracker follows another point of the part", absorbing.reference_offset
     ),
     "probe_compliance": Line(
-        premise=_PROBES,
+        premise=Premise.PROBES_RIGID,
         claim="closed-form-motion",
         derivation="derivations/sticking_motion.py",
         why="a tip that bends under the force leaves its line, and creeps after the stop",
     ),
     "backlash": _invariance(
         "rate-film",
-        _ERRORS,
+        Premise.ERRORS_BOUNDED,
         "a tip lags by half the lost motion while it pushes, and may start anywhere in it",
         absorbing.backlash,
     ),
     "probe_drift": Line(
-        premise=_ERRORS,
+        premise=Premise.ERRORS_BOUNDED,
         claim="closed-form-motion",
         derivation="derivations/sticking_motion.py",
         why="a probe's error grows during a move: its line is not along the axis, and the passive "
@@ -179,7 +193,7 @@ LINES: Mapping[str, Line] = {
 """Every effect of the simulator's catalogue."""
 
 POINT_TIPS = Line(
-    premise=_PROBES,
+    premise=Premise.POINT_TIPS,
     claim=LINES["tip_radius"].claim,
     derivation=LINES["tip_radius"].derivation,
     why="a round tip touches beside its centre, and rolls on the edge while the part turns",
@@ -189,7 +203,9 @@ POINT_TIPS = Line(
 BASE = "viscous"
 """The model of motion that certificates are about."""
 
-_NO_FILM = _one_point("eq-5-ratio", _FILM, "the part slides on dry contact, not on a film")
+_NO_FILM = _one_point(
+    "eq-5-ratio", Premise.FILM_DRAG, "the part slides on dry contact, not on a film"
+)
 
 BASES: Mapping[str, Line] = {
     "three_point": _NO_FILM,

@@ -20,24 +20,32 @@ from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import (
     CertificateDocument,
+    LimitDocument,
     MarginDocument,
+    Undecided,
     UndecidedDocument,
+    UndecidedReading,
     claim_document,
+    named,
+    reading_document,
     sealed,
     step_document,
     undecided_document,
 )
+from meso_robust.certificates.words import words
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.execution.crosscheck import CLEAR, ROUNDING
 from meso_robust.identification.document import ModelDocument, read_model
 from meso_robust.identification.models import MODELS
 from meso_robust.job import Planned, SimulatorContradictsProofError, judge
 from meso_robust.planning.compose import IN_HAND, Found, compose, robust_at
+from meso_robust.planning.remedy import Remedy
 from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.changing import Changed, changed, check_part
 from meso_robust.premises.keeping import enough, needed, roomier
 from meso_robust.premises.running import Evidence, evidence
-from meso_robust.premises.standing import BREAKS, Standing, advice, standings
+from meso_robust.premises.standing import BREAKS, Standing, remedy, standings
+from meso_robust.primitives.names import Named, Reason, about
 from meso_robust.task import Task
 
 MOST_RUNS = 200
@@ -70,7 +78,7 @@ class Promise:
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """What the laboratory must keep to beside the certificate's assumptions."""
+        """What the laboratory must keep to beside the certificate's premises."""
         found = [one.absorbed.condition for one in self.standings if one.absorbed is not None]
         points = [] if self.document.probe else ["the tips are points: the model states no radius"]
         return (*points, *(one for one in found if one))
@@ -236,33 +244,44 @@ def _judged(planned: Planned, found: _Found, document: ModelDocument, task: Task
     chain = planned.chain
     broken = next((one for one in found.standings if not one.survives), None)
     if broken is not None:
-        update |= _unknown(planned, _premise(planned, broken))
+        update |= _unknown(planned, chain, _premise(planned, broken))
     elif plain.verdict == "PROVED" and found.wide.verdict is not Verdict.PROVED:
         chain = found.wide
-        update |= _unknown(planned, undecided_document(chain, _SIZES)) | _steps(planned, chain)
+        found_open = undecided_document(chain, about(Remedy.MEASURE_PART))
+        update |= _unknown(planned, chain, found_open) | _steps(planned, chain)
     elif plain.verdict == "PROVED" and not found.kept:
-        update |= _unknown(planned, _budget(planned))
+        update |= _unknown(planned, chain, _budget(planned))
     elif plain.verdict == "REFUTED" and "+" in document.model:
         # the failing run has errors that the effects may well not make
-        update |= {"verdict": "UNKNOWN", "witness": None}
+        reading = plain.reading.model_copy(update={"outcome": None})
+        update |= {"verdict": "UNKNOWN", "witness": None, "reading": reading}
     certificate = CertificateDocument.model_validate(plain.model_copy(update=update).model_dump())
     return replace(planned, chain=chain, certificate=sealed(certificate))
 
 
-_SIZES = (
-    "measure the part's sides more closely, or clear what lies on the stage: the plan is certified "
-    "for the middle of the interval, not for all of it"
-)
-
-
-def _unknown(planned: Planned, undecided: UndecidedDocument | None) -> dict[str, object]:
+def _unknown(planned: Planned, chain: Chain, undecided: Undecided | None) -> dict[str, object]:
     """A certificate that claims nothing, and says why."""
     each = dict.fromkeys(planned.margin.each, 0.0)
-    limit = "" if undecided is None else undecided.claim
+    limit = None
+    if undecided is not None:
+        open_ = undecided.document
+        limit = LimitDocument(**open_.reason.model_dump(), step=open_.step, action=open_.action)
     nothing = MarginDocument(
         factor=0.0, refused_at=1.0, binds_first=None, each_alone=each, limit=limit
     )
-    return {"verdict": "UNKNOWN", "undecided": undecided, "witness": None, "margin": nothing}
+    reading = reading_document(
+        planned.task,
+        chain,
+        len(planned.found.rules),
+        undecided=None if undecided is None else undecided.reading,
+    )
+    return {
+        "verdict": "UNKNOWN",
+        "undecided": None if undecided is None else undecided.document,
+        "witness": None,
+        "margin": nothing,
+        "reading": reading,
+    }
 
 
 def _steps(planned: Planned, chain: Chain) -> dict[str, object]:
@@ -273,17 +292,19 @@ def _steps(planned: Planned, chain: Chain) -> dict[str, object]:
     }
 
 
-def _premise(planned: Planned, broken: Standing) -> UndecidedDocument:
-    rule = planned.found.rules[0]
-    return UndecidedDocument(
-        move=1,
-        step=rule.step,
-        action=rule.action,
-        claim=f"premise: {broken.premise}" if broken.word == BREAKS else f"bounds of {broken.name}",
+def _premise(planned: Planned, broken: Standing) -> Undecided:
+    breaks = broken.word == BREAKS
+    reason = (
+        about(Reason.PREMISE_KEPT, premise=str(broken.premise), effect=broken.name)
+        if breaks
+        else about(Reason.EFFECT_BOUNDED, effect=broken.name)
+    )
+    return _open(
+        planned,
+        reason,
+        remedy(broken),
+        claim=f"premise: {broken.premise_words}" if breaks else words(reason),
         inequality=f"{broken.name}: {broken.said}{_place(broken)}",
-        fails=False,
-        over={},
-        settled_by=advice(broken),
     )
 
 
@@ -291,15 +312,32 @@ def _place(broken: Standing) -> str:
     return f" [{broken.claim}, {broken.derivation}]" if broken.claim else ""
 
 
-def _budget(planned: Planned) -> UndecidedDocument:
-    rule = planned.found.rules[0]
-    return UndecidedDocument(
-        move=1,
-        step=rule.step,
-        action=rule.action,
-        claim="the plan keeps within the places and times that the effects were bounded for",
+def _budget(planned: Planned) -> Undecided:
+    reason = about(Reason.WITHIN_BOUNDS)
+    return _open(
+        planned,
+        reason,
+        about(Remedy.CALIBRATE_CAMERA),
+        claim=words(reason),
         inequality="farthest sensed pose, duration <= those of the bounds",
-        fails=False,
-        over={},
-        settled_by="calibrate the camera: its effects grow with the place and the time",
+    )
+
+
+def _open(
+    planned: Planned, reason: Named, settled_by: Named, *, claim: str, inequality: str
+) -> Undecided:
+    """Something that no move's obligation is about."""
+    rule = planned.found.rules[0]
+    return Undecided(
+        UndecidedDocument(
+            move=1,
+            step=rule.step,
+            action=rule.action,
+            reason=named(reason),
+            inequality=None,
+            fails=False,
+            over={},
+            settled_by=named(settled_by),
+        ),
+        UndecidedReading(claim=claim, inequality=inequality, settled_by=words(settled_by)),
     )

@@ -6,15 +6,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from meso_robust.certificates.document import ASSUMPTIONS
+from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.words import PREMISES
 from meso_robust.identification.document import (
     ModelDocument,
     ParameterSection,
     ProbeSection,
     QualitySection,
 )
+from meso_robust.planning.remedy import Remedy
 from meso_robust.premises.absorbing import Absorbed, Budget, Ends, Ranges
-from meso_robust.premises.lines import BASE, BASES, LINES, NO_LINE, POINT_TIPS, Line
+from meso_robust.premises.lines import BASE, BASES, GROUND_WORDS, LINES, POINT_TIPS, Ground, Line
+from meso_robust.primitives.names import Named, about
 from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.telling import down_to, up_to
 
@@ -23,18 +26,17 @@ BREAKS: Word = "breaks a premise"
 RATIO, FRICTION = "rho_um2", "mu"
 """Parameters of the base model that become ranges of the task."""
 OFF: Ends = (0.0, 0.0)
-PREMISE_OF_MODEL = "the recordings support one model"
 _SETTLED = (None, "consistent", "named")
 
 _OF_PARAMETER = {
     RATIO: Line(
-        premise=ASSUMPTIONS[4],
+        premise=Premise.ERRORS_BOUNDED,
         claim="eq-5-ratio",
         derivation="derivations/one_point_sticking.py",
         why="the certificate needs bounds of ρ",
     ),
     FRICTION: Line(
-        premise=ASSUMPTIONS[4],
+        premise=Premise.ERRORS_BOUNDED,
         claim="sticking-arc",
         derivation="derivations/one_point_sticking.py",
         why="the certificate needs bounds of μ",
@@ -48,14 +50,25 @@ class Standing:
 
     name: str
     word: Word
-    premise: str = ""
+    premise: Premise | Ground | None = None
     claim: str = ""
     derivation: str = ""
     said: str = ""
     """How it is absorbed, or why it is not."""
     absorbed: Absorbed | None = None
-    settled_by: str = ""
+    settled_by: Named | None = None
     """What would settle it, if the laboratory being without it is not all."""
+
+    @property
+    def premise_words(self) -> str:
+        """The premise as a sentence; empty if none is concerned."""
+        if self.premise is None:
+            return ""
+        return (
+            GROUND_WORDS[self.premise]
+            if isinstance(self.premise, Ground)
+            else PREMISES[self.premise]
+        )
 
     @property
     def survives(self) -> bool:
@@ -86,9 +99,9 @@ def _open(verdict: str | None) -> Standing:
     return Standing(
         name="diagnosis",
         word=BREAKS,
-        premise=PREMISE_OF_MODEL,
+        premise=Ground.ONE_MODEL,
         said=said[verdict or "unknown"],
-        settled_by="the push that diagnosis.json proposes next",
+        settled_by=about(Remedy.NEXT_PUSH),
     )
 
 
@@ -97,22 +110,22 @@ def _rejected(quality: QualitySection) -> Standing:
     return Standing(
         name="fit",
         word=BREAKS,
-        premise=PREMISE_OF_MODEL,
+        premise=Ground.ONE_MODEL,
         said=f"the recordings reject the model: χ² = {quality.chi2:,.0f} on {quality.freedom:,} degrees "
         "of freedom",
-        settled_by="`meso-robust diagnose` on the recordings, and a plan with the model that it writes",
+        settled_by=about(Remedy.DIAGNOSE),
     )
 
 
 def _round(probe: ProbeSection) -> Standing:
     """Tips that are not points: the proof has none yet."""
-    radius = f"{probe.tip_radius_um:g} um"
+    radius = f"{probe.tip_radius_um:g}"
     return _standing(
         "round tips",
         BREAKS,
         POINT_TIPS,
-        f"the recordings state tips of {radius} radius: {POINT_TIPS.why}",
-        settled_by=f"a proof that holds for round tips of {radius}",
+        f"the recordings state tips of {radius} um radius: {POINT_TIPS.why}",
+        settled_by=about(Remedy.PROVE_ROUND_TIPS, radius_um=radius),
     )
 
 
@@ -206,7 +219,9 @@ def _size(effect: str, ranges: Ranges) -> str:
 
 def _broken(name: str, line: Line | None, size: str = "") -> Standing:
     if line is None:
-        return Standing(name=name, word=BREAKS, premise=NO_LINE, said=NO_LINE)
+        return Standing(
+            name=name, word=BREAKS, premise=Ground.A_LINE, said=GROUND_WORDS[Ground.A_LINE]
+        )
     return _standing(name, BREAKS, line, line.why + size)
 
 
@@ -216,7 +231,7 @@ def _standing(
     line: Line,
     said: str,
     absorbed: Absorbed | None = None,
-    settled_by: str = "",
+    settled_by: Named | None = None,
 ) -> Standing:
     return Standing(
         name=name,
@@ -230,16 +245,13 @@ def _standing(
     )
 
 
-def advice(broken: Standing) -> str:
+def remedy(broken: Standing) -> Named:
     """What would settle something that the promise does not survive."""
-    if broken.settled_by:
+    if broken.settled_by is not None:
         return broken.settled_by
     if broken.word != BREAKS:
-        return "recordings that bound it: `meso-robust identify --design N` proposes pushes"
-    return (
-        f"a laboratory without {broken.name.replace('_', ' ')}, or a proof of {broken.claim} that "
-        "includes it"
-    )
+        return about(Remedy.BOUND_EFFECT)
+    return about(Remedy.WITHOUT_EFFECT, effect=broken.name, claim=broken.claim)
 
 
 def by_name(found: tuple[Standing, ...]) -> Mapping[str, Standing]:

@@ -9,6 +9,7 @@ from meso_robust.admissibility import condition
 from meso_robust.bounds import Interval, enclose
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
+from meso_robust.primitives.names import Inequality, ObligationId, about
 from meso_robust.primitives.obligation import Knot, Obligation, require
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -130,10 +131,10 @@ def approach(pair: Pair, start: Interval, pre: PoseBox, edge: Edge, setup: Setup
                 y=pre.y + hull.y,
                 active_offset=visited["d2"],
                 obligations=tuple(
-                    require(claim, "one_point_sticking", name, visited)
-                    for name, claim in (
-                        ("normal_force", "the active tip pushes until the part rests on both"),
-                        ("only_solution", "its motion, sticking or slipping, is unique until then"),
+                    require(about(name), inequality, visited)
+                    for name, inequality in (
+                        (ObligationId.PUSHES_UNTIL_REST, Inequality.NORMAL_FORCE),
+                        (ObligationId.UNIQUE_UNTIL_REST, Inequality.ONLY_SOLUTION),
                     )
                 ),
                 tube=tuple(tube),

@@ -10,6 +10,7 @@ import numpy as np
 from meso_robust.admissibility import condition
 from meso_robust.bounds import Box, Interval, Proof, Verdict, prove_positive
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import Inequality, Named
 from meso_robust.primitives.setup import PoseBox
 
 
@@ -17,12 +18,9 @@ from meso_robust.primitives.setup import PoseBox
 class Obligation:
     """One inequality over one box, and what became of it."""
 
-    claim: str
+    name: Named
     """What it means for the motion."""
-    inequality: str
-    """The inequality, with the names of the box's sides."""
-    derivation: str
-    """File that derives it."""
+    inequality: Inequality
     proof: Proof
 
 
@@ -39,8 +37,8 @@ class Step:
     """A move with what was proved of it."""
 
     rule: MoveRule
-    claim: str
-    """The property, in words."""
+    claim: Named
+    """The property that the move is proved to have."""
     pre: PoseBox
     post: PoseBox | None
     """All poses the part can have afterwards; None when the motion could not be enclosed."""
@@ -56,28 +54,20 @@ class Step:
         return Verdict.UNKNOWN
 
 
-def require(
-    claim: str, module: str, name: str, box: Mapping[str, Interval], *, any_output: bool = False
-) -> Obligation:
-    """Try to prove that the generated function ``module.name`` is positive over ``box``."""
-    of = condition(module, name)
+def require(name: Named, inequality: Inequality, box: Mapping[str, Interval]) -> Obligation:
+    """Try to prove that the generated function that ``inequality`` names is positive over ``box``."""
+    of = condition(*inequality.split("."))
     sides = {key: box[key] for key in of.inputs}
-    joined = "at least one of its values > 0" if any_output else "every value > 0"
-    return Obligation(
-        claim=claim,
-        inequality=f"{module}.{name}({', '.join(of.inputs)}): {joined}",
-        derivation=f"derivations/{module}.py",
-        proof=prove_positive(of, sides, any_output=any_output),
-    )
+    proof = prove_positive(of, sides, any_output=inequality.any_value)
+    return Obligation(name=name, inequality=inequality, proof=proof)
 
 
-def require_order(claim: str, inequality: str, margin: Interval, box: Box) -> Obligation:
+def require_order(name: Named, inequality: Inequality, margin: Interval, box: Box) -> Obligation:
     """Record that ``margin``, an enclosure over ``box``, is positive (or that this is undecided)."""
     verdict = Verdict.PROVED if margin.lo > 0.0 else Verdict.UNKNOWN
     lower = margin.lo if margin.lo > 0.0 else -np.inf
     return Obligation(
-        claim=claim,
+        name=name,
         inequality=inequality,
-        derivation="interval arithmetic on the enclosures above",
         proof=Proof(verdict=verdict, lower=lower, boxes=1, box=box),
     )

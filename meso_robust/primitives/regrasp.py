@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import SIDES, Inequality, ObligationId, Property, about
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require
 from meso_robust.primitives.outline import Line
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -28,7 +29,7 @@ def certify_regrasp(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     tips = [tip_of(rule, side, pre, setup) for side in (1, -1)]
     return Step(
         rule=rule,
-        claim="the probes travel clear of the part, which stays at rest",
+        claim=about(Property.PART_RESTS),
         pre=pre,
         post=pre,
         obligations=tuple(_passes_by(tip, pre, setup) for tip in tips),
@@ -51,11 +52,9 @@ def _edges(pre: PoseBox, setup: Setup) -> tuple[Line, ...]:
 
 
 def _beyond(edge: Line, tip: Tip, pre: PoseBox) -> Obligation:
-    which = "upper" if tip.side > 0 else "lower"
     way: Interval = tip.ahead.hull(tip.ahead_end)
     return require(
-        f"the {which} tip stays clear of the part on its way",
-        "sticking_motion",
-        "clearance",
+        about(ObligationId.TIP_CLEAR_OF_PART, tip=SIDES[tip.side]),
+        Inequality.CLEARANCE,
         {"theta": edge.angle(pre.theta), "d1": edge.depth, "dx": way, "dy": tip.rise},
     )

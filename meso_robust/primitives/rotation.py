@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +20,15 @@ from meso_robust.motion import sticking
 from meso_robust.motion.two_sided import Grip, SlideTube, TubeStatus, enclose_slide
 from meso_robust.primitives.approach import MODULE, Pair, Touch, approach
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import (
+    Inequality,
+    Named,
+    ObligationId,
+    Property,
+    When,
+    Which,
+    about,
+)
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -57,7 +65,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
         raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
     edge, u = setup.edge(pre.theta.mid), setup.uncertainty
     if edge.beyond:
-        return _step(rule, pre, None, [_undecided("the part is a rectangle, as a rotation needs")])
+        return _step(rule, pre, None, [_undecided(ObligationId.IS_RECTANGLE)])
     start = edge.angle(pre.theta)
     active, idle = tip_of(rule, -1, pre, setup), tip_of(rule, 1, pre, setup)
     pair = _pair(rule, active, pre, setup)
@@ -65,25 +73,24 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
         *free_at_start((active, idle), start, edge),
         _passive_free(pair, start, edge),
         require(
-            "the grasp cannot close: the motion exists (no jam)",
-            MODULE,
-            "no_jam",
+            about(ObligationId.NO_JAM),
+            Inequality.NO_JAM,
             {"V": pair.separation, "d1": edge.depth, "mu": u.friction},
         ),
     ]
     if not pair.separation.lo > 0.0:  # what the conditions are derived for; they square it
-        return _step(rule, pre, None, [*obligations, _undecided("the active tip is the upper one")])
+        return _step(rule, pre, None, [*obligations, _undecided(ObligationId.ACTIVE_ABOVE_PASSIVE)])
     touch = approach(pair, start, pre, edge, setup)
     if touch is None:
-        return _step(rule, pre, None, [*obligations, _undecided("the part comes to rest on both")])
-    obligations += [*touch.obligations, on_edge("active", touch.active_offset, edge)]
+        return _step(rule, pre, None, [*obligations, _undecided(ObligationId.COMES_TO_REST)])
+    obligations += [*touch.obligations, on_edge(Which.ACTIVE, touch.active_offset, edge)]
     (h_start,) = enclose(
         condition(MODULE, "pair_position"),
         {"theta": touch.theta, "V": pair.separation, "d1": edge.depth},
     )
     rests = require_order(
-        "the part rests on the passive tip before the push ends",
-        "h at the touch > h at the end",
+        about(ObligationId.RESTS_BEFORE_END),
+        Inequality.TOUCH_BEFORE_END,
         h_start - pair.h_end,
         {"h_start": h_start, "h_end": pair.h_end},
     )
@@ -96,9 +103,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
         return _step(rule, pre, None, obligations)
     post = _pose(pair, tube, pair.h_end, edge)
     if post is None:
-        return _step(rule, pre, None, [*obligations, _undecided("the end can be enclosed")])
+        return _step(rule, pre, None, [*obligations, _undecided(ObligationId.END_ENCLOSED)])
     obligations += _idle_tip_clear(start, touch, post, tube, pair, edge, setup)
-    obligations.append(comes_free("two tips come", edge.angle(post.theta)))
+    obligations.append(comes_free(Which.BOTH, edge.angle(post.theta)))
     knots = (*touch.tube, *_knots(pair, tube, edge))
     return _step(rule, pre, post, obligations, knots)
 
@@ -130,9 +137,8 @@ def _pair(rule: MoveRule, active: Tip, pre: PoseBox, setup: Setup) -> Pair:
 
 def _passive_free(pair: Pair, start: Interval, edge: Edge) -> Obligation:
     return require(
-        "the passive tip is free of contact at the start",
-        "sticking_motion",
-        "clearance",
+        about(ObligationId.TIP_FREE_AT_START, tip=Which.PASSIVE),
+        Inequality.CLEARANCE,
         {"theta": start, "d1": edge.depth, "dx": -pair.passive_ahead, "dy": -pair.passive_rise},
     )
 
@@ -153,30 +159,20 @@ def _slide(pair: Pair, touch: Touch, h_start: Interval, edge: Edge, setup: Setup
 def _tube_obligations(tube: SlideTube, pair: Pair) -> list[Obligation]:
     box = {"h": Interval(float(tube.h[-1]), float(tube.h[0])), "V": pair.separation}
     done = tube.status is TubeStatus.COMPLETE
-    never = Interval(-math.inf, 0.0)
+    # how far the tube came tells two failures apart; a proved obligation has nothing to tell
+    why = {} if done else {"status": tube.status.name.lower()}
     wanted = (
-        (
-            "both tips stay in contact: the active one alone would press the part on the other",
-            "two_sided_rotation.passive_force > 0 over the tube",
-            tube.force_margin,
-        ),
-        (
-            "both tips stay on their edges",
-            "half - |T/2 -+ sigma| > 0 over the tube",
-            tube.edge_margin,
-        ),
+        (ObligationId.BOTH_TIPS_TOUCH, Inequality.PASSIVE_FORCE, tube.force_margin),
+        (ObligationId.BOTH_TIPS_ON_EDGES, Inequality.ENDS_OF_EDGES, tube.edge_margin),
     )
     return [
-        replace(
-            require_order(
-                claim if done else f"{claim} ({tube.status.message})",
-                inequality,
-                Interval(margin, math.inf) if done else never,
-                box,
-            ),
-            derivation="derivations/two_sided_rotation.py",
+        require_order(
+            Named(id_, why),
+            inequality,
+            Interval(margin, math.inf) if done else Interval(-math.inf, 0.0),
+            box,
         )
-        for claim, inequality, margin in wanted
+        for id_, inequality, margin in wanted
     ]
 
 
@@ -209,10 +205,10 @@ def _idle_tip_clear(
     later = _active_offset(tube, late, pair, edge)
     at_rest = Interval.point(0.0)
     return (
-        passes(start, flight, touch.active_offset, 1, edge, setup, "before the touch"),
-        passes(upright, at_rest, offset, 1, edge, setup, "early in the turn"),
-        passes(leaning, at_rest, later, 1, edge, setup, "late in the turn"),
-        passes(end, way_back(pair.active), later, 1, edge, setup, "on withdrawal"),
+        passes(start, flight, touch.active_offset, 1, edge, setup, When.BEFORE_TOUCH),
+        passes(upright, at_rest, offset, 1, edge, setup, When.EARLY_IN_TURN),
+        passes(leaning, at_rest, later, 1, edge, setup, When.LATE_IN_TURN),
+        passes(end, way_back(pair.active), later, 1, edge, setup, When.ON_WITHDRAWAL),
     )
 
 
@@ -263,8 +259,8 @@ def _knots(pair: Pair, tube: SlideTube, edge: Edge) -> tuple[Knot, ...]:
     return tuple(found)
 
 
-def _undecided(claim: str) -> Obligation:
-    return require_order(claim, "undecided", Interval(-math.inf, 0.0), {})
+def _undecided(id_: ObligationId) -> Obligation:
+    return require_order(about(id_), Inequality.NONE, Interval(-math.inf, 0.0), {})
 
 
 def _step(
@@ -276,8 +272,7 @@ def _step(
 ) -> Step:
     return Step(
         rule=rule,
-        claim="both tips stay in contact and the part turns to nearly horizontal without jamming; "
-        "its slide stays in the tube although the motion need not be unique",
+        claim=about(Property.TURNS_BETWEEN_TIPS),
         pre=pre,
         post=post,
         obligations=tuple(obligations),

@@ -15,6 +15,7 @@ from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
 from meso_robust.bounds.interval import cos
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import SIDES, Inequality, ObligationId, Property, Which, about
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -51,7 +52,7 @@ def certify_straighten(
     aligned = HALF_PI + setup.uncertainty.misalignment
     tips = {side: tip_of(rule, side, pre, setup) for side in (1, -1)}
     obligations = [*free_at_start((tips[1], tips[-1]), start, edge)]
-    obligations.append(comes_free("pair comes", aligned))
+    obligations.append(comes_free(Which.PAIR, aligned))
     posts, tube = [], [Knot(stage="at rest", box=pre)]
     for side, part in _first_contacts(start, aligned):
         proofs, post, knots = _one_side(side, part, aligned, tips, edge, pre, setup, tilt)
@@ -61,8 +62,7 @@ def certify_straighten(
     post = functools.reduce(_hull, posts)
     return Step(
         rule=rule,
-        claim="one tip sticks until the other one touches, then both stick and the part translates "
-        "with the probe; the motion is unique",
+        claim=about(Property.STRAIGHTENS),
         pre=pre,
         post=post,
         obligations=tuple(obligations),
@@ -94,7 +94,7 @@ def _one_side(
     setup: Setup,
     tilt: Turn | None,
 ) -> tuple[list[Obligation], PoseBox | None, tuple[Knot, ...]]:
-    first = "upper" if side > 0 else "lower"
+    first = SIDES[side]
     offset, reach = touch(tips[side], start, edge)
     path = start.hull(aligned)
     obligations = [
@@ -152,11 +152,11 @@ def _pair_holds(
         "d2": upper,
         "d4": setup.spacing,
     }
-    second = "lower" if side > 0 else "upper"
+    second = SIDES[-side]
     return (
         on_edge(second, other, edge),
-        require("the pair of tips sticks", "two_point_sticking", "friction_margin", box),
-        require("both tips push", "two_point_sticking", "normal_forces", box),
+        require(about(ObligationId.PAIR_STICKS), Inequality.PAIR_FRICTION, box),
+        require(about(ObligationId.PAIR_PUSHES), Inequality.PAIR_FORCES, box),
         *sticks(second, aligned, other, -side, edge, setup),
     )
 
@@ -179,8 +179,8 @@ def _arrives(
         longest = math.inf
     margin = travel - Interval.point(longest) if longest < math.inf else Interval(-math.inf, 0.0)
     return require_order(
-        "the second tip touches before the probe stops",
-        "travel in contact > longest travel of the turn",
+        about(ObligationId.SECOND_TIP_TOUCHES),
+        Inequality.TRAVEL_TO_SPARE,
         margin,
         {"travel": travel, "theta": path, "d2": offset},
     )

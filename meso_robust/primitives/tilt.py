@@ -8,6 +8,15 @@ from dataclasses import dataclass
 from meso_robust.bounds import Interval
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import (
+    TURNS,
+    Inequality,
+    ObligationId,
+    Property,
+    When,
+    Which,
+    about,
+)
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require_order
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -56,8 +65,10 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
     monotone = sticking.travel_monotone(_wide(start, side), side, edge.depth, offset, u.film_ratio)
     obligations = [
         *free_at_start((pusher, idle), start, edge),
-        require_order("the tip reaches the part", "travel > 0", travel, {"travel": travel}),
-        on_edge("pushing", offset, edge),
+        require_order(
+            about(ObligationId.TIP_REACHES_PART), Inequality.TRAVEL, travel, {"travel": travel}
+        ),
+        on_edge(Which.PUSHING, offset, edge),
     ]
     if not monotone:
         return _step(rule, pre, None, obligations), None
@@ -65,12 +76,12 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
     if not end.width < math.inf:
         return _step(rule, pre, None, obligations), None
     path = start.hull(end)
-    obligations += sticks("pushing", path, offset, side, edge, setup)
+    obligations += sticks(Which.PUSHING, path, offset, side, edge, setup)
     obligations += [
-        passes(start, in_flight(pusher, reach), offset, side, edge, setup, "before the touch"),
-        passes(path, Interval.point(0.0), offset, side, edge, setup, "while it turns"),
-        passes(end, way_back(pusher), offset, side, edge, setup, "on withdrawal"),
-        comes_free("pushing tip comes", end),
+        passes(start, in_flight(pusher, reach), offset, side, edge, setup, When.BEFORE_TOUCH),
+        passes(path, Interval.point(0.0), offset, side, edge, setup, When.WHILE_TURNING),
+        passes(end, way_back(pusher), offset, side, edge, setup, When.ON_WITHDRAWAL),
+        comes_free(Which.PUSHING, end),
     ]
     post = PoseBox(
         x=pusher.x_end - sticking.arm(end, edge.depth, offset)[0],
@@ -95,10 +106,9 @@ def _step(
     obligations: list[Obligation],
     tube: tuple[Knot, ...] = (),
 ) -> Step:
-    turn = "counter-clockwise" if rule.side > 0 else "clockwise"
     return Step(
         rule=rule,
-        claim=f"one tip sticks all the way and turns the part {turn}; the motion is unique",
+        claim=about(Property.TURNS_PART, turn=TURNS[rule.side]),
         pre=pre,
         post=post,
         obligations=tuple(obligations),

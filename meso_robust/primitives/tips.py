@@ -9,6 +9,16 @@ from meso_robust.bounds import Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import (
+    SIDES,
+    TURNS,
+    Inequality,
+    Named,
+    ObligationId,
+    When,
+    Which,
+    about,
+)
 from meso_robust.primitives.obligation import Obligation, require, require_order
 from meso_robust.primitives.outline import Edge, Line
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -64,7 +74,7 @@ def passes(
     side: int,
     edge: Edge,
     setup: Setup,
-    when: str,
+    when: When,
 ) -> Obligation:
     """While one tip is ``flight`` short of its place on the edge, the other one is clear of the part.
 
@@ -73,14 +83,13 @@ def passes(
     side of the convex hull all the time.
     """
     dx, dy = second_tip(-side, setup)
-    claim = f"the other tip passes the part ({when})"
+    name = about(ObligationId.IDLE_TIP_PASSES, when=when)
     if edge.beyond:
         arm_x, arm_y = sticking.arm(path, edge.depth, offset)
-        return _off_a_side(claim, edge, path, arm_x + dx + flight, arm_y + dy)
+        return _off_a_side(name, edge, path, arm_x + dx + flight, arm_y + dy)
     return require(
-        claim,
-        "sticking_motion",
-        "beside",
+        name,
+        Inequality.BESIDE,
         {
             "theta": path,
             "d2": offset,
@@ -89,11 +98,10 @@ def passes(
             "dy": dy,
             "side": Interval.point(float(side)),
         },
-        any_output=True,
     )
 
 
-def _off_a_side(claim: str, edge: Edge, path: Interval, dx: Interval, dy: Interval) -> Obligation:
+def _off_a_side(name: Named, edge: Edge, path: Interval, dx: Interval, dy: Interval) -> Obligation:
     """A tip at ``(dx, dy)`` from the centre is off the line of a side of the part's convex hull.
 
     The side is the one that the tip is farthest off in the middle of all that can be.
@@ -107,7 +115,7 @@ def _off_a_side(claim: str, edge: Edge, path: Interval, dx: Interval, dy: Interv
 
     line = max((edge, *edge.beyond), key=off)
     box = {"theta": line.angle(theta), "d1": line.depth, "dx": dx, "dy": dy}
-    return require(claim, "sticking_motion", "clearance", box)
+    return require(name, Inequality.CLEARANCE, box)
 
 
 def in_flight(pusher: Tip, reach: Interval) -> Interval:
@@ -119,24 +127,23 @@ def free_at_start(tips: tuple[Tip, ...], angle: Interval, edge: Edge) -> tuple[O
     """Both tips stand clear of the edge's line before the move."""
     return tuple(
         require(
-            f"the {'upper' if tip.side > 0 else 'lower'} tip is free of contact at the start",
-            "sticking_motion",
-            "clearance",
+            about(ObligationId.TIP_FREE_AT_START, tip=SIDES[tip.side]),
+            Inequality.CLEARANCE,
             {"theta": angle, "d1": edge.depth, "dx": tip.ahead, "dy": tip.rise},
         )
         for tip in tips
     )
 
 
-def comes_free(which: str, end: Interval) -> Obligation:
+def comes_free(which: Which, end: Interval) -> Obligation:
     """A tip in contact leaves the part at once when it backs off, along +x from the edge that faces it.
 
     A distance s of the way back takes it s sin(theta) off the line of its edge; the passive tip
     backs off along -x from the opposite edge.
     """
     return require_order(
-        f"the {which} free of contact on withdrawal",
-        "sin(theta) > 0 at the end",
+        about(ObligationId.WITHDRAWS_FREE, tips=which),
+        Inequality.FACES_BACK,
         sin(end),
         {"theta": end},
     )
@@ -147,21 +154,21 @@ def way_back(tip: Tip) -> Interval:
     return Interval(0.0, max(0.0, (tip.ahead - tip.ahead_end).hi))
 
 
-def on_edge(which: str, offset: Interval, edge: Edge) -> Obligation:
+def on_edge(which: Which, offset: Interval, edge: Edge) -> Obligation:
     """The contact lies between the ends of the edge."""
-    claim = f"the {which} tip touches the edge"
+    name = about(ObligationId.TIP_ON_EDGE, tip=which)
     if edge.beyond:
         low, high = offset - edge.first, edge.last - offset
         margin = Interval(min(low.lo, high.lo), min(low.hi, high.hi))
         ends = {"d2": offset, "first": edge.first, "last": edge.last}
-        return require_order(claim, "d2 - first > 0 and last - d2 > 0", margin, ends)
+        return require_order(name, Inequality.BETWEEN_CORNERS, margin, ends)
     margin = edge.half - offset.hull(-offset)
     box = {"d2": offset, "half": edge.half}
-    return require_order(claim, "half - |d2| > 0", margin, box)
+    return require_order(name, Inequality.WITHIN_EDGE, margin, box)
 
 
 def sticks(
-    which: str, path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup
+    which: Which, path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup
 ) -> tuple[Obligation, ...]:
     """One contact alone pushes, sticks, turns the part to ``side``, and allows no other motion."""
     u = setup.uncertainty
@@ -173,14 +180,13 @@ def sticks(
         "mu": u.friction,
         "side": Interval.point(float(side)),
     }
-    turn = "counter-clockwise" if side > 0 else "clockwise"
     wanted = (
-        ("normal_force", f"the {which} tip pushes"),
-        ("friction_margin", f"the {which} tip sticks"),
-        ("turning", f"the {which} tip turns the part {turn}"),
-        ("only_solution", f"no slipping motion is possible beside the sticking one ({which} tip)"),
+        (about(ObligationId.TIP_PUSHES, tip=which), Inequality.NORMAL_FORCE),
+        (about(ObligationId.TIP_STICKS, tip=which), Inequality.FRICTION_MARGIN),
+        (about(ObligationId.TIP_TURNS_PART, tip=which, turn=TURNS[side]), Inequality.TURNING),
+        (about(ObligationId.NO_SLIPPING, tip=which), Inequality.ONLY_SOLUTION),
     )
-    return tuple(require(claim, "one_point_sticking", name, box) for name, claim in wanted)
+    return tuple(require(name, inequality, box) for name, inequality in wanted)
 
 
 def touch(tip: Tip, angle: Interval, edge: Edge) -> tuple[Interval, Interval]:

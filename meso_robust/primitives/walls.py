@@ -14,6 +14,7 @@ from collections.abc import Iterable, Iterator
 from meso_robust.bounds import Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.primitives.move import MoveRule, Point
+from meso_robust.primitives.names import Inequality, ObligationId, about
 from meso_robust.primitives.obligation import Knot, Obligation, require_order
 from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import Block, PoseBox, Setup
@@ -31,8 +32,8 @@ def part_clear(tube: Iterable[Knot], setup: Setup) -> Obligation:
     ]
     distance, box = min(found, key=lambda pair: pair[0], default=(math.inf, None))
     return require_order(
-        "the part stays clear of the slot's walls",
-        "distance of part and wall along one of their sides > 0 over the tube",
+        about(ObligationId.PART_CLEAR_OF_WALLS),
+        Inequality.PART_TO_WALL,
         Interval(distance, math.inf),
         {} if box is None else {"x": box.x, "y": box.y, "theta": box.theta},
     )
@@ -52,8 +53,8 @@ def tips_clear(rule: MoveRule, pre: PoseBox, setup: Setup) -> Obligation:
     found = [(_beside(x, y, block), x, y) for x, y in ways for block in setup.blocks]
     distance, x, y = min(found, key=lambda one: one[0])
     return require_order(
-        "the tips stay clear of the slot's walls",
-        "distance of tip and wall along x or y > 0 over the travel",
+        about(ObligationId.TIPS_CLEAR_OF_WALLS),
+        Inequality.TIP_TO_WALL,
         Interval(distance, math.inf),
         {"x": x, "y": y},
     )

@@ -59,7 +59,9 @@ def answer(result: Planned, promise: Promise | None = None) -> Answer:
         meaning=_meaning(certificate.verdict, promise),
         figures=_figures(result) if promise is None else _promised(result, promise),
         open=_open(result),
-        witness=None if witness is None else witness_words(witness),
+        witness=None
+        if witness is None
+        else witness_words(witness, certificate.reading.outcome or ""),
     )
 
 
@@ -117,17 +119,17 @@ def _figures(result: Planned) -> Figures:
 
 
 def _open(result: Planned) -> Open | None:
-    undecided = result.certificate.undecided
-    if undecided is None:
+    undecided, said = result.certificate.undecided, result.certificate.reading.undecided
+    if undecided is None or said is None:
         return None
     if result.chain.verdict is Verdict.PROVED:  # of the plain model: what is open is a premise
         return Open(
             where="what the proof rests on",
-            claim=undecided.claim,
-            inequality=undecided.inequality,
+            claim=said.claim,
+            inequality=said.inequality,
             how="",
             over=(),
-            settled_by=undecided.settled_by,
+            settled_by=said.settled_by,
             premise=True,
         )
     found = result.chain.open_obligation
@@ -142,11 +144,11 @@ def _open(result: Planned) -> Open | None:
         how = ""
     return Open(
         where=f"move {number_} (step {undecided.step}, {undecided.action})",
-        claim=undecided.claim,
-        inequality=undecided.inequality,
+        claim=said.claim,
+        inequality=said.inequality,
         how=how,
         over=sides(undecided.over),
-        settled_by=undecided.settled_by,
+        settled_by=said.settled_by,
     )
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -16,7 +15,6 @@ from typing import Any
 
 from markupsafe import Markup
 
-_NAMED = re.compile(r"^(\w+)\.(\w+)\b")
 _LONGEST = 2200  # characters of MathML that still stand in one row of a table
 
 
@@ -46,15 +44,15 @@ def condition(inequality: str) -> Condition | None:
     Parameters
     ----------
     inequality
-        As a certificate states it: ``module.function(...): every value > 0``.
+        As a certificate names it: ``module.function``, or a name without a dot.
     """
-    found = _NAMED.match(inequality)
-    return None if found is None else _condition(*found.groups())
+    module, dot, name = inequality.partition(".")
+    return _condition(module, name) if dot else None
 
 
 def conditions(inequalities: Iterable[str]) -> tuple[Condition, ...]:
     """All functions that some inequalities are about, each once, in their order."""
-    named = {item.name: item for text in inequalities if (item := condition(text)) is not None}
+    named = {item.name: item for one in inequalities if (item := condition(one)) is not None}
     return tuple(named.values())
 
 

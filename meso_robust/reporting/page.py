@@ -82,7 +82,9 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         view=view(result),
         engine=engine(),
         steps=steps,
-        conditions=conditions(item.inequality for step in steps for item in step.obligations),
+        conditions=conditions(
+            item.inequality for step in certificate.steps for item in step.obligations
+        ),
         letters=LETTERS_SAID,
         margins=rows.margin_rows(result),
         excesses=rows.excess_rows(result),

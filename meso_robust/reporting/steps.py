@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from meso_robust.certificates.chain import certify
-from meso_robust.certificates.document import ObligationDocument, StepDocument
+from meso_robust.certificates.document import ObligationDocument, StepDocument, name_of
+from meso_robust.certificates.words import derivation_words, inequality_words, words
 from meso_robust.job import Planned
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.conditions import Condition, condition
@@ -64,14 +65,14 @@ Ideal = Mapping[tuple[int, str], float]
 
 
 def _without_errors(result: Planned) -> Ideal:
-    """Lower bound of every inequality, by move and claim, where no uncertainty is left."""
+    """Lower bound of every inequality, by move and name, where no uncertainty is left."""
     steps = certify(result.found.rules, setup_of(result.task, 0.0)).steps
     found = [(index, item) for index, step in enumerate(steps) for item in step.obligations]
-    times = Counter((index, item.claim) for index, item in found)
+    times = Counter((index, item.name.key) for index, item in found)
     return {
-        (index, item.claim): item.proof.lower
+        (index, item.name.key): item.proof.lower
         for index, item in found
-        if times[index, item.claim] == 1  # else it is not said which of them is meant
+        if times[index, item.name.key] == 1  # else it is not said which of them is meant
     }
 
 
@@ -90,12 +91,12 @@ def _step(
         number=index + 1,
         title=name,
         standing=standing,
-        claim=step.property,
+        claim=words(name_of(step.property)),
         pre=box_words(step.pre_exact),
         post=None if step.post_exact is None else box_words(step.post_exact),
         proved=sum(obligation.verdict == "PROVED" for obligation in step.obligations),
         obligations=tuple(
-            _obligation(obligation, ideal.get((index, obligation.claim)))
+            _obligation(obligation, ideal.get((index, name_of(obligation).key)))
             for obligation in step.obligations
         ),
     )
@@ -103,10 +104,11 @@ def _step(
 
 def _obligation(document: ObligationDocument, ideal: float | None) -> ObligationRow:
     bound = document.lower_bound
+    inequality = document.inequality
     return ObligationRow(
-        claim=document.claim,
-        inequality=document.inequality,
-        derivation=document.derivation,
+        claim=words(name_of(document)),
+        inequality=inequality_words(inequality),
+        derivation=derivation_words(inequality.derivation),
         verdict=document.verdict,
         lower="—" if bound is None else significant(float.fromhex(bound), 3),
         boxes=document.boxes,

@@ -15,9 +15,11 @@ from markupsafe import Markup
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
-from meso_robust.certificates.document import MarginDocument
+from meso_robust.certificates.document import MarginDocument, name_of
+from meso_robust.certificates.words import words
 from meso_robust.job import Planned
 from meso_robust.planning.document import BoxDocument, names_of
+from meso_robust.primitives.names import every_obligation
 from meso_robust.primitives.outline import Edge, Line, Outline, Polygon
 from meso_robust.primitives.setup import Setup
 from meso_robust.reporting.animation import embedded
@@ -64,6 +66,7 @@ def data(result: Planned) -> Json:
         "ranges": _ranges(setup),
         "probes": list(dict.fromkeys(name for move in moves for name in move["probes"])),
         "moves": moves,
+        "words": {name.key: words(name) for name in every_obligation()},
         "verdict": certificate.verdict,
         "margin": _margin(certificate.margin),
     }
@@ -153,7 +156,10 @@ def _moves(result: Planned) -> list[Json]:
                 "obligations": []
                 if step is None
                 else [
-                    [one.claim, None if one.lower_bound is None else float.fromhex(one.lower_bound)]
+                    [
+                        name_of(one).key,
+                        None if one.lower_bound is None else float.fromhex(one.lower_bound),
+                    ]
                     for one in step.obligations
                 ],
             }

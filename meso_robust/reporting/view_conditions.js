@@ -1,10 +1,10 @@
 // What the certificate proves of each move, evaluated along one run: the least value of every
-// inequality, under the certificate's own words. Units: um, um² or none.
+// inequality, under the name of its obligation (names.py). Units: um, um² or none.
 function conditions() {
   const all = new Map();
-  return { all, low(claim, value, unit) {
-    const known = all.get(claim);
-    if (!known || value < known.value) all.set(claim, { value, unit });
+  return { all, low(name, value, unit) {
+    const known = all.get(name);
+    if (!known || value < known.value) all.set(name, { value, unit });
   } };
 }
 
@@ -18,9 +18,9 @@ function watcher(move) {
   if (move.rule.action !== "regrasp") freeAtStart(move);
   const clear = (now) => {
     if (walls.part(now) === Infinity) return;
-    found.low("the part stays clear of the slot's walls", walls.part(now), "um");
+    found.low("part_clear_of_walls", walls.part(now), "um");
     const least = Math.min(...tips.map((tip) => walls.tip(tipAt(tip, now.s))));
-    found.low("the tips stay clear of the slot's walls", least, "um");
+    found.low("tips_clear_of_walls", least, "um");
   };
   return { during: (now, mode) => { clear(now); during(now, mode); }, after: own.after };
 }
@@ -34,37 +34,37 @@ function freeAtStart({ part, tips, start, found }) {
     if (!tips[i]) return;
     const seen = name === "passive" ? behind(part, start.theta) : edge;
     const distance = clearance(seen, start, [tips[i].x, tips[i].y]);
-    found.low(`the ${name} tip is free of contact at the start`, distance, "um");
+    found.low(`tip_free_at_start/${name}`, distance, "um");
   });
 }
 
-const withdrawn = (found, claim, now, edge) =>
-  found.low(claim, Math.sin(edgeAngle(now.theta, edge)), "");
+const withdrawn = (found, tips, now, edge) =>
+  found.low(`withdraws_free/${tips}`, Math.sin(edgeAngle(now.theta, edge)), "");
 
 // One contact alone: `which` names it in the certificate, `side` is the way it must turn the part.
 function sticks({ part, found }, which, now, edge, offset, side) {
   const angle = edgeAngle(now.theta, edge), { rho, mu } = part, d1 = edge.depth;
-  const turn = side > 0 ? "counter-clockwise" : "clockwise";
-  found.low(`the ${which} tip pushes`, onePoint.normal_force(angle, d1, offset, rho)[0], "um²");
-  found.low(`the ${which} tip sticks`,
+  const turn = side > 0 ? "counter_clockwise" : "clockwise";
+  found.low(`tip_pushes/${which}`, onePoint.normal_force(angle, d1, offset, rho)[0], "um²");
+  found.low(`tip_sticks/${which}`,
     Math.min(...onePoint.friction_margin(angle, d1, offset, rho, mu)), "um²");
-  found.low(`the ${which} tip turns the part ${turn}`,
+  found.low(`tip_turns_part/${which}/${turn}`,
     onePoint.turning(angle, d1, offset, side)[0], "um");
-  found.low(`no slipping motion is possible beside the sticking one (${which} tip)`,
+  found.low(`no_slipping/${which}`,
     Math.min(...onePoint.only_solution(d1, offset, rho, mu)), "um²");
 }
 
 const onEdge = ({ found }, which, edge, offset) =>
-  found.low(`the ${which} tip touches the edge`, room(edge, offset), "um");
+  found.low(`tip_on_edge/${which}`, room(edge, offset), "um");
 
 // The tip that does not push passes the part: it is off the line of a side of the convex hull.
 function passes({ part, tips, found }, now, when, idle, back = 0) {
   const point = tipAt(tips[idle], now.s - back);
-  found.low(`the other tip passes the part (${when})`, gap(part, now, point), "um");
+  found.low(`idle_tip_passes/${when}`, gap(part, now, point), "um");
 }
 
 function passesBack(move, now, idle) {
-  for (let i = 0; i <= WAYS_BACK; i++) passes(move, now, "on withdrawal", idle, (now.s * i) / WAYS_BACK);
+  for (let i = 0; i <= WAYS_BACK; i++) passes(move, now, "on_withdrawal", idle, (now.s * i) / WAYS_BACK);
 }
 
 function offsetOf(part, now, tip, edge) {
@@ -78,22 +78,22 @@ function tiltWatch(move) {
   const offset = offsetOf(part, start, tip, edge);
   const reach = tip.x - start.x
     - sticking.contact_reach(edgeAngle(start.theta, edge), edge.depth, tip.y - start.y)[0];
-  found.low("the tip reaches the part", length - reach, "um");
+  found.low("tip_reaches_part", length - reach, "um");
   onEdge(move, "pushing", edge, offset);
   let last = null;
   return {
     during(now, mode) {
       if (mode.kind === "rest") {
-        passes(move, now, "before the touch", idle);
+        passes(move, now, "before_touch", idle);
       } else if (mode.kind === "single" && mode.pusher === pusher) {
         last = mode.offset(now);
         sticks(move, "pushing", now, edge, last, side);
         onEdge(move, "pushing", edge, last);
-        passes(move, now, "while it turns", idle);
+        passes(move, now, "while_turning", idle);
       }
     },
     after(now) {
-      withdrawn(found, "the pushing tip comes free of contact on withdrawal", now, edge);
+      withdrawn(found, "pushing", now, edge);
       if (last !== null) passesBack(move, now, idle);
     },
   };
@@ -109,7 +109,7 @@ function straightenWatch(move) {
         const offset = mode.offset(now), side = sideOf(mode.pusher), which = NAMES[mode.pusher];
         if (first === null) {
           first = mode.pusher;
-          found.low("the second tip touches before the probe stops",
+          found.low("second_tip_touches",
             length - now.s - travelToBoth(part, tips, edge, now, offset), "um");
         }
         sticks(move, which, now, edge, offset, side);
@@ -120,7 +120,7 @@ function straightenWatch(move) {
         pairWatch(move, now, mode, edge, first);
       }
     },
-    after(now) { withdrawn(found, "the pair comes free of contact on withdrawal", now, edge); },
+    after(now) { withdrawn(found, "pair", now, edge); },
   };
 }
 
@@ -132,8 +132,8 @@ function travelToBoth(part, tips, edge, now, offset) {
 
 function pairWatch(move, now, mode, edge, first) {
   const { part, tips, found } = move;
-  found.low("the pair of tips sticks", Math.min(...twoPoint.friction_margin(mode.beta, part.mu)), "");
-  found.low("both tips push",
+  found.low("pair_sticks", Math.min(...twoPoint.friction_margin(mode.beta, part.mu)), "");
+  found.low("pair_pushes",
     Math.min(...pairForces(tips, 0, 1, edge, now, mode.offset).forces), "um");
   [0, 1].filter((i) => i !== first).forEach((i) => {
     const offset = offsetOf(part, now, tips[i], edge);
@@ -147,16 +147,16 @@ function rotateWatch(move) {
   const grip = gripOf(tips, 1, 2, edge, behind(part, start.theta)), idle = 0;
   const hEnd = grip.across(length);
   let touched = null;
-  const rests = "the part rests on the passive tip before the push ends";
-  found.low("the grasp cannot close: the motion exists (no jam)",
+  const rests = "rests_before_end";
+  found.low("no_jam",
     twoSided.no_jam(grip.V, edge.depth, part.mu)[0] * Math.sign(grip.V), "um²");
   return {
     during(now, mode) {
       if (mode.kind === "rest") {
-        passes(move, now, "before the touch", idle);
+        passes(move, now, "before_touch", idle);
       } else if (mode.kind === "single" && mode.pusher === 1) {
         onEdge(move, "active", edge, mode.offset(now));
-        passes(move, now, "early in the turn", idle);
+        passes(move, now, "early_in_turn", idle);
         if (touched === null) aloneWatch(move, now, edge, mode.offset(now));
       } else if (mode.kind === "grip") {
         if (touched === null) {
@@ -165,7 +165,7 @@ function rotateWatch(move) {
         }
         gripWatch(move, grip, now);
         const early = grip.across(now.s) >= touched - 0.15 * (touched - hEnd);
-        passes(move, now, early ? "early in the turn" : "late in the turn", idle);
+        passes(move, now, early ? "early_in_turn" : "late_in_turn", idle);
       }
     },
     after(now) {
@@ -173,7 +173,7 @@ function rotateWatch(move) {
         const [h] = twoSided.pair_position(edgeAngle(now.theta, edge), grip.V, edge.depth);
         found.low(rests, Math.min(h - hEnd, -LOOSE), "um");
       }
-      withdrawn(found, "the two tips come free of contact on withdrawal", now, edge);
+      withdrawn(found, "both", now, edge);
       passesBack(move, now, idle);
     },
   };
@@ -181,9 +181,9 @@ function rotateWatch(move) {
 
 function aloneWatch({ part, found }, now, edge, offset) {
   const { rho, mu } = part;
-  found.low("the active tip pushes until the part rests on both",
+  found.low("pushes_until_rest",
     onePoint.normal_force(edgeAngle(now.theta, edge), edge.depth, offset, rho)[0], "um²");
-  found.low("its motion, sticking or slipping, is unique until then",
+  found.low("unique_until_rest",
     Math.min(...onePoint.only_solution(edge.depth, offset, rho, mu)), "um²");
 }
 
@@ -192,16 +192,16 @@ function gripWatch({ part, found }, grip, now) {
   const h = grip.across(now.s), sigma = slideOf(grip, now), { rho, mu } = part;
   const corners = [-mu, mu].flatMap((tauD) => [-mu, mu].map((tauS) =>
     twoSided.passive_force(h, grip.V, grip.d1, sigma, rho, tauD, tauS)[0]));
-  found.low("both tips stay in contact: the active one alone would press the part on the other",
+  found.low("both_tips_touch",
     Math.min(...corners), "");
   const [T] = twoSided.pair(h, grip.V, grip.d1);
-  found.low("both tips stay on their edges", gripRoom(grip, T, sigma), "um");
+  found.low("both_tips_on_edges", gripRoom(grip, T, sigma), "um");
 }
 
 function regraspWatch({ part, tips, found }) {
   return {
     during(now) {
-      NAMES.forEach((name, i) => found.low(`the ${name} tip stays clear of the part on its way`,
+      NAMES.forEach((name, i) => found.low(`tip_clear_of_part/${name}`,
         gap(part, now, tipAt(tips[i], now.s)), "um"));
     },
     after() {},

@@ -36,9 +36,9 @@ function makeCard(move, k) {
   const where = element(head, "span", "where muted");
   const list = element(card, "div", "conds");
   const bounds = new Map(move.obligations);
-  const claims = new Set([...bounds.keys(), ...(lowest[k] ? lowest[k].keys() : [])]);
-  const rows = [...claims].map((claim) => ({ claim, bound: bounds.get(claim) ?? null,
-    ...makeRow(element(list, "div", "cond"), claim) }));
+  const keys = new Set([...bounds.keys(), ...(lowest[k] ? lowest[k].keys() : [])]);
+  const rows = [...keys].map((key) => ({ key, claim: data.words[key], bound: bounds.get(key) ?? null,
+    ...makeRow(element(list, "div", "cond"), data.words[key]) }));
   return { card, tag, worst, rows, landing, where };
 }
 
@@ -84,7 +84,7 @@ function showCard(card, k, run) {
   const move = run.moves[k];
   let worst = null, failing = 0;
   for (const row of card.rows) {
-    const now = move && move.conditions.get(row.claim), before = lowest[k] && lowest[k].get(row.claim);
+    const now = move && move.conditions.get(row.key), before = lowest[k] && lowest[k].get(row.key);
     const unit = (now || before || { unit: "" }).unit;
     const bound = row.bound === null ? null : row.bound * SI[unit];
     const value = now ? now.value : null;

@@ -179,8 +179,8 @@ class Witness:
     moves: tuple[WitnessMove, ...]
 
 
-def witness_words(witness: WitnessDocument) -> Witness:
-    """A witness in um, um^2 and deg."""
+def witness_words(witness: WitnessDocument, outcome: str) -> Witness:
+    """A witness in um, um^2 and deg; ``outcome`` says how its run ends."""
     x, y, theta = (float.fromhex(value) for value in witness.start)
     ratio = float.fromhex(witness.film_ratio_m2) / units.UM**2
     facts = (
@@ -191,7 +191,7 @@ def witness_words(witness: WitnessDocument) -> Witness:
     )
     moves = zip(witness.sensing, witness.dual_probe, witness.single_probe, strict=True)
     return Witness(
-        outcome=witness.outcome,
+        outcome=outcome,
         facts=facts,
         moves=tuple(
             WitnessMove(

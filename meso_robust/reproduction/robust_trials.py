@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
+from meso_robust.certificates.words import words
 from meso_robust.execution.draws import draw
 from meso_robust.execution.running import MoveRun, run as run_rules
 from meso_robust.primitives.move import Action, MoveRule, Point, from_part
@@ -114,7 +115,7 @@ def holds(step: Step) -> bool:
 
 def refuted(step: Step) -> list[str]:
     """Conditions that some errors break."""
-    return [each.claim for each in step.obligations if each.proof.verdict is Verdict.REFUTED]
+    return [words(each.name) for each in step.obligations if each.proof.verdict is Verdict.REFUTED]
 
 
 def why_not(step: Step) -> str:

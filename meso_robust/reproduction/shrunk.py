@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
+from meso_robust.certificates.words import words
 from meso_robust.execution.draws import Draws, draw
 from meso_robust.execution.endings import gaps_to
 from meso_robust.execution.running import excess, rectangle
@@ -133,15 +134,13 @@ def certified_at(
     margins = [_margin(rules, small) for rules in plans]
     best = int(np.argmax(margins))
     chain = certify(plans[best], setup_of(small))
-    proved, open_ = chain.verdict is Verdict.PROVED, chain.open_obligation
-    reason = "the final box leaves the goal"
-    if open_ is not None:
-        reason = f"{open_[0].rule.action}: {open_[1].claim}"
+    proved = chain.verdict is Verdict.PROVED
+    step, name, _ = chain.first_open
     return Certified(
         rules=tuple(plans[best]),
         proved=proved,
         margin=max(margins[best], 1.0) if proved else margins[best],
-        reason="" if proved else reason,
+        reason="" if proved else f"{step.rule.action}: {words(name)}",
     )
 
 

@@ -126,8 +126,13 @@ CHECK = Table(
             "VERIFIED; REJECTED; WITNESS CONFIRMED or WITNESS UNDECIDED (the certificate is REFUTED); "
             "NOTHING CLAIMED (it is UNKNOWN)",
         ),
-        Column("claims", "what the certificate claims, in words"),
-        Column("rejected", "the first thing that is not so: `claim`, `stated`, `found`; else null"),
+        Column("claims", "what is verified, in the checker's own words"),
+        Column("premises", "what the proof takes for granted: a sentence for each id"),
+        Column(
+            "rejected",
+            "the first thing that is not so: `id` with its data `about` and the key `at`, the same in words "
+            "as `claim`, `stated`, `found`; else null",
+        ),
         Column("not_checked", "what the checker takes no position on, a sentence each"),
     ),
     "key",

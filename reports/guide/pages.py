@@ -115,6 +115,8 @@ def with_symbols(page: str) -> str:
 def _table(
     title: str, schema: dict[str, Any], model: type[BaseModel] | None, whole: bool
 ) -> Iterator[str]:
+    if "enum" in schema:
+        yield f"### {title}\n\n{_line(schema.get('description', ''))}\n\n{_type(schema)}\n\n"
     if "properties" not in schema:
         return
     meanings = _meanings(model) if model is not None else {}

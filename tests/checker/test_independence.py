@@ -17,7 +17,7 @@ ALLOWED = (
     "pydantic",
 )  # fmt: skip
 STANDARD = {
-    "__future__", "collections", "dataclasses", "fractions", "functools", "hashlib", "heapq",
+    "__future__", "collections", "dataclasses", "enum", "fractions", "functools", "hashlib", "heapq",
     "itertools", "json", "math", "pathlib", "typing",
 }  # fmt: skip
 

@@ -16,10 +16,12 @@ from typer.testing import CliRunner
 from meso_robust.api.check import check as mr_check
 from meso_robust.checker.document import RuleDocument
 from meso_robust.checker.given import given
+from meso_robust.checker.ids import Must, Named, Objection, named
 from meso_robust.checker.reading import digest
 from meso_robust.checker.refusal import Refused
-from meso_robust.checker.replay import INSIDE, MISSES, WALL, Fate, replay
+from meso_robust.checker.replay import INSIDE, MISSES, Fate, replay
 from meso_robust.checker.verdict import BITS
+from meso_robust.checker.words import sentence
 from meso_robust.cli import app
 from meso_robust.execution.draws import Draws, draw, nominal
 from meso_robust.execution.replay import Feedback, miss
@@ -33,7 +35,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
 from meso_robust.toml_files import toml_text
-from tests.checker.test_check import checked, objection, reworded
+from tests.checker.test_check import checked, objection, reclaimed
 from tests.checker.test_walls import slot_task
 from tests.checker.test_witness import witness
 from tests.conftest import paper_task
@@ -41,6 +43,7 @@ from tests.turned import FRAMES, turned_rules, turned_task
 
 Document = dict[str, Any]
 ZERO = (0.0).hex()
+MISSED = Fate(fails=True, why=named(Objection.MISSES_GOAL), outcome=MISSES)
 
 
 # ------------------------------------------------------------------------ an untrue refutation
@@ -53,15 +56,17 @@ def refuting(document: Document, task: Task, **changes: Any) -> Document:
     last.update(verdict="UNKNOWN", post=None, post_exact=None)
     one = last["obligations"][0]
     found["undecided"] = {
-        "move": moves, "step": last["step"], "action": last["action"], "claim": one["claim"],
-        "inequality": one["inequality"], "fails": False, "over": one["over"], "settled_by": "",
+        "move": moves, "step": last["step"], "action": last["action"],
+        "reason": {"id": one["id"], "about": one["about"]},
+        "inequality": one["inequality"], "fails": False, "over": one["over"],
+        "settled_by": {"id": "change_move", "about": {}},
     }  # fmt: skip
-    found["margin"] |= {"factor": 0.0, "refused_at": 1.0, "binds_first": None, "limit": "x"}
+    found["margin"] |= {"factor": 0.0, "refused_at": 1.0, "binds_first": None, "limit": None}
     found["margin"]["each_alone"] = dict.fromkeys(found["margin"]["each_alone"], 0.0)
     u = setup.uncertainty
     found["verdict"] = "REFUTED"
     found["witness"] = {
-        "outcome": MISSES,
+        "outcome": MISSES, "move": None,
         "start": [float(v).hex() for v in setup.start.mid],
         "friction": u.friction.mid.hex(), "film_ratio_m2": u.film_ratio.mid.hex(),
         "misalignment_rad": ZERO, "sensing": [[ZERO] * 3] * moves,
@@ -73,20 +78,20 @@ def refuting(document: Document, task: Task, **changes: Any) -> Document:
 def test_a_proved_plan_called_refuted_is_rejected(document: Document) -> None:
     lazy = {**refuting(document, paper_task(), outcome="jammed"), "steps": document["steps"]}
     for undecided in (None, lazy["undecided"]):
-        assert objection({**lazy, "undecided": undecided}) == "verdict REFUTED: a move is open"
+        assert objection({**lazy, "undecided": undecided}) == "value: verdict"
     careful = refuting(document, paper_task(), outcome="jammed")
-    assert objection({**careful, "undecided": None}) == "verdict REFUTED says what is undecided"
-    assert objection(careful) == "the witness is a run that fails"
-    assert "margin" in objection({**careful, "margin": document["margin"]})
+    assert objection({**careful, "undecided": None}) == "value: undecided"
+    assert objection(careful) == "witness_fails"
+    assert objection({**careful, "margin": document["margin"]}) == "value: margin.factor"
 
 
 def test_a_refutation_by_moves_that_are_none_is_rejected(document: Document) -> None:
     changed = refuting(document, paper_task())
     changed["policy"][0]["action"] = "fly"
-    assert "knows each move" in objection(changed)
+    assert objection(changed) == "move_known"
     changed["policy"] = []
     changed["witness"] |= {"sensing": [], "dual_probe": [], "single_probe": []}
-    assert objection(reworded(changed, paper_task()))  # nothing to follow is no failure
+    assert objection(changed)  # nothing to follow is no failure
 
 
 # ------------------------------------------------------------------- one that is true, or may be
@@ -98,10 +103,10 @@ def test_a_run_that_misses_is_confirmed_and_no_proof(document: Document) -> None
     found = of_another_goal(refuting(document, task), task)
     answer = checked(found, task)
     assert (answer.verdict, answer.positive) == ("WITNESS CONFIRMED", False)
-    assert MISSES in answer.claims
+    assert sentence(named(Objection.MISSES_GOAL)) in answer.claims
     assert any(one.startswith("steps") for one in answer.not_checked)
-    found["witness"]["outcome"] = "move 3: the part jammed"
-    assert objection(found, task) == "witness.outcome"
+    found["witness"]["outcome"] = "jam"
+    assert objection(found, task) == "value: witness.outcome"
 
 
 def of_another_goal(document: Document, task: Task) -> Document:
@@ -109,7 +114,7 @@ def of_another_goal(document: Document, task: Task) -> Document:
     from meso_robust.planning.document import goal_document
 
     goal = setup_of(task).goal
-    found = reworded(document, task)
+    found = reclaimed(document, task)
     found["goal_exact"] = json.loads(exact_box(goal).model_dump_json())
     found["goal"] = json.loads(goal_document(goal).model_dump_json())
     return found
@@ -120,7 +125,8 @@ def test_a_run_that_slips_is_undecided_and_says_what_it_rests_on(
 ) -> None:
     found = mr_check(wide_friction_plan.certificate, wide_friction_plan.task)
     assert (found.verdict, found.verified) == ("WITNESS UNDECIDED", False)
-    assert "move 1: the pushing tip sticks" in str(found)
+    slips = Named(Must.TIP_STICKS, {"tip": "pushing"})
+    assert f"move 1: {sentence(slips)}" in str(found)
     assert "simulate" in str(found)
     assert any(one.startswith("witness.outcome") for one in found.document["not_checked"])
     assert "WITNESS UNDECIDED" in found._repr_html_()
@@ -159,8 +165,8 @@ def fate(task: Task, rules: tuple[MoveRule, ...], draws: Draws, row: int) -> Fat
         try:
             return replay(stated, policy, given(task))
         except Refused as refused:
-            objected = refused.claim
-    assert objected == "the witness is a run that fails"
+            objected = refused.name.id
+    assert objected is Objection.WITNESS_FAILS
     return None
 
 
@@ -180,7 +186,7 @@ def test_runs_end_where_the_event_driven_engine_takes_them(frame: Frame) -> None
             # the slide of a rotation is known to a micrometre only, as it need not be unique
             assert from_border[row] < 1.0
         else:
-            assert told == (None if hit else Fate(fails=True, why=MISSES, outcome=MISSES))
+            assert told == (None if hit else MISSED)
 
 
 @pytest.mark.parametrize("frame", FRAMES, ids=str)
@@ -209,4 +215,6 @@ def test_a_part_that_runs_into_a_wall_is_found(depth: float, meets: bool) -> Non
     told = fate(task, rules, draws, 0)
     player = Feedback(rules=rules, setup=setup)
     assert in_goal(player.run(player.rows_of(draws)), setup)[0] == (not meets)
-    assert told == (Fate(fails=True, why=f"move {len(rules)}: {WALL}") if meets else None)
+    assert told == (
+        Fate(fails=True, why=named(Objection.MEETS_WALL), move=len(rules)) if meets else None
+    )

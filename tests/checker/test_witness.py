@@ -32,7 +32,8 @@ def witness(draws: Draws, row: int) -> Certificate:
         return tuple(told(value) for value in values)
 
     stated = WitnessDocument(
-        outcome="a jam",
+        outcome="jam",
+        move=MOVES,
         start=told(run["start"]),
         friction=told(run["friction"]),
         film_ratio_m2=told(run["film_ratio"]),

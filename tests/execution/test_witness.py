@@ -16,10 +16,13 @@ from meso_robust.execution.witness import read_witness
 from tests.conftest import paper_task
 from tests.execution.paper import REPORT, paper_plan_document, paper_player
 
+FIRST = Path(__file__).parents[1] / "checker" / "schema_one" / "paper.json"
+"""The same certificate as it was written in schema 1."""
 
-def certificate(folder: Path, **changes: Any) -> Path:
+
+def certificate(folder: Path, source: Path = REPORT / "certificate.json", **changes: Any) -> Path:
     """The paper's certificate made into one with a witness, with some of it changed."""
-    values = json.loads((REPORT / "certificate.json").read_text(encoding="utf-8"))
+    values = json.loads(source.read_text(encoding="utf-8"))
     player = paper_player()
     draws = draw(player.setup, 4, 3, np.random.default_rng(9))
 
@@ -43,10 +46,12 @@ def certificate(folder: Path, **changes: Any) -> Path:
     return path
 
 
-def test_witness_is_replayed_number_for_number(tmp_path: Path) -> None:
+@pytest.mark.parametrize("source", [REPORT / "certificate.json", FIRST], ids=["2", "1"])
+def test_witness_is_replayed_number_for_number(tmp_path: Path, source: Path) -> None:
     player = paper_player()
+    path = certificate(tmp_path, source)
 
-    row = read_witness(certificate(tmp_path), paper_task(), paper_plan_document(), player).row
+    row = read_witness(path, paper_task(), paper_plan_document(), player).row
     expected = draw(player.setup, 4, 3, np.random.default_rng(9))
     direct = run(player.rules, player.setup, expected)
 

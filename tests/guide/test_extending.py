@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from meso_robust.certificates.premise import Premise
 from meso_robust.guide import GUIDE
 from reports.guide.adding_an_effect import PACKAGE, run
 
@@ -67,7 +68,7 @@ def test_a_support_model_is_added_by_the_steps_of_the_guide(copy: Path) -> None:
     # the upper triangle of diag(1, a, ρ), row by row
     assert found["film"] == pytest.approx([1.0, 0.0, 0.0, 1.5, 0.0, 3e-7])
     assert found["dry"] == 0
-    assert "film" in found["premise"]
+    assert found["premise"] == Premise.FILM_DRAG
 
 
 def test_the_command_line_of_the_copy_knows_the_model(copy: Path) -> None:

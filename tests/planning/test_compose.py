@@ -10,8 +10,10 @@ from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.compose import compose
+from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.frame import WORLD
 from meso_robust.primitives.move import Aim, Point
+from meso_robust.primitives.names import about
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import SLOT
@@ -87,7 +89,9 @@ def test_what_would_settle_it_names_the_uncertainty_in_the_way() -> None:
 
     assert found.scale < 1.0
     assert found.only == "friction"
-    assert "friction" in found.settled_by
+    assert found.settled_by == about(
+        Remedy.NARROW_ONE, uncertainty="friction", scale=str(found.scale)
+    )
 
 
 @pytest.mark.parametrize(
@@ -140,5 +144,5 @@ def test_a_plan_that_the_slot_forbids_says_so() -> None:
     found = compose(task)
 
     assert found.scale >= 1.0
-    assert "widen the slot" in found.settled_by
+    assert found.settled_by == about(Remedy.LEAVE_SLOT)
     assert certify(found.rules, setup_of(task)).verdict is Verdict.UNKNOWN

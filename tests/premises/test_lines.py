@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from meso_robust.certificates.document import ASSUMPTIONS
+from meso_robust.certificates.premise import Premise
 from meso_robust.identification.models import MODELS
 from meso_robust.premises import standing as standing_module
 from meso_robust.premises.absorbing import Budget
-from meso_robust.premises.lines import BASE, BASES, LINES, NO_LINE
+from meso_robust.premises.lines import BASE, BASES, LINES, Ground
 from meso_robust.premises.standing import standings
 from meso_robust.simulator.catalogue import CATALOGUE
 from tests.premises.models import model
@@ -34,7 +34,7 @@ def test_a_line_names_a_premise_of_certificates_and_a_claim_that_stands(name: st
     line = {**LINES, **BASES}[name]
     claim = REGISTER[line.claim]
 
-    assert line.premise in ASSUMPTIONS
+    assert line.premise in Premise
     assert claim["derivation"] == line.derivation
     assert (ROOT / line.derivation).is_file()
     assert claim["verdict"] not in {"REFUTED", "INCONSISTENT"}
@@ -53,7 +53,7 @@ def test_an_effect_without_a_line_breaks_a_premise_whatever_it_is(
 
     found = standings(model(sizes), BUDGET)[-1]
 
-    assert (found.name, found.word, found.premise) == (name, "breaks a premise", NO_LINE)
+    assert (found.name, found.word, found.premise) == (name, "breaks a premise", Ground.A_LINE)
     assert not found.survives
 
 

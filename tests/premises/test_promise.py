@@ -11,8 +11,12 @@ import pytest
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
+from meso_robust.certificates.document import NamedDocument
+from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.words import PREMISES
 from meso_robust.identification.document import ModelDocument
 from meso_robust.job import SimulatorContradictsProofError
+from meso_robust.planning.remedy import Remedy
 from meso_robust.premises import promise as module
 from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.answer import document, summary, why, worst_words
@@ -23,6 +27,7 @@ from meso_robust.premises.lines import LINES
 from meso_robust.premises.promise import Promise, model_hash, promise
 from meso_robust.premises.running import Evidence
 from meso_robust.premises.standing import standings
+from meso_robust.primitives.names import ObligationId as Id, Reason
 from meso_robust.primitives.setup import setup_of
 from tests.conftest import paper_task
 from tests.premises.models import model, values
@@ -65,9 +70,13 @@ def test_a_broken_premise_is_unknown_although_the_plain_model_s_plan_is_certifie
     assert found.planned.chain.verdict is Verdict.PROVED
     assert certificate.verdict == told.verdict == "UNKNOWN"
     assert certificate.undecided is not None
-    assert "film's drag" in certificate.undecided.claim
-    assert "dry_friction" in certificate.undecided.inequality
-    assert "derivations/one_point_sticking.py" in certificate.undecided.inequality
+    assert certificate.undecided.reason == NamedDocument(
+        id=Reason.PREMISE_KEPT, about={"premise": Premise.FILM_DRAG, "effect": "dry_friction"}
+    )
+    assert certificate.undecided.settled_by.id == Remedy.WITHOUT_EFFECT
+    assert certificate.reading.undecided is not None
+    assert PREMISES[Premise.FILM_DRAG] in certificate.reading.undecided.claim
+    assert "derivations/one_point_sticking.py" in certificate.reading.undecided.inequality
     assert certificate.margin.factor == 0.0
     assert certificate.made_with["model"] == model_hash(dry) == told.model.sha256
     assert certificate.task_hash == told.task_hash != told.task_hash_before == paper_task().hash
@@ -139,9 +148,14 @@ def test_round_tips_are_unknown_with_their_size_and_run_as_what_they_are() -> No
     assert round_.planned.certificate.verdict == "UNKNOWN"
     assert round_.planned.certificate.margin.factor == 0.0
     assert undecided is not None
-    assert "tips are points" in undecided.claim
-    assert "12.5 um" in undecided.inequality
-    assert "round tips of 12.5 um" in undecided.settled_by
+    assert undecided.reason.id == Reason.PREMISE_KEPT
+    assert undecided.reason.about["premise"] == Premise.POINT_TIPS
+    assert undecided.settled_by.about == {"radius_um": "12.5"}
+    said = round_.planned.certificate.reading.undecided
+    assert said is not None
+    assert "tips are points" in said.claim
+    assert "12.5 um" in said.inequality
+    assert "round tips of 12.5 um" in said.settled_by
     assert round_.evidence is not None
     assert round_.evidence.in_goal < round_.evidence.runs
 
@@ -198,14 +212,12 @@ def test_a_post_in_the_way_leaves_the_certificate_of_the_task_without_a_verdict(
     assert told.beyond is not None
     assert told.beyond.verdict == "UNKNOWN"
     assert certificate.undecided is not None
-    assert told.beyond.open == certificate.undecided.claim
-    assert "clear" in told.why
+    assert certificate.undecided.reason.id in {Id.PART_CLEAR_OF_WALLS, Id.TIPS_CLEAR_OF_WALLS}
+    assert certificate.reading.undecided is not None
+    assert told.beyond.open == certificate.reading.undecided.claim
+    assert told.beyond.open in told.why
     assert certificate.margin.factor == 0.0
-    listed = {
-        f"{one.inequality} [{one.derivation}]"
-        for step in certificate.steps
-        for one in step.obligations
-    }
+    listed = {one.inequality for step in certificate.steps for one in step.obligations}
     assert set(certificate.claim.inequalities) == listed
     assert told.evidence is not None
     assert told.evidence.in_goal == 0

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from meso_robust.certificates.chain import certify
+from meso_robust.certificates.premise import Premise
 from meso_robust.checker.reading import parse_certificate
 from meso_robust.checker.verdict import check
 from meso_robust.execution.draws import draw
@@ -91,9 +92,15 @@ def test_adhesion_is_unknown_with_its_premise_and_size_and_runs_as_evidence() ->
 
     assert told.verdict == certificate.verdict == "UNKNOWN"
     assert certificate.undecided is not None
-    assert "Coulomb friction at point contacts" in certificate.undecided.claim
-    assert f"pull_um_s {pull.low:.3g} … {pull.high:.3g} µm/s" in certificate.undecided.inequality
-    assert "without tip adhesion" in certificate.undecided.settled_by
+    assert certificate.undecided.reason.about == {
+        "premise": Premise.COULOMB_FRICTION,
+        "effect": "tip_adhesion",
+    }
+    assert certificate.undecided.settled_by.about["effect"] == "tip_adhesion"
+    said = certificate.reading.undecided
+    assert said is not None
+    assert f"pull_um_s {pull.low:.3g} … {pull.high:.3g} µm/s" in said.inequality
+    assert "without tip adhesion" in said.settled_by
     assert "tip_adhesion (breaks a premise)" in why(made)
     assert told.evidence is not None
     assert told.evidence.runs == 20

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.words import PREMISES
+from meso_robust.planning.remedy import Remedy
 from meso_robust.premises.absorbing import Budget
 from meso_robust.premises.standing import by_name, standings
+from meso_robust.primitives.names import about
 from tests.premises.models import model, values
 
 BUDGET = Budget(radius_um=2000.0, seconds=100.0)
@@ -64,7 +68,8 @@ def test_a_base_on_dry_contact_breaks_the_premise_of_the_film() -> None:
     found = standings(dry, BUDGET)
 
     assert [one.name for one in found if not one.survives] == ["uniform_pressure"]
-    assert "film's drag" in found[0].premise
+    assert found[0].premise is Premise.FILM_DRAG
+    assert found[0].premise_words == PREMISES[Premise.FILM_DRAG]
 
 
 def test_a_part_of_an_effect_that_is_not_named_has_the_catalogue_s_default() -> None:
@@ -88,9 +93,9 @@ def test_a_radius_that_the_recordings_state_is_a_premise_that_is_not_kept() -> N
 
     assert all(one.survives for one in points)
     assert found.word == "breaks a premise"
-    assert "tips are points" in found.premise
+    assert found.premise is Premise.POINT_TIPS
     assert "12.5 um" in found.said
-    assert "12.5 um" in found.settled_by
+    assert found.settled_by == about(Remedy.PROVE_ROUND_TIPS, radius_um="12.5")
 
 
 @pytest.mark.parametrize(("p_value", "rejected"), [(0.0, True), (0.0009, True), (0.002, False)])

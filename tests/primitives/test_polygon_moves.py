@@ -20,6 +20,7 @@ from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
+from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Knot
 from meso_robust.primitives.outline import outline_of
 from meso_robust.primitives.setup import Block, PoseBox, Setup, setup_of
@@ -120,7 +121,7 @@ def first_touches(setup: Setup, rule: MoveRule) -> list[bool]:
 def test_a_tip_that_clears_the_next_edge_is_proved_to() -> None:
     setup, rule = shallow(0.0, 100.0)
     step, _ = certify_move(rule, setup.start, setup)
-    assert [o.claim for o in step.obligations if o.proof.verdict is not Verdict.PROVED] == []
+    assert [o.name for o in step.obligations if o.proof.verdict is not Verdict.PROVED] == []
     assert first_touches(setup, rule) == [False, True]
 
 
@@ -135,7 +136,7 @@ def test_a_tip_that_meets_the_next_edge_is_not() -> None:
     assert lower.hi < edge.last.lo < lower.lo + setup.spacing.lo * np.cos(np.radians(7.2))
     assert first_touches(setup, rule)[0]
     step, _ = certify_move(rule, setup.start, setup)
-    passing = [o for o in step.obligations if o.claim.startswith("the other tip passes")]
+    passing = [o for o in step.obligations if o.name.id is ObligationId.IDLE_TIP_PASSES]
     assert passing
     assert all(o.proof.verdict is not Verdict.PROVED for o in passing[:1])
     assert step.verdict is not Verdict.PROVED

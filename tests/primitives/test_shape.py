@@ -12,6 +12,7 @@ from meso_robust.certificates.chain import certify
 from meso_robust.execution.replay import Feedback
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
+from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.setup import setup_of
 from tests.conftest import paper_task
 from tests.strategies import paper_chain
@@ -81,4 +82,4 @@ def test_an_active_tip_below_the_passive_one_is_no_rotation() -> None:
     below = replace(ROTATE, dual=replace(ROTATE.dual, y=in_world(-925.0)))
     step, _ = certify_move(below, paper_chain().steps[2].pre, paper_chain().setup)
     assert step.post is None
-    assert step.obligations[-1].claim == "the active tip is the upper one"
+    assert step.obligations[-1].name.id is ObligationId.ACTIVE_ABOVE_PASSIVE

@@ -16,6 +16,7 @@ from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.execution.replay import Feedback
 from meso_robust.planning.compose import compose
+from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Knot
 from meso_robust.primitives.setup import Block, PoseBox, Setup, setup_of
 from meso_robust.primitives.walls import part_clear
@@ -32,6 +33,8 @@ SLOT = {
     "wall_um": 1000.0,
     "friction": 0.3,
 }
+
+WALLS = {ObligationId.PART_CLEAR_OF_WALLS, ObligationId.TIPS_CLEAR_OF_WALLS}
 
 
 def slot_task(start_x_um: float = 3400.0, **changes: Any) -> Task:
@@ -169,7 +172,7 @@ def odd_crossings(x: float, y: float, outline: list[tuple[float, float]]) -> boo
 
 def test_insertion_into_the_papers_slot_is_proved_and_no_run_touches_a_wall() -> None:
     chain = chain_of(slot_task())
-    clear = [o for s in chain.steps for o in s.obligations if "walls" in o.claim]
+    clear = [o for s in chain.steps for o in s.obligations if o.name.id in WALLS]
 
     assert chain.verdict is Verdict.PROVED
     assert len(clear) == 2 * len(chain.steps)
@@ -193,7 +196,7 @@ def test_a_slot_that_the_part_may_touch_is_unknown_and_says_where(changes: dict[
 
     assert chain.verdict is Verdict.UNKNOWN
     assert chain.open_obligation is not None
-    assert "walls" in chain.open_obligation[1].claim
+    assert chain.open_obligation[1].name.id in WALLS
 
 
 def test_tips_that_would_hit_a_wall_are_found() -> None:
@@ -201,8 +204,8 @@ def test_tips_that_would_hit_a_wall_are_found() -> None:
     slot = {"mouth_x_um": 2450.0, "mouth_y_um": 0.0, "opens": "-x", "width_um": 2000.0}
     task = slot_task(2060.4, **{**slot, "depth_um": 60.0})
     chain = certify([step.rule for step in paper_chain().steps], setup_of(task))
-    failed = [o.claim for s in chain.steps for o in s.obligations if o.proof.lower == -math.inf]
-    assert "the tips stay clear of the slot's walls" in failed
+    failed = [o.name.id for s in chain.steps for o in s.obligations if o.proof.lower == -math.inf]
+    assert ObligationId.TIPS_CLEAR_OF_WALLS in failed
 
 
 def test_the_plan_from_the_papers_start_jams_in_the_slots_mouth() -> None:
@@ -221,5 +224,10 @@ def test_tips_that_reach_a_wall_at_the_end_of_their_travel_only_are_found() -> N
     # the tips stop about 808 um from the goal's middle, 440 um below it: inside the lower wall
     task = slot_task(mouth_x_um=900.0, width_um=500.0, depth_um=1730.0)
     chain = chain_of(task)
-    tips = [o for s in chain.steps for o in s.obligations if o.claim.startswith("the tips stay")]
+    tips = [
+        o
+        for s in chain.steps
+        for o in s.obligations
+        if o.name.id is ObligationId.TIPS_CLEAR_OF_WALLS
+    ]
     assert [o.proof.verdict is Verdict.PROVED for o in tips] == [True, True, True, False]

@@ -10,6 +10,8 @@ from html.parser import HTMLParser
 
 import pytest
 
+from meso_robust.certificates.document import name_of
+from meso_robust.certificates.words import inequality_words, words
 from meso_robust.job import Planned
 from meso_robust.planning.document import AimDocument, RuleDocument
 from meso_robust.reporting import rows
@@ -105,17 +107,19 @@ def test_the_banner_holds_the_summary(proved: Planned, proved_page: str) -> None
 
 def test_the_page_says_what_the_certificate_says(proved: Planned, proved_page: str) -> None:
     text, certificate = Reader(proved_page).text, proved.certificate
-    assert certificate.claim.words in text
+    assert certificate.reading.claim in text
     assert certificate.task_hash in text
-    for assumption in certificate.claim.assumptions:
-        assert assumption in text
+    for premise in certificate.reading.premises.values():
+        assert premise in text
     for step in certificate.steps:
-        assert step.property[0].upper() + step.property[1:] in text
+        said = words(name_of(step.property))
+        assert said[0].upper() + said[1:] in text
         count = len(step.obligations)
         assert f"{count} of {count} inequalities proved" in text
         for obligation in step.obligations:
-            assert obligation.inequality in text
-            assert obligation.derivation in text
+            inequality = obligation.inequality
+            assert inequality_words(inequality) in text
+            assert (inequality.derivation or "interval arithmetic") in text
             assert obligation.lower_bound is None or (
                 f"{float.fromhex(obligation.lower_bound):.3g}".replace("-", "−") in text
             )
@@ -170,7 +174,9 @@ def test_the_margins_are_those_of_the_certificate(proved: Planned, proved_page: 
     low, high = math.ceil(330 - 1000 * reach) / 1000, math.floor(330 + 1000 * reach) / 1000
     assert f"{low:g} … {high:g}" in text
     assert proved.certificate.margin.limit is not None
-    assert proved.certificate.margin.limit in text
+    assert proved.certificate.reading.limit is not None
+    assert words(name_of(proved.certificate.margin.limit)) in proved.certificate.reading.limit
+    assert proved.certificate.reading.limit in text
     assert section.count('class="bar') == 1 + len(proved.certificate.margin.each_alone)
 
 
@@ -185,11 +191,13 @@ def test_the_refuted_page_names_the_open_inequality_and_the_witness(
     assert certificate.undecided is not None
     assert certificate.witness is not None
     lead = text[: text.index("The nominal run, in which")]
-    claim = certificate.undecided.claim
+    claim = words(name_of(certificate.undecided.reason))
     assert claim[0].upper() + claim[1:] in lead
-    assert certificate.undecided.inequality in lead
-    assert certificate.undecided.settled_by in lead
-    outcome = certificate.witness.outcome
+    assert certificate.undecided.inequality is not None
+    assert inequality_words(certificate.undecided.inequality) in lead
+    assert words(name_of(certificate.undecided.settled_by)) in lead
+    outcome = certificate.reading.outcome
+    assert outcome is not None
     assert outcome[0].upper() + outcome[1:] in lead
     x = float.fromhex(certificate.witness.start[0]) * 1e6
     assert f"({x:.2f} µm" in lead

@@ -9,6 +9,8 @@ from dataclasses import replace
 import pytest
 
 from meso_robust.job import Planned
+from meso_robust.planning.remedy import Remedy
+from meso_robust.primitives.names import Reason, about
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.page import report
@@ -105,8 +107,12 @@ def test_a_final_box_outside_the_goal_is_told_by_how_far(proved: Planned) -> Non
     chain = replace(proved.chain, setup=setup)
     from meso_robust.certificates.document import undecided_document
 
+    open_ = undecided_document(chain, about(Remedy.CHANGE_MOVE))
+    assert open_ is not None
+    assert open_.document.reason.id == Reason.ENDS_IN_GOAL
+    reading = proved.certificate.reading.model_copy(update={"undecided": open_.reading})
     certificate = proved.certificate.model_copy(
-        update={"verdict": "UNKNOWN", "undecided": undecided_document(chain, "nothing")}
+        update={"verdict": "UNKNOWN", "undecided": open_.document, "reading": reading}
     )
     found = answer(replace(proved, setup=setup, chain=chain, certificate=certificate)).open
     assert found is not None

@@ -108,16 +108,18 @@ def test_margins_are_above_what_the_certificate_proves(script: Script, name: str
     closest = math.inf
     for shown in told(script, setup, policy_of(task, rules), draws):
         for move, step in zip(shown["moves"], chain.steps, strict=True):
-            live = {item.claim: move["conditions"].get(item.claim) for item in step.obligations}
+            live = {
+                item.name.key: move["conditions"].get(item.name.key) for item in step.obligations
+            }
             for item in step.obligations:
-                found = live[item.claim]
+                found = live[item.name.key]
                 if found is None:  # of the tip that does not touch first in this run
                     assert step.rule.action == "straighten"
                     continue
                 proved = item.proof.lower * UNITS[found["unit"]]
                 if math.isfinite(proved):
                     slack = TOUCHING_UM if found["unit"] == "um" else 1e-9 * max(1.0, abs(proved))
-                    assert found["value"] >= proved - slack, item.claim
+                    assert found["value"] >= proved - slack, item.name.key
                     closest = min(closest, found["value"] / max(proved, 1e-12))
     assert closest < 1.5
 

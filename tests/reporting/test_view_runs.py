@@ -20,6 +20,7 @@ from meso_robust.execution.simulation import player_of
 from meso_robust.planning.document import PlanDocument, RuleDocument
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import Named, ObligationId, When
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.reporting.view import task as told_task
 from meso_robust.simulator import Outcome
@@ -259,6 +260,9 @@ def agree_on_modes(move: Json, modes: npt.NDArray[np.int8]) -> None:
 # -- the margins -----------------------------------------------------------------------------------
 
 
+LATE = Named(ObligationId.IDLE_TIP_PASSES, {"when": When.LATE_IN_TURN})
+
+
 @pytest.mark.parametrize("task", [load_task(PAPER), load_task(SLOT)], ids=["paper", "slot"])
 def test_margins_are_above_what_the_certificate_proves(
     script: Script, plan: PlanDocument, task: Task
@@ -272,11 +276,11 @@ def test_margins_are_above_what_the_certificate_proves(
     for shown in told(script, setup, plan.policy, draws):
         for move, step in zip(shown["moves"], chain.steps, strict=True):
             for item in step.obligations:
-                live = move["conditions"][item.claim]
+                live = move["conditions"][item.name.key]
                 proved = item.proof.lower * UNITS[live["unit"]]
                 if not math.isfinite(proved):
                     continue
-                assert live["value"] >= proved - 1e-9 * max(1.0, abs(proved)), item.claim
+                assert live["value"] >= proved - 1e-9 * max(1.0, abs(proved)), item.name.key
                 closest = min(closest, live["value"] / max(proved, 1e-12))
     assert closest < 1.5  # some run comes near a bound: the values are of the same thing
 
@@ -290,10 +294,10 @@ def test_margins_of_the_nominal_run_are_those_that_are_proved_of_it_alone(
     (shown,) = told(script, setup, plan.policy, nominal(setup, 4))
     for move, step in zip(shown["moves"], chain.steps, strict=True):
         for item in step.obligations:
-            live = move["conditions"][item.claim]
+            live = move["conditions"][item.name.key]
             ratio = live["value"] / (item.proof.lower * UNITS[live["unit"]])
             # a bound over a whole slide is loose: it may take its worst h and its worst sigma
-            assert 1 - 1e-9 < ratio < (1.2 if "late in the turn" not in item.claim else 2.0), item
+            assert 1 - 1e-9 < ratio < (1.2 if item.name != LATE else 2.0), item
 
 
 def test_margins_turn_negative_where_a_run_fails(script: Script, plan: PlanDocument) -> None:
@@ -306,9 +310,9 @@ def test_margins_turn_negative_where_a_run_fails(script: Script, plan: PlanDocum
     assert jams
     assert inside
     for conditions in jams:
-        assert conditions["the grasp cannot close: the motion exists (no jam)"]["value"] <= 0
+        assert conditions["no_jam"]["value"] <= 0
     for conditions in inside:
-        free = [c["value"] for claim, c in conditions.items() if "free of contact at the" in claim]
+        free = [c["value"] for key, c in conditions.items() if key.startswith("tip_free_at_start/")]
         assert min(free) < 0
 
 
@@ -323,5 +327,5 @@ def test_no_jam_is_the_condition_on_the_distance_of_the_tips(
     separation = rotation.dual_y.offset_um - 580.0 / 2 - rotation.single_y.offset_um
     by_hand = separation**2 - 837.0**2 * (1 + 0.33**2)
 
-    live = shown["moves"][2]["conditions"]["the grasp cannot close: the motion exists (no jam)"]
+    live = shown["moves"][2]["conditions"]["no_jam"]
     assert live == {"value": pytest.approx(by_hand, rel=1e-9), "unit": "um²"}

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from meso_robust.admissibility import values
 from meso_robust.execution.draws import Draws
 from meso_robust.execution.running import MoveRun
+from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.setup import Setup
 
 Floats = npt.NDArray[np.float64]
@@ -130,10 +131,10 @@ def _blocks(setup: Setup) -> Iterator[tuple[Floats, Floats]]:
 
 
 ALONG: Mapping[str, Callable[[Travelled], float]] = {
-    "two_sided_rotation.passive_force > 0 over the tube": passive_force,
-    "half - |T/2 -+ sigma| > 0 over the tube": edge_margin,
-    "travel in contact > longest travel of the turn": travel_to_spare,
-    "distance of part and wall along one of their sides > 0 over the tube": part_distance,
-    "distance of tip and wall along x or y > 0 over the travel": tip_distance,
+    Inequality.PASSIVE_FORCE: passive_force,
+    Inequality.ENDS_OF_EDGES: edge_margin,
+    Inequality.TRAVEL_TO_SPARE: travel_to_spare,
+    Inequality.PART_TO_WALL: part_distance,
+    Inequality.TIP_TO_WALL: tip_distance,
 }
 """The smallest value that runs show of each inequality that is proved along a motion."""

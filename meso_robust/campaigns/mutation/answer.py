@@ -33,4 +33,4 @@ def answered(document: Document, task: Task, prover: Prover = PLAIN) -> Reply:
     except InputError as error:
         return Reply(MALFORMED, str(error))
     found = check(certificate, own, task, prover=prover)
-    return Reply(found.verdict, "" if found.refused is None else found.refused.claim)
+    return Reply(found.verdict, "" if found.refused is None else found.refused.name.key)

@@ -34,10 +34,12 @@ def change(
 def _change(
     document: Document, listed: list[tuple[Place, Any]], rng: random.Random
 ) -> tuple[str, Document] | None:
-    # a place by its kind first: the many ends of boxes must not drown the rest
+    # a place by its kind first: neither the many ends of boxes nor the sentences that nobody
+    # compares must drown the rest
     groups: dict[str, list[tuple[Place, Any]]] = {}
     for where, value in listed:
-        name = ".".join(key for key in where if isinstance(key, str))
+        said = where[:1] if where[0] == "reading" else where
+        name = ".".join(key for key in said if isinstance(key, str))
         groups.setdefault(name, []).append((where, value))
     where, old = rng.choice(groups[rng.choice(sorted(groups))])
     texts = [value for _, value in listed if isinstance(value, str)]

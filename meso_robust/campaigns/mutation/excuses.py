@@ -18,7 +18,7 @@ from meso_robust.campaigns.mutation.sampled import POINTS, least
 from meso_robust.planning.document import box_document
 from meso_robust.primitives.setup import PoseBox, setup_of
 
-UNCHECKED = {"simulation", "made_with"}
+UNCHECKED = {"simulation", "made_with", "reading"}
 EVIDENCE = {"boxes", "refused_at", "limit", "each_alone", "binds_first"}
 """Keys that the checker names as not checked."""
 NAMES = {"step", "primitive"}
@@ -177,6 +177,14 @@ def _box(accepted: Accepted, one: Difference) -> str | None:
     return f"a box that holds {RUNS} runs" if inside else None
 
 
+def _range(accepted: Accepted, one: Difference) -> str | None:
+    """An end of what the claim holds for all of, told otherwise by no more than its rounding."""
+    pair = accepted.original.document["claim"]["uncertainties"][one.where[2]]
+    reach = max(abs(float.fromhex(end)) for end in pair)
+    apart = abs(float.fromhex(one.new) - float.fromhex(one.old))
+    return "the same to 14 digits" if apart <= 2.0 * CLOSE * reach else None
+
+
 def _reading(accepted: Accepted, one: Difference) -> str | None:
     """The numbers of a step's box for reading: those that its exact ends give."""
     _, move, which, *_ = one.where
@@ -192,6 +200,7 @@ _JUDGES: Sequence[tuple[Callable[[Place], bool], Callable[[Accepted, Difference]
     (lambda at: at[0] == "policy" and at[-1] == "offset_um", _policy),
     (lambda at: at[0] in {"policy", "steps"} and len(at) == 3 and at[2] in NAMES, _name),
     (lambda at: at == ("margin", "factor"), _margin),
+    (lambda at: at[:2] == ("claim", "uncertainties") and len(at) == 4, _range),
     (lambda at: len(at) > 2 and any(str(key).endswith("_exact") for key in at), _box),
     (lambda at: at[0] == "steps" and len(at) == 5 and at[2] in {"pre", "post"}, _reading),
 )

@@ -17,7 +17,7 @@ from meso_robust.campaigns.mutation.forging import (
     keep_boxes,
     plain,
     put_post,
-    reworded,
+    reclaimed,
 )
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document
@@ -207,7 +207,8 @@ def _invented_witness(document: Document, original: Original, rng: random.Random
     start = [side.mid for side in (setup.start.x, setup.start.y, setup.start.theta)]
     document["verdict"] = "REFUTED"
     document["witness"] = {
-        "outcome": "the last pose misses the goal",
+        "outcome": "misses_goal",
+        "move": None,
         "start": [end.hex() for end in start],
         "friction": drawn(wide.friction.lo, wide.friction.hi).hex(),
         "film_ratio_m2": drawn(wide.film_ratio.lo, wide.film_ratio.hi).hex(),
@@ -220,11 +221,16 @@ def _invented_witness(document: Document, original: Original, rng: random.Random
     last.update(verdict="UNKNOWN", post=None, post_exact=None)
     margin.update(factor=0.0, refused_at=1.0, binds_first=None)
     margin["each_alone"] = dict.fromkeys(margin["each_alone"], 0.0)
-    margin["limit"] = last["obligations"][0]["claim"]
+    first, of = last["obligations"][0], {key: last[key] for key in ("step", "action")}
+    reason = {key: first[key] for key in ("id", "about")}
+    margin["limit"] = {**reason, **of}
     document["undecided"] = {
-        **{key: last["obligations"][0][key] for key in ("claim", "inequality", "over")},
-        **{key: last[key] for key in ("step", "action")},
-        **{"move": moves, "fails": False, "settled_by": "nothing that was tried"},
+        **{key: first[key] for key in ("inequality", "over")},
+        **of,
+        "reason": reason,
+        "move": moves,
+        "fails": False,
+        "settled_by": {"id": "change_move", "about": {}},
     }
     return document
 
@@ -265,5 +271,5 @@ def forge(original: Original, rng: random.Random) -> tuple[str, Document]:
     while found is None or found == original.document:
         name = rng.choice(sorted(FORGERIES))
         found = FORGERIES[name](copy.deepcopy(original.document), original, rng)
-    reworded(found, original.task)
+    reclaimed(found)
     return name, found

@@ -9,10 +9,9 @@ from typing import Any
 from meso_robust.bounds import Interval
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.certificates.document import exact_box
-from meso_robust.checker.words import claim
 from meso_robust.planning.document import box_document
+from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.setup import PoseBox
-from meso_robust.task import Task
 
 AXES = ("x_m", "y_m", "theta_rad")
 
@@ -22,16 +21,12 @@ def plain(model: Any) -> Any:
     return json.loads(model.model_dump_json(by_alias=True))
 
 
-def reworded(document: Document, task: Task) -> None:
-    """Make the sentences fit the task, the number of moves and the steps."""
+def reclaimed(document: Document) -> None:
+    """Make the claim fit the number of moves and the steps."""
     told = document["claim"]
-    told["words"] = claim(task, len(document["policy"]))
-    listed = (
-        f"{one['inequality']} [{one['derivation']}]"
-        for step in document["steps"]
-        for one in step["obligations"]
-    )
-    told["inequalities"] = list(dict.fromkeys(listed))
+    told["moves"] = len(document["policy"])
+    listed = (one["inequality"] for step in document["steps"] for one in step["obligations"])
+    told["inequalities"] = {one: Inequality(one).derivation for one in listed}
 
 
 def ends_of(exact: Document) -> list[list[float]]:

@@ -15,6 +15,7 @@ from flint import arb
 
 from meso_robust.checker.document import ObligationDocument, RuleDocument
 from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.ids import Named
 from meso_robust.checker.outline import Edge, Polygon, Rectangle
 from meso_robust.checker.passage import Memory, Passage
 from meso_robust.checker.prover import PLAIN, Prover
@@ -79,7 +80,7 @@ def _once(store: Store, key: Hashable, ask: Callable[[], Any]) -> Any:
             store[key] = ask()
         except Refused as refused:
             # a new one each time: an exception that is raised again grows a traceback
-            store[key] = _No((refused.claim, refused.stated, refused.found))
+            store[key] = _No((refused.name, refused.stated, refused.found))
     found = store[key]
     if isinstance(found, _No):
         raise Refused(*found.why)
@@ -88,7 +89,7 @@ def _once(store: Store, key: Hashable, ask: Callable[[], Any]) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class _No:
-    why: tuple[str, str, str]
+    why: tuple[Named, str, str]
 
 
 def _key(value: Any) -> Hashable:

@@ -6,17 +6,19 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.admissibility import values
+from meso_robust.campaigns.mutation.along_runs import ALONG
 from meso_robust.campaigns.mutation.places import Document
+from meso_robust.primitives.names import Inequality
 
 Floats = npt.NDArray[np.float64]
 POINTS = 20000
 
 PLAIN = {
-    "travel > 0": lambda p: [p["travel"]],
-    "half - |d2| > 0": lambda p: [p["half"] - np.abs(p["d2"])],
-    "d2 - first > 0 and last - d2 > 0": lambda p: [p["d2"] - p["first"], p["last"] - p["d2"]],
-    "h at the touch > h at the end": lambda p: [p["h_start"] - p["h_end"]],
-    "sin(theta) > 0 at the end": lambda p: [np.sin(p["theta"])],
+    Inequality.TRAVEL: lambda p: [p["travel"]],
+    Inequality.WITHIN_EDGE: lambda p: [p["half"] - np.abs(p["d2"])],
+    Inequality.BETWEEN_CORNERS: lambda p: [p["d2"] - p["first"], p["last"] - p["d2"]],
+    Inequality.TOUCH_BEFORE_END: lambda p: [p["h_start"] - p["h_end"]],
+    Inequality.FACES_BACK: lambda p: [np.sin(p["theta"])],
 }
 """Inequalities that no generated formula states."""
 
@@ -33,16 +35,16 @@ def least(stated: Document) -> float | None:
     }
     corners = np.array(np.meshgrid(*(over[name] for name in inside))).reshape(len(over), -1)
     points = {name: np.concatenate([inside[name], corners[k]]) for k, name in enumerate(inside)}
-    rows = _rows(stated["inequality"], points)
+    inequality = Inequality(stated["inequality"])
+    rows = _rows(inequality, points)
     if rows is None:
         return None
-    return float(rows.max(axis=0).min() if "at least one" in stated["inequality"] else rows.min())
+    return float(rows.max(axis=0).min() if inequality.any_value else rows.min())
 
 
-def _rows(text: str, points: dict[str, Floats]) -> Floats | None:
-    if text in PLAIN:
-        return np.array(PLAIN[text](points))
-    if "(" not in text:
+def _rows(inequality: Inequality, points: dict[str, Floats]) -> Floats | None:
+    if inequality in PLAIN:
+        return np.array(PLAIN[inequality](points))
+    if inequality in ALONG or inequality.derivation is None:
         return None
-    module, name = text.split("(")[0].split(".")
-    return np.array(values(module, name)(**points))
+    return np.array(values(*inequality.split("."))(**points))

@@ -74,7 +74,7 @@ def given_certificate(section: MutationSection, folder: Path) -> Values:
             "the certificate as it was written"
         )
     values = task.model_dump(mode="json", by_alias=True)
-    return {"task": values, "certificate": _accepted(document, task, str(path))}
+    return {"task": values, "certificate": _accepted(sealed(document), task, str(path))}
 
 
 def _made(given: Values, task: Task) -> Document:

@@ -12,7 +12,7 @@ import pytest
 from meso_robust.campaigns.mutation.answer import answered
 from meso_robust.campaigns.mutation.excuses import excuse
 from meso_robust.campaigns.mutation.forgeries import FORGERIES, forge
-from meso_robust.campaigns.mutation.forging import reworded
+from meso_robust.campaigns.mutation.forging import reclaimed
 from meso_robust.campaigns.mutation.kind import Prepared
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document, sealed
@@ -22,10 +22,10 @@ OBJECTIONS = {
     "a move left out": "",
     "two moves swapped": "",
     "the box of another move": "",
-    "all boxes shrunk": "every pose after it lies in post_exact",
-    "an inequality left out": "the list of obligations",
+    "all boxes shrunk": "post_holds",
+    "an inequality left out": "obligations_listed",
     "an inequality about less": ":",
-    "all bounds raised": "lower bound",
+    "all bounds raised": "lower_bound",
     "proofs of an easier task": "",
     "an unproved policy called PROVED": "",
     "an invented witness": "witness",
@@ -51,7 +51,7 @@ def forgery(name: str, original: Original, seed: int) -> Document | None:
     found = FORGERIES[name](copy.deepcopy(original.document), original, rng)
     if found is None:
         return None
-    reworded(found, original.task)
+    reclaimed(found)
     return sealed(found)
 
 
@@ -102,7 +102,7 @@ def test_the_moves_fit_together_in_a_forged_chain(original: Original) -> None:
         assert made is not None
         steps: list[Any] = made["steps"]
         assert len(steps) == len(made["policy"])
-        assert f"policy of {len(steps)} moves" in made["claim"]["words"]
+        assert made["claim"]["moves"] == len(steps)
         for before, step in itertools.pairwise(steps):
             assert (step["pre"], step["pre_exact"]) == (before["post"], before["post_exact"])
 

@@ -96,7 +96,7 @@ def test_memory_does_not_change_an_answer(prepared: Prepared) -> None:
     one = mutant["steps"][2]["obligations"][4]
     one["lower_bound"] = (2.0 * float.fromhex(one["lower_bound"])).hex()
     plain = answered(sealed(mutant), original.task)
-    assert plain.why == "the active tip pushes until the part rests on both: lower bound"
+    assert plain.why == "pushes_until_rest: lower_bound"
     remembering = prepared.known.copy().prover
     for _ in range(2):
         assert answered(sealed(mutant), original.task, remembering) == plain
@@ -118,17 +118,16 @@ def test_as_many_things_are_changed_as_asked(prepared: Prepared, changes: int) -
 def test_a_checker_that_overlooks_something_is_found_out(
     prepared: Prepared, part: Part, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """It believes any claim in words; the files of the failure show that to anybody."""
-    monkeypatch.setattr(verdict, "_check_text", lambda *_: None)
-    told = prepared.original.document["claim"]["words"]
-    changed = {**prepared.original.document["claim"], "words": told.replace("every", "some")}
-    mutant = Mutant(("text",), sealed({**prepared.original.document, "claim": changed}))
+    """It believes any claim; the files of the failure show that to anybody."""
+    monkeypatch.setattr(verdict, "_check_claim", lambda *_: None)
+    changed = {**prepared.original.document["claim"], "moves": 7}
+    mutant = Mutant(("added",), sealed({**prepared.original.document, "claim": changed}))
     monkeypatch.setattr("meso_robust.campaigns.mutation.kind.mutate", lambda *_: mutant)
     found = execute(prepared, replace(part, asked={**part.asked, "chunk": 2}), 0)
     assert (found.runs, found.failed) == (2, 2)
     failure = found.failures[0]
     assert failure.what == UNTRUE
-    assert 'claim.words: "From every' in failure.detail
+    assert "claim.moves: 4 -> 7" in failure.detail
     for name, text in failure.files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     task = load_task(tmp_path / "task.toml")
@@ -136,7 +135,9 @@ def test_a_checker_that_overlooks_something_is_found_out(
     read = json.loads((tmp_path / "certificate.json").read_text(encoding="utf-8"))
     assert answered(read, task, prepared.known.copy().prover).word == "VERIFIED"
     monkeypatch.undo()
-    assert judged(mutant, prepared.original, prepared.known.copy().prover).reason == "claim.words"
+    assert judged(mutant, prepared.original, prepared.known.copy().prover).reason == (
+        "value: claim.moves"
+    )
     values = total(part, [found])
     assert values["missed"] == 2
     assert tell(part, values).verdict == "broken"

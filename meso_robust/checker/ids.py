@@ -1,0 +1,135 @@
+"""The checker's own list of the stable names that a certificate may use.
+
+A name that is not here is not understood, and the certificate is rejected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+
+class Must(StrEnum):
+    """What a move must fulfil."""
+
+    TIP_FREE_AT_START = "tip_free_at_start"
+    TIP_REACHES_PART = "tip_reaches_part"
+    TIP_ON_EDGE = "tip_on_edge"
+    TIP_PUSHES = "tip_pushes"
+    TIP_STICKS = "tip_sticks"
+    TIP_TURNS_PART = "tip_turns_part"
+    NO_SLIPPING = "no_slipping"
+    IDLE_TIP_PASSES = "idle_tip_passes"
+    WITHDRAWS_FREE = "withdraws_free"
+    PAIR_STICKS = "pair_sticks"
+    PAIR_PUSHES = "pair_pushes"
+    SECOND_TIP_TOUCHES = "second_tip_touches"
+    NO_JAM = "no_jam"
+    PUSHES_UNTIL_REST = "pushes_until_rest"
+    UNIQUE_UNTIL_REST = "unique_until_rest"
+    RESTS_BEFORE_END = "rests_before_end"
+    BOTH_TIPS_TOUCH = "both_tips_touch"
+    BOTH_TIPS_ON_EDGES = "both_tips_on_edges"
+    TIP_CLEAR_OF_PART = "tip_clear_of_part"
+    PART_CLEAR_OF_WALLS = "part_clear_of_walls"
+    TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
+    # proved by the checker only: no certificate lists them
+    ACTIVE_PRESSES = "active_presses"
+    ACTIVE_PRESSES_ALONE = "active_presses_alone"
+
+
+class Property(StrEnum):
+    """What a move is proved to do."""
+
+    TURNS_PART = "turns_part"
+    STRAIGHTENS = "straightens"
+    TURNS_BETWEEN_TIPS = "turns_between_tips"
+    PART_RESTS = "part_rests"
+
+
+class Premise(StrEnum):
+    """What the checker takes for granted, as every certificate must say."""
+
+    QUASI_STATIC = "quasi_static"
+    FILM_DRAG = "film_drag"
+    COULOMB_FRICTION = "coulomb_friction"
+    PART_KNOWN = "part_known"
+    ERRORS_BOUNDED = "errors_bounded"
+    TRAVEL_STRAIGHT = "travel_straight"
+    TRAVEL_TO_SCALE = "travel_to_scale"
+    POINT_TIPS = "point_tips"
+    TIP_SPACING_EXACT = "tip_spacing_exact"
+    MISALIGNMENT_SIGN = "misalignment_sign"
+    PROBES_RIGID = "probes_rigid"
+    PART_RESTS = "part_rests"
+
+
+class Claim(StrEnum):
+    """What a certificate is about."""
+
+    ENDS_IN_GOAL = "ends_in_goal"
+    ENDS_IN_GOAL_CLEAR_OF_WALLS = "ends_in_goal_clear_of_walls"
+
+
+class Objection(StrEnum):
+    """Why a certificate is rejected, where it is no requirement of a move that does not follow."""
+
+    VALUE = "value"
+    MOVE_VALUE = "move_value"
+    DIGEST = "digest"
+    TASK_SECTIONS = "task_sections"
+    GOAL_REACHED = "goal_reached"
+    POST_HOLDS = "post_holds"
+    OBLIGATIONS_LISTED = "obligations_listed"
+    MOVE_KNOWN = "move_known"
+    SIDE_OF_MOVE = "side_of_move"
+    PASSIVE_TIP = "passive_tip"
+    IS_RECTANGLE = "is_rectangle"
+    EDGE_ON_HULL = "edge_on_hull"
+    CENTRE_IN_HULL = "centre_in_hull"
+    COMES_TO_REST = "comes_to_rest"
+    PUSHES_ONTO_PASSIVE = "pushes_onto_passive"
+    RESTS_WELL_BEFORE_END = "rests_well_before_end"
+    SLIDE_IN_TUBE = "slide_in_tube"
+    # of the run of a REFUTED certificate
+    WITNESS_FAILS = "witness_fails"
+    STARTS_INSIDE = "starts_inside"
+    MEETS_WALL = "meets_wall"
+    MISSES_GOAL = "misses_goal"
+    END_UNDECIDED = "end_undecided"
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A stable name, its data, and which value of it is meant."""
+
+    id: StrEnum
+    about: Mapping[str, str] = field(default_factory=dict)
+    at: str = ""
+    """Key of a certificate, with dots."""
+
+    @property
+    def key(self) -> str:
+        """All of it as one text, for tables and counts."""
+        said = "/".join((self.id, *self.about.values()))
+        return f"{said}: {self.at}" if self.at else said
+
+    def value(self, at: str) -> Named:
+        """One of its values."""
+        return replace(self, at=f"{self.at}.{at}" if self.at else at)
+
+
+def named(id_: StrEnum, **about: str) -> Named:
+    """A name with its data."""
+    return Named(id_, about)
+
+
+def place(at: str) -> Named:
+    """A value of the certificate."""
+    return Named(Objection.VALUE, at=at)
+
+
+def of_move(number: int, at: str) -> Named:
+    """A value of a move, counted from 0 as in the file."""
+    return Named(Objection.MOVE_VALUE, {"move": str(number + 1)}, at)

@@ -1,0 +1,29 @@
+"""What would settle a plan that is not certified, by stable names."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Remedy(StrEnum):
+    """What a user can do."""
+
+    NARROW_ALL = "narrow_all"
+    """About ``scale``: a robust plan was found with all uncertainties scaled by it."""
+    NARROW_ONE = "narrow_one"
+    """About ``uncertainty`` and ``scale``: with that one alone."""
+    LEAVE_SLOT = "leave_slot"
+    """The plan is robust away from the slot."""
+    CHANGE_MOVE = "change_move"
+    """Of a plan that somebody else made."""
+    MEASURE_PART = "measure_part"
+    BOUND_EFFECT = "bound_effect"
+    WITHOUT_EFFECT = "without_effect"
+    """About ``effect`` and ``claim``, the key in the register of what rests on its absence."""
+    CALIBRATE_CAMERA = "calibrate_camera"
+    NEXT_PUSH = "next_push"
+    """Of recordings that several models explain, or none."""
+    DIAGNOSE = "diagnose"
+    """Of recordings that reject the model."""
+    PROVE_ROUND_TIPS = "prove_round_tips"
+    """About ``radius_um``."""

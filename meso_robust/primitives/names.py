@@ -1,0 +1,174 @@
+"""Stable names of what a certificate proves: they are compared, kept in files and never reworded.
+
+Words for people are rendered from them in one place, ``meso_robust.certificates.words``.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A stable id and the data that tells apart what bears the same one."""
+
+    id: StrEnum
+    about: Mapping[str, str] = field(default_factory=dict)
+    """Always in the same order of keys for one id."""
+
+    @property
+    def key(self) -> str:
+        """Both as one text, such as ``tip_sticks/pushing``: a key of tables."""
+        return "/".join((self.id, *self.about.values()))
+
+
+class Which(StrEnum):
+    """A tip, or the tips, that an obligation is about."""
+
+    UPPER = "upper"
+    LOWER = "lower"
+    PUSHING = "pushing"
+    ACTIVE = "active"
+    PASSIVE = "passive"
+    PAIR = "pair"
+    """Both tips of the active probe."""
+    BOTH = "both"
+    """The active and the passive tip of a rotation."""
+
+
+class Turning(StrEnum):
+    """Which way a part turns, in the axes of the move."""
+
+    COUNTER_CLOCKWISE = "counter_clockwise"
+    CLOCKWISE = "clockwise"
+
+
+class When(StrEnum):
+    """While what of a move the idle tip passes the part."""
+
+    BEFORE_TOUCH = "before_touch"
+    WHILE_TURNING = "while_turning"
+    EARLY_IN_TURN = "early_in_turn"
+    LATE_IN_TURN = "late_in_turn"
+    ON_WITHDRAWAL = "on_withdrawal"
+
+
+class ObligationId(StrEnum):
+    """What must hold for a move to do what it is for."""
+
+    TIP_FREE_AT_START = "tip_free_at_start"
+    TIP_REACHES_PART = "tip_reaches_part"
+    TIP_ON_EDGE = "tip_on_edge"
+    TIP_PUSHES = "tip_pushes"
+    TIP_STICKS = "tip_sticks"
+    TIP_TURNS_PART = "tip_turns_part"
+    NO_SLIPPING = "no_slipping"
+    IDLE_TIP_PASSES = "idle_tip_passes"
+    WITHDRAWS_FREE = "withdraws_free"
+    PAIR_STICKS = "pair_sticks"
+    PAIR_PUSHES = "pair_pushes"
+    SECOND_TIP_TOUCHES = "second_tip_touches"
+    NO_JAM = "no_jam"
+    PUSHES_UNTIL_REST = "pushes_until_rest"
+    UNIQUE_UNTIL_REST = "unique_until_rest"
+    RESTS_BEFORE_END = "rests_before_end"
+    BOTH_TIPS_TOUCH = "both_tips_touch"
+    BOTH_TIPS_ON_EDGES = "both_tips_on_edges"
+    TIP_CLEAR_OF_PART = "tip_clear_of_part"
+    PART_CLEAR_OF_WALLS = "part_clear_of_walls"
+    TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
+    # what stays undecided where no enclosure was found; a PROVED certificate has none of these
+    IS_RECTANGLE = "is_rectangle"
+    ACTIVE_ABOVE_PASSIVE = "active_above_passive"
+    COMES_TO_REST = "comes_to_rest"
+    END_ENCLOSED = "end_enclosed"
+
+
+class Inequality(StrEnum):
+    """What is to be positive; one with a dot is the generated function of that name."""
+
+    CLEARANCE = "sticking_motion.clearance"
+    BESIDE = "sticking_motion.beside"
+    NORMAL_FORCE = "one_point_sticking.normal_force"
+    FRICTION_MARGIN = "one_point_sticking.friction_margin"
+    TURNING = "one_point_sticking.turning"
+    ONLY_SOLUTION = "one_point_sticking.only_solution"
+    PAIR_FRICTION = "two_point_sticking.friction_margin"
+    PAIR_FORCES = "two_point_sticking.normal_forces"
+    NO_JAM = "two_sided_rotation.no_jam"
+    PASSIVE_FORCE = "two_sided_rotation.passive_force"
+    ENDS_OF_EDGES = "two_sided_rotation.ends_of_edges"
+    TRAVEL = "travel"
+    WITHIN_EDGE = "within_edge"
+    BETWEEN_CORNERS = "between_corners"
+    TRAVEL_TO_SPARE = "travel_to_spare"
+    TOUCH_BEFORE_END = "touch_before_end"
+    FACES_BACK = "faces_back"
+    PART_TO_WALL = "part_to_wall"
+    TIP_TO_WALL = "tip_to_wall"
+    NONE = "undecided"
+    """Nothing could be bounded."""
+
+    @property
+    def derivation(self) -> str | None:
+        """File that derives it; None: interval arithmetic on enclosures."""
+        module, dot, _ = self.partition(".")
+        return f"derivations/{module}.py" if dot else None
+
+    @property
+    def any_value(self) -> bool:
+        """Whether it is enough that one of its values is positive."""
+        return self is Inequality.BESIDE
+
+
+class Property(StrEnum):
+    """What a move is proved to do."""
+
+    TURNS_PART = "turns_part"
+    STRAIGHTENS = "straightens"
+    TURNS_BETWEEN_TIPS = "turns_between_tips"
+    PART_RESTS = "part_rests"
+
+
+class Reason(StrEnum):
+    """Why nothing is claimed of a plan whose moves leave no obligation open."""
+
+    ENDS_IN_GOAL = "ends_in_goal"
+    PREMISE_KEPT = "premise_kept"
+    EFFECT_BOUNDED = "effect_bounded"
+    WITHIN_BOUNDS = "within_bounds"
+
+
+_PUSHING = (Which.PUSHING, Which.UPPER, Which.LOWER)
+DATA: Mapping[ObligationId, Mapping[str, tuple[StrEnum, ...]]] = {
+    ObligationId.TIP_FREE_AT_START: {"tip": (Which.UPPER, Which.LOWER, Which.PASSIVE)},
+    ObligationId.TIP_ON_EDGE: {"tip": (*_PUSHING, Which.ACTIVE)},
+    ObligationId.TIP_PUSHES: {"tip": _PUSHING},
+    ObligationId.TIP_STICKS: {"tip": _PUSHING},
+    ObligationId.TIP_TURNS_PART: {"tip": _PUSHING, "turn": tuple(Turning)},
+    ObligationId.NO_SLIPPING: {"tip": _PUSHING},
+    ObligationId.IDLE_TIP_PASSES: {"when": tuple(When)},
+    ObligationId.WITHDRAWS_FREE: {"tips": (Which.PUSHING, Which.PAIR, Which.BOTH)},
+    ObligationId.TIP_CLEAR_OF_PART: {"tip": (Which.UPPER, Which.LOWER)},
+}
+"""The data that obligations are about, and what it can be; all others have none."""
+
+
+def every_obligation() -> Iterator[Named]:
+    """Every name that an obligation can have."""
+    for id_ in ObligationId:
+        data = DATA.get(id_, {})
+        for values in itertools.product(*data.values()):
+            yield Named(id_, dict(zip(data, values, strict=True)))
+
+
+SIDES = {1: Which.UPPER, -1: Which.LOWER}
+TURNS = {1: Turning.COUNTER_CLOCKWISE, -1: Turning.CLOCKWISE}
+
+
+def about(id_: StrEnum, **data: str) -> Named:
+    """A name with its data."""
+    return Named(id_, data)
