@@ -208,9 +208,8 @@ def sentences_compared(tree: ast.AST) -> Iterator[tuple[int, str]]:
             typed = isinstance(node.value, ast.Name) and node.value.id == "Literal"
             held = [] if typed else [node.slice]
         for inner in (one for expression in held for one in ast.walk(expression)):
-            said = inner.value if isinstance(inner, ast.Constant) else None
-            if isinstance(said, str) and len(said.split()) > 2:
-                yield inner.lineno, said
+            if isinstance(inner, ast.Constant) and len(str(inner.value).split()) > 2:
+                yield inner.lineno, str(inner.value)
 
 
 def test_nothing_of_the_promise_compares_or_searches_a_sentence() -> None:
