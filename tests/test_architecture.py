@@ -246,6 +246,5 @@ def test_words_of_names_stand_in_one_file_a_side() -> None:
     rooms = PROMISE - {"checker", "reporting"}
     for path in (path for path in SOURCES if part_of(path) in rooms):
         if names(path) != "certificates/words.py":
-            tree = ast.parse(path.read_text(encoding="utf-8"))
-            texts = {one.value for one in ast.walk(tree) if isinstance(one, ast.Constant)}
+            texts = {one.value for one in ast.walk(tree(path)) if isinstance(one, ast.Constant)}
             assert not texts & said, names(path)
