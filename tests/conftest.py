@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from meso_robust.job import Planned, make
+from meso_robust.pipeline import Planned, make
 from tests.browser import REQUIRED, Browser, Page, browser as started, executable, tab
 from tests.paper import paper_task as paper_task  # read from here by many tests
 

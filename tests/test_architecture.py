@@ -18,27 +18,27 @@ PACKAGE = Path(meso_robust.__file__).parent
 ROOT = PACKAGE.parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-BASE = {"errors", "kernels", "telling"}
-BELOW_MOTION = {"bounds", "admissibility", *BASE}
+BASE = {"errors", "kernels", "wording"}
+BELOW_MOTION = {"bounds", "conditions", *BASE}
 BELOW_PLANNING = {"reading", "motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
 MAY_IMPORT = {
     "_generated": set(),
     "bounds": BASE,
-    "admissibility": {"bounds", "_generated", *BASE},
+    "conditions": {"bounds", "_generated", *BASE},
     "basis": {"bounds", *BASE},
     "motion": {*BELOW_MOTION, "units"},
     "primitives": BELOW_PLANNING - {"primitives"},
     "planning": BELOW_PLANNING,
-    "admissible": BELOW_PLANNING,
+    "feasible_regions": BELOW_PLANNING,
     "certificates": {*BELOW_PLANNING, "planning", "files"},
     "policy": {*BELOW_PLANNING, "planning", "certificates"},
     "checker": {"errors", "reading", "task"},
     "simulator": {"errors", "kernels"},
-    "recordings": {"errors", "telling", "reading", "toml_files", "files"},
-    "microscope": {"errors", "telling", "files", "kernels"},
+    "recordings": {"errors", "wording", "reading", "toml_files", "files"},
+    "microscope": {"errors", "wording", "files", "kernels"},
     "tracking": {
         "errors",
-        "telling",
+        "wording",
         "reading",
         "toml_files",
         "files",
@@ -49,7 +49,7 @@ MAY_IMPORT = {
     },
     "diagnosis": {
         "errors",
-        "telling",
+        "wording",
         "toml_files",
         "simulator",
         "recordings",
@@ -58,7 +58,7 @@ MAY_IMPORT = {
     },
     "identification": {
         "errors",
-        "telling",
+        "wording",
         "toml_files",
         "files",
         "kernels",
@@ -203,7 +203,7 @@ def test_every_generated_module_names_its_own_derivation() -> None:
 
 
 PROMISE = {
-    "primitives", "planning", "admissible", "certificates", "checker", "premises", "policy", "job",
+    "primitives", "planning", "feasible_regions", "certificates", "checker", "transfer", "policy", "pipeline",
     "api", "reporting",
 }  # fmt: skip
 _ASKED = {"startswith", "endswith", "removeprefix", "index", "find", "search", "match", "fullmatch"}

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 
 
 def test_the_paper_task_is_proved(paper_plan: Planned) -> None:
@@ -83,7 +83,7 @@ def test_wide_friction_is_not_proved(wide_friction_plan: Planned) -> None:
 
 
 def test_a_refuted_plan_carries_a_witness_that_fails_again(wide_friction_plan: Planned) -> None:
-    from meso_robust.execution.crosscheck import confirmed
+    from meso_robust.laboratory.crosscheck import confirmed
 
     certificate = wide_friction_plan.certificate
     assert certificate.verdict == "REFUTED"

@@ -21,7 +21,7 @@ from meso_robust.recordings import read_set
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
 from meso_robust.tracking.calibration_document import load_calibration
-from tests.execution import test_witness_file
+from tests.laboratory import test_witness_file
 from tests.recordings.examples import SET, TABLE, folder_of
 
 ROOT = Path(__file__).parents[1]

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, at_least, path_of, within
+from meso_robust.api.inputs import StrPath, at_least, path_of, within
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.campaigns.answer import Answer, answered, document, summary
-from meso_robust.campaigns.crew import Crew, Processes
 from meso_robust.campaigns.document import Campaign, read_campaign
+from meso_robust.campaigns.executor import Crew, Processes
 from meso_robust.campaigns.kind import Result, Verdict
 from meso_robust.campaigns.kinds import kind_of
 from meso_robust.campaigns.provenance import code

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, task_of
+from meso_robust.api.inputs import StrPath, task_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.checker.document import Certificate
 from meso_robust.checker.reading import parse_certificate, read_certificate

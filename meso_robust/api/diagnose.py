@@ -8,7 +8,7 @@ from typing import Literal
 
 from meso_robust import __version__
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, at_least, keep_apart, path_of
+from meso_robust.api.inputs import StrPath, at_least, keep_apart, path_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import Recordings, name_of, set_of
 from meso_robust.diagnosis import answer, diagnose as diagnosing, model_file, pictures

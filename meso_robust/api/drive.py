@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, task_of
+from meso_robust.api.inputs import StrPath, task_of
 from meso_robust.planning.document import box_document
 from meso_robust.policy.controller import (
     Controller,

@@ -9,11 +9,10 @@ from typing import Literal
 
 from meso_robust import __version__
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, at_least, keep_apart
+from meso_robust.api.inputs import StrPath, at_least, keep_apart
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import Recordings, name_of, set_of
 from meso_robust.errors import InputError
-from meso_robust.execution.filming import recorded_part
 from meso_robust.files import write_all
 from meso_robust.identification import identify as fitting
 from meso_robust.identification.answer import document as documented, summary
@@ -26,10 +25,11 @@ from meso_robust.identification.plausible import doubts
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
 from meso_robust.identification.verdict import NEGATIVE_WORDS, verdict
+from meso_robust.laboratory.filming import recorded_part
 from meso_robust.recordings import RecordingSet, read_set
 from meso_robust.task import Task
-from meso_robust.telling import counted
 from meso_robust.toml_files import toml_of
+from meso_robust.wording import counted
 
 Objective = Literal["likelihood", "printed"]
 

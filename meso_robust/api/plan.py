@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from meso_robust import job
+from meso_robust import pipeline
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, at_least, files_of, task_of, within
+from meso_robust.api.inputs import StrPath, at_least, files_of, task_of, within
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument
@@ -27,12 +27,12 @@ from meso_robust.planning.rules import rules_of
 from meso_robust.policy.build import make_policy
 from meso_robust.policy.document import policy_document
 from meso_robust.policy.region import sensed_start, tube
-from meso_robust.premises import answer as promised
-from meso_robust.premises.promise import Promise, promise, read
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, task_text, with_spacing
-from meso_robust.telling import counted
 from meso_robust.toml_files import toml_of
+from meso_robust.transfer import answer as promised
+from meso_robust.transfer.promise import Promise, promise, read
+from meso_robust.wording import counted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -51,7 +51,7 @@ class Planned:
         Files that it was made from, which ``save`` never replaces.
     """
 
-    result: job.Planned
+    result: pipeline.Planned
     promise: Promise | None = None
     more: Mapping[str, str] = field(default_factory=dict)
     inputs: tuple[Path, ...] = ()
@@ -207,7 +207,7 @@ def plan(  # every option of the verb is an argument
             )
         made = promise(known, read(Path(model), known), samples, seed, progress.doing)
         return _promised(made, files_of(task, model))
-    result = (job.make_best if widest else job.make)(known, samples, seed, progress.doing)
+    result = (pipeline.make_best if widest else pipeline.make)(known, samples, seed, progress.doing)
     more = {}
     if widest:
         text = toml_of(task) if isinstance(task, Task) else task_text(Path(task))
@@ -276,7 +276,7 @@ def certify(
         scale=1.0,
         remedy=Remedy.CHANGE_MOVE,
     )
-    result = job.judge(known, found, samples, seed, progress.doing)
+    result = pipeline.judge(known, found, samples, seed, progress.doing)
     return Planned(result=result, inputs=files_of(task, plan))
 
 

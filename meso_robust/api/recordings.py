@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath
+from meso_robust.api.inputs import StrPath
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
 from meso_robust.files import write_all

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, at_least
+from meso_robust.api.inputs import StrPath, at_least
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.files import write_all
 from meso_robust.reproduction.document import Made, document, text

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, at_least, task_of, within
+from meso_robust.api.inputs import StrPath, at_least, task_of, within
 from meso_robust.api.plan import Planned, plan_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
-from meso_robust.execution.filming import Camera, film_plan
-from meso_robust.execution.simulation import Simulated as Runs, player_of, simulated
-from meso_robust.execution.simulation_answer import document, summary
-from meso_robust.execution.simulation_document import SimulationDocument
-from meso_robust.execution.trajectories import trajectories
-from meso_robust.execution.witness import read_witness
 from meso_robust.files import write_all
+from meso_robust.laboratory.filming import Camera, film_plan
+from meso_robust.laboratory.simulation import Simulated as Runs, player_of, simulated
+from meso_robust.laboratory.simulation_answer import document, summary
+from meso_robust.laboratory.simulation_document import SimulationDocument
+from meso_robust.laboratory.trajectories import trajectories
+from meso_robust.laboratory.witness import read_witness
 from meso_robust.limits import LONGEST_LATENCY_MS, MOST_SAMPLES
 from meso_robust.planning.document import PlanDocument
 from meso_robust.primitives.setup import setup_of

@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from meso_robust.api.call import call
-from meso_robust.api.given import StrPath, path_of
+from meso_robust.api.inputs import StrPath, path_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.errors import InputError
 from meso_robust.reading import shown
 from meso_robust.recordings import RecordingSet
-from meso_robust.telling import counted
 from meso_robust.tracking.job import Found, Job, prepared, run, write
 from meso_robust.tracking.track_document import TrackDocument
+from meso_robust.wording import counted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

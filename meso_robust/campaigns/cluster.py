@@ -8,7 +8,7 @@ from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from typing import Any
 
-from meso_robust.campaigns.crew import CrewLostError, Found
+from meso_robust.campaigns.executor import CrewLostError, Found
 from meso_robust.errors import InputError
 
 CONNECT = 20.0  # s for one attempt to reach the scheduler

@@ -8,8 +8,8 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.campaigns.kind import Paths
-from meso_robust.execution.replay import Player
-from meso_robust.execution.running import PlanRun, outline
+from meso_robust.laboratory.replay import Player
+from meso_robust.laboratory.running import PlanRun, outline
 
 
 def paths(title: str, player: Player, runs: PlanRun, labels: Sequence[str]) -> Paths:

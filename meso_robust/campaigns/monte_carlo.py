@@ -29,13 +29,13 @@ from meso_robust.campaigns.kind import (
     Verdict,
 )
 from meso_robust.campaigns.planned import GivenPlan, PlanSection, given_plan, plan_of
-from meso_robust.execution.endings import ending, words
-from meso_robust.execution.engines import Engine
-from meso_robust.execution.judging import UNFINISHED
-from meso_robust.execution.replay import Feedback, Player, limits, miss
-from meso_robust.execution.running import PlanRun
-from meso_robust.execution.simulation import in_goal
-from meso_robust.execution.witness_file import replay_files
+from meso_robust.laboratory.endings import ending, words
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.judging import UNFINISHED
+from meso_robust.laboratory.replay import Feedback, Player, limits, miss
+from meso_robust.laboratory.running import PlanRun
+from meso_robust.laboratory.simulation import in_goal
+from meso_robust.laboratory.witness_file import replay_files
 from meso_robust.simulator import Outcome
 
 OF = {

@@ -12,13 +12,13 @@ from pydantic import Field
 from meso_robust.campaigns.kind import Part, Section, Values
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import InputError, NotApplicableError
-from meso_robust.execution.claims import Claims, claims_of, only_motions
-from meso_robust.execution.draws import nominal
-from meso_robust.execution.engines import Engine
-from meso_robust.execution.open_loop import OpenLoop
-from meso_robust.execution.replay import Feedback, Player
-from meso_robust.execution.running import run
-from meso_robust.execution.simulation import player_of
+from meso_robust.laboratory.claims import Claims, claims_of, only_motions
+from meso_robust.laboratory.draws import nominal
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.open_loop import OpenLoop
+from meso_robust.laboratory.replay import Feedback, Player
+from meso_robust.laboratory.running import run
+from meso_robust.laboratory.simulation import player_of
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import PlanDocument, plan_document
 from meso_robust.planning.reading import read_plan
@@ -26,7 +26,7 @@ from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
-from meso_robust.telling import down_to
+from meso_robust.wording import down_to
 
 
 class PlanSection(Section):

@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
 from meso_robust.campaigns.chunk import do as do_chunk
-from meso_robust.campaigns.crew import Crew, CrewLostError
 from meso_robust.campaigns.document import Campaign
 from meso_robust.campaigns.encoding import part_text, result_of
+from meso_robust.campaigns.executor import Crew, CrewLostError
 from meso_robust.campaigns.kind import Done
 from meso_robust.campaigns.kinds import kind_of
 from meso_robust.campaigns.provenance import code, machine

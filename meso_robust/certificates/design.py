@@ -19,7 +19,7 @@ from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.move import Aim, MoveRule, Point
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
-from meso_robust.telling import down
+from meso_robust.wording import down
 
 GROWTH = 1.05  # of the uncertainties, from one plan of a spacing to the next
 LARGEST = 8.0  # factors beyond it are not tried

@@ -34,7 +34,7 @@ from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reading import Count, Distance, Factor, MoveNumber, PaperStep, Seed
 from meso_robust.task import Task
-from meso_robust.telling import up
+from meso_robust.wording import up
 
 HexPair = tuple[str, str]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
 
-from meso_robust.admissibility import condition
 from meso_robust.certificates.premise import Premise
+from meso_robust.conditions import condition
 from meso_robust.motion.two_sided import TubeStatus
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Inequality, Named, ObligationId, Property, Reason

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from meso_robust.checker.document import RuleDocument
-from meso_robust.checker.given import Given, PoseBox
 from meso_robust.checker.ids import Objection, named
+from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.ranges import Side

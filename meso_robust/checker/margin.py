@@ -6,8 +6,8 @@ from fractions import Fraction
 
 from meso_robust.checker.chain import verify_alone
 from meso_robust.checker.document import Certificate, MarginDocument
-from meso_robust.checker.given import SCALED, given
 from meso_robust.checker.ids import place
+from meso_robust.checker.inputs import SCALED, given
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.refusal import Refused
 from meso_robust.task import Task

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from meso_robust.checker.document import RuleDocument
-from meso_robust.checker.given import Given, PoseBox
 from meso_robust.checker.ids import Objection, named
+from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.passage import Memory, Passage
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.regrasp import check_regrasp

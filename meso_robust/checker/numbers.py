@@ -8,8 +8,8 @@ from fractions import Fraction
 from flint import arb
 
 from meso_robust.checker.document import BoxDocument, ExactBox, HexPair
-from meso_robust.checker.given import PoseBox
 from meso_robust.checker.ids import Named
+from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
 

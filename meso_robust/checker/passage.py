@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import PoseBox
 from meso_robust.checker.ids import Named
+from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.ranges import Box
 from meso_robust.checker.requirement import Requirement
 from meso_robust.checker.scene import Scene

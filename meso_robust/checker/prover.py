@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from meso_robust.checker.document import ObligationDocument, RuleDocument
-from meso_robust.checker.given import Given, PoseBox
+from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.moves import verify_move
 from meso_robust.checker.obligations import compare
 from meso_robust.checker.passage import Memory, Passage

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from meso_robust.checker import statement as st
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import PoseBox
 from meso_robust.checker.ids import Must, Property, named
+from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Edge
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.pushing import NAMES, UNIT, constant

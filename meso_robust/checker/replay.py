@@ -23,8 +23,8 @@ from meso_robust.checker.chain import within
 from meso_robust.checker.contact import off_line
 from meso_robust.checker.document import RuleDocument, WitnessDocument
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import Given, PoseBox
 from meso_robust.checker.ids import Named, Objection, named, place
+from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.moves import verify_scene
 from meso_robust.checker.numbers import double
 from meso_robust.checker.outline import Edge, Polygon

@@ -19,9 +19,9 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.approach import Approach, approach
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import PoseBox
 from meso_robust.checker.grip import Grip
 from meso_robust.checker.ids import Must, Objection, Property, named
+from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Rectangle
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Passage, Pose, Sweep

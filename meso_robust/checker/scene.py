@@ -19,8 +19,8 @@ from flint import arb
 
 from meso_robust.checker.document import AimDocument, RuleDocument
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import Given, PoseBox, ball, metres
 from meso_robust.checker.ids import Objection, named
+from meso_robust.checker.inputs import Given, PoseBox, ball, metres
 from meso_robust.checker.outline import Edge, Outline
 from meso_robust.checker.ranges import Box, Side, shift, whole
 from meso_robust.checker.refusal import Refused

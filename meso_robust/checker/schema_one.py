@@ -27,8 +27,8 @@ from meso_robust.checker.document import (
     SimulationDocument,
     Word,
 )
-from meso_robust.checker.given import given, uncertainties
 from meso_robust.checker.ids import Claim, Must, Premise, Property
+from meso_robust.checker.inputs import given, uncertainties
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.statement import STATEMENTS
 from meso_robust.task import Part, Task

@@ -17,8 +17,8 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import PoseBox
 from meso_robust.checker.ids import Must, Property, named
+from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     NAMES,

@@ -7,8 +7,8 @@ import functools
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Number, Point
-from meso_robust.checker.given import PoseBox
 from meso_robust.checker.ids import Must, Objection, Property, named
+from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Rectangle
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (

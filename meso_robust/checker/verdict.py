@@ -12,8 +12,8 @@ from meso_robust.checker import margin as margins, words
 from meso_robust.checker.chain import holds_side, passages, within
 from meso_robust.checker.document import Certificate, HexPair, StepDocument
 from meso_robust.checker.evidence import check_evidence
-from meso_robust.checker.given import Given, PoseBox, given, uncertainties
 from meso_robust.checker.ids import Claim, Named, Objection, Premise, named, of_move, place
+from meso_robust.checker.inputs import Given, PoseBox, given, uncertainties
 from meso_robust.checker.moves import check_rule
 from meso_robust.checker.numbers import box, check_reading, side
 from meso_robust.checker.prover import PLAIN, Prover

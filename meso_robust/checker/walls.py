@@ -16,8 +16,8 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import off_line
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.given import Block, Given, PoseBox
 from meso_robust.checker.ids import Must, Named, named
+from meso_robust.checker.inputs import Block, Given, PoseBox
 from meso_robust.checker.outline import Edge
 from meso_robust.checker.passage import Passage, Sweep
 from meso_robust.checker.pushing import UNIT

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from flint import arb
 
 from meso_robust.checker.document import Certificate, WitnessDocument
-from meso_robust.checker.given import Given
 from meso_robust.checker.ids import place
+from meso_robust.checker.inputs import Given
 from meso_robust.checker.numbers import double
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused

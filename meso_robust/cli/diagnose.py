@@ -54,7 +54,7 @@ def diagnose(
 
 def _found(recordings: Path, out: Path, say: Reporter, **asked: Any) -> Diagnosed:
     """The diagnosis, written into ``out``."""
-    from meso_robust.api.given import keep_apart
+    from meso_robust.api.inputs import keep_apart
     from meso_robust.files import check_folder
     from meso_robust.recordings import read_set
 

@@ -73,7 +73,7 @@ def identify(  # noqa: PLR0913  # every option of the verb is an argument
 
 def _found(recordings: Path, out: Path, say: Reporter, **asked: Any) -> Identified:
     """The fitted model, written into ``out``."""
-    from meso_robust.api.given import keep_apart
+    from meso_robust.api.inputs import keep_apart
     from meso_robust.files import check_folder
     from meso_robust.recordings import read_set
 
@@ -90,7 +90,7 @@ def _found(recordings: Path, out: Path, say: Reporter, **asked: Any) -> Identifi
 
 def _planned(source: Path, out: Path, say: Reporter) -> StandardTests:
     """The tests A-H, written into ``out``."""
-    from meso_robust.api.given import keep_apart
+    from meso_robust.api.inputs import keep_apart
     from meso_robust.files import check_folder
     from meso_robust.recordings import read_set
     from meso_robust.task import load_task

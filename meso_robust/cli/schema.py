@@ -19,12 +19,12 @@ _MODELS = {
     "policy": "policy.document:PolicyDocument",
     "certificate": "certificates.document:CertificateDocument",
     "campaign": "campaigns.document:campaign_document",
-    "witness": "execution.witness_file:WitnessFile",
+    "witness": "laboratory.witness_file:WitnessFile",
     "recordings": "recordings.document:SetDocument",
     "model": "identification.document:ModelDocument",
     "experiment": "identification.experiment_document:ExperimentDocument",
     "diagnosis": "diagnosis.document:DiagnosisDocument",
-    "premises": "premises.document:PremisesDocument",
+    "premises": "transfer.document:PremisesDocument",
 }
 """Where the model of each document is; only the one asked for is imported."""
 

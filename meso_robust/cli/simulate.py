@@ -80,8 +80,8 @@ def _found(
     say: Reporter,
 ) -> Simulated:
     """The runs, written into the last of ``paths``, some of them as ``recorded`` too."""
-    from meso_robust.execution.witness_form import check_form
     from meso_robust.files import check_folder
+    from meso_robust.laboratory.witness_form import check_form
     from meso_robust.planning.reading import read_plan
     from meso_robust.task import load_task
 

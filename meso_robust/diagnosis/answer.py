@@ -16,8 +16,8 @@ from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.intervals import Interval, intervals
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.rejection import Rejection
-from meso_robust.diagnosis.show import Errors, improvement
 from meso_robust.diagnosis.trials import tried
+from meso_robust.diagnosis.validation import Errors, improvement
 from meso_robust.identification.usable import warnings_of
 from meso_robust.recordings import read_set
 from meso_robust.simulator.catalogue import CATALOGUE, stage_of

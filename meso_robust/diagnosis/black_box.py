@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.cuts import tips_of
-from meso_robust.diagnosis.show import Errors
+from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.prepared import Prepared
 from meso_robust.recordings.contact import gaps
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.detect import Span
-from meso_robust.diagnosis.show import Errors
+from meso_robust.diagnosis.validation import Errors
 
 Floats = npt.NDArray[np.float64]
 

@@ -10,27 +10,27 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import __version__
+from meso_robust.diagnosis.acceptance import Witnesses, judged, partial
 from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
 from meso_robust.diagnosis.black_box import black_box
 from meso_robust.diagnosis.candidates import Candidate, Naming
-from meso_robust.diagnosis.catch_all import catch_all
 from meso_robust.diagnosis.control import Control, control
-from meso_robust.diagnosis.decoys import Decoys, decoys
 from meso_robust.diagnosis.detect import Detection, Detector, Span, detector
+from meso_robust.diagnosis.error_floor import catch_all
 from meso_robust.diagnosis.identifiable import Visibility, visibilities
 from meso_robust.diagnosis.invariances import Pair
-from meso_robust.diagnosis.located import Located, located, predicted_pairs
-from meso_robust.diagnosis.name import Contest
+from meso_robust.diagnosis.localisation import Located, located, predicted_pairs
+from meso_robust.diagnosis.model_selection import Contest
 from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
 from meso_robust.diagnosis.nulls import null_rows
+from meso_robust.diagnosis.placebo_tests import Decoys, decoys
 from meso_robust.diagnosis.refit import Refit
-from meso_robust.diagnosis.required import Witnesses, judged, partial
-from meso_robust.diagnosis.show import Errors, Extrapolation, errors, extrapolated, trained
 from meso_robust.diagnosis.signatures import Signature, signatures
 from meso_robust.diagnosis.spans import spans_of
 from meso_robust.diagnosis.split import Split, split
 from meso_robust.diagnosis.store import Store
 from meso_robust.diagnosis.trials import trials
+from meso_robust.diagnosis.validation import Errors, Extrapolation, errors, extrapolated, trained
 from meso_robust.identification.answer import set_hash
 from meso_robust.identification.plausible import doubts
 from meso_robust.recordings import RecordingSet

@@ -10,7 +10,7 @@ import numpy as np
 from meso_robust.diagnosis.answer import VISCOSITY
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.intervals import CONFIDENCE, Interval, intervals
-from meso_robust.diagnosis.show import Errors
+from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.answer import document as identified
 from meso_robust.identification.document import ModelDocument
 from meso_robust.toml_files import toml_of

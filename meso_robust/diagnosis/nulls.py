@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.identification.arrow import Arrow
+from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.forward import Prediction, predicted
 from meso_robust.simulator import Outcome
 

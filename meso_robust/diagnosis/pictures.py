@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.evidence import Evidence
-from meso_robust.diagnosis.show import Errors
+from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.prepared import Prepared
 
 Floats = npt.NDArray[np.float64]

@@ -33,7 +33,7 @@ from meso_robust.recordings.noise import (
     position_repeatability,
 )
 from meso_robust.simulator import Outcome
-from meso_robust.telling import counted, down_to, up_to
+from meso_robust.wording import counted, down_to, up_to
 
 
 def document(

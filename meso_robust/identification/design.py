@@ -24,7 +24,7 @@ from meso_robust.identification.models import Model
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.sensitivity import StartBox
 from meso_robust.recordings import SensorInfo
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Floats = npt.NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from meso_robust.identification.forward import predicted
 from meso_robust.identification.models.model import Floats, Model
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.profiles import Profile
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 ROUNDING = 1e-10
 """Change of a predicted pose (m, θ times the characteristic length) that is taken for rounding."""

@@ -16,7 +16,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from meso_robust.identification.arrow import Arrow
+from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.fitted import (
     Fits as Fits,
     Fitted as Fitted,

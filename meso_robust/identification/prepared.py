@@ -17,7 +17,7 @@ from meso_robust.recordings.noise import roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
 from meso_robust.simulator.tips import Tip
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 FINENESS = 1.0 / 364.0
 """Step over the characteristic length where no model says otherwise: 2.5 µm for a 1.6-mm part."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.identification.arrow import Arrow
+from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models.model import Bools, Floats, Model

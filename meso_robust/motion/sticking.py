@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import Box, Interval, Verdict, enclose, prove_positive
+from meso_robust.conditions import condition
 
 
 def contact_offset(angle: Interval, depth: Interval, rise: Interval) -> Interval:

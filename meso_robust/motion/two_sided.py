@@ -22,11 +22,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds.arithmetic import down, mul, up
 from meso_robust.bounds.bulk import Program, bound_box, program
 from meso_robust.bounds.interval import Interval
 from meso_robust.bounds.tape import Floats, run
+from meso_robust.conditions import condition
 from meso_robust.kernels import fingerprint
 
 STEPS = 420  # per width of the part: about 2 um for the paper's part

@@ -15,7 +15,7 @@ Two of these steps promise more than they hold. Step 4 looks at corners only: a 
 all corners of the uncertainties and fail between them (``tests/planning/test_motion_search.py`` has a
 push on a long part for which it does), so passing is no proof. Step 6 concludes from samples: a robust
 motion can lie between them. :func:`over_the_box` replaces the corners by a proof over the whole box;
-what exists and what does not is answered by the pavings of :mod:`meso_robust.admissible`.
+what exists and what does not is answered by the pavings of :mod:`meso_robust.feasible_regions`.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.admissibility import condition, values
 from meso_robust.bounds import Box, Interval, Verdict, prove_positive
+from meso_robust.conditions import condition, values
 from meso_robust.planning.sampling import levels
 
 Conditions = Sequence[tuple[str, str]]

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI
+from meso_robust.conditions import condition
 from meso_robust.primitives.setup import PoseBox, Setup
 
 

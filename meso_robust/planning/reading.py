@@ -14,7 +14,7 @@ from meso_robust.errors import InputError
 from meso_robust.planning.plan_file import MoveDocument, PlanDocument, RuleDocument
 from meso_robust.reading import first_fault, json_values, text_of
 from meso_robust.task import Task
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 LARGEST_UM = 1e6  # as for the coordinates of a task: catches a slip of the unit
 MOST_MOVES = 1000

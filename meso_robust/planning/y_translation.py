@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from meso_robust import units
-from meso_robust.admissibility import condition
 from meso_robust.bounds import Verdict
+from meso_robust.conditions import condition
 from meso_robust.planning import nominal
 from meso_robust.planning.clearance import rise_of, start_ahead_um
 from meso_robust.planning.sampling import best_robust

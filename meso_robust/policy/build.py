@@ -19,7 +19,7 @@ from meso_robust.policy.proof import certified
 from meso_robust.primitives.frame import HEADINGS, Heading
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Doing = Callable[[str], AbstractContextManager[None]]
 

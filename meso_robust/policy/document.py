@@ -35,7 +35,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reading import Count, Deg, MoveNumber, Percent
 from meso_robust.task import Task
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 SCHEMA: Literal["meso-robust/policy/1"] = "meso-robust/policy/1"
 HexPair = tuple[str, str]

@@ -18,7 +18,7 @@ from meso_robust.policy.cover import covered
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 
 def certified(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, replace
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import Interval, enclose
 from meso_robust.bounds.interval import cos, sin
+from meso_robust.conditions import condition
 from meso_robust.motion import sticking
 from meso_robust.primitives.names import Inequality, ObligationId, about
 from meso_robust.primitives.obligation import Knot, Obligation, require

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import Box, Interval, Proof, Verdict, prove_positive
+from meso_robust.conditions import condition
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Inequality, Named
 from meso_robust.primitives.setup import PoseBox

@@ -12,9 +12,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI, Interval, enclose
 from meso_robust.bounds.interval import arcsin
+from meso_robust.conditions import condition
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.task import Part, PolygonPart
 from meso_robust.units import metres

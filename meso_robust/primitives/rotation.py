@@ -13,9 +13,9 @@ import math
 
 import numpy as np
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
 from meso_robust.bounds.interval import arcsin, cos, sin
+from meso_robust.conditions import condition
 from meso_robust.motion import sticking
 from meso_robust.motion.two_sided import Grip, SlideTube, TubeStatus, enclose_slide
 from meso_robust.primitives.approach import MODULE, Pair, Touch, approach

@@ -10,9 +10,9 @@ import functools
 import math
 from dataclasses import replace
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
 from meso_robust.bounds.interval import cos
+from meso_robust.conditions import condition
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import SIDES, Inequality, ObligationId, Property, Which, about

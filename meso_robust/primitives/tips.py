@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meso_robust.admissibility import values
 from meso_robust.bounds import Interval
 from meso_robust.bounds.interval import cos, sin
+from meso_robust.conditions import values
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import (

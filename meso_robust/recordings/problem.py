@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Severity = Literal["error", "warning", "information"]
 """Cannot be used; usable with care; only to be known."""

@@ -25,7 +25,7 @@ from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.repair import Repair
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Floats = npt.NDArray[np.float64]
 SCHEMA = "meso-robust/recordings-summary/1"

@@ -23,7 +23,7 @@ from meso_robust.reading import foreign_table, like, shown, text_of
 from meso_robust.recordings.clock import forward
 from meso_robust.recordings.rules import CLOCK_RULE, DEG, UM
 from meso_robust.recordings.values import Recording
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.intp]

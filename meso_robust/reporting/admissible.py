@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from meso_robust import units
-from meso_robust.admissible.document import document
-from meso_robust.admissible.maps import PRIMITIVES, Map, Primitive, map_of, moves_of
-from meso_robust.admissible.paving import Axis, Paving, Region
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.errors import NotApplicableError
+from meso_robust.feasible_regions.document import document
+from meso_robust.feasible_regions.maps import PRIMITIVES, Map, Primitive, map_of, moves_of
+from meso_robust.feasible_regions.paving import Axis, Paving, Region
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.canvas import INK, Floats

@@ -11,15 +11,15 @@ import numpy.typing as npt
 from markupsafe import Markup
 
 from meso_robust import units
-from meso_robust.execution.endings import Ending, ending, words
-from meso_robust.execution.replay import miss
-from meso_robust.execution.running import MoveRun, PlanRun, outline
-from meso_robust.execution.simulation import Simulated, in_goal, order
-from meso_robust.execution.simulation_document import SimulationDocument
-from meso_robust.execution.trajectories import probe_names
+from meso_robust.laboratory.endings import Ending, ending, words
+from meso_robust.laboratory.replay import miss
+from meso_robust.laboratory.running import MoveRun, PlanRun, outline
+from meso_robust.laboratory.simulation import Simulated, in_goal, order
+from meso_robust.laboratory.simulation_document import SimulationDocument
+from meso_robust.laboratory.trajectories import probe_names
 from meso_robust.provenance import commit
 from meso_robust.reporting.skeleton import Banner, code, page, versions
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Floats = npt.NDArray[np.float64]
 Json = dict[str, Any]

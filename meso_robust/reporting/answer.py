@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from meso_robust.bounds import Verdict, VerdictWord
-from meso_robust.job import Planned
-from meso_robust.premises.promise import Promise
+from meso_robust.pipeline import Planned
 from meso_robust.reporting.words import Side, Witness, factor, number, sides, witness_words
+from meso_robust.transfer.promise import Promise
 
 MEANING = {
     "PROVED": "The plan is certified for point tips: it reaches the goal for every error within the stated "

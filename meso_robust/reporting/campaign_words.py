@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from meso_robust.campaigns.answer import Shown
 from meso_robust.campaigns.kind import Table, Values
 from meso_robust.reporting.words import signed, significant
-from meso_robust.telling import worded as worded
+from meso_robust.wording import worded as worded
 
 NONE = "—"
 _CELL = re.compile(r"(?=.*\d)([\d\s.,;%…–±()\[\]/<>≤≥×+−-]|e[+-]?\d|of|to|um2?|µm|deg|s\b)*")

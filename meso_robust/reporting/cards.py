@@ -11,13 +11,12 @@ from meso_robust.checker.document import Certificate
 from meso_robust.checker.verdict import Answer as Checked
 from meso_robust.diagnosis.document import DiagnosisDocument
 from meso_robust.diagnosis.evidence import Evidence
-from meso_robust.execution.simulation import Simulated
-from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.verdict import COLOURS, meaning, verdict
-from meso_robust.job import Planned
-from meso_robust.premises.promise import Promise
+from meso_robust.laboratory.simulation import Simulated
+from meso_robust.laboratory.simulation_document import SimulationDocument
+from meso_robust.pipeline import Planned
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.phases import phases
 from meso_robust.recordings.summary import Checked as CheckedSet
@@ -31,8 +30,9 @@ from meso_robust.reporting.recording_figures import recording_figure as way_figu
 from meso_robust.reporting.run_figures import certificate_figure, runs_figure, shares_figure
 from meso_robust.reporting.words import about, high_end, low_end, sentence, significant
 from meso_robust.task import Task
-from meso_robust.telling import counted
 from meso_robust.tracking.job import Found as Tracked
+from meso_robust.transfer.promise import Promise
+from meso_robust.wording import counted
 
 MOST_ROWS = 12
 """Recordings in a picture."""

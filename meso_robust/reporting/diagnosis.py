@@ -42,7 +42,7 @@ from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import STAGES
 from meso_robust.reporting.words import number, significant
 from meso_robust.simulator.catalogue import CATALOGUE
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 MOST_PICTURES = 6
 """Recordings that are drawn, those that the plain model fits worst first."""

@@ -16,7 +16,7 @@ from meso_robust.diagnosis.document import (
 )
 from meso_robust.reporting.skeleton import Colour
 from meso_robust.reporting.words import number, signed, significant
-from meso_robust.telling import counted, down, down_to, up, up_to
+from meso_robust.wording import counted, down, down_to, up, up_to
 
 MOST_SPANS = 3
 """Spans that the lines for a terminal name."""

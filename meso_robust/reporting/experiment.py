@@ -20,7 +20,7 @@ from meso_robust.reporting.canvas import BEFORE, GHOST, GRID, TIP, outline
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import number, significant
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Floats = npt.NDArray[np.float64]
 

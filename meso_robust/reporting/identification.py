@@ -23,7 +23,7 @@ from meso_robust.reporting.identification_figures import (
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import about, high_end, low_end, sentence, signed, significant
-from meso_robust.telling import down_to, up_to
+from meso_robust.wording import down_to, up_to
 
 MOST_PICTURES = 12
 """Recordings that are drawn, those with the largest residuals first."""

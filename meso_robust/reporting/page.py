@@ -9,10 +9,8 @@ from markupsafe import Markup
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.document import CertificateDocument
 from meso_robust.even_film import remarks
-from meso_robust.execution.running import excess
-from meso_robust.job import Planned
-from meso_robust.premises.answer import document, worst_words
-from meso_robust.premises.promise import Promise
+from meso_robust.laboratory.running import excess
+from meso_robust.pipeline import Planned
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions
@@ -30,7 +28,9 @@ from meso_robust.reporting.tube_figures import (
 )
 from meso_robust.reporting.view import engine, view
 from meso_robust.reporting.words import MINUS, QUANTITIES, factor, number, small
-from meso_robust.telling import counted, up, worded
+from meso_robust.transfer.answer import document, worst_words
+from meso_robust.transfer.promise import Promise
+from meso_robust.wording import counted, up, worded
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from meso_robust import telling, units
+from meso_robust import units, wording
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.cover import ends_of
 from meso_robust.policy.region import Slice, region_of
@@ -150,7 +150,7 @@ def _legend(figure: Figure, policy: Policy) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    names = ["at rest", *(telling.counted(k, "move") for k in range(1, policy.moves + 1))]
+    names = ["at rest", *(wording.counted(k, "move") for k in range(1, policy.moves + 1))]
     handles: list[Patch | Line2D] = [
         Patch(facecolor=colour, edgecolor=FRAME, lw=0.5, label=name)
         for colour, name in zip(COLOURS, names, strict=False)
@@ -170,7 +170,7 @@ def summary(policy: Policy, slices: Sequence[Slice], seconds: float) -> str:
         f"# Certified policy: {policy.task.name}",
         "",
         f"From every start in the region below the part is in the goal after at most N = "
-        f"{telling.counted(policy.moves, 'move')}. {telling.counted(len(policy.cells), 'cell')}, built in {seconds:.0f} s.",
+        f"{wording.counted(policy.moves, 'move')}. {wording.counted(len(policy.cells), 'cell')}, built in {seconds:.0f} s.",
         "",
         "## Certified starts",
         "",
@@ -182,7 +182,7 @@ def summary(policy: Policy, slices: Sequence[Slice], seconds: float) -> str:
     for region in region_of(policy):
         sides = " | ".join(_within(region.extent, side) for side in ("theta", "x", "y"))
         lines.append(
-            f"| {region.near / units.DEG:.0f} | {sides} | {telling.down(100.0 * region.share, 0)} % | "
+            f"| {region.near / units.DEG:.0f} | {sides} | {wording.down(100.0 * region.share, 0)} % | "
             f"{len(region.cells)} | ≤ {region.moves} |"
         )
     lines += [
@@ -204,10 +204,10 @@ def summary(policy: Policy, slices: Sequence[Slice], seconds: float) -> str:
 def _within(box: PoseBox, side: Coordinate) -> str:
     """Starts that something is promised for, rounded inward."""
     low, high = ends(box, side)
-    return f"{telling.up(low, 1)} … {telling.down(high, 1)}"
+    return f"{wording.up(low, 1)} … {wording.down(high, 1)}"
 
 
 def _span(box: PoseBox, side: Coordinate) -> str:
     """Where the part is promised to be, rounded outward."""
     low, high = ends(box, side)
-    return f"{telling.down(low, 1)} … {telling.up(high, 1)}"
+    return f"{wording.down(low, 1)} … {wording.up(high, 1)}"

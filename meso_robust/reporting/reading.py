@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain
-from meso_robust.execution.crosscheck import CrossCheck
-from meso_robust.execution.running import STARTS_INSIDE
+from meso_robust.laboratory.crosscheck import CrossCheck
+from meso_robust.laboratory.running import STARTS_INSIDE
 from meso_robust.simulator import Outcome
 
 MOST_POINTS = 1000  # of one scatter; more would only make the page slow

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Literal
 
 from meso_robust.certificates.margin import LARGEST
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.planning.document import RuleDocument
 from meso_robust.reporting.canvas import COLUMN, Coordinate, ends, poses_shown
 from meso_robust.reporting.reading import Standing, standings
@@ -23,7 +23,7 @@ from meso_robust.reporting.words import (
     significant,
     small,
 )
-from meso_robust.telling import down, down_to, up
+from meso_robust.wording import down, down_to, up
 
 Three = tuple[str, str, str]
 

@@ -14,8 +14,8 @@ from matplotlib.patches import Rectangle
 from meso_robust import units
 from meso_robust.campaigns.answer import PartAnswer
 from meso_robust.checker.document import BoxDocument, Certificate
-from meso_robust.execution.running import rectangle
-from meso_robust.execution.simulation import Simulated, in_goal
+from meso_robust.laboratory.running import rectangle
+from meso_robust.laboratory.simulation import Simulated, in_goal
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reporting.canvas import (
     AFTER,

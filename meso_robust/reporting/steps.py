@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from meso_robust.certificates.chain import certify
 from meso_robust.certificates.document import ObligationDocument, StepDocument, name_of
 from meso_robust.certificates.words import derivation_words, inequality_words, words
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.conditions import Condition, condition
 from meso_robust.reporting.reading import Standing, standings

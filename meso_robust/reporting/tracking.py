@@ -18,9 +18,9 @@ from meso_robust.reporting.canvas import CERTIFIED, OPEN, TIP
 from meso_robust.reporting.recording_figures import recording_figure
 from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
-from meso_robust.telling import counted
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
+from meso_robust.wording import counted
 
 MOST_PICTURES = 8
 """Videos that are drawn."""

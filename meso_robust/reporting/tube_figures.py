@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.reporting.canvas import (
     CERTIFIED,

@@ -17,7 +17,7 @@ from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.certificates.document import MarginDocument, name_of
 from meso_robust.certificates.words import words
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.planning.document import BoxDocument, names_of
 from meso_robust.primitives.names import every_obligation
 from meso_robust.primitives.outline import Edge, Line, Outline, Polygon

@@ -11,7 +11,7 @@ from meso_robust import units
 from meso_robust.certificates.document import ExactBox, HexPair, WitnessDocument
 from meso_robust.certificates.margin import LARGEST
 from meso_robust.planning.document import AimDocument, Pair
-from meso_robust.telling import down, down_to, up, up_to
+from meso_robust.wording import down, down_to, up, up_to
 
 MINUS = "−"
 _CONVERSION = 4  # units in the last place

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.reproduction.bench import START, Flags, Place, Plan, Runs, follow, succeeded
 from meso_robust.reproduction.item import Setting
 
@@ -38,7 +38,7 @@ class Errors:
     position: Range = (0.0, 0.0)
     orientation: float = 0.0
     tip: Range = (0.0, 0.0)
-    friction: Range = (given.TIP_FRICTION["p1*"],) * 2
+    friction: Range = (printed.TIP_FRICTION["p1*"],) * 2
     share: Range = (0.0, 0.0)
     film_ratio: Range | None = None
 
@@ -47,7 +47,7 @@ POSE = Errors(position=(5e-6, 5e-6), orientation=0.3 * units.DEG)
 """Section IX-A."""
 PROBE = Errors(tip=(5e-6, 5e-6))
 """Section IX-A."""
-MU = Errors(friction=(given.TIP_FRICTION["p2*"], given.TIP_FRICTION["p1*"]))
+MU = Errors(friction=(printed.TIP_FRICTION["p2*"], printed.TIP_FRICTION["p1*"]))
 """Between the two of Table I."""
 SUPPORT = Errors(share=(0.0, 1.0))
 """p1*, p2* and their blends."""
@@ -55,8 +55,8 @@ ALL = replace(POSE, tip=PROBE.tip, friction=MU.friction, share=SUPPORT.share)
 ON_FILM = replace(
     POSE,
     tip=PROBE.tip,
-    friction=given.FRICTION,
-    film_ratio=(0.95 * given.FILM_RATIO, 1.05 * given.FILM_RATIO),
+    friction=printed.FRICTION,
+    film_ratio=(0.95 * printed.FILM_RATIO, 1.05 * printed.FILM_RATIO),
 )
 """As `ALL`, on the film of Section X-A, whose ρ is known to 5 %."""
 REPORTED = Errors(position=(26e-6, 74e-6), orientation=3.0 * units.DEG, tip=(11e-6, 21e-6))

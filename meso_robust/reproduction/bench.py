@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.simulator import Film, Fixture, Outcome, Push, Round, simulate
 from meso_robust.simulator.fixture import CHANNEL_WIDTH, slot
 from meso_robust.simulator.support_models import Support, Tables
@@ -62,7 +62,7 @@ class Place:
     @property
     def fixture(self) -> Fixture:
         """Slot and channel."""
-        return slot((self.mouth, self.axis), DEPTH, given.SLOT_WIDTH, friction=self.friction)
+        return slot((self.mouth, self.axis), DEPTH, printed.SLOT_WIDTH, friction=self.friction)
 
     def holds(self, poses: Floats) -> Flags:
         """(N,) whether the peg of (N, 3) poses is in the slot, either end ahead.
@@ -85,22 +85,22 @@ class Place:
 
     def away_from_mouth(self, poses: Floats) -> Floats:
         """(N, 2) unit vectors to the pegs of (N, 3) poses from the nearer corner of the mouth."""
-        side = np.where(poses[:, 1] < self.axis, -0.5, 0.5) * given.SLOT_WIDTH
+        side = np.where(poses[:, 1] < self.axis, -0.5, 0.5) * printed.SLOT_WIDTH
         apart = poses[:, :2] - np.stack([np.full(len(poses), self.mouth), self.axis + side], axis=1)
         return np.asarray(apart / np.hypot(*apart.T)[:, None])
 
     def clear(self, tips: Floats) -> Flags:
         """(...,) whether a tip of (..., 2) centres touches no wall."""
-        x, y = tips[..., 0], np.abs(tips[..., 1] - self.axis) + given.TIP_RADIUS
-        in_channel = (y < 0.5 * CHANNEL_WIDTH) & (x - given.TIP_RADIUS > self.mouth)
-        return np.asarray(in_channel | (y < 0.5 * given.SLOT_WIDTH))
+        x, y = tips[..., 0], np.abs(tips[..., 1] - self.axis) + printed.TIP_RADIUS
+        in_channel = (y < 0.5 * CHANNEL_WIDTH) & (x - printed.TIP_RADIUS > self.mouth)
+        return np.asarray(in_channel | (y < 0.5 * printed.SLOT_WIDTH))
 
 
 def corners(poses: Floats) -> Floats:
     """(N, 4, 2) corners of the peg of (N, 3) poses, m."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     turn = np.stack([np.stack([c, -s], axis=1), np.stack([s, c], axis=1)], axis=1)
-    return np.asarray(np.einsum("nij,vj->nvi", turn, given.PART.outline) + poses[:, None, :2])
+    return np.asarray(np.einsum("nij,vj->nvi", turn, printed.PART.outline) + poses[:, None, :2])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -166,7 +166,7 @@ class Blend:
 
     def tables(self) -> Tables:
         """Dry points only."""
-        one, two = (given.three_points(name).tables() for name in ("p1*", "p2*"))
+        one, two = (printed.three_points(name).tables() for name in ("p1*", "p2*"))
         stretch = np.ones((len(self.share), 2)) if self.stretch is None else self.stretch
         rows = [
             table.points * np.column_stack([stretch, part])[:, None]
@@ -187,13 +187,13 @@ def nominal(name: str, runs: int = 1) -> Runs:
         How many.
     """
     film = name == "film"
-    friction = float(np.mean(given.FRICTION)) if film else given.TIP_FRICTION[name]
+    friction = float(np.mean(printed.FRICTION)) if film else printed.TIP_FRICTION[name]
     return Runs(
         poses=np.repeat(START[None], runs, axis=0),
         tips=np.zeros((runs, 2)),
         friction=np.full(runs, friction),
         share=np.full(runs, float(name == "p2*")),
-        film_ratio=np.full(runs, given.FILM_RATIO) if film else None,
+        film_ratio=np.full(runs, printed.FILM_RATIO) if film else None,
     )
 
 
@@ -253,7 +253,7 @@ def follow(
 def _clock(way: Floats) -> Floats:
     """(N, T) times of (N, T, 2) waypoints at the speed of Section V, s."""
     length = np.hypot(*np.moveaxis(np.diff(way, axis=1), 2, 0))
-    lasts = np.maximum(length, units.UM) / given.SPEED
+    lasts = np.maximum(length, units.UM) / printed.SPEED
     return np.concatenate([np.zeros((len(way), 1)), np.cumsum(lasts, axis=1)], axis=1)
 
 
@@ -298,13 +298,13 @@ def _starts(way: Floats, runs: Runs, k: int, place: Place, step: float) -> bool:
 
 def _stroke(way: Floats, runs: Runs, place: Place, step: float) -> Push:
     return Push(
-        vertices=given.PART.outline,
+        vertices=printed.PART.outline,
         poses=runs.poses,
         waypoints=way[:, :, None],
         times=_clock(way),
         friction=runs.friction,
         support=runs.support,
-        shapes=(Round(given.TIP_RADIUS),),
+        shapes=(Round(printed.TIP_RADIUS),),
         fixture=place.fixture,
         step=step,
     )
@@ -315,8 +315,8 @@ def _on_part(tips: Floats, poses: Floats) -> Flags:
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     off = tips - poses[:, :2]
     own = np.stack([c * off[:, 0] + s * off[:, 1], c * off[:, 1] - s * off[:, 0]], axis=1)
-    gap = np.maximum(np.abs(own) - 0.5 * np.array([given.PART.length, given.PART.width]), 0.0)
-    return np.asarray(np.hypot(*gap.T) < given.TIP_RADIUS)
+    gap = np.maximum(np.abs(own) - 0.5 * np.array([printed.PART.length, printed.PART.width]), 0.0)
+    return np.asarray(np.hypot(*gap.T) < printed.TIP_RADIUS)
 
 
 def succeeded(followed: Followed, place: Place) -> Flags:

@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from meso_robust.bounds import Interval
 from meso_robust.certificates.chain import Chain, certify
-from meso_robust.execution.draws import draw
-from meso_robust.execution.running import STARTS_INSIDE, PlanRun, run
-from meso_robust.execution.simulation import in_goal
+from meso_robust.laboratory.draws import draw
+from meso_robust.laboratory.running import STARTS_INSIDE, PlanRun, run
+from meso_robust.laboratory.simulation import in_goal
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.identification.experiment import Bench, PlannedPush, standard_tests
-from meso_robust.reproduction.given import (
+from meso_robust.reproduction.printed import (
     FRICTION,
     PART,
     POINTS,

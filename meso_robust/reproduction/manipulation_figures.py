@@ -30,8 +30,8 @@ from meso_robust.reporting.canvas import (
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import WALL
 from meso_robust.reproduction.eight_tests import SUPPORTS, TESTS
-from meso_robust.reproduction.given import PART, TIP_RADIUS
 from meso_robust.reproduction.item import Figure
+from meso_robust.reproduction.printed import PART, TIP_RADIUS
 from meso_robust.simulator import PushResult
 from meso_robust.task import load_task
 from meso_robust.tasks import SLOT

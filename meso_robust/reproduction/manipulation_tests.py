@@ -17,8 +17,8 @@ from meso_robust.reproduction.eight_tests import (
     push_of,
     pushed,
 )
-from meso_robust.reproduction.given import PART, SLOT_WIDTH, film
 from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.printed import PART, SLOT_WIDTH, film
 from meso_robust.simulator import PushResult, exact, simulate
 from meso_robust.simulator.fixture import SLOT_WIDTH as CHANNEL
 

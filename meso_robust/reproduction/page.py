@@ -11,7 +11,7 @@ from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.words import MINUS
 from meso_robust.reproduction.document import Made
 from meso_robust.reproduction.item import Agreement, Row, Setting, Value
-from meso_robust.telling import worded
+from meso_robust.wording import worded
 
 _MICRO = re.compile(r"\bum\b")
 _COUNTED = {

@@ -11,9 +11,9 @@ import numpy as np
 from meso_robust import units
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.certificates.margin import Margin, margin
-from meso_robust.execution.draws import nominal
-from meso_robust.execution.running import PlanRun, run
-from meso_robust.execution.simulation import in_goal
+from meso_robust.laboratory.draws import nominal
+from meso_robust.laboratory.running import PlanRun, run
+from meso_robust.laboratory.simulation import in_goal
 from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.reproduction import tolerance
 from meso_robust.reproduction.certified import (
@@ -28,7 +28,7 @@ from meso_robust.reproduction.certified import (
     trials,
 )
 from meso_robust.reproduction.item import Found, Item, Row, Setting
-from meso_robust.telling import down
+from meso_robust.wording import down
 
 PRINTED_SEPARATION_UM = 857.0
 """Eq. (10): 837 um and twice the errors of sensing and control."""

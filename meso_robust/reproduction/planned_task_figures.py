@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.execution.running import PlanRun, rectangle
+from meso_robust.laboratory.running import PlanRun, rectangle
 from meso_robust.primitives.move import MoveRule
 from meso_robust.reproduction.certified import CertifiedPlan
 from meso_robust.reproduction.drawing import drawn

@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.admissibility import values
 from meso_robust.bounds import HALF_PI, Interval
-from meso_robust.execution.draws import Draws, nominal
-from meso_robust.execution.running import PlanRun, rectangle, run
+from meso_robust.conditions import values
+from meso_robust.laboratory.draws import Draws, nominal
+from meso_robust.laboratory.running import PlanRun, rectangle, run
 from meso_robust.planning.nominal import sticks, straightens
 from meso_robust.planning.y_translation import LARGEST_TILT
 from meso_robust.primitives.move import MoveRule, Point, from_part

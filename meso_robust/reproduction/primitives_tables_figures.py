@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.admissibility import values
 from meso_robust.bounds import HALF_PI
+from meso_robust.conditions import values
 from meso_robust.reporting.theme import BLUE, ORANGE, PURPLE
 from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.item import Figure

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from meso_robust.campaigns.intervals import share_interval
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import REPORTED, drawn
 from meso_robust.reproduction.bench import (
     START,
@@ -92,7 +92,7 @@ def tried(place: Place, runs: Runs) -> Tried:
     """Follow the printed plan at one place; films and points in a batch each."""
     on_film = np.isfinite(np.asarray(runs.film_ratio))
     goal = np.array(
-        [PRINTED[0][7, 0] - given.TIP_RADIUS - 0.5 * given.PART.length, place.axis, np.pi]
+        [PRINTED[0][7, 0] - printed.TIP_RADIUS - 0.5 * printed.PART.length, place.axis, np.pi]
     )
     left, turned = np.empty(len(runs)), np.empty(len(runs))
     inside = np.zeros(len(runs), dtype=bool)

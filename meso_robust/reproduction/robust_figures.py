@@ -9,7 +9,7 @@ from matplotlib import figure as mpl
 from matplotlib.axes import Axes
 
 from meso_robust import units
-from meso_robust.execution.running import MoveRun
+from meso_robust.laboratory.running import MoveRun
 from meso_robust.reporting.canvas import (
     AFTER,
     CERTIFIED,
@@ -24,8 +24,8 @@ from meso_robust.reporting.canvas import (
     outline,
 )
 from meso_robust.reporting.svg import style, to_svg
-from meso_robust.reproduction.given import PART, SPEED
 from meso_robust.reproduction.item import Figure
+from meso_robust.reproduction.printed import PART, SPEED
 from meso_robust.reproduction.robust_trials import RECORD, Trial, seen
 
 _COLOURS = (CERTIFIED, MISS, OPEN, GOAL, MUTED)

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.admissibility import values
+from meso_robust.conditions import values
 from meso_robust.primitives.obligation import Step
-from meso_robust.reproduction.given import PART
 from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.printed import PART
 from meso_robust.reproduction.robust_trials import (
     SERIES,
     Spread,

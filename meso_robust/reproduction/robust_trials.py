@@ -11,8 +11,8 @@ import numpy.typing as npt
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.words import words
-from meso_robust.execution.draws import draw
-from meso_robust.execution.running import MoveRun, run as run_rules
+from meso_robust.laboratory.draws import draw
+from meso_robust.laboratory.running import MoveRun, run as run_rules
 from meso_robust.primitives.move import Action, MoveRule, Point, from_part
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of

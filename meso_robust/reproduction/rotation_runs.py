@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.admissibility import values
 from meso_robust.bounds import HALF_PI, Interval
+from meso_robust.conditions import values
 from meso_robust.planning.nominal import straightens
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.reproduction.primitive_runs import (

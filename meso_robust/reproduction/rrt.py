@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.reproduction.bench import (
     START,
     Flags,
@@ -45,7 +45,7 @@ SAME = 30e-6
 GOAL_BIAS = 0.4
 AHEAD = 0.2e-3
 """m that the goal lies behind the mouth."""
-GYRATION = float(np.hypot(given.PART.length, given.PART.width) / np.sqrt(12.0))
+GYRATION = float(np.hypot(printed.PART.length, printed.PART.width) / np.sqrt(12.0))
 """m a rad: the peg's radius of gyration, which sets turns against shifts in the metric."""
 MOST_ITERATIONS = 400
 
@@ -123,7 +123,7 @@ def distance(poses: Floats, pose: Floats) -> Floats:
 
 def boundary(places: int = PLACES) -> tuple[Floats, Floats]:
     """(places, 2) points evenly spaced on the peg's outline and their outward normals, body frame."""
-    outline = given.PART.outline
+    outline = printed.PART.outline
     edges = np.roll(outline, -1, axis=0) - outline
     length = np.hypot(*edges.T)
     ends = np.cumsum(length)
@@ -144,7 +144,7 @@ def pushes(pose: Floats, place: Place) -> Floats:
     for way in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
         against = -(normals @ np.array(way))
         chosen = against > LEAST_TURN
-        middle = points[chosen] + pose[:2] + given.TIP_RADIUS * normals[chosen]
+        middle = points[chosen] + pose[:2] + printed.TIP_RADIUS * normals[chosen]
         start = middle - np.outer(GAP / against[chosen], way)
         start = start[place.clear(start)]
         found.append(np.stack([start, start + LONGEST * np.array(way)], axis=1))
@@ -154,7 +154,7 @@ def pushes(pose: Floats, place: Place) -> Floats:
 def pads() -> Film:
     """Film under the three points p1* alone: viscous where the points are dry."""
     drag = np.zeros((3, 3))
-    for x, y, load in given.three_points("p1*").tables().points[0]:
+    for x, y, load in printed.three_points("p1*").tables().points[0]:
         row = np.array([[1.0, 0.0, -y], [0.0, 1.0, x]])
         drag += load * row.T @ row
     return Film(drag)
@@ -179,13 +179,13 @@ def inputs(pose: Floats, place: Place) -> Inputs:
 
 def _batch(poses: Floats, strokes: Floats, place: Place, support: Support, step: float) -> Push:
     return Push.straight(
-        vertices=given.PART.outline,
+        vertices=printed.PART.outline,
         poses=poses,
         tips=strokes[:, :1],
         travel=np.diff(strokes, axis=1),
-        friction=np.full(len(poses), given.TIP_FRICTION["p1*"]),
+        friction=np.full(len(poses), printed.TIP_FRICTION["p1*"]),
         support=support,
-        shapes=(Round(given.TIP_RADIUS),),
+        shapes=(Round(printed.TIP_RADIUS),),
         fixture=place.fixture,
         step=step,
     )
@@ -269,7 +269,7 @@ def _grow(tree: Tree, node: int, sample: Floats, place: Place) -> bool:
 
 def _kept(pose: Floats, strokes: Floats, place: Place) -> tuple[Floats, Flags]:
     """(M, 3) ends of pushes on the points p1* in fine steps, and whether each was completed."""
-    support = given.three_points("p1*")
+    support = printed.three_points("p1*")
     poses = np.repeat(pose[None], len(strokes), axis=0)
     result = simulate(_batch(poses, strokes, place, support, FINE))
     return result.poses, np.asarray(result.outcomes == Outcome.COMPLETED)

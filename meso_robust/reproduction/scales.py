@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from meso_robust.campaigns.intervals import share_interval
-from meso_robust.execution.simulation import in_goal
+from meso_robust.laboratory.simulation import in_goal
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reproduction.certified import CertifiedPlan, certified_plan, trials
@@ -22,8 +22,8 @@ from meso_robust.reproduction.shrunk import (
     shrunk,
     shrunk_rules,
 )
-from meso_robust.telling import down
 from meso_robust.units import UM
+from meso_robust.wording import down
 
 FULL_UM = 1616.0
 SIZES_UM = (1616.0, 1400.0, 1200.0, 1000.0, 800.0, 600.0, 400.0, 200.0, 100.0)

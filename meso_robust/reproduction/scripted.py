@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from meso_robust.campaigns.intervals import share_interval
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import REPORTED, successes
 from meso_robust.reproduction.bench import (
     START,
@@ -93,11 +93,11 @@ def _over_places(plan: Plan, name: str, setting: Setting) -> tuple[Floats, Flags
 def _trials(plan: Plan, place: Place, setting: Setting) -> Mapping[str, Flags]:
     """Successes under the reported variations on each support."""
     runs, rng = QUICK_RUNS if setting.quick else RUNS, np.random.default_rng(setting.seed)
-    ratio = (given.FILM_RATIO, given.FILM_RATIO)
+    ratio = (printed.FILM_RATIO, printed.FILM_RATIO)
     kinds = {
         "p1*": REPORTED,
-        "p2*": replace(REPORTED, share=(1.0, 1.0), friction=(given.TIP_FRICTION["p2*"],) * 2),
-        "film": replace(REPORTED, film_ratio=ratio, friction=given.FRICTION),
+        "p2*": replace(REPORTED, share=(1.0, 1.0), friction=(printed.TIP_FRICTION["p2*"],) * 2),
+        "film": replace(REPORTED, film_ratio=ratio, friction=printed.FRICTION),
     }
     return {kind: successes(plan, runs, errors, rng, place=place) for kind, errors in kinds.items()}
 

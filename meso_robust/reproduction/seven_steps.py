@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import ALL, ON_FILM, REPORTED, Errors, drawn, successes
 from meso_robust.reproduction.bench import TIP_START, Floats, Place, Plan, Runs, follow
 from meso_robust.reproduction.item import Setting
@@ -68,7 +68,7 @@ def mean_cost(lengths: Floats, among: Runs, place: Place) -> Floats:
     count, each = len(lengths), len(among)
     runs = among.where(np.tile(np.arange(each), count))
     goal = np.array(
-        [PRINTED[0][7, 0] - given.TIP_RADIUS - 0.5 * given.PART.length, place.axis, np.pi]
+        [PRINTED[0][7, 0] - printed.TIP_RADIUS - 0.5 * printed.PART.length, place.axis, np.pi]
     )
     done = follow((with_lengths(np.repeat(lengths, each, axis=0)),), runs, place, step=STEP)
     left = distance(done.poses, goal) + JAMMED * (done.outcomes != Outcome.COMPLETED)
@@ -135,7 +135,7 @@ def _evolved(support: str, place: Place, quick: bool, seed: int) -> list[Floats]
 def _varied(support: str) -> Errors:
     """Starts as varied as those reported, on one support known exactly."""
     if support == "film":
-        middle = float(np.mean(given.FRICTION))
-        film = (given.FILM_RATIO, given.FILM_RATIO)
+        middle = float(np.mean(printed.FRICTION))
+        film = (printed.FILM_RATIO, printed.FILM_RATIO)
         return replace(REPORTED, friction=(middle, middle), film_ratio=film)
-    return replace(REPORTED, friction=(given.TIP_FRICTION[support],) * 2)
+    return replace(REPORTED, friction=(printed.TIP_FRICTION[support],) * 2)

@@ -13,9 +13,9 @@ import numpy.typing as npt
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.certificates.words import words
-from meso_robust.execution.draws import Draws, draw
-from meso_robust.execution.endings import gaps_to
-from meso_robust.execution.running import excess, rectangle
+from meso_robust.laboratory.draws import Draws, draw
+from meso_robust.laboratory.endings import gaps_to
+from meso_robust.laboratory.running import excess, rectangle
 from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.primitives.setup import Setup, setup_of

@@ -21,7 +21,8 @@ from meso_robust.reproduction.eight_tests import (
     push_of,
     pushed,
 )
-from meso_robust.reproduction.given import (
+from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.printed import (
     PART,
     POINTS,
     SURFACE_FRICTION,
@@ -29,7 +30,6 @@ from meso_robust.reproduction.given import (
     TIP_RADIUS,
     three_points,
 )
-from meso_robust.reproduction.item import Found, Item, Row, Setting
 from meso_robust.simulator import Outcome, ThreePoints, simulate
 from meso_robust.simulator.support_models import Support
 

@@ -19,9 +19,9 @@ from meso_robust.reporting.canvas import (
 )
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reproduction.eight_tests import TESTS
-from meso_robust.reproduction.given import PART, POINTS, three_points
 from meso_robust.reproduction.item import Figure
 from meso_robust.reproduction.manipulation_figures import COLOURS
+from meso_robust.reproduction.printed import PART, POINTS, three_points
 
 _UPRIGHT = np.array([0.0, 0.0, 0.5 * np.pi])  # as the part stands in Fig. 6
 _AREA = 900.0  # of a point that carries all the weight

@@ -10,10 +10,10 @@ import numpy as np
 
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.certificates.chain import Chain, certify
-from meso_robust.execution.adversary import search
-from meso_robust.execution.replay import Feedback, limits
-from meso_robust.execution.running import PlanRun
-from meso_robust.execution.simulation import in_goal
+from meso_robust.laboratory.adversary import search
+from meso_robust.laboratory.replay import Feedback, limits
+from meso_robust.laboratory.running import PlanRun
+from meso_robust.laboratory.simulation import in_goal
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.reproduction.certified import CertifiedPlan, trials

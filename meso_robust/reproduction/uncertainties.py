@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from meso_robust.campaigns.intervals import share_interval
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import POSE, PROBE, Errors
 from meso_robust.reproduction.bench import Plan
 from meso_robust.reproduction.certified import (
@@ -33,8 +33,8 @@ WHY_LESS = (
     "touches no wall. What it has instead is a proof up to the stated sizes and the margin beyond."
 )
 """Why a plan that is certified at the stated sizes can bear less beyond them."""
-_MU = float(np.mean(given.FRICTION))
-_SURE = Errors(friction=(_MU, _MU), film_ratio=(given.FILM_RATIO, given.FILM_RATIO))
+_MU = float(np.mean(printed.FRICTION))
+_SURE = Errors(friction=(_MU, _MU), film_ratio=(printed.FILM_RATIO, printed.FILM_RATIO))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,10 +52,10 @@ ONES: Mapping[str, One] = {
         "0.3°", replace(_SURE, orientation=POSE.orientation), ("sensed_orientation",)
     ),
     "probe position": One("5 µm", replace(_SURE, tip=PROBE.tip), ("probe_position",)),
-    "friction": One("0.03 about 0.33", replace(_SURE, friction=given.FRICTION), ("friction",)),
+    "friction": One("0.03 about 0.33", replace(_SURE, friction=printed.FRICTION), ("friction",)),
     "film ratio": One(
         "5 %",
-        replace(_SURE, film_ratio=(0.95 * given.FILM_RATIO, 1.05 * given.FILM_RATIO)),
+        replace(_SURE, film_ratio=(0.95 * printed.FILM_RATIO, 1.05 * printed.FILM_RATIO)),
         ("film_ratio",),
     ),
 }
@@ -64,7 +64,7 @@ ONES: Mapping[str, One] = {
 
 def scaled(errors: Errors, factor: float) -> Errors:
     """Every range about its middle, times a factor."""
-    low, high = errors.film_ratio or (given.FILM_RATIO, given.FILM_RATIO)
+    low, high = errors.film_ratio or (printed.FILM_RATIO, printed.FILM_RATIO)
     return replace(
         errors,
         position=(factor * errors.position[0], factor * errors.position[1]),

@@ -15,8 +15,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.tracking.alpha_matting import Window
 from meso_robust.tracking.edge_profile import Behind, behind
-from meso_robust.tracking.matte import Window
 from meso_robust.tracking.needle import Needle
 
 Floats = npt.NDArray[np.float64]

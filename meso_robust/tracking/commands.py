@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.reading import foreign_table, shown, text_of
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 Floats = npt.NDArray[np.float64]
 UM = 1e-6

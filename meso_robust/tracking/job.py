@@ -18,11 +18,11 @@ from meso_robust.recordings import Polygon, RecordingSet, Rectangle, write_set
 from meso_robust.recordings.checks.copies import copy_problems
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.rules import file_fault
-from meso_robust.tracking.asked import stated_camera, stated_part, stated_pose, stated_probes
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
 from meso_robust.tracking.frames import Frames, open_frames
+from meso_robust.tracking.inputs import stated_camera, stated_part, stated_pose, stated_probes
 from meso_robust.tracking.overlay import drawn_overlay
 from meso_robust.tracking.scene import Scene
 from meso_robust.tracking.track_document import TrackDocument, track_document

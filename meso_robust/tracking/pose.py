@@ -14,6 +14,15 @@ from meso_robust.tracking.edges import (
     placed,
     sampled_outline,
 )
+from meso_robust.tracking.frame_estimate import (
+    Measured,
+    Sighting as Sighting,
+    apart,
+    judged,
+    lost,
+    sighting,
+    unclear,
+)
 from meso_robust.tracking.memory import (
     LAMP_FRAMES,
     LEARNING,
@@ -23,15 +32,6 @@ from meso_robust.tracking.memory import (
     with_pattern,
 )
 from meso_robust.tracking.sampling import Bytes, Floats, patch
-from meso_robust.tracking.sighting import (
-    Measured,
-    Sighting as Sighting,
-    apart,
-    judged,
-    lost,
-    sighting,
-    unclear,
-)
 from meso_robust.tracking.ssd import registered
 from meso_robust.tracking.template import candidates, symmetry
 

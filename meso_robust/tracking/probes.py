@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.tracking.alpha_matting import window_of
 from meso_robust.tracking.backdrop import Glimpse, glimpse
 from meso_robust.tracking.learned import Learned, Tip, lost
-from meso_robust.tracking.matte import window_of
 from meso_robust.tracking.needle import Needle, fit_needle
 from meso_robust.tracking.tip_refine import LEAST, Refined, refined
 

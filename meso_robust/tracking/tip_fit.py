@@ -16,8 +16,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.tracking.backdrop import Backdrop
-from meso_robust.tracking.matte import (
+from meso_robust.tracking.alpha_matting import (
     AHEAD,
     ALONG,
     ASIDE,
@@ -28,6 +27,7 @@ from meso_robust.tracking.matte import (
     layers,
     sampled,
 )
+from meso_robust.tracking.backdrop import Backdrop
 from meso_robust.tracking.needle import Needle
 
 Floats = npt.NDArray[np.float64]

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.tracking.alpha_matting import Window
 from meso_robust.tracking.backdrop import Canvas, Glimpse, backdrop, canvas, glimpse_at
-from meso_robust.tracking.matte import Window
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.tip_fit import Matte, fit_matte, place
 

@@ -14,9 +14,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust import __version__
-from meso_robust.telling import counted
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_values
+from meso_robust.wording import counted
 
 if TYPE_CHECKING:
     from meso_robust.tracking.track import Track

@@ -14,8 +14,8 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from meso_robust.admissibility.formula import formula
 from meso_robust.bounds import Bounded, bounded, enclose_many, prove_positive
+from meso_robust.conditions.formula import formula
 from reports.benchmarks.bounds_peers import PEERS, Peer, missing, versions
 from reports.benchmarks.ratio import BOX, LEAST, NAMES, THRESHOLD, random_boxes
 from reports.benchmarks.timing import best_of, number, reached, table

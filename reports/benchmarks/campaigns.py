@@ -21,9 +21,9 @@ from pathlib import Path
 
 from meso_robust.campaigns.answer import answered
 from meso_robust.campaigns.cluster import Cluster
-from meso_robust.campaigns.crew import Crew, Processes
 from meso_robust.campaigns.document import Campaign, read_campaign
 from meso_robust.campaigns.encoding import part_text, result_text
+from meso_robust.campaigns.executor import Crew, Processes
 from meso_robust.campaigns.falsify.section import EVENTS_CHUNK
 from meso_robust.campaigns.provenance import code, machine
 from meso_robust.campaigns.store import NAME, Store

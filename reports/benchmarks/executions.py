@@ -20,14 +20,14 @@ from threading import Barrier
 
 import numpy as np
 
-from meso_robust.execution.claims import Claims
-from meso_robust.execution.engines import Engine
-from meso_robust.execution.judging import judge
-from meso_robust.execution.replay import Feedback
 from meso_robust.files import write_all
 from meso_robust.kernels import one_thread
+from meso_robust.laboratory.claims import Claims
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.judging import judge
+from meso_robust.laboratory.replay import Feedback
 from reports.benchmarks.timing import number, reached, table
-from tests.execution.paper import paper_claims, paper_player
+from tests.laboratory.paper import paper_claims, paper_player
 
 REPEATS = 7
 ROWS: dict[Engine, int] = {"events": 20_000, "stepper": 2_000}

@@ -15,11 +15,11 @@ import numpy as np
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
-from meso_robust.execution.replay import Feedback
-from meso_robust.execution.simulation import in_goal, player_of
-from meso_robust.execution.witness import read_witness
 from meso_robust.files import write_all
-from meso_robust.job import Planned, make
+from meso_robust.laboratory.replay import Feedback
+from meso_robust.laboratory.simulation import in_goal, player_of
+from meso_robust.laboratory.witness import read_witness
+from meso_robust.pipeline import Planned, make
 from meso_robust.planning.reading import read_plan
 from meso_robust.primitives.setup import setup_of
 from meso_robust.simulator import Outcome

@@ -17,9 +17,9 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from meso_robust.cli.schema import documents
-from meso_robust.execution.simulation_document import SimulationDocument
 from meso_robust.files import write_all
 from meso_robust.guide import GUIDE
+from meso_robust.laboratory.simulation_document import SimulationDocument
 from meso_robust.reporting.words import QUANTITIES
 from meso_robust.tracking.calibration_document import CalibrationDocument
 from meso_robust.tracking.track_document import TrackDocument

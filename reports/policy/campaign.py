@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from meso_robust.cli.console import Reporter
-from meso_robust.execution.engines import Engine
 from meso_robust.files import write_all
+from meso_robust.laboratory.engines import Engine
 from meso_robust.policy.build import make_policy
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.document import policy_document

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval
-from meso_robust.execution.engines import Engine, push_all
-from meso_robust.execution.running import STEP, excess, rectangle
+from meso_robust.laboratory.engines import Engine, push_all
+from meso_robust.laboratory.running import STEP, excess, rectangle
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.controller import Done, Move, PolicyController
 from meso_robust.policy.pose import Sensed

@@ -26,7 +26,7 @@ EXTRAS = ("cluster", "derive")
 TOOLS = ("pytest", "pytest-xdist", "mini-racer", "hatchling", "editables", "uv")
 
 TESTS = {
-    "numpy, casadi, numba": ("tests/admissibility", "tests/bounds/test_interval.py"),
+    "numpy, casadi, numba": ("tests/conditions", "tests/bounds/test_interval.py"),
     "sympy, z3": ("tests/derivations/test_replay.py", "tests/derivations/test_invariances.py"),
     "python-flint": ("tests/checker/test_check.py",),
     "opencv": ("tests/microscope", "tests/tracking/test_frames.py", "tests/tracking/test_pose.py"),

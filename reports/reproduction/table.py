@@ -14,7 +14,7 @@ from typing import Any
 from meso_robust.files import write_all
 from meso_robust.reproduction.item import Row
 from meso_robust.reproduction.page import apart, shown
-from meso_robust.telling import worded
+from meso_robust.wording import worded
 
 HERE = Path(__file__).parent
 

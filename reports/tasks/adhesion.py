@@ -13,13 +13,13 @@ from pathlib import Path
 from meso_robust.files import write_all
 from meso_robust.identification.document import ModelDocument
 from meso_robust.planning.compose import compose
-from meso_robust.premises.promise import MOST_RUNS
-from meso_robust.premises.running import Evidence, evidence
 from meso_robust.primitives.move import MoveRule
 from meso_robust.reproduction.scales import FULL_UM, PULLS
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import SMALL
-from tests.premises.models import model
+from meso_robust.transfer.promise import MOST_RUNS
+from meso_robust.transfer.running import Evidence, evidence
+from tests.transfer.models import model
 
 PULLS_UM_S = (0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 20.0, 30.0, 40.0)
 HALVINGS = 4

@@ -6,9 +6,9 @@ from random import Random
 
 import casadi as ca
 
-from meso_robust.admissibility import condition
 from meso_robust.basis import Mode, Tip, diagonal_film, prove_basis, symbol
 from meso_robust.bounds import HALF_PI, Box, Interval, Verdict, prove_positive
+from meso_robust.conditions import condition
 from tests.basis.examples import LEFT, ONE, RECTANGLE, SHORT
 
 DEPTH = Interval.point(0.5 * SHORT)

@@ -9,8 +9,8 @@ import mpmath  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 
-from meso_robust.admissibility import condition
 from meso_robust.bounds import Interval, enclose
+from meso_robust.conditions import condition
 from tests.bounds.formulas import corners, inside
 
 EXACT = mpmath.mp.clone()

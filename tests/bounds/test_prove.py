@@ -14,7 +14,6 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from meso_robust import units
-from meso_robust.admissibility import condition
 from meso_robust.bounds import (
     HALF_PI,
     Bounded,
@@ -24,6 +23,7 @@ from meso_robust.bounds import (
     bounded,
     prove_positive,
 )
+from meso_robust.conditions import condition
 from tests.bounds.formulas import NAMES, Formula, corner, formulas, together
 from tests.strategies import REPEATABLE, intervals
 

@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from meso_robust.campaigns.crew import Processes
 from meso_robust.campaigns.document import Campaign
+from meso_robust.campaigns.executor import Processes
 from meso_robust.campaigns.kind import Part
 from meso_robust.campaigns.provenance import code
 from meso_robust.campaigns.store import NAME, Store

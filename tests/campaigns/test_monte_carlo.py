@@ -20,9 +20,9 @@ from meso_robust.campaigns.kind import Coverage, Paths, Result, Table
 from meso_robust.campaigns.monte_carlo import MONTE_CARLO, drawn
 from meso_robust.campaigns.planned import largest_factor, plan_of
 from meso_robust.errors import InputError
-from meso_robust.execution.replay import Feedback, limits
-from meso_robust.execution.simulation import in_goal
-from meso_robust.execution.witness import read_witness
+from meso_robust.laboratory.replay import Feedback, limits
+from meso_robust.laboratory.simulation import in_goal
+from meso_robust.laboratory.witness import read_witness
 from meso_robust.planning.reading import read_plan
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import load_task

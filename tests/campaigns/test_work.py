@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meso_robust.campaigns.crew import Processes
 from meso_robust.campaigns.document import Campaign
+from meso_robust.campaigns.executor import Processes
 from meso_robust.campaigns.provenance import code
 from meso_robust.campaigns.store import NAME, Store
 from meso_robust.campaigns.work import ATTEMPTS, Step, carry_out, missing

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 
 Document = dict[str, Any]
 

@@ -18,7 +18,7 @@ from meso_robust.checker.ids import Objection, Premise
 from meso_robust.checker.reading import digest, parse_certificate
 from meso_robust.checker.verdict import Answer, check
 from meso_robust.cli import app
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, parse_task
 from meso_robust.tasks import PAPER

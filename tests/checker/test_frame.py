@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from meso_robust.checker.given import PoseBox
+from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.scene import HEADINGS, Frame
 from meso_robust.primitives import frame as planner
 

@@ -18,7 +18,7 @@ from meso_robust.certificates import words as told
 from meso_robust.certificates.premise import Premise
 from meso_robust.certificates.words import words
 from meso_robust.checker import ids, words as own
-from meso_robust.checker.given import SCALED, given, uncertainties
+from meso_robust.checker.inputs import SCALED, given, uncertainties
 from meso_robust.checker.reading import digest
 from meso_robust.checker.statement import STATEMENTS
 from meso_robust.checker.verdict import BITS

@@ -16,10 +16,10 @@ from meso_robust.bounds import Verdict
 from meso_robust.campaigns.mutation.sampled import least
 from meso_robust.certificates.chain import certify
 from meso_robust.checker import outline as own
-from meso_robust.checker.given import given
+from meso_robust.checker.inputs import given
 from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.checker.walls import apart
-from meso_robust.execution.polygon import distances
+from meso_robust.laboratory.polygon import distances
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.names import Inequality

@@ -15,19 +15,19 @@ from typer.testing import CliRunner
 
 from meso_robust.api.check import check as mr_check
 from meso_robust.checker.document import RuleDocument
-from meso_robust.checker.given import given
 from meso_robust.checker.ids import Must, Named, Objection, named
+from meso_robust.checker.inputs import given
 from meso_robust.checker.reading import digest
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.replay import INSIDE, MISSES, Fate, replay
 from meso_robust.checker.verdict import BITS
 from meso_robust.checker.words import sentence
 from meso_robust.cli import app
-from meso_robust.execution.draws import Draws, draw, nominal
-from meso_robust.execution.replay import Feedback, miss
-from meso_robust.execution.running import STARTS_INSIDE
-from meso_robust.execution.simulation import in_goal
-from meso_robust.job import Planned
+from meso_robust.laboratory.draws import Draws, draw, nominal
+from meso_robust.laboratory.replay import Feedback, miss
+from meso_robust.laboratory.running import STARTS_INSIDE
+from meso_robust.laboratory.simulation import in_goal
+from meso_robust.pipeline import Planned
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import plan_document
 from meso_robust.primitives.frame import Frame

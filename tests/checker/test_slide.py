@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from flint import arb
 
-from meso_robust.admissibility import values
 from meso_robust.checker.dual import Dual
 from meso_robust.checker.ranges import Box, Side
 from meso_robust.checker.slide import Cubic, Piece, _is_barrier, enclose
+from meso_robust.conditions import values
 
 
 def side(low: float, high: float) -> Side:

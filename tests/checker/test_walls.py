@@ -26,8 +26,8 @@ from meso_robust.certificates.margin import Margin
 from meso_robust.checker import numbers
 from meso_robust.checker.approach import Approach, approach
 from meso_robust.checker.dual import Dual
-from meso_robust.checker.given import SCALED, given
 from meso_robust.checker.ids import place
+from meso_robust.checker.inputs import SCALED, given
 from meso_robust.checker.moves import verify_move
 from meso_robust.checker.pair import Pair
 from meso_robust.checker.passage import Sweep

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from meso_robust.checker.document import Certificate, WitnessDocument
-from meso_robust.checker.given import given
+from meso_robust.checker.inputs import given
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.witness import check_witness
-from meso_robust.execution.draws import Draws, draw
+from meso_robust.laboratory.draws import Draws, draw
 from meso_robust.primitives.setup import setup_of
 from tests.conftest import paper_task
 

@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
-from meso_robust.execution.running import outline as original
-from meso_robust.job import SimulatorContradictsProofError
+from meso_robust.laboratory.running import outline as original
+from meso_robust.pipeline import SimulatorContradictsProofError
 from meso_robust.tasks import PAPER
 
 RUNNER = CliRunner()
@@ -182,7 +182,7 @@ def test_goal_that_is_too_tight_is_not_proved(tmp_path: Path) -> None:
 def test_simulator_that_contradicts_a_proof_is_never_reported_as_proved(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from meso_robust.execution import running
+    from meso_robust.laboratory import running
 
     monkeypatch.setattr(
         running, "outline", lambda setup: 0.9 * original(setup)

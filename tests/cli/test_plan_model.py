@@ -11,11 +11,11 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.identification.document import read_model
-from meso_robust.premises.promise import model_hash
 from meso_robust.task import load_task
 from meso_robust.tasks import PAPER
-from tests.premises.models import written
-from tests.premises.plans import share
+from meso_robust.transfer.promise import model_hash
+from tests.transfer.models import written
+from tests.transfer.plans import share
 
 RUNNER = CliRunner()
 SURE = {"rho_um2": (374_000.0, 379_000.0), "mu": (0.325, 0.335)}

@@ -12,9 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
-from meso_robust.execution.draws import draw
-from meso_robust.execution.running import run
-from meso_robust.execution.simulation_document import SimulationDocument
+from meso_robust.laboratory.draws import draw
+from meso_robust.laboratory.running import run
+from meso_robust.laboratory.simulation_document import SimulationDocument
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import setup_of

@@ -11,7 +11,7 @@ import pytest
 
 from meso_robust.diagnosis.black_box import black_box, chosen, columns_of
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.show import Errors
+from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.simulator import Point
 from tests.diagnosis.designs import Plan, recorded_plans

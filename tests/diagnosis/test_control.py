@@ -11,7 +11,7 @@ from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.control import Control, control
 from meso_robust.diagnosis.detect import Span
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.show import Errors
+from meso_robust.diagnosis.validation import Errors
 
 SIGMA = np.array([2e-6, 2e-6, 1e-3])
 SPANS = tuple(

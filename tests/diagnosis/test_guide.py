@@ -12,7 +12,7 @@ import json
 import numpy as np
 import meso_robust
 from meso_robust.diagnosis.trials import tried
-from meso_robust.premises.lines import LINES
+from meso_robust.transfer.lines import LINES
 from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 from meso_robust.simulator.effects import Effects
 from meso_robust.simulator.observation import observe

@@ -11,7 +11,7 @@ import pytest
 import meso_robust as mr
 from meso_robust.errors import InputError
 from meso_robust.example import EXAMPLE
-from meso_robust.execution.trajectories import trajectories
+from meso_robust.laboratory.trajectories import trajectories
 from meso_robust.recordings.table import read_table, table_text
 from meso_robust.tasks import PAPER
 from meso_robust.tracking.commands import read_commands

@@ -24,7 +24,7 @@ import numpy as np
 import meso_robust
 from meso_robust.identification.identify import identify
 from meso_robust.identification.models import MODELS
-from meso_robust.premises.lines import BASES
+from meso_robust.transfer.lines import BASES
 
 corners = np.array([[-8e-4, -4e-4], [8e-4, -4e-4], [8e-4, 4e-4], [-8e-4, 4e-4]])
 model = MODELS["two_drags"](corners)

@@ -10,7 +10,7 @@ import pytest
 from meso_robust.errors import InputError
 from meso_robust.identification.document import read_model
 from meso_robust.simulator import Effects
-from tests.premises.models import model, values, written
+from tests.transfer.models import model, values, written
 
 EFFECTS = {
     "dry_friction.ratio": (0.2, 0.3),

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from meso_robust.identification.arrow import Arrow
+from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.identify import Identification, maximised
 from meso_robust.identification.likelihood import Settings, fit
 from meso_robust.identification.models import three_point, viscous

@@ -15,7 +15,7 @@ from meso_robust.identification.sensor import sigmas_of
 from meso_robust.identification.verdict import COLOURS, NEGATIVE_WORDS, meaning, verdict
 from meso_robust.recordings import read_set
 from meso_robust.recordings.noise import estimated_noise
-from tests.premises.models import model
+from tests.transfer.models import model
 
 
 def fitted(

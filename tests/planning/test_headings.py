@@ -18,10 +18,10 @@ from meso_robust.certificates.chain import Chain, certify
 from meso_robust.checker.reading import parse_certificate
 from meso_robust.checker.verdict import check
 from meso_robust.errors import InputError, NotApplicableError
-from meso_robust.execution.draws import Draws, draw
-from meso_robust.execution.engines import Engine
-from meso_robust.execution.running import run
-from meso_robust.job import Planned, make
+from meso_robust.laboratory.draws import Draws, draw
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.running import run
+from meso_robust.pipeline import Planned, make
 from meso_robust.planning import compose as composing
 from meso_robust.planning.arrival import arrive
 from meso_robust.planning.compose import compose

@@ -11,7 +11,7 @@ import pytest
 
 from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.certificates.chain import Chain, certify
-from meso_robust.execution.replay import Feedback
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.primitives.frame import HEADINGS, WORLD, Frame
 from meso_robust.primitives.setup import PoseBox, Setup
 from tests.strategies import paper_chain

@@ -10,10 +10,10 @@ import pytest
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
-from meso_robust.execution.claims import ends, outside
-from meso_robust.execution.draws import draw
-from meso_robust.execution.polygon import distances
-from meso_robust.execution.running import outline, run
+from meso_robust.laboratory.claims import ends, outside
+from meso_robust.laboratory.draws import draw
+from meso_robust.laboratory.polygon import distances
+from meso_robust.laboratory.running import outline, run
 from meso_robust.motion import sticking
 from meso_robust.planning.compose import compose
 from meso_robust.planning.y_translation import y_translation

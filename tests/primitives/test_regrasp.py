@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meso_robust.bounds import Verdict
-from meso_robust.execution.replay import Feedback
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule, Point, from_part

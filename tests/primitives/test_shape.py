@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meso_robust.certificates.chain import certify
-from meso_robust.execution.replay import Feedback
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.names import ObligationId

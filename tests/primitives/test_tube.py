@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 
 from meso_robust.bounds import Interval
-from meso_robust.execution.replay import Feedback
-from meso_robust.execution.running import PlanRun
+from meso_robust.laboratory.replay import Feedback
+from meso_robust.laboratory.running import PlanRun
 from meso_robust.primitives.obligation import Knot
 from tests.motion.first_principles import Floats
 from tests.strategies import paper_chain

@@ -14,7 +14,7 @@ from hypothesis import given, strategies as st
 
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import Chain, certify
-from meso_robust.execution.replay import Feedback
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Knot

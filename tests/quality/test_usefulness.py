@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from meso_robust import units
-from meso_robust.admissibility import condition
 from meso_robust.bounds import HALF_PI, Interval, Verdict, prove_positive
 from meso_robust.certificates.chain import certify
+from meso_robust.conditions import condition
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, parse_task

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.execution.filming import Camera, film
+from meso_robust.laboratory.filming import Camera, film
 from meso_robust.recordings import PositionSource, Recording, RecordingSet, SensorInfo
 from meso_robust.simulator import Effects, Film, Point, Push, Round
 from meso_robust.simulator.observation import Sensor

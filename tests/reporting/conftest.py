@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from meso_robust import job
-from meso_robust.job import Planned
+from meso_robust import pipeline
+from meso_robust.pipeline import Planned
 from meso_robust.reporting.page import report
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
@@ -14,7 +14,7 @@ SAMPLES, SEED = 40, 3
 
 
 def made(task: Task) -> Planned:
-    return job.make(task, SAMPLES, SEED)
+    return pipeline.make(task, SAMPLES, SEED)
 
 
 @pytest.fixture(scope="session")
@@ -32,7 +32,7 @@ def refuted(proved: Planned) -> Planned:
     uncertainty = hidden.uncertainty.model_copy(update={"friction": (0.05, 0.9)})
     task = hidden.model_copy(update={"uncertainty": uncertainty})
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(job, "compose", lambda _: proved.found)
+        patch.setattr(pipeline, "compose", lambda _: proved.found)
         result = made(task)
     assert result.certificate.verdict == "REFUTED"
     assert not result.chain.complete

@@ -9,7 +9,7 @@ import numpy as np
 from py_mini_racer import MiniRacer
 
 from meso_robust import units
-from meso_robust.execution.draws import Draws
+from meso_robust.laboratory.draws import Draws
 from meso_robust.reporting.slim import slim
 from meso_robust.reporting.view import engine
 

@@ -15,11 +15,11 @@ from derivations.report.figures import pictures
 from derivations.report.page import page
 from derivations.report.register import chapters
 from meso_robust import __version__
-from meso_robust.execution.simulation import player_of, simulated
-from meso_robust.execution.simulation_answer import document as simulation_document
 from meso_robust.identification.answer import document as model_document
 from meso_robust.identification.identify import identify
-from meso_robust.job import Planned
+from meso_robust.laboratory.simulation import player_of, simulated
+from meso_robust.laboratory.simulation_answer import document as simulation_document
+from meso_robust.pipeline import Planned
 from meso_robust.planning.document import PlanDocument
 from meso_robust.primitives.setup import setup_of
 from meso_robust.recordings import Recording

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
-from meso_robust.execution.running import PlanRun
-from meso_robust.execution.simulation import Case, Simulated, player_of, simulated
-from meso_robust.execution.simulation_answer import document
+from meso_robust.laboratory.running import PlanRun
+from meso_robust.laboratory.simulation import Case, Simulated, player_of, simulated
+from meso_robust.laboratory.simulation_answer import document
 from meso_robust.planning.document import PlanDocument
 from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.animation import animation, data, embedded

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from tests.browser import Browser, Page, tab
 from tests.reporting.pages import EVIL, MAKERS, plan_page
 

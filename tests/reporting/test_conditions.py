@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meso_robust._generated import one_point_sticking, two_sided_rotation
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.primitives.names import ObligationId
 from meso_robust.reporting.conditions import condition, conditions
 from meso_robust.reporting.steps import step_rows

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon, Rectangle
 
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.reporting.canvas import Floats
 from meso_robust.reporting.plan_figures import GHOSTS, ghost_rows, move_figure, overview_figure

@@ -12,7 +12,7 @@ import pytest
 
 from meso_robust.certificates.document import name_of
 from meso_robust.certificates.words import inequality_words, words
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.planning.document import AimDocument, RuleDocument
 from meso_robust.reporting import rows
 from meso_robust.reporting.page import report

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from meso_robust.bounds import Proof, Verdict
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.reporting.reading import Standing, endings, standings, thinned
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Reason, about
 from meso_robust.reporting import rows

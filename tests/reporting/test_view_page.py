@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from meso_robust.reporting.page import report
 from meso_robust.reporting.slim import slim
 from meso_robust.reporting.view import data, view

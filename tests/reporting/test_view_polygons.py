@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meso_robust import job
+from meso_robust import pipeline
 from meso_robust.bounds import Verdict
-from meso_robust.execution.draws import draw, nominal
-from meso_robust.execution.running import run
+from meso_robust.laboratory.draws import draw, nominal
+from meso_robust.laboratory.running import run
 from meso_robust.planning.document import PlanDocument, RuleDocument, plan_document
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule
@@ -204,7 +204,7 @@ def test_distance_from_a_wall_is_that_along_the_best_normal(script: Script, name
 @pytest.mark.parametrize("name", NAMES)
 def test_the_page_plays_the_simulated_run(page: Page, name: str, tmp_path: Path) -> None:
     task, _, _ = planned(name)
-    result = job.make(task, 4, 3)
+    result = pipeline.make(task, 4, 3)
     path = tmp_path / "report.html"
     path.write_text(report(result), encoding="utf-8")
     page.open(path)

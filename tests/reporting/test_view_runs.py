@@ -14,9 +14,9 @@ import pytest
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
-from meso_robust.execution.draws import Draws, draw, nominal
-from meso_robust.execution.running import STARTS_INSIDE, PlanRun, run
-from meso_robust.execution.simulation import player_of
+from meso_robust.laboratory.draws import Draws, draw, nominal
+from meso_robust.laboratory.running import STARTS_INSIDE, PlanRun, run
+from meso_robust.laboratory.simulation import player_of
 from meso_robust.planning.document import PlanDocument, RuleDocument
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meso_robust.reproduction import given
+from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import (
     ALL,
     REPORTED,
@@ -87,11 +87,11 @@ def test_the_clock_runs_at_the_middle_speed() -> None:
 def test_a_blend_of_one_kind_is_that_kind_and_carries_the_whole_weight() -> None:
     for share, name in ((0.0, "p1*"), (1.0, "p2*")):
         own = Blend(np.array([share])).tables().points
-        assert own == pytest.approx(given.three_points(name).tables().points)
+        assert own == pytest.approx(printed.three_points(name).tables().points)
     half = Blend(np.array([0.25])).tables().points[0]
     assert half.shape == (6, 3)
-    assert half[:, 2].sum() == pytest.approx(given.SPEED)
-    assert half[3:, 2].sum() == pytest.approx(0.25 * given.SPEED)
+    assert half[:, 2].sum() == pytest.approx(printed.SPEED)
+    assert half[3:, 2].sum() == pytest.approx(0.25 * printed.SPEED)
     moment = (half[:, :2] * half[:, 2:]).sum(axis=0)
     assert moment == pytest.approx([0.0, 0.0], abs=1e-15)  # the weight stays on the centre
 

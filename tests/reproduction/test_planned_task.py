@@ -11,8 +11,8 @@ import pytest
 
 from meso_robust.bounds import Verdict
 from meso_robust.campaigns.intervals import share_interval
-from meso_robust.execution.draws import nominal
-from meso_robust.execution.running import run
+from meso_robust.laboratory.draws import nominal
+from meso_robust.laboratory.running import run
 from meso_robust.reproduction import tolerance
 from meso_robust.reproduction.certified import (
     UNCERTAINTIES,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meso_robust.reproduction import given, printed_lengths
+from meso_robust.reproduction import printed, printed_lengths
 from meso_robust.reproduction.bench import START, Blend, Place, nominal
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.printed_lengths import Tried, supports, tried
@@ -62,7 +62,7 @@ def test_the_search_in_small_says_how_many_fit_and_replays_the_best() -> None:
         ),
     )
     assert again.inside.all()
-    assert fit["film_ratio_um2"] * 1e-12 < given.FILM_RATIO
+    assert fit["film_ratio_um2"] * 1e-12 < printed.FILM_RATIO
     assert str(data["in_slot"]) in found.answer
 
 

@@ -18,7 +18,7 @@ from meso_robust.reproduction.document import Made, document, text
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting, Value
 from meso_robust.reproduction.items import ITEMS, asked, item
 from meso_robust.reproduction.page import apart, reproduction_report, shown
-from meso_robust.telling import worded
+from meso_robust.wording import worded
 
 RUNNER = CliRunner()
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meso_robust.reproduction import given, rrt
+from meso_robust.reproduction import printed, rrt
 from meso_robust.reproduction.bench import START, Place
 from meso_robust.simulator import Outcome, Push, Round, simulate
 
@@ -34,8 +34,8 @@ def test_pushes_go_along_an_axis_and_start_a_gap_off_the_edge() -> None:
 
 def test_the_pads_resist_a_shift_equally_and_a_turn_by_the_points_mean_square() -> None:
     drag = rrt.pads().drag[0]
-    points, loads = given.three_points("p1*").points[0], given.three_points("p1*").loads[0]
-    assert drag[0, 0] == drag[1, 1] == pytest.approx(given.SPEED)
+    points, loads = printed.three_points("p1*").points[0], printed.three_points("p1*").loads[0]
+    assert drag[0, 0] == drag[1, 1] == pytest.approx(printed.SPEED)
     assert drag[0, 1] == 0.0
     assert drag[:2, 2] == pytest.approx([0.0, 0.0], abs=1e-15)
     assert drag[2, 2] / drag[0, 0] == pytest.approx(np.sum(loads * np.sum(points**2, axis=1)))
@@ -56,13 +56,13 @@ def test_a_plan_brings_the_peg_into_the_slot_push_by_push() -> None:
         assert np.sum(np.abs(np.diff(stroke, axis=0)) > 1e-12) == 1  # along one axis
         result = simulate(
             Push.straight(
-                vertices=given.PART.outline,
+                vertices=printed.PART.outline,
                 poses=pose,
                 tips=stroke[None, :1],
                 travel=np.diff(stroke, axis=0)[None],
-                friction=np.array([given.TIP_FRICTION["p1*"]]),
-                support=given.three_points("p1*"),
-                shapes=(Round(given.TIP_RADIUS),),
+                friction=np.array([printed.TIP_FRICTION["p1*"]]),
+                support=printed.three_points("p1*"),
+                shapes=(Round(printed.TIP_RADIUS),),
                 fixture=PLACE.fixture,
                 step=1e-6,
             )

@@ -9,8 +9,8 @@ import pytest
 
 from meso_robust.reproduction import sensitivity
 from meso_robust.reproduction.eight_tests import SUPPORTS, TESTS, planned
-from meso_robust.reproduction.given import FILM_RATIO, PART
 from meso_robust.reproduction.item import Setting
+from meso_robust.reproduction.printed import FILM_RATIO, PART
 from meso_robust.reproduction.sensitivity import (
     ANGLE,
     BOXES,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from meso_robust.reproduction.eight_tests import TESTS, planned, pushed
-from meso_robust.reproduction.given import PART, POINTS
 from meso_robust.reproduction.item import Found, Setting
+from meso_robust.reproduction.printed import PART, POINTS
 from meso_robust.reproduction.table_one import (
     FIRST,
     ITEM,

@@ -11,9 +11,9 @@ import pytest
 
 from meso_robust.errors import InputError
 from meso_robust.microscope import Optics, Part, Probe, Scene, project, render
+from meso_robust.tracking.alpha_matting import window_of
 from meso_robust.tracking.frames import open_frames
 from meso_robust.tracking.learned import Tip
-from meso_robust.tracking.matte import window_of
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.probe_search import moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker

@@ -14,7 +14,7 @@ from meso_robust.campaigns.blind.corpus import labels_hash, opened_labels, sets_
 from meso_robust.campaigns.blind.judging import Judged, judged
 from meso_robust.campaigns.blind.scoring import answer_of, scores
 from meso_robust.campaigns.blind.sealing import SETS
-from meso_robust.campaigns.blind.told import tell
+from meso_robust.campaigns.blind.summary import tell
 from meso_robust.campaigns.kind import Failure, Kind, Part, Result, Section, Values
 
 

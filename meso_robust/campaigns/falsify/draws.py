@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.execution.ascent import shaken
+from meso_robust.laboratory.ascent import shaken
 
 Floats = npt.NDArray[np.float64]
 Spread = Literal["uniform", "corners", "mixed"]

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.campaigns.coverage import histogram
+from meso_robust.campaigns.falsify.budgeted_search import Problem, Rare, search
 from meso_robust.campaigns.falsify.draws import drawn
 from meso_robust.campaigns.falsify.failures import failures
 from meso_robust.campaigns.falsify.methods import SEARCHES
@@ -18,13 +19,12 @@ from meso_robust.campaigns.falsify.section import Bisection, Bulk, Search, work_
 from meso_robust.campaigns.falsify.targets import failing, scorer
 from meso_robust.campaigns.falsify.threshold import LARGEST, Wanted, any_motion, misses, threshold
 from meso_robust.campaigns.falsify.totals import totals
-from meso_robust.campaigns.falsify.trail import Problem, Rare, search
 from meso_robust.campaigns.kind import Part, Result, Values
 from meso_robust.campaigns.planned import largest_factor
 from meso_robust.certificates.margin import margin
-from meso_robust.execution.judging import judge
-from meso_robust.execution.replay import limits, miss
-from meso_robust.execution.running import PlanRun
+from meso_robust.laboratory.judging import judge
+from meso_robust.laboratory.replay import limits, miss
+from meso_robust.laboratory.running import PlanRun
 from meso_robust.primitives.setup import setup_of
 
 Floats = npt.NDArray[np.float64]

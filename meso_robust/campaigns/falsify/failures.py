@@ -8,9 +8,9 @@ import numpy.typing as npt
 from meso_robust.campaigns.falsify.minimising import minimal
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.kind import MOST_FAILURES, Failure
-from meso_robust.execution.judging import Judged, judge
-from meso_robust.execution.replay import Column, nominal_row
-from meso_robust.execution.witness_file import replay_files
+from meso_robust.laboratory.judging import Judged, judge
+from meso_robust.laboratory.replay import Column, nominal_row
+from meso_robust.laboratory.witness_file import replay_files
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

@@ -14,9 +14,9 @@ from meso_robust.campaigns.falsify.threshold import attack
 from meso_robust.campaigns.kind import Part, Values
 from meso_robust.campaigns.planned import GivenPlan, given_plan, plan_of
 from meso_robust.errors import InputError
-from meso_robust.execution.ascent import Effort
-from meso_robust.execution.claims import Claims
-from meso_robust.execution.replay import Feedback
+from meso_robust.laboratory.ascent import Effort
+from meso_robust.laboratory.claims import Claims
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.task import parse_task
 
 Floats = npt.NDArray[np.float64]

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.execution.ascent import Score
-from meso_robust.execution.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
-from meso_robust.execution.crosscheck import REFUTING
-from meso_robust.execution.endings import gaps_to
-from meso_robust.execution.judging import INSTANTS
-from meso_robust.execution.meetings import meets, stick_ratio
-from meso_robust.execution.replay import Feedback
-from meso_robust.execution.running import MoveRun, PlanRun
+from meso_robust.laboratory.ascent import Score
+from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
+from meso_robust.laboratory.crosscheck import REFUTING
+from meso_robust.laboratory.endings import gaps_to
+from meso_robust.laboratory.judging import INSTANTS
+from meso_robust.laboratory.meetings import meets, stick_ratio
+from meso_robust.laboratory.replay import Feedback
+from meso_robust.laboratory.running import MoveRun, PlanRun
 
 Floats = npt.NDArray[np.float64]
 Measure = Callable[[PlanRun, Floats], Floats]

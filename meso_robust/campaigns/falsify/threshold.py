@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.targets import Target, all_targets, failing
-from meso_robust.execution.ascent import Effort, Summit, climb, corners, shaken
-from meso_robust.execution.claims import only_motions
-from meso_robust.execution.judging import judge
-from meso_robust.execution.replay import Feedback, limits
+from meso_robust.laboratory.ascent import Effort, Summit, climb, corners, shaken
+from meso_robust.laboratory.claims import only_motions
+from meso_robust.laboratory.judging import judge
+from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.primitives.setup import Setup
 
 Floats = npt.NDArray[np.float64]

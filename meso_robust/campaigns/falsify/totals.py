@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.execution.claims import Claims, slips
-from meso_robust.execution.judging import Judged
+from meso_robust.laboratory.claims import Claims, slips
+from meso_robust.laboratory.judging import Judged
 
 Floats = npt.NDArray[np.float64]
 Ends = list[list[float]]

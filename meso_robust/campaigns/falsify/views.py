@@ -17,8 +17,8 @@ from meso_robust.campaigns.falsify.targets import COORDINATES, HALF_WIDTHS
 from meso_robust.campaigns.falsify.totals import RUN_LEVEL, Totals
 from meso_robust.campaigns.hardest import paths
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table, Values, View
-from meso_robust.execution.judging import INSTANTS
-from meso_robust.telling import down, up, up_to
+from meso_robust.laboratory.judging import INSTANTS
+from meso_robust.wording import down, up, up_to
 
 Floats = npt.NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.admissibility import values
-from meso_robust.execution.draws import Draws
-from meso_robust.execution.running import MoveRun
+from meso_robust.conditions import values
+from meso_robust.laboratory.draws import Draws
+from meso_robust.laboratory.running import MoveRun
 from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.setup import Setup
 

@@ -23,7 +23,7 @@ from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.certificates.chain import Chain
 from meso_robust.certificates.document import step_document
-from meso_robust.checker.given import SCALED
+from meso_robust.checker.inputs import SCALED
 from meso_robust.primitives.setup import setup_of
 
 Forge = Callable[[Document, Original, random.Random], Document | None]

@@ -18,7 +18,7 @@ from meso_robust.campaigns.mutation.memory import Remembered
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document, differences, sealed
 from meso_robust.campaigns.mutation.section import MutationSection, given_certificate
-from meso_robust.campaigns.mutation.told import UNTRUE, tell
+from meso_robust.campaigns.mutation.summary import UNTRUE, tell
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.task import parse_task
 from meso_robust.toml_files import toml_text

@@ -14,8 +14,8 @@ from typing import Any
 from flint import arb
 
 from meso_robust.checker.document import ObligationDocument, RuleDocument
-from meso_robust.checker.given import Given, PoseBox
 from meso_robust.checker.ids import Named
+from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.outline import Edge, Polygon, Rectangle
 from meso_robust.checker.passage import Memory, Passage
 from meso_robust.checker.prover import PLAIN, Prover

@@ -11,14 +11,14 @@ import numpy as np
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import CertificateDocument, WitnessDocument
-from meso_robust.execution.claims import Accuracy, broken, only_motions
-from meso_robust.execution.draws import Draws, draw
-from meso_robust.execution.engines import Engine
-from meso_robust.execution.judging import EXACT_SLIP, INSTANTS, ROUNDING
-from meso_robust.execution.replay import Feedback
-from meso_robust.execution.running import PlanRun, run
-from meso_robust.execution.simulation import in_goal
-from meso_robust.execution.witness import witness_row
+from meso_robust.laboratory.claims import Accuracy, broken, only_motions
+from meso_robust.laboratory.draws import Draws, draw
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.judging import EXACT_SLIP, INSTANTS, ROUNDING
+from meso_robust.laboratory.replay import Feedback
+from meso_robust.laboratory.running import PlanRun, run
+from meso_robust.laboratory.simulation import in_goal
+from meso_robust.laboratory.witness import witness_row
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.move import MoveRule

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.admissibility import values
 from meso_robust.campaigns.mutation.along_runs import ALONG
 from meso_robust.campaigns.mutation.places import Document
+from meso_robust.conditions import values
 from meso_robust.primitives.names import Inequality
 
 Floats = npt.NDArray[np.float64]

@@ -15,7 +15,7 @@ from meso_robust.campaigns.mutation.places import Document, sealed
 from meso_robust.campaigns.planned import PlanSection, given_plan
 from meso_robust.checker.reading import read_certificate
 from meso_robust.errors import InputError
-from meso_robust.job import SimulatorContradictsProofError, judge
+from meso_robust.pipeline import SimulatorContradictsProofError, judge
 from meso_robust.planning.compose import Found
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.rules import rules_of

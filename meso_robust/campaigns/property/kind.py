@@ -14,7 +14,7 @@ from meso_robust.campaigns.property.kept import entries_of, failure_of, keep, re
 from meso_robust.campaigns.property.law import Property
 from meso_robust.campaigns.property.registry import PROPERTIES
 from meso_robust.campaigns.property.search import key_of, search
-from meso_robust.campaigns.property.telling import tell
+from meso_robust.campaigns.property.summary import tell
 
 
 class PropertySection(Section):

@@ -6,7 +6,7 @@ import numpy as np
 
 from meso_robust.recordings.checks.view import View, turn
 from meso_robust.recordings.problem import Problem
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 FEWEST, FEW = 2, 10
 """Seen poses below which a recording cannot be used, and below which it tells little."""

@@ -9,7 +9,7 @@ import numpy as np
 from meso_robust.recordings.checks.view import Flags, Floats, Integers, View, turn
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.problem import Problem
-from meso_robust.telling import counted
+from meso_robust.wording import counted
 
 _PUSH = 3.0  # a pushed part is not faster than the tip; twice that again for what is not known
 _NOISE = 8.0 * math.sqrt(2.0)  # standard deviations of a difference

@@ -12,7 +12,7 @@ from meso_robust.campaigns.falsify.ready import Ready, ready_of
 from meso_robust.campaigns.falsify.section import FalsifySection
 from meso_robust.campaigns.falsify.targets import all_targets
 from meso_robust.campaigns.kind import Part
-from meso_robust.execution.claims import Claims
+from meso_robust.laboratory.claims import Claims
 
 ROOT = Path(__file__).parents[3]
 PLAN = "reports/paper_task/plan.json"

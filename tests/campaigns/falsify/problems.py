@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.falsify.trail import Problem
+from meso_robust.campaigns.falsify.budgeted_search import Problem
 
 Floats = npt.NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from meso_robust.campaigns.falsify.section import (
 )
 from meso_robust.campaigns.falsify.totals import Totals
 from meso_robust.errors import InputError
-from meso_robust.execution.replay import limits
+from meso_robust.laboratory.replay import limits
 from tests.campaigns.falsify.parts import ROOT, paper_ready, part_of
 
 DRAWN_ANEW = """

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from meso_robust.campaigns.falsify.budgeted_search import Problem, search
 from meso_robust.campaigns.falsify.draws import Spread, shares_of
 from meso_robust.campaigns.falsify.methods import SEARCHES
-from meso_robust.campaigns.falsify.trail import Problem, search
-from meso_robust.execution.ascent import Summit
+from meso_robust.laboratory.ascent import Summit
 from tests.campaigns.falsify.problems import SIZE, problem, signs
 
 Floats = npt.NDArray[np.float64]

@@ -16,11 +16,11 @@ from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import Search, work_of
 from meso_robust.campaigns.falsify.views import pooled
 from meso_robust.campaigns.kind import MOST_FAILURES, Failure, Part, Result
-from meso_robust.execution.judging import judge
-from meso_robust.execution.replay import limits, nominal_row
-from meso_robust.execution.witness_file import WitnessFile, row_of
+from meso_robust.laboratory.judging import judge
+from meso_robust.laboratory.replay import limits, nominal_row
+from meso_robust.laboratory.witness_file import WitnessFile, row_of
 from tests.campaigns.falsify.parts import claiming, paper_ready, part_of, with_side
-from tests.execution.paper import exactly
+from tests.laboratory.paper import exactly
 
 Floats = npt.NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from meso_robust.campaigns.falsify.budgeted_search import Problem, Rare, search
 from meso_robust.campaigns.falsify.methods.splitting import splitting
-from meso_robust.campaigns.falsify.trail import Problem, Rare, search
 from meso_robust.campaigns.falsify.views import pooled
 from tests.campaigns.falsify.problems import SIZE, share_above
 

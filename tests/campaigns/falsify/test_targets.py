@@ -15,15 +15,15 @@ from meso_robust.campaigns.falsify.targets import (
     scorer,
     tube_targets,
 )
-from meso_robust.execution.claims import slips
-from meso_robust.execution.engines import push_all
-from meso_robust.execution.judging import INSTANTS, judge
-from meso_robust.execution.replay import limits, nominal_row
-from meso_robust.execution.running import MoveRun, rectangle
+from meso_robust.laboratory.claims import slips
+from meso_robust.laboratory.engines import push_all
+from meso_robust.laboratory.judging import INSTANTS, judge
+from meso_robust.laboratory.replay import limits, nominal_row
+from meso_robust.laboratory.running import MoveRun, rectangle
 from meso_robust.simulator import Push
 from tests.campaigns.falsify.parts import claiming, paper_ready, with_side
-from tests.execution.paper import exactly
-from tests.execution.test_claims import HALF
+from tests.laboratory.paper import exactly
+from tests.laboratory.test_claims import HALF
 
 Floats = npt.NDArray[np.float64]
 

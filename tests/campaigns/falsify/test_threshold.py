@@ -17,12 +17,12 @@ from meso_robust.campaigns.falsify.threshold import (
     misses,
     threshold,
 )
-from meso_robust.execution.ascent import Effort
-from meso_robust.execution.replay import Feedback, limits
+from meso_robust.laboratory.ascent import Effort
+from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.primitives.setup import setup_of
 from tests.campaigns.falsify.parts import paper_ready, part_of
 from tests.conftest import paper_task
-from tests.execution.paper import exactly
+from tests.laboratory.paper import exactly
 
 QUICK = Effort(corners=200, reaches=(1.0,), elite=2, generations=0)
 

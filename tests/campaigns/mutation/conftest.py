@@ -12,7 +12,7 @@ from meso_robust.campaigns.kind import Part
 from meso_robust.campaigns.mutation.kind import MUTATION, Prepared, prepare
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.section import MutationSection
-from meso_robust.job import Planned
+from meso_robust.pipeline import Planned
 from tests.conftest import paper_task
 
 Document = dict[str, Any]

@@ -21,8 +21,8 @@ from meso_robust.campaigns.mutation.forging import ends_of, put_post
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.campaigns.mutation.sampled import least
-from meso_robust.execution.draws import nominal
-from meso_robust.execution.running import MoveRun
+from meso_robust.laboratory.draws import nominal
+from meso_robust.laboratory.running import MoveRun
 from meso_robust.primitives.setup import setup_of
 from tests.checker.test_walls import slot_task
 from tests.conftest import paper_task

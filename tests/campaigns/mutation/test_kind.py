@@ -33,7 +33,7 @@ from meso_robust.campaigns.mutation.kind import (
 )
 from meso_robust.campaigns.mutation.places import sealed
 from meso_robust.campaigns.mutation.section import MutationSection
-from meso_robust.campaigns.mutation.told import UNTRUE, tell
+from meso_robust.campaigns.mutation.summary import UNTRUE, tell
 from meso_robust.checker import verdict
 from meso_robust.errors import InputError
 from meso_robust.task import load_task

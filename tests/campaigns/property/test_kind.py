@@ -14,7 +14,7 @@ from scipy.stats import binom
 
 from meso_robust.campaigns.encoding import result_of, result_text
 from meso_robust.campaigns.kind import Part, Result
-from meso_robust.campaigns.property import kept, kind, registry, telling
+from meso_robust.campaigns.property import kept, kind, registry, summary
 from meso_robust.campaigns.property.kept import keep, replay
 from meso_robust.campaigns.property.kind import PROPERTY, PropertySection
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
@@ -57,7 +57,7 @@ LAWS = {
 
 @pytest.fixture(autouse=True)
 def laws(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (kind, kept, telling, registry):
+    for module in (kind, kept, summary, registry):
         monkeypatch.setattr(module, "PROPERTIES", LAWS)
 
 

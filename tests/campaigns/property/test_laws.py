@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meso_robust.admissibility import balls
 from meso_robust.bounds import Interval
 from meso_robust.campaigns.property.kind import PropertySection
 from meso_robust.campaigns.property.law import Cost
@@ -30,6 +29,7 @@ from meso_robust.campaigns.property.laws.variants import paper_rules, variants
 from meso_robust.campaigns.property.registry import PROPERTIES
 from meso_robust.campaigns.property.search import Searched, search
 from meso_robust.certificates.chain import certify
+from meso_robust.conditions import balls
 from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.setup import Setup, setup_of
@@ -80,7 +80,7 @@ def broken(name: str, budget: int = 60) -> Searched:
 @pytest.fixture
 def other_formula(monkeypatch: Patch) -> Callable[[str], None]:
     """Make one route take ``turning`` with a changed sign."""
-    from tests.admissibility.functions import with_a_changed_sign
+    from tests.conditions.functions import with_a_changed_sign
 
     (copy,) = with_a_changed_sign("one_point_sticking", "turning")
     monkeypatch.setitem(sys.modules, copy.__name__, copy)

@@ -16,7 +16,7 @@ from meso_robust.simulator.events import integrate
 from meso_robust.simulator.outcome import Outcome
 from meso_robust.simulator.push import Push
 from meso_robust.simulator.support_models import Film
-from tests.execution.paper import exactly
+from tests.laboratory.paper import exactly
 from tests.simulator.events.reference import RHO, UM, F, turn
 
 HALF = [float.fromhex("0x1.a79fec99f1ae2p-11"), float.fromhex("0x1.b6d43d03968d8p-12")]

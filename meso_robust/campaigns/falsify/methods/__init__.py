@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from meso_robust.campaigns.falsify.budgeted_search import Method
 from meso_robust.campaigns.falsify.methods.climb import coordinate_climb
 from meso_robust.campaigns.falsify.methods.cma_es import cma_es
 from meso_robust.campaigns.falsify.methods.corner_walk import corner_walk
 from meso_robust.campaigns.falsify.methods.face_walk import face_walk
 from meso_robust.campaigns.falsify.methods.splitting import splitting
-from meso_robust.campaigns.falsify.trail import Method
 
 SEARCHES: Mapping[str, Method] = {
     "climb": coordinate_climb,

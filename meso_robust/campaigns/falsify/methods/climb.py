@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.campaigns.falsify.budgeted_search import Trail
 from meso_robust.campaigns.falsify.draws import shares_of
-from meso_robust.campaigns.falsify.trail import Trail
-from meso_robust.execution.ascent import Effort, climb
+from meso_robust.laboratory.ascent import Effort, climb
 
 Floats = npt.NDArray[np.float64]
 
@@ -15,7 +15,7 @@ EFFORT = Effort(corners=1000)
 
 
 def coordinate_climb(trail: Trail, rng: np.random.Generator) -> None:
-    """Climbs from new corners until the budget is gone; see ``execution.ascent.climb``."""
+    """Climbs from new corners until the budget is gone; see ``laboratory.ascent.climb``."""
     box = np.zeros(trail.size), np.ones(trail.size)
     while True:
         pool = shares_of("corners", (EFFORT.corners, trail.size), rng)

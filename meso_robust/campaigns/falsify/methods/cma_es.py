@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.campaigns.falsify.budgeted_search import Trail
 from meso_robust.campaigns.falsify.draws import shares_of
-from meso_robust.campaigns.falsify.trail import Trail
 
 Floats = npt.NDArray[np.float64]
 

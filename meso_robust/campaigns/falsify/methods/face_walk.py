@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.campaigns.falsify.trail import Trail
+from meso_robust.campaigns.falsify.budgeted_search import Trail
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr
 
-from meso_robust.campaigns.falsify.trail import Rare, Trail
+from meso_robust.campaigns.falsify.budgeted_search import Rare, Trail
 
 Floats = npt.NDArray[np.float64]
 

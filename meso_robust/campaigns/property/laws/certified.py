@@ -20,12 +20,12 @@ from meso_robust.campaigns.property.laws.variants import (
 )
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.errors import NotApplicableError
-from meso_robust.execution.ascent import corners, shaken
-from meso_robust.execution.claims import claims_of, only_motions
-from meso_robust.execution.judging import Judged, judge
-from meso_robust.execution.replay import Feedback, limits
-from meso_robust.execution.simulation import order
-from meso_robust.execution.witness_file import replay_files
+from meso_robust.laboratory.ascent import corners, shaken
+from meso_robust.laboratory.claims import claims_of, only_motions
+from meso_robust.laboratory.judging import Judged, judge
+from meso_robust.laboratory.replay import Feedback, limits
+from meso_robust.laboratory.simulation import order
+from meso_robust.laboratory.witness_file import replay_files
 from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task

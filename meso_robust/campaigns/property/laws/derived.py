@@ -11,7 +11,7 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from meso_robust.admissibility import balls
+from meso_robust.conditions import balls
 
 if TYPE_CHECKING:
     from flint import arb
@@ -42,7 +42,7 @@ def derived(module: str, name: str) -> Callable[..., tuple[arb, ...]]:
     Parameters
     ----------
     module, name
-        As for :func:`meso_robust.admissibility.condition`.
+        As for :func:`meso_robust.conditions.condition`.
 
     Returns
     -------

@@ -9,7 +9,6 @@ from functools import cache
 import numpy as np
 from hypothesis import strategies as st
 
-from meso_robust.admissibility.formula import inputs
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Verdict
 from meso_robust.campaigns.property.laws.derived import derived
 from meso_robust.campaigns.property.laws.routes import (
@@ -23,6 +22,7 @@ from meso_robust.campaigns.property.laws.routes import (
     routes,
     sample,
 )
+from meso_robust.conditions.formula import inputs
 
 Agreement = Callable[[Routes, Sample], str]
 

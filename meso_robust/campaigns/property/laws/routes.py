@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.admissibility import balls, condition, values
 from meso_robust.bounds import Bounded, Box, Interval, enclose
+from meso_robust.conditions import balls, condition, values
 
 if TYPE_CHECKING:
     from flint import arb

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from hypothesis import strategies as st
 
-from meso_robust.admissibility import balls, values
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
+from meso_robust.conditions import balls, values
 from meso_robust.simulator import Outcome, Push
 from meso_robust.simulator.exact import exact
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from hypothesis import strategies as st
 
-from meso_robust.admissibility import values
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
+from meso_robust.conditions import values
 from meso_robust.simulator import Outcome, Push
 from meso_robust.simulator.events import EventResult
 from meso_robust.simulator.exact import exact

@@ -8,8 +8,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from meso_robust.execution.draws import nominal
-from meso_robust.execution.running import run
+from meso_robust.laboratory.draws import nominal
+from meso_robust.laboratory.running import run
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import PlanDocument, plan_document
 from meso_robust.primitives.frame import HEADINGS, Frame

@@ -1,0 +1,146 @@
+"""What is asked of an answer beyond its evidence: recordings that no fit has seen, and invariances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import chi2 as chi2_law
+
+from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.invariances import Pair
+from meso_robust.diagnosis.rejection import Ground, Rejection
+from meso_robust.diagnosis.validation import Errors
+
+_WORSE = 5.0  # nats by which held-out recordings refute an answer
+_NEAR = 1.2  # times what free hidden inputs leave, that an answer may leave on held-out recordings
+_CHANCE = 0.001  # that pushes differ so from what an answer has them do, of all that are compared
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Witnesses:
+    """What speaks for or against sets of effects; the plain model is the empty set.
+
+    Attributes
+    ----------
+    errors
+        On the held-out recordings; on those of the fits where none are.
+    unseen
+        Whether no fit has seen these recordings.
+    reach
+        Error in σ that any law may leave: the noise floor, or more where free hidden inputs do.
+    seen
+        Invariances as the recordings have them.
+    pairs
+        The same as every answer has them.
+    """
+
+    errors: Mapping[tuple[str, ...], Errors]
+    unseen: bool
+    reach: float
+    seen: Sequence[Pair] = ()
+    pairs: Mapping[tuple[str, ...], Sequence[Pair]]
+
+
+def judged(naming: Naming, told: Witnesses) -> Naming:
+    """The answers against which no witness speaks.
+
+    Parameters
+    ----------
+    naming
+        Outcome of the competition.
+    told
+        Errors of the plain model, of every answer and of its parts; pairs of every answer.
+    """
+    against = {one.effects: _against(one, naming.answers, told) for one in naming.answers}
+    return replace(
+        naming,
+        answers=tuple(one for one in naming.answers if not against[one.effects]),
+        candidates=tuple(
+            replace(one, rejected=against.get(one.effects) or one.rejected)
+            for one in naming.candidates
+        ),
+    )
+
+
+def _against(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> Rejection | None:
+    """Why a set is no answer; None if it may be."""
+    reasons = (
+        _refuted(one, answers, told) if told.unseen else None,
+        _idle(one, told) if told.unseen else None,
+        _far(one, told),
+        _unlike(one, told),
+    )
+    return next(filter(None, reasons), None)
+
+
+def _refuted(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> Rejection | None:
+    rivals = [(), *(other.effects for other in answers)]
+    behind = max(_likelihood(told.errors[names]) for names in rivals) - _likelihood(
+        told.errors[one.effects]
+    )
+    return Rejection(ground=Ground.HELD_OUT_WORSE, amount=behind) if behind > _WORSE else None
+
+
+def _idle(one: Candidate, told: Witnesses) -> Rejection | None:
+    """A part of a set that does as well as the whole where neither was fitted."""
+    own = _likelihood(told.errors[one.effects])
+    for names, errors in told.errors.items():
+        if names and set(names) < set(one.effects) and _likelihood(errors) >= own:
+            return Rejection(ground=Ground.IDLE_MEMBER, names=names)
+    return None
+
+
+def _far(one: Candidate, told: Witnesses) -> Rejection | None:
+    """More left of most recordings than any law must leave.
+
+    Of a few it may be the numbers, not the law: a tip at the edge of its friction cone makes much of
+    a friction that was known well enough elsewhere.
+    """
+    left = float(np.median(told.errors[one.effects].sigma))
+    if left <= _NEAR * told.reach:
+        return None
+    return Rejection(ground=Ground.ABOVE_FLOOR, amount=left, limit=told.reach)
+
+
+def _unlike(one: Candidate, told: Witnesses) -> Rejection | None:
+    """An invariance that the set does not break as the recordings do."""
+    predicted = told.pairs.get(one.effects, ())
+    chances = [_chance(seen, own) for seen, own in zip(told.seen, predicted, strict=True)]
+    if not chances or min(chances) * len(chances) >= _CHANCE:
+        return None
+    pair = predicted[int(np.argmin(chances))]
+    return Rejection(
+        ground=Ground.INVARIANCE,
+        invariance=pair.invariance,
+        names=tuple(dict.fromkeys((pair.first, pair.second))),
+    )
+
+
+def _chance(seen: Pair, own: Pair) -> float:
+    """Of a difference as large as that between what is seen and what a model has."""
+    used = seen.tolerance > 0.0
+    apart = (seen.difference - own.difference)[used] / seen.tolerance[used]
+    return float(chi2_law.sf(float(apart @ apart), int(used.sum())))
+
+
+def _likelihood(errors: Errors) -> float:
+    """Logarithm, in nats, but for a constant."""
+    return -0.5 * float(np.sum(errors.rows**2))
+
+
+def partial(naming: Naming, before: Errors, each: tuple[Errors, ...]) -> Naming:
+    """Of a mismatch that nothing explains, the part that carries over to held-out recordings.
+
+    Parameters
+    ----------
+    naming
+        Outcome of the competition, without an answer.
+    before, each
+        Errors on held-out recordings of the plain model, and of the first candidates.
+    """
+    best = min(range(len(each)), key=lambda k: each[k].whole, default=None)
+    if best is None or each[best].whole >= before.whole:
+        return replace(naming, best=None)
+    return replace(naming, best=naming.candidates[best])

@@ -1,0 +1,150 @@
+"""Proofs that a push fails: at one admissible value of the uncertainties, for a whole cell.
+
+Each test takes the motion that the primitive claims, encloses it for all pushes and poses of the
+cell at one value of the uncertainties, and looks for a place where it violates the laws of contact
+for all of them. There it contradicts itself, so the claim is false at every point of the cell.
+Conditions that are merely sufficient (uniqueness, monotony) are never held against a push.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from meso_robust.bounds import HALF_PI, Interval, enclose
+from meso_robust.bounds.interval import cos
+from meso_robust.conditions import condition
+from meso_robust.feasible_regions.cells import Corner
+from meso_robust.motion import sticking
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.tips import second_tip, tip_of, touch
+
+POINTS_TO_THE_END = 4
+
+
+def violated(module: str, name: str, box: Mapping[str, Interval]) -> bool:
+    """Whether some output of a generated condition is negative at every point of a box."""
+    of = condition(module, name)
+    found = enclose(of, {key: box[key] for key in of.inputs}, boxes=8)
+    return any(output.hi < 0.0 for output in found)
+
+
+def misses(offset: Interval, edge: Edge) -> bool:
+    """Whether every offset lies beyond an end of the edge."""
+    return offset.lo > edge.half.hi or offset.hi < -edge.half.hi
+
+
+def slips(angle: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> bool:
+    """Whether one contact cannot push, stick and turn the part to ``side`` at these angles."""
+    u = setup.uncertainty
+    box = {
+        "theta": angle,
+        "d1": edge.depth,
+        "d2": offset,
+        "rho": u.film_ratio,
+        "mu": u.friction,
+        "side": Interval.point(float(side)),
+    }
+    return any(
+        violated("one_point_sticking", name, box)
+        for name in ("friction_margin", "turning", "normal_force")
+    )
+
+
+def tilt_fails(rule: MoveRule, pre: PoseBox, points: Sequence[Corner]) -> bool:
+    """Whether one of the ``points`` breaks the tilt for all commands of ``rule`` from ``pre``.
+
+    The end of the push, which takes longer to enclose, is looked at for the first points only.
+    """
+    # errors along the push, which every second point changes, do not matter at the touch
+    return any(_fails_at_touch(rule, pre, at) for at in points[::2]) or any(
+        _fails_at_end(rule, pre, at) for at in points[:POINTS_TO_THE_END]
+    )
+
+
+def _fails_at_touch(rule: MoveRule, pre: PoseBox, at: Corner) -> bool:
+    side, edge, setup = rule.side, at.setup.edge(pre.theta.mid), at.setup
+    start = edge.angle(pre.theta)
+    offset, _ = touch(tip_of(rule, -side, pre, setup), start, edge)
+    return (
+        misses(offset, edge)
+        or slips(start, offset, side, edge, setup)
+        or _struck(start, offset, side, edge, setup)
+    )
+
+
+def _fails_at_end(rule: MoveRule, pre: PoseBox, at: Corner) -> bool:
+    side, edge, setup = rule.side, at.setup.edge(pre.theta.mid), at.setup
+    offset, _ = touch(tip_of(rule, -side, pre, setup), edge.angle(pre.theta), edge)
+    end = tilt_end(rule, pre, at)
+    return end is not None and (
+        slips(end, offset, side, edge, setup) or _struck(end, offset, side, edge, setup)
+    )
+
+
+def tilt_end(rule: MoveRule, pre: PoseBox, at: Corner) -> Interval | None:
+    """Angles of the edge after the tilt, if it keeps its claim; None if they cannot be enclosed."""
+    side, edge = rule.side, at.setup.edge(pre.theta.mid)
+    pusher, start = tip_of(at.rule(rule), -side, pre, at.setup), edge.angle(pre.theta)
+    offset, reach = touch(pusher, start, edge)
+    travel, ratio = reach - pusher.ahead_end, at.setup.uncertainty.film_ratio
+    widest = start.hull(start + Interval.point(side * sticking.LARGEST_TURN))
+    if not travel.lo > 0.0:
+        return None
+    if not sticking.travel_monotone(widest, side, edge.depth, offset, ratio):
+        return None
+    end = sticking.turned(start, travel, side, edge.depth, offset, ratio)
+    return end if end.width < math.inf else None
+
+
+def _struck(angle: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> bool:
+    """Whether the idle tip of a tilt is inside the part: behind the edge's line, between its ends."""
+    dx, dy = second_tip(-side, setup)
+    box = {
+        "theta": angle,
+        "d2": offset,
+        "half": edge.half,
+        "dx": dx,
+        "dy": dy,
+        "side": Interval.point(float(side)),
+    }
+    behind, beyond = enclose(condition("sticking_motion", "beside"), box, boxes=8)
+    on_edge = (Interval.point(float(side)) * offset).lo > -edge.half.lo
+    return on_edge and behind.hi < 0.0 and beyond.hi < 0.0
+
+
+def straighten_fails(rule: MoveRule, pre: PoseBox, points: Sequence[Corner]) -> bool:
+    """Whether one of the ``points`` breaks the t^2 push for all commands of ``rule`` from ``pre``."""
+    return any(_never_both(rule, pre, at) for at in points)
+
+
+def _never_both(rule: MoveRule, pre: PoseBox, at: Corner) -> bool:
+    setup, edge = at.setup, at.setup.edge(pre.theta.mid)
+    start = edge.angle(pre.theta)
+    beta = setup.uncertainty.misalignment
+    aligned = HALF_PI + beta
+    if start.hi < aligned.lo:
+        side = 1
+    elif start.lo > aligned.hi:
+        side = -1
+    else:
+        return False  # either tip can be first
+    offset, _ = touch(tip_of(rule, side, pre, setup), start, edge)
+    other = offset - Interval.point(float(side)) * (setup.spacing / cos(beta))
+    pair = {
+        "beta": beta,
+        "mu": setup.uncertainty.friction,
+        "d1": edge.depth,
+        "d2": offset if side > 0 else other,
+        "d4": setup.spacing,
+    }
+    return (
+        misses(offset, edge)
+        or misses(other, edge)
+        or slips(start, offset, side, edge, setup)
+        or slips(aligned, offset, side, edge, setup)
+        or violated("two_point_sticking", "normal_forces", pair)
+        or violated("two_point_sticking", "friction_margin", pair)
+    )

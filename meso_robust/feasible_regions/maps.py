@@ -1,0 +1,374 @@
+"""Where a primitive may push, and from which start: its admissible set, the inverse of a certificate.
+
+Every map keeps one move (or Y-translation) of the certified plan and frees its two most telling
+choices; all else stays as planned, and the whole box of uncertainties is covered. Coordinates are
+those of the move's own axes. Walls are not considered.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Literal, get_args
+
+from meso_robust import units
+from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
+from meso_robust.conditions import condition
+from meso_robust.errors import NotApplicableError
+from meso_robust.feasible_regions.cells import Corner, at_height, corners, extreme, same_run, span
+from meso_robust.feasible_regions.impossible import (
+    POINTS_TO_THE_END,
+    straighten_fails,
+    tilt_end,
+    tilt_fails,
+)
+from meso_robust.feasible_regions.paving import Axis, Judge, Paving, Region, pave, pave_line
+from meso_robust.feasible_regions.turning import rotation_fails
+from meso_robust.motion import sticking
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.tilt import certify_tilt
+
+Primitive = Literal["tilt", "straighten", "y_translation", "rotation"]
+PRIMITIVES: tuple[Primitive, ...] = get_args(Primitive)
+
+LEAN = 15.0  # deg to either side of upright that the maps of one push show
+WINDOW = 80.0  # um to either side of the plan that the map of a Y-translation shows
+HALF = Interval.point(0.5)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Map:
+    """A paving, and where the plan is on it."""
+
+    primitive: Primitive
+    paving: Paving
+    plan: tuple[Interval, Interval]
+    """What the plan does: a range of each choice, m or rad."""
+    step: int
+    """Number of the move in the plan, from 1."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Move:
+    """One move of the plan in its own axes."""
+
+    rule: MoveRule
+    pre: PoseBox
+    setup: Setup
+
+    @property
+    def edge(self) -> Edge:
+        """The edge that is pushed."""
+        return self.setup.edge(self.pre.theta.mid)
+
+
+def own(step: Step, setup: Setup) -> _Move:
+    """A certified step in its own axes."""
+    frame = step.rule.frame
+    return _Move(rule=step.rule, pre=frame.from_world(step.pre), setup=frame.setup(setup))
+
+
+def _verdict(proved: bool, fails: Callable[[], bool]) -> Region:
+    if proved:
+        return Region.CERTIFIED
+    return Region.IMPOSSIBLE if fails() else Region.UNDECIDED
+
+
+def _clear(move: _Move, poses: PoseBox) -> Interval:
+    """X of the pair at which its tips are free of contact for all heights and ``poses``, m."""
+    edge, u = move.edge, move.setup.uncertainty
+    half = Interval.point(edge.half.hi)
+    rises = (half + move.setup.spacing).hull(-(half + move.setup.spacing))
+    reach = sticking.contact_reach(edge.angle(poses.theta), edge.depth, rises)
+    farthest = reach - u.sensed_position - u.probe_position + Interval.point(20 * units.UM)
+    return Interval.point(max(farthest.hi, move.rule.dual.x.offset.hi))
+
+
+def tilt_judge(move: _Move) -> Judge:
+    """Of (height of the pushing tip over the sensed centre, true angle of the edge before)."""
+    raise_ = Interval.point(float(move.rule.side)) * HALF * move.setup.spacing
+    points = tuple(corners(move.setup))
+    ahead = _clear(move, _leaning(move))
+
+    def judge(height: Interval, angle: Interval) -> Region:
+        rule = at_height(move.rule, height + raise_, ahead)
+        pre = replace(move.pre, theta=move.edge.orientation(angle))
+        step, _ = certify_tilt(rule, pre, move.setup)
+        proved = step.verdict is Verdict.PROVED
+        return _verdict(proved, lambda: tilt_fails(rule, pre, points))
+
+    return judge
+
+
+def straighten_judge(move: _Move) -> Judge:
+    """Of (height of the pair's middle over the sensed centre, true angle of the edge before)."""
+    points = tuple(corners(move.setup))[::2]  # the length of the push does not matter
+    ahead = _clear(move, _leaning(move))
+
+    def judge(height: Interval, angle: Interval) -> Region:
+        rule = at_height(move.rule, height, ahead)
+        pre = replace(move.pre, theta=move.edge.orientation(angle))
+        proved = certify_straighten(rule, pre, move.setup).verdict is Verdict.PROVED
+        return _verdict(proved, lambda: straighten_fails(rule, pre, points))
+
+    return judge
+
+
+def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
+    """Of (height of the tip that tilts, height of the middle that straightens).
+
+    The second push is made longer than planned, so that its length is never what is missing.
+    """
+    raise_ = Interval.point(float(tilt.rule.side)) * HALF * tilt.setup.spacing
+    points = tuple(corners(tilt.setup))
+    first, second = _clear(tilt, _leaning(tilt)), _clear(straight, _leaning(straight))
+    end = straight.rule.dual_end
+    ample = replace(straight.rule, dual_end=span(end, end.offset - straight.edge.depth))
+    leans = [extreme(tilt.pre.theta, upper) for upper in (False, True)]
+
+    def rule_of(height: Interval) -> MoveRule:
+        return at_height(tilt.rule, height + raise_, first)
+
+    tilted = cache(lambda height: certify_tilt(rule_of(height), tilt.pre, tilt.setup))
+
+    @cache
+    def broken(height: Interval) -> bool:
+        starts = [replace(tilt.pre, theta=lean) for lean in leans]
+        return any(tilt_fails(rule_of(height), pre, points) for pre in starts)
+
+    @cache
+    def after(height: Interval) -> tuple[tuple[PoseBox, list[Corner]], ...]:
+        """Poses that the tilt can leave, each with what the next move may meet there."""
+        found = []
+        for at in points[::POINTS_TO_THE_END]:
+            for lean in leans:
+                turned = tilt_end(rule_of(height), replace(tilt.pre, theta=lean), at)
+                if turned is not None:
+                    pose = replace(tilt.pre, theta=tilt.edge.orientation(turned))
+                    found.append((pose, [next_ for next_ in points[::2] if same_run(at, next_)]))
+        return tuple(found)
+
+    def judge(height: Interval, middle: Interval) -> Region:
+        step, turn = tilted(height)
+        rule = at_height(ample, middle, second)
+        if step.verdict is Verdict.PROVED and step.post is not None:
+            then = certify_straighten(rule, step.post, straight.setup, turn)
+            if then.verdict is Verdict.PROVED:
+                return Region.CERTIFIED
+        fails = broken(height) or any(
+            straighten_fails(rule, pose, met) for pose, met in after(height)
+        )
+        return Region.IMPOSSIBLE if fails else Region.UNDECIDED
+
+    return judge
+
+
+def rotation_judge(move: _Move) -> Judge:
+    """Of (separation of the two tips in y, x of the active minus x of the passive at the end)."""
+    single = move.rule.single
+    if single is None:
+        raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
+    middle = _pair_middle(move)
+    out_of_reach: dict[Interval, float] = {}  # a longer push of the same tips fails as well
+
+    def judge(separation: Interval, end: Interval) -> Region:
+        half = HALF * separation
+        rule = at_height(move.rule, middle + half + HALF * move.setup.spacing)
+        rule = replace(
+            rule,
+            dual_end=span(move.rule.dual_end, single.x.offset + end),
+            single=replace(single, y=span(single.y, middle - half)),
+        )
+        if _may_close(separation, move.setup):
+            return Region.UNDECIDED  # neither the proof nor its opposite gets past the jam
+        if end.lo > out_of_reach.get(separation, -math.inf):
+            step = certify_rotation(rule, move.pre, move.setup)
+            if step.verdict is Verdict.PROVED:
+                return Region.CERTIFIED
+            if end.hi < 0.0:
+                out_of_reach[separation] = end.lo
+        fails = rotation_fails(rule, move.pre, move.setup)
+        return Region.IMPOSSIBLE if fails else Region.UNDECIDED
+
+    return judge
+
+
+def _may_close(separation: Interval, setup: Setup) -> bool:
+    """Whether two tips this far apart are not proved to be too far apart for a jam."""
+    off = setup.uncertainty.probe_position
+    box = {
+        "V": separation + off - off,
+        "d1": setup.half_width,
+        "mu": setup.uncertainty.friction,
+    }
+    (margin,) = enclose(condition("two_sided_rotation", "no_jam"), box)
+    return not margin.lo > 0.0
+
+
+def _pair_middle(move: _Move) -> Interval:
+    single = move.rule.single
+    if single is None:
+        raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
+    lower = move.rule.dual.y.offset - HALF * move.setup.spacing
+    return HALF * (lower + single.y.offset)
+
+
+def _leaning(move: _Move) -> PoseBox:
+    """The poses of a map whose second axis is the angle."""
+    lean = units.radians(LEAN)
+    around = HALF_PI + lean.hull(-lean)
+    return replace(move.pre, theta=move.edge.orientation(around))
+
+
+def _offsets(move: _Move, name: str) -> Axis:
+    half = move.edge.half.hi
+    return Axis(name=name, unit="um", low=-half, high=half)
+
+
+def _around(plan: Interval, name: str) -> Axis:
+    reach = WINDOW * units.UM
+    return Axis(name=name, unit="um", low=plan.mid - reach, high=plan.mid + reach)
+
+
+def _angles() -> Axis:
+    lean = units.radians(LEAN).hi
+    name = "orientation of the pushed edge at the start"
+    return Axis(name=name, unit="deg", low=HALF_PI.lo - lean, high=HALF_PI.hi + lean)
+
+
+def map_of(primitive: Primitive, moves: list[_Move], number: int, count: int = 128) -> Map:
+    """The map of one primitive of a plan.
+
+    Parameters
+    ----------
+    primitive
+        Which.
+    moves
+        Its moves: two for a Y-translation, else one.
+    number
+        Of the first of them in the plan.
+    count
+        The finest cells are 1/count of either side.
+    """
+    move = moves[0]
+    at = move.rule.dual.y.offset
+    angle = move.edge.angle(move.pre.theta)
+    tip = at - Interval.point(float(move.rule.side)) * HALF * move.setup.spacing
+    if primitive == "tilt":
+        sides = _offsets(move, "height of the pushing tip over the centre"), _angles()
+        judge, plan = tilt_judge(move), (tip, angle)
+    elif primitive == "straighten":
+        sides = _offsets(move, "height of the pair's middle over the centre"), _angles()
+        judge, plan = straighten_judge(move), (at, angle)
+    elif primitive == "y_translation":
+        then = moves[1].rule.dual.y.offset
+        sides = (
+            _around(tip, "tilt: height of the pushing tip over the centre"),
+            _around(then, "straightening: height of the pair's middle"),
+        )
+        judge, plan = y_translation_judge(*moves), (tip, then)
+    else:
+        sides, plan = _rotation_sides(move)
+        judge = rotation_judge(move)
+    paving = pave(judge, *sides, count=count)
+    return Map(primitive=primitive, paving=paving, plan=plan, step=number)
+
+
+def _rotation_sides(move: _Move) -> tuple[tuple[Axis, Axis], tuple[Interval, Interval]]:
+    width, single = 2.0 * move.setup.half_width.mid, move.rule.single
+    if single is None:
+        raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
+    apart = "distance of the two tips across the push"
+    end = "end of the push: active minus passive tip in x"
+    plan = (
+        move.rule.dual.y.offset - HALF * move.setup.spacing - single.y.offset,
+        move.rule.dual_end.offset - single.x.offset,
+    )
+    return (
+        Axis(name=apart, unit="um", low=width, high=1.25 * width),
+        Axis(name=end, unit="um", low=-width, high=1.15 * width),
+    ), plan
+
+
+def moves_of(
+    steps: tuple[Step, ...], setup: Setup, primitive: Primitive
+) -> tuple[list[_Move], int]:
+    """The first moves of a certified plan that make up a primitive, and their place from 1.
+
+    Raises
+    ------
+    NotApplicableError
+        The plan has none.
+    """
+    actions = [step.rule.action for step in steps]
+    wanted: tuple[str, ...] = {
+        "tilt": ("tilt",),
+        "straighten": ("straighten",),
+        "y_translation": ("tilt", "straighten"),
+        "rotation": ("rotate",),
+    }[primitive]
+    last_first = range(len(actions) - 1, -1, -1)
+    order = last_first if primitive == "straighten" else range(len(actions))
+    for k in order:
+        if tuple(actions[k : k + len(wanted)]) == wanted:
+            return [own(step, setup) for step in steps[k : k + len(wanted)]], k + 1
+    raise NotApplicableError(
+        f"the plan has no {primitive.replace('_', ' ')}: its moves are {', '.join(actions)}; ask for "
+        "the map of one of them"
+    )
+
+
+def admissible_offsets(
+    step: Step, setup: Setup, pre: PoseBox, *, resolution: float = 1e-7
+) -> list[tuple[Interval, Region]]:
+    """Where a tilt or a t^2 push may touch when the part can be anywhere in ``pre``.
+
+    Parameters
+    ----------
+    step
+        The move as planned; all of it but the height of the push and the poses is kept.
+    setup
+        The task.
+    pre
+        All true poses before the move, world frame.
+    resolution
+        Length of the pieces that may stay undecided, m.
+
+    Returns
+    -------
+    list[tuple[Interval, Region]]
+        Pieces of the edge from end to end, m: heights of the pushing tip (tilt) or of the pair's
+        middle (t^2) over the sensed centre, in the move's own axes. Heights of a CERTIFIED piece
+        work from every pose; a piece is IMPOSSIBLE if each of its heights fails from some pose.
+
+    Raises
+    ------
+    NotApplicableError
+        The move is neither a tilt nor a t^2 push.
+    """
+    if step.rule.action not in ("tilt", "straighten"):
+        raise NotApplicableError(
+            f"offsets are for a tilt or a t^2 push, not for {step.rule.action}; give one of those"
+        )
+    move = own(replace(step, pre=pre), setup)
+    make = tilt_judge if step.rule.action == "tilt" else straighten_judge
+    judge = make(move)
+    angle = move.edge.angle(move.pre.theta)
+
+    def at_all_poses(height: Interval) -> Region:
+        if judge(height, angle) is Region.CERTIFIED:
+            return Region.CERTIFIED
+        ends = (extreme(angle, False), extreme(angle, True))
+        if any(judge(height, end) is Region.IMPOSSIBLE for end in ends):
+            return Region.IMPOSSIBLE
+        return Region.UNDECIDED
+
+    half = move.edge.half.hi
+    return pave_line(at_all_poses, -half, half, resolution)

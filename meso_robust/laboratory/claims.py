@@ -1,0 +1,219 @@
+"""What a certificate claims of every run, and whether a batch of runs keeps it.
+
+Nothing of the proof is used but what it claims: boxes, tubes and which contacts stick. Contacts are
+judged from tips and poses alone, by plain geometry, so that both engines are judged alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from meso_robust.bounds import Verdict
+from meso_robust.certificates.chain import Chain
+from meso_robust.laboratory.endings import gaps_to, in_part
+from meso_robust.laboratory.meetings import arrives, at_share, crosses
+from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.simulator import Outcome
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+UPPER, LOWER, PASSIVE = 0, 1, 2  # tips of a move
+PHASES = {"regrasp": 1, "tilt": 2, "straighten": 3}  # free, one tip sticks, both stick
+CONTACT = 1e-9  # m: a gap that counts as contact; both engines keep it to less
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Claims:
+    """Everything that is claimed of a plan's runs; M moves."""
+
+    rules: tuple[MoveRule, ...]
+    setup: Setup
+    posts: tuple[Floats | None, ...]
+    """Per move (2, 3) lower and upper ends of the certified box after it (m, m, rad)."""
+    tubes: tuple[Floats | None, ...]
+    """Per move (K, 2, 3) slices; during the move every pose lies in one of them."""
+
+    @property
+    def half(self) -> Floats:
+        """(2,) half the sides of the part, m."""
+        return np.asarray(rectangle(self.setup).max(axis=0))
+
+
+def ends(box: PoseBox) -> Floats:
+    """(2, 3) lower and upper ends of a box."""
+    sides = (box.x, box.y, box.theta)
+    return np.array([[side.lo for side in sides], [side.hi for side in sides]])
+
+
+def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
+    """What ``chain`` claims of ``rules``: boxes and tubes of the steps up to the last PROVED one."""
+    posts: list[Floats | None] = []
+    tubes: list[Floats | None] = []
+    for step in chain.steps:
+        if step.verdict is not Verdict.PROVED or step.post is None:
+            break
+        posts.append(ends(step.post))
+        tubes.append(np.array([ends(knot.box) for knot in step.tube]))
+    rest: list[Floats | None] = [None] * (len(rules) - len(posts))
+    return Claims(
+        rules=rules,
+        setup=chain.setup,
+        posts=(*posts, *rest),
+        tubes=(*tubes, *rest),
+    )
+
+
+def only_motions(rules: tuple[MoveRule, ...], setup: Setup) -> Claims:
+    """What is claimed of the contacts and the goal only, without boxes."""
+    none = (None,) * len(rules)
+    return Claims(rules=rules, setup=setup, posts=none, tubes=none)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Accuracy:
+    """What an engine's result cannot tell from keeping a claim."""
+
+    slip: float
+    """Slip on the edge that still counts as sticking, m."""
+    pose: tuple[Floats, ...]
+    """Per move (N or 1, 3): how far outside a box a pose may lie (m, m, rad)."""
+
+
+def broken(runs: PlanRun, claims: Claims, accuracy: Accuracy) -> dict[str, Flags]:
+    """Whether a run breaks a claim, for every claim that can be judged.
+
+    Parameters
+    ----------
+    runs
+        N runs of the plan.
+    claims
+        What is claimed.
+    accuracy
+        Of the engine that made the runs.
+
+    Returns
+    -------
+    dict
+        (N,) flags by the name of the claim, such as ``move 2: ends in its box``. A run that its
+        engine could not finish breaks nothing from the move on in which that happened.
+    """
+    found = {"every move can be carried out": np.isin(runs.outcomes, (STARTS_INSIDE, Outcome.JAM))}
+    for k, (rule, move) in enumerate(zip(claims.rules, runs.moves, strict=True)):
+        begun, done = runs.failed_in >= k, runs.failed_in > k
+        for name, (judged, flags) in _of_a_move(rule, move, claims, k, accuracy).items():
+            which = begun if judged == "begun" else done
+            found[f"move {k + 1}: {name}"] = which & flags
+    missed = outside(runs.final, ends(claims.setup.goal)[None], accuracy.pose[-1])
+    return {**found, "the last pose lies in the goal": runs.completed & missed}
+
+
+def outside(poses: Floats, boxes: Floats, slack: Floats) -> Flags:
+    """(N,) whether a run's pose (N, 3), or any of several (N, J, 3), lies in none of the boxes.
+
+    The boxes (K, 2, 3) are widened by the slack (N or 1, 3) of the run.
+    """
+    found = np.zeros(len(poses), dtype=np.bool_)
+    _find_outside(poses.reshape(len(poses), -1, 3), boxes, slack, found)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _find_outside(poses: Floats, boxes: Floats, slack: Floats, found: Flags) -> None:
+    """Write what `outside` finds: compiled, as most poses lie in one of the first boxes tried."""
+    for i in range(poses.shape[0]):
+        wide = i if slack.shape[0] > 1 else 0
+        for j in range(poses.shape[1]):
+            missed = 0
+            for k in range(boxes.shape[0]):
+                inside = True
+                for axis in range(3):
+                    inside &= poses[i, j, axis] >= boxes[k, 0, axis] - slack[wide, axis]
+                    inside &= poses[i, j, axis] <= boxes[k, 1, axis] + slack[wide, axis]
+                if inside:
+                    break
+                missed += 1
+            found[i] |= missed == boxes.shape[0]
+
+
+def _of_a_move(
+    rule: MoveRule, move: MoveRun, claims: Claims, k: int, accuracy: Accuracy
+) -> dict[str, tuple[str, Flags]]:
+    """Claims of one move, each with whether it is judged of moves begun or of moves done."""
+    half, post, tube = claims.half, claims.posts[k], claims.tubes[k]
+    slack = accuracy.pose[k]
+    at_start = gaps_to(move.tips, move.before[:, None], half)
+    found = {
+        "starts free of contact": ("begun", np.asarray((at_start <= 0.0).any(axis=1))),
+        "contacts are as claimed": ("done", ~_contacts(rule, move, claims, accuracy.slip)),
+        "probes withdraw clear of the part": ("done", _hits_on_withdrawal(move, half)),
+    }
+    if post is not None:
+        found["ends in its box"] = ("done", outside(move.after, post[None], slack))
+    if tube is not None and move.path.shape[1] > 1:
+        found["stays in its tube"] = ("done", outside(move.path, tube, slack))
+    return found
+
+
+def _contacts(rule: MoveRule, move: MoveRun, claims: Claims, slip: float) -> Flags:
+    """(N,) whether the tips touch, stick and stay clear as the primitive claims."""
+    half = claims.half
+    gaps = gaps_to(move.tips + move.travel, move.after[:, None], half)
+    touching = np.abs(gaps) <= CONTACT
+    if rule.action == "regrasp":
+        return (move.after == move.before).all(axis=1) & (gaps > 0.0).all(axis=1)
+    if rule.action == "rotate":
+        pusher = LOWER if rule.side > 0 else UPPER
+        idle = UPPER if rule.side > 0 else LOWER
+        return touching[:, pusher] & touching[:, PASSIVE] & (gaps[:, idle] > 0.0)
+    if rule.action == "tilt":
+        pusher = LOWER if rule.side > 0 else UPPER
+        alone = gaps[:, UPPER if rule.side > 0 else LOWER] > 0.0
+        held = touching[:, pusher] & alone & (first_tip(move, half) == pusher)
+    else:
+        held = touching[:, UPPER] & touching[:, LOWER]
+    few = True if move.phases is None else move.phases <= PHASES[rule.action]
+    return np.asarray(held & few & (slips(move, half) <= slip))
+
+
+def first_tip(move: MoveRun, half: Floats) -> npt.NDArray[np.int64]:
+    """(N,) which tip of the active probe meets the part first."""
+    return _first(move, half)[0]
+
+
+def _first(move: MoveRun, half: Floats) -> tuple[npt.NDArray[np.int64], Floats]:
+    """(N,) which tip of the active probe meets the part first, and after which share of its way."""
+    shares = arrives(move.tips[:, :2], move.travel[:, :2], move.before[:, None], half)
+    upper, lower = shares[:, UPPER], shares[:, LOWER]
+    return np.where(lower < upper, LOWER, UPPER), np.minimum(upper, lower)
+
+
+def slips(move: MoveRun, half: Floats) -> Floats:
+    """(N,) how far the first tip to touch is, after the move, from where it met the part, m.
+
+    With no more phases than claimed every contact keeps one mode in a phase; the first contact has
+    slipped in a phase then exactly if this is not zero.
+    """
+    first, share = _first(move, half)
+    rows = np.arange(len(first))
+    tip, way = move.tips[rows, first], move.travel[rows, first]
+    drift = in_part(tip + way, move.after) - at_share(share, tip, way, move.before)
+    return np.asarray(np.hypot(drift[:, 0], drift[:, 1]))
+
+
+def _hits_on_withdrawal(move: MoveRun, half: Floats) -> Flags:
+    """(N,) whether a probe meets the part on its way back.
+
+    The active probe goes back to its start, the passive one as far along the direction of the push.
+    """
+    back = np.ones((move.tips.shape[1], 1))
+    back[:PASSIVE] = -1.0
+    way = back * move.travel[:, LOWER, None]
+    found = crosses(move.tips + move.travel, way, move.after[:, None], half, CONTACT)
+    return np.asarray(found.any(axis=1))

@@ -1,0 +1,117 @@
+"""How a run ended: in which move, why, how far the probes got, and what they touched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.laboratory.polygon import distances
+from meso_robust.laboratory.replay import Player
+from meso_robust.laboratory.running import STARTS_INSIDE, STEP, PlanRun, outline, rectangle
+from meso_robust.primitives.outline import Polygon
+from meso_robust.primitives.setup import Setup
+from meso_robust.simulator import Outcome
+
+Floats = npt.NDArray[np.float64]
+
+FINE = 4000  # instants at which the stop of a jammed move is looked for
+NEAR = 2.0 * STEP  # gap that counts as touching
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """How one run ended."""
+
+    outcome: str
+    """``completed``, ``jam``, ``starts inside`` or the simulator's name of its own failure."""
+    move: int | None
+    """Index of the move that ended early, None if all were completed."""
+    share: float
+    """Part of that move (0 to 1) after which the probes stopped."""
+    touching: tuple[str, ...]
+    """Probes that held the part when it jammed."""
+
+
+def words(outcome: str, touching: Sequence[str]) -> str:
+    """What happened, as a phrase; ``touching`` are the probes that held the part."""
+    if outcome == "jam":
+        return f"the part jammed at {' and '.join(touching) or 'the probes'}"
+    if outcome == "starts inside":
+        return "a probe would start inside the part"
+    return outcome if outcome == "completed" else f"simulator: {outcome}"
+
+
+def ending(player: Player, runs: PlanRun, row: int) -> Ending:
+    """How the run ``row`` ended."""
+    code = int(runs.outcomes[row])
+    if code == Outcome.COMPLETED:
+        return Ending(outcome="completed", move=None, share=1.0, touching=())
+    move = int(runs.failed_in[row])
+    if code == STARTS_INSIDE:
+        return Ending(outcome="starts inside", move=move, share=0.0, touching=())
+    share, gaps = _stop(player, runs, row, move)
+    held = [name for name, gap in zip(player.probes[move], gaps, strict=True) if gap < NEAR]
+    return Ending(
+        outcome=Outcome(code).name.lower().replace("_", " "),
+        move=move,
+        share=share,
+        touching=tuple(held) if code == Outcome.JAM else (),
+    )
+
+
+def _stop(player: Player, runs: PlanRun, row: int, move: int) -> tuple[float, Floats]:
+    """Part of the move after which a probe would enter the part where it lies, and all gaps there."""
+    one = runs.moves[move]
+    shares = np.linspace(0.0, 1.0, FINE + 1)
+    shares = shares[shares >= _last_motion(one.path[row])]
+    tips = one.tips[row] + shares[:, None, None] * one.travel[row]
+    gaps = _gaps(tips, one.after[row], player.setup)
+    # the linear steps of the simulator leave a gap of their own; half a step is the next one
+    entered = np.flatnonzero((gaps < -0.5 * STEP).any(axis=1))
+    at = int(entered[0]) if entered.size else len(shares) - 1
+    return float(shares[at]), gaps[at]
+
+
+def _gaps(tips: Floats, pose: Floats, setup: Setup) -> Floats:
+    if isinstance(setup.outline, Polygon):
+        return distances(in_part(tips, pose), outline(setup))
+    return gaps_to(tips, pose, rectangle(setup).max(axis=0))
+
+
+def _last_motion(path: Floats) -> float:
+    """Part of the move at the last recorded pose that is not yet the final one."""
+    moving = np.flatnonzero((path != path[-1]).any(axis=1))
+    return float(moving[-1] / (len(path) - 1)) if moving.size and len(path) > 1 else 0.0
+
+
+def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
+    """(...,) distance of points from a rectangle, negative inside (then to the nearest edge).
+
+    Parameters
+    ----------
+    tips
+        (..., 2) points, m.
+    pose
+        (..., 3) of the rectangle, m and rad.
+    half
+        (2,) half its sides, m.
+    """
+    own = in_part(tips, pose)
+    beyond = np.abs(own) - half
+    outside = np.hypot(np.maximum(beyond[..., 0], 0.0), np.maximum(beyond[..., 1], 0.0))
+    return np.asarray(outside + np.minimum(np.maximum(beyond[..., 0], beyond[..., 1]), 0.0))
+
+
+def in_part(points: Floats, pose: Floats) -> Floats:
+    """(..., 2) points of the world (m) in the axes of a part at ``pose`` (..., 3)."""
+    return turned(points - pose[..., :2], pose)
+
+
+def turned(vectors: Floats, pose: Floats) -> Floats:
+    """(..., 2) vectors of the world in the axes of a part at ``pose`` (..., 3)."""
+    c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x + s * y, c * y - s * x], axis=-1)

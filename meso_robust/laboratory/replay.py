@@ -1,0 +1,199 @@
+"""A plan as something to be run: each run is a row of numbers, one for everything uncertain.
+
+A plan with a policy is run as a feedback policy, one without as the moves it states. Both take the
+same rows and give the same kind of result, so that sampling, searching and showing need not know
+which is which.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.bounds import Interval
+from meso_robust.laboratory.draws import Draws, draw
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.running import STEP, PlanRun, run
+from meso_robust.planning.document import names_of
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.setup import Setup
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """Something uncertain."""
+
+    name: str
+    """Name with its SI unit, such as ``friction`` or ``move 2 dtp x_m``."""
+    low: float
+    high: float
+    mid: float
+
+
+class Player(Protocol):
+    """A plan that can be run."""
+
+    @property
+    def setup(self) -> Setup:
+        """The task."""
+
+    @property
+    def kind(self) -> str:
+        """``feedback`` or ``open_loop``."""
+
+    @property
+    def primitives(self) -> tuple[str, ...]:
+        """Name of each move's primitive."""
+
+    @property
+    def probes(self) -> tuple[tuple[str, ...], ...]:
+        """Names of each move's probes."""
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Everything uncertain, in the order of a row."""
+
+    def draw(self, runs: int, rng: np.random.Generator) -> Floats:
+        """(N, D) random rows: the first half uniform over the box, the second half at corners."""
+
+    def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
+        """Run the plan once for every row; see ``laboratory.running.run``."""
+
+
+def nominal_row(player: Player) -> Floats:
+    """(1, D) every error zero and every range at its middle."""
+    return np.array([[column.mid for column in player.columns]])
+
+
+def limits(player: Player) -> tuple[Floats, Floats]:
+    """(D,) lower and (D,) upper ends of everything uncertain."""
+    columns = player.columns
+    return np.array([c.low for c in columns]), np.array([c.high for c in columns])
+
+
+def column(name: str, range_: Interval) -> Column:
+    """One number that lies in ``range_``."""
+    return Column(name=name, low=range_.lo, high=range_.hi, mid=range_.mid)
+
+
+def of_a_run(setup: Setup) -> tuple[Column, ...]:
+    """What is constant during a run: the pose at the start, friction, film, misalignment."""
+    s, u = setup.start, setup.uncertainty
+    return (
+        column("start x_m", s.x),
+        column("start y_m", s.y),
+        column("start theta_rad", s.theta),
+        column("friction", u.friction),
+        column("film_ratio_m2", u.film_ratio),
+        column("misalignment_rad", u.misalignment),
+    )
+
+
+def of_a_point(name: str, range_: Interval) -> tuple[Column, Column]:
+    """The error of a position."""
+    return column(f"{name} x_m", range_), column(f"{name} y_m", range_)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Feedback:
+    """A policy: before each move the pose is sensed, and the commands follow from it."""
+
+    rules: tuple[MoveRule, ...]
+    setup: Setup
+    engine: Engine = "stepper"
+    """Which engine of the simulator makes the moves."""
+
+    @property
+    def kind(self) -> str:
+        """How the plan is run."""
+        return "feedback"
+
+    @property
+    def primitives(self) -> tuple[str, ...]:
+        """Name of each move's primitive."""
+        return tuple(rule.primitive for rule in self.rules)
+
+    @property
+    def probes(self) -> tuple[tuple[str, ...], ...]:
+        """Names of each move's probes."""
+        return tuple(map(names_of, self.rules))
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """What bears on the runs; not the first sensing error, which follows from the start."""
+        u, found = self.setup.uncertainty, list(of_a_run(self.setup))
+        for k, rule in enumerate(self.rules):
+            if k > 0:
+                found += of_a_point(f"move {k + 1} sensing", u.sensed_position)
+                found.append(column(f"move {k + 1} sensing theta_rad", u.sensed_orientation))
+            found += of_a_point(f"move {k + 1} dtp", u.probe_position)
+            if rule.single is not None:
+                found += of_a_point(f"move {k + 1} stp", u.probe_position)
+        return tuple(found)
+
+    def draw(self, runs: int, rng: np.random.Generator) -> Floats:
+        """(N, D) the rows of ``laboratory.draws.draw``, so that a seed means the same everywhere."""
+        return self.rows_of(draw(self.setup, len(self.rules), runs, rng))
+
+    def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
+        """Run the policy once for every row."""
+        draws = self.draws_of(rows)
+        return run(self.rules, self.setup, draws, record=record, step=step, engine=self.engine)
+
+    def rows_of(self, draws: Draws) -> Floats:
+        """(N, D) draws as rows, number for number."""
+        parts = [draws.start, draws.friction, draws.film_ratio, draws.misalignment]
+        for k, rule in enumerate(self.rules):
+            if k > 0:
+                parts.append(draws.sensing[:, k])
+            parts.append(draws.dual[:, k])
+            if rule.single is not None:
+                parts.append(draws.single[:, k])
+        return np.column_stack(parts)
+
+    def draws_of(self, rows: Floats) -> Draws:
+        """Rows as draws; errors of a probe that is not there are zero."""
+        runs, moves = len(rows), len(self.rules)
+        sensing = np.zeros((runs, moves, 3))
+        dual, single = np.zeros((runs, moves, 2)), np.zeros((runs, moves, 2))
+        # the first pose is sensed as the task states it
+        sensing[:, 0] = np.array(self.setup.start.mid) - rows[:, :3]
+        at = 6
+        for k, rule in enumerate(self.rules):
+            targets = [sensing[:, k]] if k > 0 else []
+            targets += [dual[:, k]] + ([] if rule.single is None else [single[:, k]])
+            for target in targets:
+                target[:] = rows[:, at : at + target.shape[1]]
+                at += target.shape[1]
+        return Draws(
+            start=rows[:, :3].copy(),
+            friction=rows[:, 3].copy(),
+            film_ratio=rows[:, 4].copy(),
+            misalignment=rows[:, 5].copy(),
+            sensing=sensing,
+            dual=dual,
+            single=single,
+        )
+
+
+def miss(runs: PlanRun, setup: Setup) -> Floats:
+    """(N,) distance of the last pose from the goal's middle in tolerances; within 1 is a hit.
+
+    The largest of the three coordinates counts. NaN for a run that ended early.
+    """
+    goal = setup.goal
+    low = np.array([goal.x.lo, goal.y.lo, goal.theta.lo])
+    high = np.array([goal.x.hi, goal.y.hi, goal.theta.hi])
+    away = np.abs(runs.final - 0.5 * (low + high)) / (0.5 * (high - low))
+    return np.where(runs.completed, away.max(axis=1), np.nan)
+
+
+def joined(parts: Sequence[Floats]) -> Floats:
+    """Rows of several sources under each other."""
+    return np.concatenate(parts, axis=0)

@@ -1,0 +1,215 @@
+"""One line an effect: the premise of the certificate that it bears on, and what becomes of it.
+
+An effect without a line breaks a premise that nobody has named: nothing is proved then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from meso_robust.certificates.premise import Premise
+from meso_robust.transfer import inflation
+from meso_robust.transfer.inflation import Absorb
+
+
+class Ground(StrEnum):
+    """What a promise rests on that is no premise of a certificate."""
+
+    ONE_MODEL = "one_model"
+    A_LINE = "a_line"
+
+
+GROUND_WORDS: Mapping[Ground, str] = {
+    Ground.ONE_MODEL: "the recordings support one model",
+    Ground.A_LINE: "no premise is known to survive",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """An effect, or a base model, and the certificate."""
+
+    premise: Premise
+    """Which of the certificate's premises it bears on."""
+    claim: str
+    """What rests on that premise: a key of the register of claims."""
+    derivation: str
+    """Where that is derived."""
+    why: str
+    """What breaks, or why nothing does."""
+    absorb: Absorb | None = None
+    """How it is absorbed in the task; None: it is not, and nothing is proved."""
+
+
+def _one_point(claim: str, premise: Premise, why: str) -> Line:
+    file = "derivations/one_point_sticking.py"
+    return Line(premise=premise, claim=claim, derivation=file, why=why)
+
+
+def _invariance(claim: str, premise: Premise, why: str, absorb: Absorb | None = None) -> Line:
+    file = "derivations/invariances.py"
+    return Line(premise=premise, claim=claim, derivation=file, why=why, absorb=absorb)
+
+
+def _sensing(why: str, absorb: Absorb) -> Line:
+    return Line(
+        premise=Premise.ERRORS_BOUNDED,
+        claim="step-1-conditions",
+        derivation="derivations/y_translation.py",
+        why=why,
+        absorb=absorb,
+    )
+
+
+LINES: Mapping[str, Line] = {
+    "dry_friction": _one_point(
+        "eq-5-ratio",
+        Premise.FILM_DRAG,
+        "a dry force does not grow with the velocity: the sticking condition of eq. (5) is another, "
+        "and the path depends on the speed",
+    ),
+    "stribeck_friction": _invariance(
+        "rate-film",
+        Premise.FILM_DRAG,
+        "a dry force that falls with the speed: the path depends on the speed",
+    ),
+    "shear_thinning": _one_point(
+        "sticking-arc",
+        Premise.FILM_DRAG,
+        "the drag is not linear in the twist: force over turning is no longer that of one ρ",
+    ),
+    "anisotropic_drag": _invariance(
+        "film-isotropy", Premise.FILM_DRAG, "the drag has a preferred direction on the stage"
+    ),
+    "part_anisotropic_drag": _one_point(
+        "eq-5-normal-force",
+        Premise.FILM_DRAG,
+        "the drag along and across the part differ: e_x ≠ e_y",
+    ),
+    "drag_centre_offset": _one_point(
+        "eq-5-turning",
+        Premise.FILM_DRAG,
+        "the drag is centred beside the part's centre: pushing there turns it",
+    ),
+    "drag_gradient": _invariance(
+        "film-isotropy", Premise.FILM_DRAG, "the drag depends on the place, and its centre with it"
+    ),
+    "drag_drift": _invariance(
+        "film-scale",
+        Premise.FILM_DRAG,
+        "the drag grows as a whole: only ρ enters",
+        inflation.drag_scale,
+    ),
+    "breakaway_friction": _invariance(
+        "rate-film",
+        Premise.FILM_DRAG,
+        "a dry force that ages at rest: the path depends on times and speeds",
+    ),
+    "uneven_support": _one_point(
+        "eq-5-turning", Premise.FILM_DRAG, "a dry force centred beside the part's centre"
+    ),
+    "body_force": _one_point(
+        "eq-5-normal-force",
+        Premise.PART_RESTS,
+        "an untouched part moves, and the force enters the balance of eq. (5)",
+    ),
+    "film_flow": _one_point(
+        "eq-5-normal-force",
+        Premise.PART_RESTS,
+        "an untouched part moves with the film, and the flow enters the balance of eq. (5)",
+    ),
+    "wall_capillarity": _one_point(
+        "eq-5-normal-force",
+        Premise.PART_RESTS,
+        "a wall draws the part without touching it, untouched or pushed",
+    ),
+    "unmodelled_wall": Line(
+        premise=Premise.PART_KNOWN,
+        claim="uniqueness-one-contact",
+        derivation="derivations/one_point_sticking.py",
+        why="a contact with something that is not in the task",
+        absorb=inflation.unmodelled_wall,
+    ),
+    "tip_adhesion": _one_point(
+        "eq-5-normal-force",
+        Premise.COULOMB_FRICTION,
+        "a meniscus pulls: contacts no longer only press (λ_n ≥ 0), and a tip that leaves drags "
+        "the part along",
+    ),
+    "tip_attraction": _one_point(
+        "eq-5-normal-force",
+        Premise.PART_RESTS,
+        "a tip draws the part before it touches and while it leaves: the part does not rest",
+    ),
+    "edge_dependent_friction": Line(
+        premise=Premise.COULOMB_FRICTION,
+        claim="no-jam",
+        derivation="derivations/rotation_existence.py",
+        why="the two tips of a rotation press on different edges: their μ differ",
+    ),
+    "part_geometry": Line(
+        premise=Premise.PART_KNOWN,
+        claim="rectangle-edges",
+        derivation="derivations/polygon_edge.py",
+        why="a rectangle still, with other sides",
+        absorb=inflation.part_geometry,
+    ),
+    "tip_radius": Line(
+        premise=Premise.POINT_TIPS,
+        claim="closed-form-motion",
+        derivation="derivations/sticking_motion.py",
+        why="a round tip rolls on the edge while the part turns: the contact does not stay at d2",
+    ),
+    "reference_offset": _sensing(
+        "the tracker follows another point of the part", inflation.reference_offset
+    ),
+    "probe_compliance": Line(
+        premise=Premise.PROBES_RIGID,
+        claim="closed-form-motion",
+        derivation="derivations/sticking_motion.py",
+        why="a tip that bends under the force leaves its line, and creeps after the stop",
+    ),
+    "backlash": _invariance(
+        "rate-film",
+        Premise.ERRORS_BOUNDED,
+        "a tip lags by half the lost motion while it pushes, and may start anywhere in it",
+        inflation.backlash,
+    ),
+    "probe_drift": Line(
+        premise=Premise.ERRORS_BOUNDED,
+        claim="closed-form-motion",
+        derivation="derivations/sticking_motion.py",
+        why="a probe's error grows during a move: its line is not along the axis, and the passive "
+        "tip does not rest",
+    ),
+    "camera_latency": _sensing("old poses are seen", inflation.camera_latency),
+    "camera_scale": _sensing("lengths are seen too long", inflation.camera_scale),
+    "camera_rotation": _sensing("the image is turned", inflation.camera_rotation),
+    "camera_drift": _sensing("everything is seen to move", inflation.camera_drift),
+    "lens_distortion": _sensing("places far out are seen displaced", inflation.lens_distortion),
+}
+"""Every effect of the simulator's catalogue."""
+
+POINT_TIPS = Line(
+    premise=Premise.POINT_TIPS,
+    claim=LINES["tip_radius"].claim,
+    derivation=LINES["tip_radius"].derivation,
+    why="a round tip touches beside its centre, and rolls on the edge while the part turns",
+)
+"""A tip of a radius, wherever its commanded place is that of its centre."""
+
+BASE = "viscous"
+"""The model of motion that certificates are about."""
+
+_NO_FILM = _one_point(
+    "eq-5-ratio", Premise.FILM_DRAG, "the part slides on dry contact, not on a film"
+)
+
+BASES: Mapping[str, Line] = {
+    "three_point": _NO_FILM,
+    "uniform_pressure": _NO_FILM,
+    "limit_surface": _NO_FILM,
+}
+"""Other models that can be fitted: none of them keeps the premise on the film."""

@@ -1,0 +1,343 @@
+"""The promise made again: a plan for the task as the fitted model says it is.
+
+PROVED takes three things: every parameter and effect of the model is absorbed over the whole of its
+interval; the plan is certified for the changed task, and for every size of the part; and the bounds
+were computed for places and times that the plan keeps within. Otherwise the verdict is UNKNOWN and
+names the premise.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from meso_robust.bounds import Verdict
+from meso_robust.certificates.chain import Chain, certify
+from meso_robust.certificates.document import (
+    CertificateDocument,
+    LimitDocument,
+    MarginDocument,
+    Undecided,
+    UndecidedDocument,
+    UndecidedReading,
+    claim_document,
+    named,
+    reading_document,
+    sealed,
+    step_document,
+    undecided_document,
+)
+from meso_robust.certificates.words import words
+from meso_robust.errors import InputError, NotApplicableError
+from meso_robust.identification.document import ModelDocument, read_model
+from meso_robust.identification.models import MODELS
+from meso_robust.laboratory.crosscheck import CLEAR, ROUNDING
+from meso_robust.pipeline import Planned, SimulatorContradictsProofError, judge
+from meso_robust.planning.compose import IN_HAND, Found, compose, robust_at
+from meso_robust.planning.remedy import Remedy
+from meso_robust.primitives.names import Named, Reason, about
+from meso_robust.task import Task
+from meso_robust.transfer.assumption_check import BREAKS, Standing, remedy, standings
+from meso_robust.transfer.changing import Changed, changed, check_part
+from meso_robust.transfer.envelope import enough, needed, roomier
+from meso_robust.transfer.inflation import Budget
+from meso_robust.transfer.running import Evidence, evidence
+
+MOST_RUNS = 200
+"""Runs under the model's own physics; some of them are slow."""
+_ROUNDS = 4  # of budgets that are tried
+_WIDENED = (1.0, 2.0)  # times the part's uncertainty, added to the errors that the planner sees
+
+Doing = Callable[[str], AbstractContextManager[None]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Promise:
+    """What became of the promise."""
+
+    planned: Planned
+    """Of the changed task; its certificate has the verdict of the promise."""
+    before: Task
+    document: ModelDocument
+    changed: Changed
+    standings: tuple[Standing, ...]
+    wide: Chain | None
+    """The plan certified for every size of the part and clear of posts; None if nothing is wider."""
+    evidence: Evidence | None
+    no_evidence: str
+
+    @property
+    def broken(self) -> tuple[Standing, ...]:
+        """What the promise does not survive."""
+        return tuple(one for one in self.standings if not one.survives)
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """What the laboratory must keep to beside the certificate's premises."""
+        found = [one.absorbed.condition for one in self.standings if one.absorbed is not None]
+        points = [] if self.document.probe else ["the tips are points: the model states no radius"]
+        return (*points, *(one for one in found if one))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Found:
+    """A plan for the task as changed for a budget."""
+
+    changed: Changed
+    standings: tuple[Standing, ...]
+    plan: Found
+    wide: Chain
+    kept: bool
+    """Whether the plan keeps the budget that the bounds were computed for."""
+
+
+def read(path: Path, task: Task) -> ModelDocument:
+    """Read a model that the promise can be made from.
+
+    Raises
+    ------
+    InputError
+        The file is not a model, names a model that is not known, or is about another part.
+    """
+    document = read_model(path)
+    base = document.model.partition("+")[0]
+    if base not in MODELS:
+        raise InputError(
+            f"{path}: key model = {document.model!r}: must be, or begin with, one of "
+            f"{', '.join(MODELS)}; fit one of these with `meso-robust identify`"
+        )
+    check_part(task, document, str(path))
+    return document
+
+
+def model_hash(document: ModelDocument) -> str:
+    """SHA-256 of a model's values, independent of layout and comments."""
+    values = document.model_dump(mode="json", by_alias=True, exclude_none=True)
+    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+
+
+def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing: Doing) -> Promise:
+    """Plan for a task as a fitted model says it is, and judge the plan.
+
+    Parameters
+    ----------
+    task
+        As the user stated it.
+    document
+        The model, of the task's part; see `read`.
+    samples, seed, doing
+        As for `job.make`.
+
+    Raises
+    ------
+    InputError
+        The changed task breaks a rule of tasks.
+    NotApplicableError
+        No primitive can handle the changed task.
+    SimulatorContradictsProofError
+        The simulator and the proof disagree.
+    """
+    with doing("searching a plan for the task as the model says it is"):
+        found = _search(task, document)
+    planned = judge(found.changed.task, found.plan, samples, seed, doing)
+    ran, why = None, "the model has no effects: the runs of the certificate are of its physics"
+    if "+" in document.model or any(not one.survives for one in found.standings):
+        with doing("simulating under the model's own physics"):
+            ran, why = _ran(found, task, document, min(samples, MOST_RUNS), seed, planned)
+    made = Promise(
+        planned=_judged(planned, found, document, task),
+        before=task,
+        document=document,
+        changed=found.changed,
+        standings=found.standings,
+        wide=found.wide if found.changed.wider else None,
+        evidence=ran,
+        no_evidence=why,
+    )
+    if made.planned.certificate.verdict == "PROVED" and ran is not None and ran.broken:
+        raise SimulatorContradictsProofError(
+            f"runs of seed {seed} under the model's own physics break a PROVED claim: "
+            f"{ran.in_goal} of {ran.runs} in the goal, worst {ran.worst_um} um outside"
+        )
+    return made
+
+
+def _search(task: Task, document: ModelDocument) -> _Found:
+    """A plan, and bounds of effects for as far out and as long as it goes.
+
+    A first plan with small bounds tells how far that is; each further one gets bounds for the one
+    before, until a plan keeps within what its own bounds were computed for.
+    """
+    start, goal = task.start, task.goal
+    far = max((one.x_um**2 + one.y_um**2) ** 0.5 for one in (start, goal))
+    budget = Budget(radius_um=far, seconds=0.0)
+    for _ in range(_ROUNDS):
+        found = standings(document, budget)
+        after = changed(task, document, found)
+        plan, wide = _plan(after)
+        need = needed(wide, after.task)
+        kept = not _bounded(found) or enough(budget, need)
+        if kept or wide.verdict is not Verdict.PROVED:
+            break
+        budget = roomier(need)
+    return _Found(changed=after, standings=found, plan=plan, wide=wide, kept=kept)
+
+
+def _bounded(found: Sequence[Standing]) -> bool:
+    """Whether some bound rests on the budget."""
+    return any(one.absorbed is not None and one.absorbed.bounded_by for one in found)
+
+
+def _plan(after: Changed) -> tuple[Found, Chain]:
+    """A plan for the changed task, and its certification for every size of the part."""
+    try:
+        first = compose(after.task)
+    except NotApplicableError as error:
+        said = ", ".join(f"{one.key} = {one.after}" for one in after.changes)
+        raise NotApplicableError(f"{error} (with the model's {said or 'ranges'})") from error
+    wide = certify(first.rules, after.setup())
+    if wide.verdict is Verdict.PROVED or not any(after.half_um):
+        return first, wide
+    # the planner knows one size only: it is shown larger errors instead
+    for factor, scale in itertools.product(_WIDENED, IN_HAND):
+        rules = robust_at(_with_errors(after, factor), scale)
+        again = None if rules is None else certify(rules, after.setup())
+        if rules is not None and again is not None and again.verdict is Verdict.PROVED:
+            return Found(rules=rules, scale=1.0), again
+    return first, wide
+
+
+def _with_errors(after: Changed, factor: float) -> Task:
+    more = factor * max(after.half_um)
+    known = after.task.uncertainty
+    larger = {
+        "sensed_position_um": known.sensed_position_um + more,
+        "probe_position_um": known.probe_position_um + more,
+    }
+    return after.task.model_copy(update={"uncertainty": known.model_copy(update=larger)})
+
+
+def _ran(
+    found: _Found, task: Task, document: ModelDocument, runs: int, seed: int, planned: Planned
+) -> tuple[Evidence | None, str]:
+    x, y, theta = (CLEAR * error + ROUNDING for error in planned.check.error)
+    try:
+        return evidence(found.plan.rules, task, document, runs, seed, (x, y, theta)), ""
+    except ValueError as error:  # the simulator refuses, say, a tip of a negative radius
+        return None, f"the simulator cannot run this model: {error}"
+
+
+def _judged(planned: Planned, found: _Found, document: ModelDocument, task: Task) -> Planned:
+    """The plan with the certificate of the promise."""
+    plain = planned.certificate
+    made_with = {
+        **plain.made_with,
+        "model": model_hash(document),
+        "task before the model": task.hash,
+    }
+    update: dict[str, object] = {"made_with": made_with}
+    chain = planned.chain
+    broken = next((one for one in found.standings if not one.survives), None)
+    if broken is not None:
+        update |= _unknown(planned, chain, _premise(planned, broken))
+    elif plain.verdict == "PROVED" and found.wide.verdict is not Verdict.PROVED:
+        chain = found.wide
+        found_open = undecided_document(chain, about(Remedy.MEASURE_PART))
+        update |= _unknown(planned, chain, found_open) | _steps(planned, chain)
+    elif plain.verdict == "PROVED" and not found.kept:
+        update |= _unknown(planned, chain, _budget(planned))
+    elif plain.verdict == "REFUTED" and "+" in document.model:
+        # the failing run has errors that the effects may well not make
+        reading = plain.reading.model_copy(update={"outcome": None})
+        update |= {"verdict": "UNKNOWN", "witness": None, "reading": reading}
+    certificate = CertificateDocument.model_validate(plain.model_copy(update=update).model_dump())
+    return replace(planned, chain=chain, certificate=sealed(certificate))
+
+
+def _unknown(planned: Planned, chain: Chain, undecided: Undecided | None) -> dict[str, object]:
+    """A certificate that claims nothing, and says why."""
+    each = dict.fromkeys(planned.margin.each, 0.0)
+    limit = None
+    if undecided is not None:
+        open_ = undecided.document
+        limit = LimitDocument(**open_.reason.model_dump(), step=open_.step, action=open_.action)
+    nothing = MarginDocument(
+        factor=0.0, refused_at=1.0, binds_first=None, each_alone=each, limit=limit
+    )
+    reading = reading_document(
+        planned.task,
+        chain,
+        len(planned.found.rules),
+        undecided=None if undecided is None else undecided.reading,
+    )
+    return {
+        "verdict": "UNKNOWN",
+        "undecided": None if undecided is None else undecided.document,
+        "witness": None,
+        "margin": nothing,
+        "reading": reading,
+    }
+
+
+def _steps(planned: Planned, chain: Chain) -> dict[str, object]:
+    """What was proved and what not, with every size of the part."""
+    return {
+        "steps": tuple(step_document(step) for step in chain.steps),
+        "claim": claim_document(planned.task, chain, len(planned.found.rules)),
+    }
+
+
+def _premise(planned: Planned, broken: Standing) -> Undecided:
+    breaks = broken.word == BREAKS
+    reason = (
+        about(Reason.PREMISE_KEPT, premise=str(broken.premise), effect=broken.name)
+        if breaks
+        else about(Reason.EFFECT_BOUNDED, effect=broken.name)
+    )
+    return _open(
+        planned,
+        reason,
+        remedy(broken),
+        claim=f"premise: {broken.premise_words}" if breaks else words(reason),
+        inequality=f"{broken.name}: {broken.said}{_place(broken)}",
+    )
+
+
+def _place(broken: Standing) -> str:
+    return f" [{broken.claim}, {broken.derivation}]" if broken.claim else ""
+
+
+def _budget(planned: Planned) -> Undecided:
+    reason = about(Reason.WITHIN_BOUNDS)
+    return _open(
+        planned,
+        reason,
+        about(Remedy.CALIBRATE_CAMERA),
+        claim=words(reason),
+        inequality="farthest sensed pose, duration <= those of the bounds",
+    )
+
+
+def _open(
+    planned: Planned, reason: Named, settled_by: Named, *, claim: str, inequality: str
+) -> Undecided:
+    """Something that no move's obligation is about."""
+    rule = planned.found.rules[0]
+    return Undecided(
+        UndecidedDocument(
+            move=1,
+            step=rule.step,
+            action=rule.action,
+            reason=named(reason),
+            inequality=None,
+            fails=False,
+            over={},
+            settled_by=named(settled_by),
+        ),
+        UndecidedReading(claim=claim, inequality=inequality, settled_by=words(settled_by)),
+    )

@@ -1,0 +1,322 @@
+"""The competition: probabilities, duplicates and answers by hand, and on sets of known truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from meso_robust.diagnosis.acceptance import Witnesses, judged, partial
+from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.candidates import (
+    Candidate,
+    Naming,
+    answers_of,
+    freed,
+    pruned,
+    supported,
+    why_not,
+    with_probabilities,
+    without_duplicates,
+)
+from meso_robust.diagnosis.detect import ALARM
+from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.invariances import Pair
+from meso_robust.diagnosis.model_selection import Contest
+from meso_robust.diagnosis.nulls import null_rows
+from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.rejection import Ground, Rejection
+from meso_robust.diagnosis.signatures import signatures
+from meso_robust.diagnosis.trials import Trial
+from meso_robust.diagnosis.validation import Errors
+from meso_robust.simulator.catalogue import CATALOGUE
+
+EACH = np.log(len(CATALOGUE))
+"""What an effect costs before any recording: one of so many."""
+LEFT = Rejection(ground=Ground.MISMATCH_LEFT, names=("the largest test",))
+
+
+def same_as(*effects: str) -> Rejection:
+    return Rejection(ground=Ground.SAME_MOTION, names=effects)
+
+
+def candidate(
+    *effects: str, score: float = 0.0, numbers: int = 1, rows: float = 0.0, **more: Any
+) -> Candidate:
+    """A set with a score and motion of its own."""
+    sizes = {f"k{k}": 1.0 for k in range(numbers)}
+    trials = [Trial(effect=effects[0], sizes=sizes)]
+    trials += [Trial(effect=one, sizes={"k": 1.0}) for one in effects[1:]]
+    nothing = cast(Any, None)
+    refit = Refit(
+        trials=tuple(trials),
+        model=nothing,
+        fits=nothing,
+        fitted=nothing,
+        tangent=nothing,
+        rows=np.array([[rows, 0.0]]),
+        chi2=0.0,
+        gain=score + EACH * len(effects),
+    )
+    return Candidate(refit=refit, **more)
+
+
+@pytest.mark.parametrize("rejected", [None, Rejection(ground=Ground.NO_GAIN)])
+@pytest.mark.parametrize("adequate", [True, False, None])
+def test_every_set_that_is_no_answer_has_a_reason(
+    adequate: bool | None, rejected: Rejection | None
+) -> None:
+    first = candidate("body_force", score=50.0, adequate=True)
+    other = candidate("backlash", score=9.0, adequate=adequate, rejected=rejected)
+    naming = Naming(answers=(first,), best=first, candidates=(first, other))
+
+    assert why_not(first, naming) is None
+    reason = why_not(other, naming)
+
+    assert reason is not None
+    assert len(reason.words.split()) >= 3
+    assert reason == rejected or rejected is None
+    if adequate is None and rejected is None:
+        assert (reason.ground, reason.names) == (Ground.FAR_BEHIND, ("body_force",))
+        assert reason.amount == pytest.approx(41.0)
+
+
+def test_a_score_pays_for_effects_and_for_forms() -> None:
+    one = candidate("body_force", "backlash", score=7.0, choices=1.5)
+    assert one.score == pytest.approx(5.5)
+    assert one.effects == ("backlash", "body_force")
+
+
+def test_probabilities_are_those_of_bayes() -> None:
+    field = [candidate("backlash", score=2.0), candidate("body_force", score=5.0)]
+    found = with_probabilities(field)
+    weights = np.exp([5.0, 2.0, 0.0])  # the plain model among them
+    assert [one.effects for one in found] == [("body_force",), ("backlash",)]
+    expected = weights[:2] / weights.sum()
+    np.testing.assert_allclose([one.probability for one in found], expected)
+
+
+def test_differences_that_may_be_the_simulators_count_less() -> None:
+    found = with_probabilities(
+        [candidate("body_force", score=5000.0), candidate("backlash", score=4950.0)]
+    )
+    # a two-hundredth of 5000 nats is 25: two doubts
+    assert found[0].probability / found[1].probability == pytest.approx(np.e**2)
+
+
+def test_an_answer_holds_nearly_all_of_the_probability() -> None:
+    def field(second: float) -> list[Candidate]:
+        return with_probabilities(
+            [
+                candidate("body_force", score=20.0, adequate=True),
+                candidate("backlash", score=second, adequate=True),
+                candidate("tip_radius", score=19.0, adequate=False, rejected=LEFT),
+                candidate("probe_drift", score=19.0),
+            ]
+        )
+
+    assert [one.effects for one in answers_of(field(16.0))] == [("body_force",)]
+    assert [one.effects for one in answers_of(field(18.0))] == [("body_force",), ("backlash",)]
+    assert answers_of([]) == ()
+
+
+def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
+    simple = candidate("dry_friction", score=10.0, numbers=1, rows=1.0)
+    same = candidate("stribeck_friction", score=9.0, numbers=2, rows=2.0)
+    other = candidate("breakaway_friction", score=9.0, numbers=2, rows=9.0)
+    better = candidate("shear_thinning", score=10.5, numbers=2, rows=2.0)
+    found = {one.effects[0]: one for one in without_duplicates([simple, same, other, better])}
+    assert found["stribeck_friction"].rejected == same_as("dry_friction")
+    assert [name for name, one in found.items() if one.rejected] == ["stribeck_friction"]
+
+
+def test_a_duplicate_of_what_is_not_enough_may_yet_answer() -> None:
+    short = candidate("dry_friction", adequate=False, rejected=LEFT)
+    same = candidate("stribeck_friction", rejected=same_as("dry_friction"))
+    enough = candidate("body_force", adequate=True)
+    other = candidate("backlash", rejected=same_as("body_force"))
+    found = {one.effects[0]: one.rejected for one in freed([short, same, enough, other])}
+    assert found == {
+        "dry_friction": LEFT,
+        "stribeck_friction": None,
+        "body_force": None,
+        "backlash": same_as("body_force"),
+    }
+
+
+def errors(misfit: float, *sigma: float) -> Errors:
+    """With −½ Σ r² = −misfit, and errors of so many σ of each recording."""
+    rows = np.sqrt([[misfit, misfit]])
+    return cast(Errors, SimpleNamespace(rows=rows, sigma=np.array(sigma or (1.0,))))
+
+
+def pair(x: float, tolerance: float = 1e-6) -> Pair:
+    """A push that should coincide with another, and is so far off along x, m."""
+    return cast(
+        Pair,
+        SimpleNamespace(
+            invariance="speed",
+            first="a.csv",
+            second="b.csv",
+            difference=np.array([x, 0.0, 0.0]),
+            tolerance=np.array([tolerance, tolerance, 1e-3]),
+        ),
+    )
+
+
+def told(plain: float, unseen: bool = True, reach: float = 1.0, **each: Errors) -> Witnesses:
+    """Errors of sets, named ``a__b``, and no pairs."""
+    own = {tuple(name.split("__")): one for name, one in each.items()}
+    return Witnesses(errors={(): errors(plain)} | own, unseen=unseen, reach=reach, pairs={})
+
+
+def naming(*names: str) -> Naming:
+    field = tuple(candidate(name, score=9.0, adequate=True) for name in names)
+    return Naming(answers=field, best=field[0], candidates=field)
+
+
+def test_held_out_recordings_refute_answers() -> None:
+    both = naming("body_force", "backlash")
+    kept = judged(both, told(500.0, body_force=errors(100.0), backlash=errors(104.0)))
+    assert [one.effects for one in kept.answers] == [("body_force",), ("backlash",)]
+    found = judged(both, told(500.0, body_force=errors(106.0), backlash=errors(100.0)))
+    assert [one.effects for one in found.answers] == [("backlash",)]
+    against = found.candidates[0].rejected
+    assert against is not None
+    assert against.ground is Ground.HELD_OUT_WORSE
+    assert against.amount == pytest.approx(6.0)
+    assert found.candidates[1].rejected is None
+    worse = told(90.0, body_force=errors(96.0), backlash=errors(97.0))
+    assert judged(both, worse).answers == ()
+    fitted = replace(worse, unseen=False)  # a fit that is no worse than another refutes nothing
+    assert len(judged(both, fitted).answers) == 2
+
+
+def test_every_effect_of_a_set_must_help_where_nothing_was_fitted() -> None:
+    one = candidate("backlash", "body_force", score=9.0, adequate=True)
+    found = Naming(answers=(one,), best=one, candidates=(one,))
+
+    def against(part: float) -> Rejection | None:
+        witnesses = told(500.0, body_force=errors(part), backlash__body_force=errors(50.0))
+        return judged(found, witnesses).candidates[0].rejected
+
+    assert against(50.1) is None
+    assert against(49.9) == Rejection(ground=Ground.IDLE_MEMBER, names=("body_force",))
+
+
+def test_an_answer_must_come_near_what_any_law_could_reach() -> None:
+    one = naming("body_force")
+    near = errors(9.0, 1.0, 1.31, 7.0)  # of one recording in three it may be the numbers
+    assert judged(one, told(500.0, reach=1.1, body_force=near)).answers
+    found = judged(one, told(500.0, reach=1.1, body_force=errors(9.0, 1.0, 1.33, 1.4)))
+    assert found.answers == ()
+    assert found.candidates[0].rejected == Rejection(
+        ground=Ground.ABOVE_FLOOR, amount=1.33, limit=1.1
+    )
+
+
+def test_invariances_must_be_broken_as_they_are_seen_to_be() -> None:
+    one = naming("body_force")
+
+    def answers(seen: float, predicted: float) -> int:
+        witnesses = replace(
+            told(500.0, body_force=errors(9.0)),
+            seen=(pair(0.0), pair(seen)),
+            pairs={("body_force",): (pair(0.0), pair(predicted))},
+        )
+        return len(judged(one, witnesses).answers)
+
+    assert answers(9e-6, 9e-6) == 1
+    assert answers(9e-6, 5e-6) == 1
+    # 5 σ of three numbers: a chance of 1.5e-5, less than a thousandth over two pairs
+    assert answers(9e-6, 4e-6) == 0
+    assert answers(0.0, 5e-6) == 0  # nor may it break one that is seen to hold
+
+
+def test_a_hidden_delay_is_named(late: Diagnosis) -> None:
+    assert late.naming is not None
+    (answer,) = late.naming.answers
+    assert answer.effects == ("camera_latency",)
+    assert answer.probability > 0.99
+    assert answer.adequate
+    assert answer.p_value > ALARM
+    scores = [one.score for one in late.naming.candidates]
+    assert scores == sorted(scores, reverse=True)
+
+
+def contest(at: Baseline, *tried: Trial) -> Naming:
+    nulls = null_rows(at, 99, 0)
+    return Contest(at, signatures(at, list(tried)), (), nulls, True, lambda *_: None).named()
+
+
+FORCE = Trial(effect="body_force", sizes={"x_um_s": 0.5, "y_um_s": 0.5})
+FLOW = Trial(effect="film_flow", sizes={"x_um_s": 0.5, "y_um_s": 0.5})
+RADIUS = Trial(effect="tip_radius", sizes={"excess_um": 2.0})
+TURN = Trial(effect="camera_rotation", sizes={"angle_deg": 0.2})
+
+
+def test_what_motion_cannot_tell_apart_is_all_given(pulled: Baseline) -> None:
+    found = contest(pulled, FORCE, FLOW, RADIUS)
+    assert {one.effects for one in found.answers} == {("body_force",), ("film_flow",)}
+    one, two = found.answers
+    assert one.probability == pytest.approx(two.probability, rel=0.05)
+    values = one.refit.fits.values[0, 2:]
+    np.testing.assert_allclose(values, [3e-6, 0.0], atol=0.1e-6)
+
+
+def test_without_the_true_effect_there_is_no_answer(pulled: Baseline) -> None:
+    found = contest(pulled, RADIUS, TURN)
+    assert found.answers == ()
+    assert found.best is not None
+    assert found.best.adequate is False
+    assert found.best.rejected is not None
+    assert found.best.rejected.ground is Ground.MISMATCH_LEFT
+
+
+def test_what_is_enough_by_itself_is_not_given_with_more() -> None:
+    one = candidate("body_force", score=30.0, adequate=True)
+    more = candidate("body_force", "tip_radius", score=31.5, adequate=True)
+    needed = candidate("body_force", "camera_rotation", score=32.5, adequate=True)
+    found = {one.effects: one.rejected for one in pruned([needed, more, one])}
+    enough = Rejection(ground=Ground.SUBSET_SUFFICES, names=("body_force",))
+    assert found == {more.effects: enough, needed.effects: None, one.effects: None}
+
+
+def test_an_answer_that_is_beaten_by_what_is_not_enough_is_none() -> None:
+    ahead = candidate("stribeck_friction", score=20.0, adequate=False, rejected=LEFT)
+    behind = candidate("body_force", score=14.0, adequate=True)
+    close = candidate("backlash", score=16.0, adequate=True)
+    field = [ahead, behind, close]
+    beaten = supported(behind, field).rejected
+    assert beaten is not None
+    assert (beaten.ground, beaten.names) == (Ground.OUTSCORED, ("stribeck_friction",))
+    assert beaten.amount == pytest.approx(6.0)
+    assert supported(close, field).rejected is None
+
+
+def test_a_further_effect_must_explain_much() -> None:
+    single = candidate("body_force", score=50.0, adequate=False, rejected=LEFT)
+    slight = candidate("body_force", "tip_radius", score=89.0, adequate=True)
+    much = candidate("body_force", "backlash", score=91.0, adequate=True)
+    too_little = Rejection(ground=Ground.SLIGHT_MEMBER, amount=39.0)
+    assert supported(slight, [single, slight]).rejected == too_little
+    assert supported(much, [single, much]).rejected is None
+
+
+def test_of_what_is_not_explained_the_part_is_given_that_carries_over() -> None:
+    none = Naming(
+        answers=(),
+        best=candidate("body_force", score=9.0),
+        candidates=(candidate("body_force", score=9.0), candidate("backlash", score=8.0)),
+    )
+
+    def left(whole: float) -> Errors:
+        return cast(Errors, SimpleNamespace(whole=whole))
+
+    found = partial(none, left(2.0), (left(2.1), left(1.5)))
+    assert found.best is not None
+    assert found.best.effects == ("backlash",)
+    assert partial(none, left(1.4), (left(2.1), left(1.5))).best is None

@@ -1,0 +1,149 @@
+"""The task as the model says it is: outward, and nothing lost."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, strategies as st
+
+from meso_robust.bounds import Interval
+from meso_robust.errors import InputError
+from meso_robust.task import Part, load_task, parse_task
+from meso_robust.toml_files import read_toml, toml_of
+from meso_robust.transfer.assumption_check import standings
+from meso_robust.transfer.changing import Changed, about_middle, changed, check_part
+from meso_robust.transfer.inflation import Budget
+from tests.conftest import paper_task
+from tests.strategies import REPEATABLE
+from tests.transfer.models import model
+
+BUDGET = Budget(radius_um=2000.0, seconds=100.0)
+
+
+def made(*args: object, **rest: object) -> Changed:
+    document = model(*args, **rest)
+    return changed(paper_task(), document, standings(document, BUDGET))
+
+
+@REPEATABLE
+@given(st.floats(1e3, 1e7), st.floats(0.0, 0.9))
+def test_middle_and_percentage_hold_both_ends(high: float, share: float) -> None:
+    low = high * (1.0 - share)
+
+    middle, percent = (Fraction(repr(value)) for value in about_middle(low, high))
+
+    assert middle * (1 - percent / 100) <= Fraction(repr(low))
+    assert Fraction(repr(high)) <= middle * (1 + percent / 100)
+    assert percent / 100 * middle < Fraction((high - low) / 2 + 0.1 + 1e-7 * high)
+
+
+def test_the_model_s_intervals_replace_the_task_s_ranges() -> None:
+    found = made(base={"rho_um2": (360_000.0, 370_000.0), "mu": (0.3123456789, 0.3222222222)})
+    u = found.task.uncertainty
+
+    assert u.friction == (0.312345, 0.322223)
+    assert u.film_ratio_um2 == 365_000.0
+    assert u.film_ratio_percent == pytest.approx(100 * 5 / 365, abs=1e-5)
+    assert [one.key for one in found.changes] == [
+        "uncertainty.friction",
+        "uncertainty.film_ratio_um2",
+        "uncertainty.film_ratio_percent",
+    ]
+    assert found.changes[0].before == "0.3 … 0.36"
+    assert (found.task.part, found.task.start, found.task.goal) == (
+        paper_task().part,
+        paper_task().start,
+        paper_task().goal,
+    )
+    assert not found.wider
+
+
+def test_a_range_that_is_not_identified_stays_and_the_other_is_replaced() -> None:
+    found = made(open_=("mu",))
+
+    assert found.task.uncertainty.friction == (0.3, 0.36)
+    assert found.task.uncertainty.film_ratio_um2 == 376_500.0
+
+
+def test_errors_of_several_effects_add_up() -> None:
+    found = made(
+        {
+            "reference_offset.x_um": (0.0, 3.0),
+            "reference_offset.y_um": (-4.0, 0.0),  # with it 5 um off, at most
+            "camera_rotation.angle_deg": (-0.1, 0.0),  # 3.4907 um at 2 mm
+            "backlash.width_um": (1.0, 5.0),
+        }
+    )
+    u = found.task.uncertainty
+
+    assert u.sensed_position_um == pytest.approx(5.0 + 5.0 + 3.50, abs=0.02)
+    assert u.sensed_orientation_deg == pytest.approx(0.3 + 0.1, abs=0.011)
+    assert u.probe_position_um == 7.5
+    because = {one.key: one.because for one in found.changes}
+    assert because["uncertainty.sensed_position_um"] == "reference_offset, camera_rotation"
+    assert because["uncertainty.probe_position_um"] == "backlash"
+
+
+def test_sides_of_the_part_keep_their_interval() -> None:
+    found = made({"part_geometry.x_um": (2.0, 4.0), "part_geometry.y_um": (-1.0, 0.5)})
+    setup = found.setup()
+
+    assert found.task.part == Part(length_um=1622.0, width_um=836.5)
+    assert found.half_um == (1.0, 0.75)
+    assert found.wider
+    # half of 1616 + 2 (2 … 4) and of 837 + 2 (-1 … 0.5)
+    assert Interval(810.0000001e-6, 811.9999999e-6).within(setup.half_length)
+    assert setup.half_length.within(Interval(809.999e-6, 812.001e-6))
+    assert Interval(417.5000001e-6, 418.9999999e-6).within(setup.half_width)
+    assert setup.half_width.within(Interval(417.499e-6, 419.001e-6))
+
+
+def test_a_post_becomes_a_wall_as_large_as_it_can_be() -> None:
+    post = {
+        "unmodelled_wall.radius_um": (10.0, 20.0),
+        "unmodelled_wall.x_um": (-500.0, -490.0),
+        "unmodelled_wall.y_um": (700.0, 705.0),
+    }
+    (block,) = made(post).setup().blocks
+
+    assert block.x.lo == pytest.approx(-520e-6, rel=1e-12)
+    assert block.x.hi == pytest.approx(-470e-6, rel=1e-12)
+    assert block.y.lo == pytest.approx(680e-6, rel=1e-12)
+    assert block.y.hi == pytest.approx(725e-6, rel=1e-12)
+
+
+def test_the_changed_task_is_read_back_from_its_file(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    task = made({"part_geometry.x_um": (2.0, 4.1)}).task
+    path = tmp_path / "task.toml"
+    path.write_text(toml_of(task), encoding="utf-8")
+
+    assert load_task(path) == task
+    assert load_task(path).hash == task.hash != paper_task().hash
+    assert parse_task(read_toml(path, ""), "").hash == task.hash
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"length_um": 1616.0, "width_um": 838.0},
+        {"polygon_um": [[-808.0, -418.5], [808.0, -418.5], [808.0, 400.0], [-808.0, 418.5]]},
+        {"polygon_um": [[0.0, 0.0], [1616.0, 0.0], [1616.0, 837.0], [0.0, 837.0]]},
+    ],
+)
+def test_a_model_of_another_part_is_refused(part: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=r"here: key part.*1616 x 837 um"):
+        check_part(paper_task(), model(part=part), "here")
+
+
+def test_the_same_part_by_its_corners_is_taken() -> None:
+    corners = [[-808.0, -418.5], [808.0, -418.5], [808.0, 418.5], [-808.0, 418.5]]
+
+    check_part(paper_task(), model(part={"polygon_um": corners}), "here")
+
+
+def test_friction_is_rounded_outward_where_the_product_of_doubles_rounds_inward() -> None:
+    low = 0.30001099999999997
+    assert low * 1e6 == 300011.0  # although low is less
+    found = made(base={"rho_um2": (372_000.0, 381_000.0), "mu": (low, 0.34)})
+    assert found.task.uncertainty.friction[0] == 0.30001
