@@ -18,7 +18,7 @@ PACKAGE = Path(meso_robust.__file__).parent
 ROOT = PACKAGE.parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-BASE = {"errors", "kernels", "wording"}
+BASE = {"errors", "kernels", "types", "wording"}
 BELOW_MOTION = {"bounds", "conditions", *BASE}
 BELOW_PLANNING = {"reading", "motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
 MAY_IMPORT = {
@@ -33,11 +33,12 @@ MAY_IMPORT = {
     "certificates": {*BELOW_PLANNING, "planning", "files"},
     "policy": {*BELOW_PLANNING, "planning", "certificates"},
     "checker": {"errors", "reading", "task"},
-    "simulator": {"errors", "kernels"},
-    "recordings": {"errors", "wording", "reading", "toml_files", "files"},
-    "microscope": {"errors", "wording", "files", "kernels"},
+    "simulator": {"errors", "kernels", "types"},
+    "recordings": {"errors", "types", "wording", "reading", "toml_files", "files"},
+    "microscope": {"errors", "types", "wording", "files", "kernels"},
     "tracking": {
         "errors",
+        "types",
         "wording",
         "reading",
         "toml_files",
@@ -49,6 +50,7 @@ MAY_IMPORT = {
     },
     "diagnosis": {
         "errors",
+        "types",
         "wording",
         "toml_files",
         "simulator",
@@ -58,6 +60,7 @@ MAY_IMPORT = {
     },
     "identification": {
         "errors",
+        "types",
         "wording",
         "toml_files",
         "files",
@@ -128,6 +131,7 @@ def test_the_two_engines_of_the_simulator_share_nothing() -> None:
         "meso_robust.simulator.events",
         "meso_robust.simulator.outcome",
         "meso_robust.kernels",
+        "meso_robust.types",
     )
     for path in sorted(events.glob("*.py")):
         own = [name for name in imported(path) if name.startswith("meso_robust")]

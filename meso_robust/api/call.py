@@ -9,7 +9,7 @@ import types
 from collections.abc import Callable, Mapping, Sequence
 from numbers import Integral, Real
 from os import PathLike
-from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin
+from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from meso_robust.errors import ArgumentError, InputError
 from meso_robust.reading import shown
@@ -81,7 +81,8 @@ def _kind(annotation: Any, function: Callable[..., object]) -> Any:
     if annotation is inspect.Parameter.empty:  # `self`
         return Any
     try:
-        return eval(annotation, inspect.getmodule(function).__dict__)  # our own source
+        named = types.SimpleNamespace(__annotations__={"it": annotation})
+        return get_type_hints(named, vars(inspect.getmodule(function)))["it"]
     except NameError:
         return Any
 

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.bounds import arithmetic as ia
-from meso_robust.bounds.tape import Floats
+from meso_robust.types import Floats
 
 
 def _outward(lo: Floats, hi: Floats) -> Floats:

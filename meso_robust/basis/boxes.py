@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.bounds.tape import Floats
+from meso_robust.types import Floats
 
 
 def split(lo: Floats, hi: Floats, smear: Floats) -> tuple[Floats, Floats]:

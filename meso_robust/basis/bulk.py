@@ -13,8 +13,8 @@ from meso_robust.basis.enclosure import Tapes, Work, derivatives, new_work, solv
 from meso_robust.basis.exclusion import excluded, fixes_turning
 from meso_robust.basis.layout import FREE, Layout
 from meso_robust.basis.problem import Problem
-from meso_robust.bounds.tape import Floats
 from meso_robust.kernels import fingerprint, inner, maker
+from meso_robust.types import Floats
 
 Signs = npt.NDArray[np.int8]
 

@@ -17,8 +17,9 @@ from meso_robust.basis.layout import Layout
 from meso_robust.basis.linear import eliminate, grow, invert, scale
 from meso_robust.basis.problem import DRAG, MINUS, PER_CONTACT, PLUS
 from meso_robust.bounds.arithmetic import Pair, add, down, mul, up
-from meso_robust.bounds.tape import Floats, Ints, run
+from meso_robust.bounds.tape import run
 from meso_robust.kernels import inner, maker
+from meso_robust.types import Floats, Ints
 
 
 class Tapes(NamedTuple):

@@ -29,8 +29,8 @@ from meso_robust.basis.problem import (
     TANGENT,
 )
 from meso_robust.bounds.arithmetic import Pair, add, div, mul, sub
-from meso_robust.bounds.tape import Floats
 from meso_robust.kernels import inner, maker
+from meso_robust.types import Floats
 
 
 @maker

@@ -17,16 +17,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.basis.arrays import inside, meet, minus, plus, point, sine_cosine, times, total
 from meso_robust.basis.bulk import hold_many
 from meso_robust.basis.contact import Mode
 from meso_robust.basis.layout import Layout
 from meso_robust.basis.problem import Problem
-from meso_robust.bounds.tape import Floats
-
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 TRIES = 8
 X, Y, THETA = 0, 1, 2

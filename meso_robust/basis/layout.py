@@ -37,7 +37,7 @@ from meso_robust.basis.problem import (
     SPEED,
     TANGENT,
 )
-from meso_robust.bounds.tape import Floats, Ints
+from meso_robust.types import Floats, Ints
 
 FREE, FORCE, MOTION = 0, 1, 2
 """Kinds of unknowns: any sign, a force, a relative speed."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from meso_robust.bounds.arithmetic import Pair, add, div, down, mul, sub, up
-from meso_robust.bounds.tape import Floats
 from meso_robust.kernels import inner, maker
+from meso_robust.types import Floats
 
 
 @inner

@@ -17,8 +17,8 @@ from meso_robust.basis.problem import ANGLE, assemble, drift
 from meso_robust.basis.prove import MOST_BOXES, check, exclude_others, undecided_proof, unsound
 from meso_robust.basis.support import Support
 from meso_robust.bounds import Box, Verdict
-from meso_robust.bounds.tape import Floats, Ints
 from meso_robust.errors import InputError
+from meso_robust.types import Floats, Ints
 
 MOST_PIECES = 256
 """The box of starts is cut into no more pieces."""

@@ -22,8 +22,9 @@ import numpy as np
 from meso_robust.basis.contact import Contact, Corner, Part, Quantity, Tip
 from meso_robust.basis.support import Entries, Support
 from meso_robust.bounds import Bounded, Box, Interval, bounded
-from meso_robust.bounds.tape import Floats, Ints, Tape, compile_tape
+from meso_robust.bounds.tape import Tape, compile_tape
 from meso_robust.errors import InputError
+from meso_robust.types import Floats, Ints
 
 ANGLE = "theta"
 """Name of the part's angle in every box, rad."""

@@ -27,8 +27,8 @@ from meso_robust.basis.layout import FREE, Layout, layout, others
 from meso_robust.basis.problem import Problem, assemble
 from meso_robust.basis.support import Support
 from meso_robust.bounds import Box, Interval, Verdict, prove_positive
-from meso_robust.bounds.tape import Floats
 from meso_robust.errors import InputError
+from meso_robust.types import Floats
 
 MOST_BOXES = 20_000
 MOST_CONTACTS = 4

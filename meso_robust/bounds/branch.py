@@ -9,8 +9,9 @@ import numpy.typing as npt
 from numba import njit
 
 from meso_robust.bounds.bulk import Bounded, Program, bound_box, program, side_to_split
-from meso_robust.bounds.tape import Floats, run
+from meso_robust.bounds.tape import run
 from meso_robust.kernels import fingerprint
+from meso_robust.types import Floats
 
 PROVED, REFUTED, TOO_MANY, INDIVISIBLE, UNDEFINED = range(5)
 

@@ -11,17 +11,9 @@ import numpy as np
 from numba import njit
 
 from meso_robust.bounds.arithmetic import down, mul, up
-from meso_robust.bounds.tape import (
-    BLOCK,
-    OUTPUT,
-    Floats,
-    Ints,
-    Tape,
-    compile_tape,
-    run,
-    run_block,
-)
+from meso_robust.bounds.tape import BLOCK, OUTPUT, Tape, compile_tape, run, run_block
 from meso_robust.kernels import fingerprint
+from meso_robust.types import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from meso_robust.bounds import branch
 from meso_robust.bounds.bulk import Bounded, enclose_range
 from meso_robust.bounds.interval import Interval
-from meso_robust.bounds.tape import Floats
+from meso_robust.types import Floats
 
 Box = Mapping[str, Interval]
 

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from meso_robust.bounds import arithmetic as ia
+from meso_robust.types import Floats, Ints
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 Pairwise = Callable[..., tuple[float, float]]
 
 CONST, INPUT, OUTPUT, ADD, SUB, MUL, DIV, NEG, SQ, SQRT, SIN, COS, LOG, TWICE, INV, ASSIGN = range(

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from meso_robust.campaigns.kind import Coverage, Floats
+from meso_robust.campaigns.kind import Coverage
+from meso_robust.types import Floats
 
 BINS = 20
 """Equal parts of the range of each coordinate."""

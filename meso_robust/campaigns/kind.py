@@ -11,12 +11,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
 
 Values = Mapping[str, Any]
 """Anything that JSON can hold; numbers finite."""
-Floats = npt.NDArray[np.float64]
 
 MOST_FAILURES = 3
 """Failures of a chunk that are kept; all are counted."""

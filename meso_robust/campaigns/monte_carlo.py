@@ -18,7 +18,6 @@ from meso_robust.campaigns.kind import (
     MOST_FAILURES,
     Bars,
     Failure,
-    Floats,
     Kind,
     Part,
     Paths,
@@ -37,6 +36,7 @@ from meso_robust.laboratory.running import PlanRun
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.laboratory.witness_file import replay_files
 from meso_robust.simulator import Outcome
+from meso_robust.types import Floats
 
 OF = {
     "uniform": ", drawn uniformly from the uncertainty box,",

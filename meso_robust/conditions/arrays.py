@@ -8,8 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.conditions.formula import formula
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def values(module: str, name: str) -> Callable[..., tuple[Floats, ...]]:

@@ -15,8 +15,8 @@ from meso_robust.identification.identify import Identification, identify
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.recordings import RecordingSet
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 
 _FINER = 4.0  # by how much shorter the steps of the other solver are

@@ -9,14 +9,12 @@ favours the regression.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.cuts import tips_of
 from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.prepared import Prepared
 from meso_robust.recordings.contact import gaps
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _NEAR = 2.0  # steps of the simulator within which a tip touches
 _GONE = 1e-9  # of the length of a column: what is left of it is rounding

@@ -11,12 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.detect import Span
 from meso_robust.diagnosis.validation import Errors
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 SAME = 0.2
 """σ: predictions that differ by less in every frame of a span are the same."""

@@ -20,8 +20,8 @@ from meso_robust.diagnosis.windows import Windows
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.recordings.contact import gaps
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Frame = Literal["stage", "part"]
 
 MOST = 6

@@ -12,9 +12,7 @@ from meso_robust.identification.prepared import Prepared
 from meso_robust.recordings import RecordingSet, unwrapped
 from meso_robust.recordings.contact import gaps, margin
 from meso_robust.recordings.phases import phases
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 FEWEST = 5
 """Frames with a whole pose that a window must have: a start and a drift take two of them."""

@@ -13,13 +13,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import chi2, norm
 
 from meso_robust.diagnosis.signatures import Signature
 from meso_robust.diagnosis.tangent import Tangent
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 ALARM = 0.005
 """p-value up to which a mismatch is stated."""

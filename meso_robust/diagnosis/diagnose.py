@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import __version__
 from meso_robust.diagnosis.acceptance import Witnesses, judged, partial
@@ -35,7 +34,6 @@ from meso_robust.identification.answer import set_hash
 from meso_robust.identification.plausible import doubts
 from meso_robust.recordings import RecordingSet
 
-Floats = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and of how much."""
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.document import Channel
 from meso_robust.identification.models.extended import with_effects
@@ -16,8 +15,7 @@ from meso_robust.identification.models.model import Model, Parameter
 from meso_robust.simulator import Effects
 from meso_robust.simulator.environment import FLOW_SLOTS
 from meso_robust.simulator.support import FILM_SLOTS, THINNING
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 CHANNELS: tuple[Channel, ...] = (
     "support",

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.signatures import Signature
 from meso_robust.diagnosis.tangent import Tangent
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 SEEN = 5.0
 """σ by which an effect of relevant size must change the recordings to count as visible."""

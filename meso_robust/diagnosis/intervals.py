@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import norm
 
 from meso_robust.diagnosis.tangent import Tangent, tangent
 from meso_robust.identification.models import Model
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 CONFIDENCE = 0.9
 """Probability with which an interval shall cover."""

@@ -24,8 +24,7 @@ from meso_robust.diagnosis.single_pushes import SINGLES, offered
 from meso_robust.diagnosis.symmetries import Symmetry, gyration, symmetries
 from meso_robust.identification.models.model import centroid
 from meso_robust.identification.prepared import Prepared
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _ALIKE = 5e-6  # m: contacts and paths that are farther apart are not the same push
 _SHORTEST = 80e-6  # m: of a common way

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.store import Store
 from meso_robust.identification.fitted import Fits, Fitted
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def kept_fit(store: Store, name: str, make: Callable[[], Fitted]) -> Fitted:

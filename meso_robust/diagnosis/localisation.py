@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.covariates import Covariate, scanned
@@ -18,8 +17,7 @@ from meso_robust.diagnosis.invariances import Pair, compared, pairs
 from meso_robust.diagnosis.window_statistics import ChannelTotal
 from meso_robust.diagnosis.windows import Window, Windows, windowed
 from meso_robust.recordings import RecordingSet
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _COMPONENTS: tuple[Component, ...] = ("x", "y", "theta")
 _LISTED = 24  # spans that are listed

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import (
@@ -31,8 +30,8 @@ from meso_robust.diagnosis.refit import Refit, refined, refitted
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, estimate
 from meso_robust.diagnosis.store import NOWHERE, Store
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 
 _FORMS = 2  # forms of an effect that are refitted

@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.recordings import RecordingSet, unwrapped
 from meso_robust.recordings.noise import Spread, estimated_noise, roughness
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _ROUGHNESS = "roughness of the poses"
 _MOST = 0.9  # correlation of neighbours beyond which "noise" is motion

@@ -14,8 +14,7 @@ from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.forward import Prediction, predicted
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _ROUNDS = 3  # Newton's steps of a refit that starts next to its end
 _EXCLUDED = 9.0  # χ² of what no refit takes of a change of the parameters: three σ

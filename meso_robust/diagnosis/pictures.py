@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.prepared import Prepared
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def evidence(found: Diagnosis) -> Evidence:

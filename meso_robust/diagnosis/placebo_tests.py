@@ -14,8 +14,7 @@ import numpy.typing as npt
 
 from meso_robust.diagnosis.signatures import estimate
 from meso_robust.diagnosis.tangent import Tangent
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 COUNT = 49
 """Decoys that are drawn."""

@@ -21,8 +21,7 @@ from meso_robust.identification.fitted import Fits, Fitted
 from meso_robust.identification.forward import corrected
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 WIDTH = 10.0
 """Standard deviation of the size of an effect before any recording, in typical changes."""

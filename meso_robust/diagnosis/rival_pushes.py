@@ -11,7 +11,6 @@ import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.tangent import tangent
 from meso_robust.diagnosis.trials import typical_speed
@@ -19,8 +18,7 @@ from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import Model
 from meso_robust.identification.prepared import Prepared
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _EDGES = 6  # at most, the longest ones
 _PLACES = (-0.6, 0.0, 0.6)

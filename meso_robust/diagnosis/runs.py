@@ -8,14 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.cuts import frames_of
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 FEWEST = 5
 """Frames that an estimate takes at least."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.tangent import Tangent
@@ -13,8 +12,7 @@ from meso_robust.diagnosis.trials import Trial
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import Model, with_effects
 from meso_robust.simulator.catalogue import CATALOGUE
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _FLAT = 1e-6  # σ: a change this small is rounding
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.runs import FEWEST, Run, from_start, in_frame
 from meso_robust.identification.prepared import Prepared
 from meso_robust.recordings.contact import gaps
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _TAIL = 150e-6  # m: last part of a push that its end is extrapolated from
 _EXACT = np.array([0.3e-6, 0.3e-6, 0.3e-3])  # of that extrapolation, m and rad

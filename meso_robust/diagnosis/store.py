@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
+
+from meso_robust.types import Floats
 
 _OWN = re.compile(r"[0-9a-f]{32}(\.part)?\.npz")
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Store:
     folder: Path | None
     identity: str
 
-    def kept(self, name: str, make: Callable[[], Mapping[str, Array]]) -> Mapping[str, Array]:
+    def kept(self, name: str, make: Callable[[], Mapping[str, Floats]]) -> Mapping[str, Floats]:
         """The arrays of a name: from disk, or made and put there.
 
         A file that cannot be read, as one of a killed run, is made again.

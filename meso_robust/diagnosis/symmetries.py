@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.models.model import centroid
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _SAME = 1e-6  # of the size: how well corners must fall on corners
 

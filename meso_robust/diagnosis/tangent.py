@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _RANK = 1e-8  # of the largest singular value, below which a direction is none
 _PRIOR = 4  # offsets of the tips, with a prior of their own

@@ -12,14 +12,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.simulator.stage import REFERENCE_SPEED
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 REFERENCE_LENGTH = 910e-6
 """Characteristic length in m of the part that the numbers are for."""

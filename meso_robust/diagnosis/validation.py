@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
 from meso_robust.diagnosis.refit import Refit
@@ -18,8 +17,7 @@ from meso_robust.identification.models import Model
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _FINER = 4.0  # by how much shorter steps tell the error of the steps
 _MOST = 12  # iterations of a fit

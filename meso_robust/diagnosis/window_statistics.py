@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.document import Channel
 from meso_robust.diagnosis.hidden_inputs import CHANNELS, Inputs, Solved, solved
 from meso_robust.diagnosis.tangent import basis, whitened
 from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.prepared import Prepared
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 _SHORTEST = 1e-3  # σ: least length of a ramp of one σ a second
 
@@ -204,7 +201,7 @@ def _data(prepared: Prepared, fits: Fits, jacobian: Floats, correlation: float) 
     return np.concatenate([rows, prior], axis=1)
 
 
-def _one(inputs: Inputs, rows: Floats, kept: Bools) -> _One:
+def _one(inputs: Inputs, rows: Floats, kept: Flags) -> _One:
     count = len(inputs.names)
     own = basis(rows[:, count:-4])
     left = rows - own @ (own.T @ rows)

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.cuts import Cut, cuts_of, sliced, sliced_poses
 from meso_robust.diagnosis.document import Channel, PhaseName
@@ -30,9 +29,7 @@ from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.identification.problem import Problem
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
+from meso_robust.types import Floats
 
 _ROUNDS = 3  # of the fit of the starts
 _DAMPING = (1e-3, 1.0, 30.0)  # shares of the diagonal, tried at once

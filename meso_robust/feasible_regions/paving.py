@@ -16,9 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.bounds import Interval
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 
 class Region(IntEnum):

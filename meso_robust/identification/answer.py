@@ -22,7 +22,6 @@ from meso_robust.identification.document import (
 )
 from meso_robust.identification.identify import Identification
 from meso_robust.identification.models import Model
-from meso_robust.identification.models.model import Floats
 from meso_robust.identification.profiles import Profile
 from meso_robust.identification.verdict import meaning, verdict
 from meso_robust.recordings import RecordingSet, Rectangle
@@ -33,6 +32,7 @@ from meso_robust.recordings.noise import (
     position_repeatability,
 )
 from meso_robust.simulator import Outcome
+from meso_robust.types import Floats
 from meso_robust.wording import counted, down_to, up_to
 
 

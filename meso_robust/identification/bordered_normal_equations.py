@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.identification.models.model import Bools, Floats
+from meso_robust.types import Flags as Bools, Floats
 
 _FLOOR = 1e-9  # of a damping, so that a direction without any information does not move
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.experiment import (
@@ -20,8 +19,7 @@ from meso_robust.identification.experiment import (
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.sensitivity import Sensitivity, StartBox, sensitivities
 from meso_robust.recordings.rules import DEG, UM
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

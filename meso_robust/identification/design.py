@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.candidates import Candidates, candidates, safe
@@ -24,9 +23,8 @@ from meso_robust.identification.models import Model
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.sensitivity import StartBox
 from meso_robust.recordings import SensorInfo
+from meso_robust.types import Floats
 from meso_robust.wording import counted
-
-Floats = npt.NDArray[np.float64]
 
 DETERMINANT = "determinant"
 """Criterion of the whole set of parameters; the other criteria are their keys."""

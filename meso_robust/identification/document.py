@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from meso_robust.identification.models import MODELS, Model, with_effects
-from meso_robust.identification.models.model import Floats
 from meso_robust.recordings import Rectangle
 from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.toml_files import checked, read_toml
+from meso_robust.types import Floats
 
 SCHEMA = "meso-robust/model/1"
 FILE = "model.toml"

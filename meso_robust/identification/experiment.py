@@ -10,13 +10,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.recordings import Polygon, Rectangle
 from meso_robust.recordings.rules import DEG, UM
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Part = Rectangle | Polygon
 
 _PLACES = {"A": 0.5, "B": 0.25, "C": 0.0, "D": -0.25, "E": -0.5, "F": 0.5, "G": 0.0, "H": -0.5}

@@ -7,9 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.identification.models.model import Bools, Floats
-
-Ints = npt.NDArray[np.int64]
+from meso_robust.types import Flags as Bools, Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

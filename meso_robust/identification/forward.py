@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.identification.models.model import Floats, Model, Physics
+from meso_robust.identification.models.model import Model, Physics
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import freed
 from meso_robust.simulator import Outcome, Push, simulate
@@ -23,6 +23,7 @@ from meso_robust.simulator.observation import (
     unseen,
 )
 from meso_robust.simulator.stage import SLOTS
+from meso_robust.types import Floats
 
 _AT_ONCE = 400_000  # instants recorded in one call of the simulator: about 50 MB
 _CAUGHT = 0.04  # steps of overlap that count as touching; the simulator refuses 0.05

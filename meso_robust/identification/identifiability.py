@@ -9,9 +9,10 @@ import numpy as np
 from meso_robust.errors import InputError
 from meso_robust.identification.fitted import Fits
 from meso_robust.identification.forward import predicted
-from meso_robust.identification.models.model import Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.profiles import Profile
+from meso_robust.types import Floats
 from meso_robust.wording import counted
 
 ROUNDING = 1e-10

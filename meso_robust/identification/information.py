@@ -20,8 +20,7 @@ from meso_robust.identification.models import Model, characteristic_length
 from meso_robust.identification.rollout import Setting, rollout, start_of
 from meso_robust.recordings import SensorInfo
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _INTERVALS = 60
 _STEP = 2e-3

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.identification.forward import predicted
-from meso_robust.identification.models.model import Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.objective import scores_of
 from meso_robust.identification.prepared import Prepared
+from meso_robust.types import Floats
 
 ALIKE = 1e-6
 """Predictions closer than this (eq. 4 between them, m) count as the same for a part of 1.6 mm."""

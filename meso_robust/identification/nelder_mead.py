@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
+
 Function = Callable[[Floats], Floats]
 """(K, m) points to (K,) values; infinite outside the constraints."""
 

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.identification.forward import Prediction, predicted
-from meso_robust.identification.models.model import Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
 from meso_robust.simulator import Outcome
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

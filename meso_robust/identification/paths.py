@@ -5,10 +5,8 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _FEWEST = 2  # samples from a corner to the next, at least
 _WORST = 4.0  # standard deviations of χ² that a leg may exceed its expectation by

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from meso_robust.identification.models.model import Floats, Model, Parameter
+from meso_robust.identification.models.model import Model, Parameter
+from meso_robust.types import Floats
 
 _AT_THE_END = 1e-3  # of the range, of its logarithm if the parameter counts by ratio
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.identification.models.model import Floats, characteristic_length
+from meso_robust.identification.models.model import characteristic_length
 from meso_robust.identification.paths import in_steps, smoothed, thinned, with_corners
 from meso_robust.identification.sensor import Sigmas, sigmas_of
 from meso_robust.identification.touching import distances, freed
@@ -17,6 +17,7 @@ from meso_robust.recordings.noise import roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
 from meso_robust.simulator.tips import Tip
+from meso_robust.types import Floats
 from meso_robust.wording import counted
 
 FINENESS = 1.0 / 364.0

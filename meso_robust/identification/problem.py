@@ -9,8 +9,9 @@ import numpy as np
 from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.forward import predicted
-from meso_robust.identification.models.model import Bools, Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
+from meso_robust.types import Flags as Bools, Floats
 
 _SHIFT = 0.3  # σ: root mean square change of what is seen over the step of a difference
 _SPANS = (1e-5, 2e-2)  # least and largest step of a coordinate

@@ -14,8 +14,9 @@ import numpy as np
 from scipy.stats import chi2 as chi2_law
 
 from meso_robust.identification.likelihood import Fits, Fitted, Settings, fit
-from meso_robust.identification.models.model import Bools, Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
+from meso_robust.types import Flags as Bools, Floats
 
 CONFIDENCE = 0.9
 """Default probability with which an interval covers."""

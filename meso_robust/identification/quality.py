@@ -9,8 +9,9 @@ from scipy.stats import chi2 as chi2_law, f as f_law
 
 from meso_robust.identification.document import REJECTED_BELOW
 from meso_robust.identification.likelihood import Fits
-from meso_robust.identification.models.model import Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
+from meso_robust.types import Floats
 
 _SIGNIFICANT = 4.0  # standard errors of a correlation that are not taken for chance
 _TRUST = 0.2  # share of the correction for the steps that may be wrong

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.experiment import Bench, Part, PlannedPush
 from meso_robust.identification.models import Model
 from meso_robust.simulator import Point, Push, PushResult, Round, simulate
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.identification.models.model import Bools, Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.nelder_mead import around, minimised
 from meso_robust.identification.objective import score
 from meso_robust.identification.prepared import Prepared
+from meso_robust.types import Flags as Bools, Floats
 
 THRESHOLD = 10e-6
 """Size of a simplex at which a search ends, m, the paper's; for a part of `PART`."""

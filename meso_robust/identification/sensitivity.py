@@ -24,8 +24,7 @@ from meso_robust.identification.voting import Arms, arms
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 MOST_GROWTH = 2.0
 """An error of the start that more than doubles makes a start pathological."""

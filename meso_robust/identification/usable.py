@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from meso_robust.errors import InputError
-from meso_robust.identification.models.model import Floats, Model
+from meso_robust.identification.models.model import Model
 from meso_robust.identification.sensitivity import StartBox, sensitivities_of_set
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.problems import problems
+from meso_robust.types import Floats
 
 NOISE_IS_FITTED = frozenset({"noise_unknown"})
 """Errors that do not keep a fit from being made which estimates the noise along with the model."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.laboratory.ascent import corners, stepped
 from meso_robust.laboratory.crosscheck import REFUTING
 from meso_robust.laboratory.replay import Player, joined, limits, miss
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 CORNERS = 1024  # random corners of the box to begin with
 TRIES = 6  # best candidates that are run again by themselves

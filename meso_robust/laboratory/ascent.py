@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
+
 Score = Callable[[Floats], Floats]
 """(N, D) rows to (N,) scores; minus infinity for a row that says nothing."""
 

@@ -20,9 +20,7 @@ from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, rect
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 UPPER, LOWER, PASSIVE = 0, 1, 2  # tips of a move
 PHASES = {"regrasp": 1, "tilt": 2, "straighten": 3}  # free, one tip sticks, both stick

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import Interval
 from meso_robust.primitives.setup import Setup
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

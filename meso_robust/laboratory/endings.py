@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.laboratory.polygon import distances
 from meso_robust.laboratory.replay import Player
@@ -14,8 +13,7 @@ from meso_robust.laboratory.running import STARTS_INSIDE, STEP, PlanRun, outline
 from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 FINE = 4000  # instants at which the stop of a jammed move is looked for
 NEAR = 2.0 * STEP  # gap that counts as touching

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from meso_robust.simulator import Push, simulate
 from meso_robust.simulator.exact import exact
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Engine = Literal["stepper", "events"]
 
 NOT_RECORDED = -1

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.laboratory.running import MoveRun, PlanRun
 from meso_robust.laboratory.simulation import Simulated
@@ -21,8 +20,7 @@ from meso_robust.recordings import (
 from meso_robust.simulator import Effects, Push, PushResult, simulate
 from meso_robust.simulator.observation import Sensor, observe, sense
 from meso_robust.task import Part, PolygonPart
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _FINER = 4  # instants of the simulation for each frame of the camera
 

@@ -11,9 +11,7 @@ from meso_robust.laboratory.claims import Accuracy, Claims, broken
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import STEP, MoveRun, PlanRun
 from meso_robust.simulator import Outcome
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 INSTANTS = 16  # intervals of each move at which its tube is looked at
 ROUNDING = 1e-12  # m and rad: pose error of the event-driven engine

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.laboratory.endings import in_part, turned
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 
 def _slabs(tip: Floats, way: Floats, pose: Floats, half: Floats) -> tuple[Floats, Floats]:

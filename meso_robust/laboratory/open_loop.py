@@ -20,8 +20,7 @@ from meso_robust.laboratory.running import (
 from meso_robust.planning.document import MoveDocument
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome, Push, PushResult, simulate
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 DUAL = ("dtp_top", "dtp_bottom")  # two tips of one probe: they share its error
 CONSTANT = 6  # columns that hold for the whole run

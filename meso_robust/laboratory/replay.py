@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import Interval
 from meso_robust.laboratory.draws import Draws, draw
@@ -21,8 +20,7 @@ from meso_robust.laboratory.running import STEP, PlanRun, run
 from meso_robust.planning.document import names_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

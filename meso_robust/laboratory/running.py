@@ -20,9 +20,9 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Fixture, Outcome, Push
+from meso_robust.types import Floats
 from meso_robust.units import UM
 
-Floats = npt.NDArray[np.float64]
 _Numbers = TypeVar("_Numbers", Floats, npt.NDArray[np.int8])
 
 STEP = 2e-6  # m, of the probes; its error is measured by a second run at half of it

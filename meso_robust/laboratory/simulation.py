@@ -18,8 +18,8 @@ from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Doing = Callable[[str], AbstractContextManager[None]]
 
 RECORD = 96  # intervals of each move that are kept of every run

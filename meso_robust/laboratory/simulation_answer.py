@@ -6,9 +6,6 @@ import platform
 from collections import Counter
 from importlib.metadata import version
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust import units
 from meso_robust.laboratory.endings import ending, words
 from meso_robust.laboratory.replay import Player, miss
@@ -25,9 +22,8 @@ from meso_robust.laboratory.simulation_document import (
     UncertainDocument,
 )
 from meso_robust.planning.document import goal_document
+from meso_robust.types import Floats
 from meso_robust.wording import counted, up
-
-Floats = npt.NDArray[np.float64]
 
 PACKAGES = ("meso-robust", "numba", "numpy")
 

@@ -7,15 +7,13 @@ import io
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.laboratory.endings import ending
 from meso_robust.laboratory.replay import Player
 from meso_robust.laboratory.running import PlanRun
 from meso_robust.laboratory.simulation import RECORD, Simulated
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 EVERY = 4  # of the recorded instants, which lie close enough for the animation's contact modes
 

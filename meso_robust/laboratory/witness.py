@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import BaseModel, ValidationError
 
 from meso_robust.bounds import VerdictWord
@@ -23,8 +22,7 @@ from meso_robust.planning.document import PlanDocument, RuleDocument
 from meso_robust.planning.reading import first_of, read_text
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 ROUNDING = 1e-15  # m and rad; of the first sensing error, which follows from the start
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.laboratory.engines import Engine
@@ -15,8 +14,7 @@ from meso_robust.laboratory.witness_form import SCHEMA as SCHEMA, WitnessFile as
 from meso_robust.planning.document import PlanDocument
 from meso_robust.task import Task
 from meso_robust.toml_files import toml_text
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def witness_file(

@@ -16,8 +16,8 @@ from meso_robust.files import write_all
 from meso_robust.microscope.faults import NONE, AnyImage, Faults, spoiled
 from meso_robust.microscope.frame import exposed
 from meso_robust.microscope.looks import Scene
-from meso_robust.microscope.optics import Floats
-from meso_robust.microscope.sensor import Image, compressed
+from meso_robust.microscope.sensor import compressed
+from meso_robust.types import Floats, Image
 
 CODECS = {".avi": "MJPG", ".mp4": "mp4v", ".mkv": "FFV1"}
 """Codec of a file name; FFV1 loses nothing. A name without ending is a folder of PNG images."""

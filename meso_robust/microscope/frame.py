@@ -9,11 +9,9 @@ import numpy as np
 
 from meso_robust.microscope.layer import Layer, grid, part_layer, plate_layer, probe_layer
 from meso_robust.microscope.looks import Fixture, Oil, Scene
-from meso_robust.microscope.optics import Floats
 from meso_robust.microscope.outline import signed_distance
 from meso_robust.microscope.sensor import (
     Exposure,
-    Image,
     Irradiance,
     blur_at,
     blurred,
@@ -25,6 +23,7 @@ from meso_robust.microscope.sensor import (
 )
 from meso_robust.microscope.stamp import PixelMap, stamp
 from meso_robust.microscope.texture import dust, smooth_noise
+from meso_robust.types import Floats, Image
 
 _FINE = 4.0  # texels a pixel of what moves
 _COARSE = 2.0  # and of the fixture

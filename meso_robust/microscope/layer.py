@@ -12,8 +12,8 @@ import numpy.typing as npt
 from meso_robust.microscope.looks import Metal, Oil, Part, Probe
 from meso_robust.microscope.outline import rounded_distance
 from meso_robust.microscope.texture import marks, rolled
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Texels = npt.NDArray[np.float32]
 
 COVERAGE, RADIANCE, SHADE, RELIEF_X, RELIEF_Y = range(5)

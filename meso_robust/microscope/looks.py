@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.microscope.optics import Optics
 from meso_robust.microscope.outline import area
 from meso_robust.microscope.sensor import Exposure
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

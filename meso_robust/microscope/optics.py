@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
+
 _NEWTON_STEPS = 6  # the radius converges to rounding in four for |k1| <= 0.1
 
 

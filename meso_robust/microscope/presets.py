@@ -7,8 +7,9 @@ import dataclasses
 import numpy as np
 
 from meso_robust.microscope.looks import Fixture, Metal, Oil, Part, Probe, Scene
-from meso_robust.microscope.optics import Floats, Optics
+from meso_robust.microscope.optics import Optics
 from meso_robust.microscope.sensor import Exposure
+from meso_robust.types import Floats
 
 
 def rectangle(length: float = 1616e-6, width: float = 837e-6) -> Floats:

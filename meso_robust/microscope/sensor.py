@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.microscope.optics import Optics
+from meso_robust.types import Image
 
-Image = npt.NDArray[np.uint8]
 Irradiance = npt.NDArray[np.float32]
 
 

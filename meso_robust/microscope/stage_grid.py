@@ -7,10 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from meso_robust.microscope.optics import Floats, Optics
+from meso_robust.microscope.optics import Optics
 from meso_robust.microscope.sensor import (
     Exposure,
-    Image,
     blurred,
     compressed,
     light_field,
@@ -18,6 +17,7 @@ from meso_robust.microscope.sensor import (
     quantised,
 )
 from meso_robust.microscope.stamp import AT_EDGES, PixelMap
+from meso_robust.types import Floats, Image
 
 Kind = Literal["chessboard", "dots"]
 _WHITE, _BLACK = 0.85, 0.12

@@ -20,7 +20,8 @@ from meso_robust.microscope.layer import (
     Layer,
     Texels,
 )
-from meso_robust.microscope.optics import Floats, Optics, pixel_centres, unproject
+from meso_robust.microscope.optics import Optics, pixel_centres, unproject
+from meso_robust.types import Floats
 
 Irradiance = npt.NDArray[np.float32]
 _EDGE = (

@@ -25,9 +25,10 @@ from numba import njit
 from meso_robust.bounds.arithmetic import down, mul, up
 from meso_robust.bounds.bulk import Program, bound_box, program
 from meso_robust.bounds.interval import Interval
-from meso_robust.bounds.tape import Floats, run
+from meso_robust.bounds.tape import run
 from meso_robust.conditions import condition
 from meso_robust.kernels import fingerprint
+from meso_robust.types import Floats
 
 STEPS = 420  # per width of the part: about 2 um for the paper's part
 H, V, D1, SIGMA, RHO, MU = range(6)  # arguments of slide_rates

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.planning.plan_file import (
@@ -20,8 +19,8 @@ from meso_robust.planning.plan_file import (
 from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.task import Task
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 NAMES = ("dtp_top", "dtp_bottom", "stp")
 """Tips: the one on the right of the dual-tip probe, seen along the push, the one on the left, and the
 single one. A name stays with its tip whether the axes of a move are mirrored or not."""

@@ -8,13 +8,11 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import Interval
 from meso_robust.primitives.setup import PoseBox
+from meso_robust.types import Flags, Floats
 
-Floats = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 Ends = tuple[Floats, Floats]
 """(N, 3) lower and upper ends of boxes, m and rad."""
 Room = tuple[Interval, Interval]
@@ -128,7 +126,7 @@ def _ends(sides: Sequence[Interval]) -> list[float]:
     return sorted({end for side in sides for end in (side.lo, side.hi)})
 
 
-def _painted(boxes: Sequence[PoseBox], x: list[float], y: list[float]) -> Mask:
+def _painted(boxes: Sequence[PoseBox], x: list[float], y: list[float]) -> Flags:
     """Which elements of the grid of ends the boxes cover."""
     grid = np.zeros((len(x) - 1, len(y) - 1), dtype=bool)
     for box in boxes:
@@ -137,7 +135,7 @@ def _painted(boxes: Sequence[PoseBox], x: list[float], y: list[float]) -> Mask:
     return grid
 
 
-def _largest(full: Mask) -> Iterator[tuple[int, int, int, int]]:
+def _largest(full: Flags) -> Iterator[tuple[int, int, int, int]]:
     """Rectangles of True elements that no other one holds: first and past-the-last index twice."""
     wide = len(full)
     for left in range(wide):
@@ -153,7 +151,7 @@ def _largest(full: Mask) -> Iterator[tuple[int, int, int, int]]:
                     yield left, right, low, high
 
 
-def _runs(column: Mask) -> list[tuple[int, int]]:
+def _runs(column: Flags) -> list[tuple[int, int]]:
     """First and past-the-last index of each run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], column.astype(np.int8), [0]])))
     return [(int(low), int(high)) for low, high in zip(edges[::2], edges[1::2], strict=True)]

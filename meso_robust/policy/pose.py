@@ -10,15 +10,13 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.policy.cover import ends_of
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.reading import like
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 KEYS = ("x_um", "y_um", "theta_deg")
 WEIGHTS = np.array([1.0, 1.0, 100.0])  # a hundredth of a degree counts as much as 1 um

@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Heading = Literal["-x", "-y", "+x", "+y"]
 
 HEADINGS: tuple[Heading, ...] = ("-x", "-y", "+x", "+y")

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.primitives.action import Action as Action
 from meso_robust.primitives.frame import WORLD, Frame
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 class Anchor(Enum):

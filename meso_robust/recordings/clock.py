@@ -6,13 +6,11 @@ from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.intp]
+from meso_robust.types import Floats, Indices
 
 
-def forward(times: Floats) -> Integers:
+def forward(times: Floats) -> Indices:
     """Indices of as many instants as possible that increase strictly.
 
     If it loses no more rows, every instant that is later than all before it is kept; else one
@@ -32,7 +30,7 @@ def forward(times: Floats) -> Integers:
     return np.flatnonzero(later) if later.sum() >= longest.size else longest
 
 
-def _longest(times: Sequence[float]) -> Integers:
+def _longest(times: Sequence[float]) -> Indices:
     """Longest strictly increasing subsequence by patience sorting."""
     ends: list[float] = []  # smallest last instant of an increasing run of each length
     at: list[int] = []  # its index

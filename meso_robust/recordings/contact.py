@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.recordings.values import Recording, RecordingSet
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 SHORTEST = 1e-9
 """Time in s that a speed is taken over at least: no camera is faster, and no speed is infinite."""
 

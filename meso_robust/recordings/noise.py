@@ -21,8 +21,8 @@ import numpy.typing as npt
 
 from meso_robust.recordings.contact import still
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo, unwrapped
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Source = Literal["stated", "estimated", "unknown"]
 """From ``set.toml``, from still frames, or neither."""
 

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from meso_robust.recordings.contact import margin, nearest_gap
 from meso_robust.recordings.values import Recording, RecordingSet
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 PhaseName = Literal["approach", "contact", "retract", "rest", "unknown"]
 _NAMES: tuple[PhaseName, ...] = ("approach", "contact", "retract", "rest", "unknown")
 _APPROACH, _CONTACT, _RETRACT, _REST, _UNKNOWN = range(5)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.values import PositionSource, Recording, RecordingSet, SensorInfo
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def from_simulation(

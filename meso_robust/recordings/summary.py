@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings.contact import SHORTEST
 from meso_robust.recordings.loose import Lines
@@ -25,9 +24,9 @@ from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.repair import Repair
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
+from meso_robust.types import Floats
 from meso_robust.wording import counted
 
-Floats = npt.NDArray[np.float64]
 SCHEMA = "meso-robust/recordings-summary/1"
 
 

@@ -16,17 +16,14 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.reading import foreign_table, like, shown, text_of
 from meso_robust.recordings.clock import forward
 from meso_robust.recordings.rules import CLOCK_RULE, DEG, UM
 from meso_robust.recordings.values import Recording
+from meso_robust.types import Floats, Indices
 from meso_robust.wording import counted
-
-Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.intp]
 
 TIME = "time_s"
 POSE = ("part_x_um", "part_y_um", "part_theta_deg")
@@ -234,7 +231,7 @@ def _column(name: str, cells: Sequence[str], lines: Sequence[int]) -> tuple[Floa
 
 
 def _clock_faults(
-    times: Floats, timed: Integers, kept: Integers, lines: Sequence[int]
+    times: Floats, timed: Indices, kept: Indices, lines: Sequence[int]
 ) -> list[Fault]:
     """The rows that were left out because the clock does not go on there."""
     faults = []

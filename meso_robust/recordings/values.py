@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Literal, NoReturn, TypeAlias, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.rules import clock_fault, file_fault, probe_fault, twice_fault
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 PositionSource: TypeAlias = Literal["controller", "camera"]
 """Where the positions of the probes are from: commanded, or seen in the images."""
 

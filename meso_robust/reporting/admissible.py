@@ -20,10 +20,11 @@ from meso_robust.feasible_regions.maps import PRIMITIVES, Map, Primitive, map_of
 from meso_robust.feasible_regions.paving import Axis, Paving, Region
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.setup import setup_of
-from meso_robust.reporting.canvas import INK, Floats
+from meso_robust.reporting.canvas import INK
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import FRAME
 from meso_robust.task import Task
+from meso_robust.types import Floats
 
 Doing = Callable[[str], AbstractContextManager[None]]
 

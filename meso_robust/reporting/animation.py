@@ -7,7 +7,6 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from markupsafe import Markup
 
 from meso_robust import units
@@ -19,9 +18,9 @@ from meso_robust.laboratory.simulation_document import SimulationDocument
 from meso_robust.laboratory.trajectories import probe_names
 from meso_robust.provenance import commit
 from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.types import Floats
 from meso_robust.wording import counted
 
-Floats = npt.NDArray[np.float64]
 Json = dict[str, Any]
 
 RUNS = 20  # shown at most

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
@@ -29,8 +28,8 @@ from meso_robust.reporting.theme import (
     VERMILION,
     WAY,
 )
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Coordinate = Literal["x", "y", "theta"]
 
 BEFORE, AFTER = WAY, LAST

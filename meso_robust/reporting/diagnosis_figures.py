@@ -14,9 +14,10 @@ from matplotlib.path import Path
 
 from meso_robust import units
 from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording, WhereSection
-from meso_robust.diagnosis.evidence import Evidence, Floats
+from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.reporting.canvas import AXIS_NAME, GRID, INK, MUTED, corners, fit_equal, outline
 from meso_robust.reporting.theme import BAND, BLUE, PAPER, SHADES, STAGES, VERMILION, WAY
+from meso_robust.types import Floats
 
 BASELINE, EXTENDED, TIP_WAY = VERMILION, BLUE, WAY
 LEVELS = (1.25, 1.75, 2.5, 4.0, 7.0, 12.0)

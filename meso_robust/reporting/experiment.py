@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -21,8 +20,6 @@ from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import number, significant
 from meso_robust.wording import counted
-
-Floats = npt.NDArray[np.float64]
 
 _COLUMNS = 4
 _LEAST_TIP = 20.0  # um: a smaller tip is drawn larger, or nobody would see it

@@ -23,11 +23,11 @@ from meso_robust.reporting.canvas import (
     MUTED,
     OPEN,
     TIP,
-    Floats,
     corners,
     fit_equal,
     outline,
 )
+from meso_robust.types import Floats
 
 _COLUMNS = 4
 _COLOURS = (CERTIFIED, TIP, OPEN, MISS, MUTED, AFTER)

@@ -23,7 +23,6 @@ from meso_robust.reporting.canvas import (
     MUTED,
     OPEN,
     TIP,
-    Floats,
     corners,
     fit_equal,
     outline,
@@ -33,6 +32,7 @@ from meso_robust.reporting.canvas import (
 )
 from meso_robust.reporting.reading import Standing, standings
 from meso_robust.reporting.theme import WALL
+from meso_robust.types import Floats
 
 GHOSTS = 4  # outlines between the first and the last
 PANEL = (5.6, 4.3)  # inches

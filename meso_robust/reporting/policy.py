@@ -27,8 +27,7 @@ from meso_robust.reporting.canvas import (
 )
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import FRAME
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 PIXELS = 360  # of a map, each way
 SCALE = {"x": units.UM, "y": units.UM, "theta": units.DEG}

@@ -19,12 +19,12 @@ from meso_robust.reporting.canvas import (
     MISS,
     OPEN,
     TIP,
-    Floats,
     corners,
     fit_equal,
     outline,
     poses_shown,
 )
+from meso_robust.types import Floats
 
 SIZE = (11.6, 4.2)  # inches
 MOST_POINTS = 400  # of one line

@@ -29,7 +29,6 @@ from meso_robust.reporting.canvas import (
     MUTED,
     OPEN,
     OPEN_FILL,
-    Floats,
     corners,
     fit_equal,
     outline,
@@ -39,6 +38,7 @@ from meso_robust.reporting.canvas import (
 )
 from meso_robust.reporting.reading import thinned
 from meso_robust.task import Task
+from meso_robust.types import Floats
 
 WIDE = (11.6, 4.4)  # inches
 _LONGEST = 34  # letters of a part's name beside its bar

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from meso_robust.reporting import card as cards
 from meso_robust.reporting.theme import GREEN, INK, LAST, WALL
 from meso_robust.task import PolygonPart, Pose, Task
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def task_card(task: Task, text: str) -> str:

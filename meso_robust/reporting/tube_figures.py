@@ -23,7 +23,6 @@ from meso_robust.reporting.canvas import (
     OPEN,
     OPEN_FILL,
     Coordinate,
-    Floats,
     ends,
     fit_equal,
     name,
@@ -34,6 +33,7 @@ from meso_robust.reporting.canvas import (
     rectangle_of,
 )
 from meso_robust.reporting.reading import Standing, standings, thinned, through
+from meso_robust.types import Floats
 
 Look = dict[str, Any]
 

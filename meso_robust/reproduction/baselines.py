@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.reproduction import printed
-from meso_robust.reproduction.bench import START, Flags, Place, Plan, Runs, follow, succeeded
+from meso_robust.reproduction.bench import START, Place, Plan, Runs, follow, succeeded
 from meso_robust.reproduction.item import Setting
+from meso_robust.types import Flags, Floats
 
-Floats = npt.NDArray[np.float64]
 Range = tuple[float, float]
 
 

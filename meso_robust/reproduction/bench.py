@@ -17,9 +17,8 @@ from meso_robust.reproduction import printed
 from meso_robust.simulator import Film, Fixture, Outcome, Push, Round, simulate
 from meso_robust.simulator.fixture import CHANNEL_WIDTH, slot
 from meso_robust.simulator.support_models import Support, Tables
+from meso_robust.types import Flags, Floats
 
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
 Plan: TypeAlias = tuple[Floats, ...]
 """Strokes (T, 2), or (N, T, 2) if every run has its own: waypoints of the tip, m. Between two strokes
 the tip is lifted."""

@@ -12,7 +12,8 @@ from matplotlib.patches import Polygon
 
 from meso_robust.reporting.canvas import AFTER, BEFORE, CERTIFIED, GHOST, INK, MUTED, TIP
 from meso_robust.reporting.svg import style, to_svg
-from meso_robust.reproduction.bench import Floats, Place, Plan, corners
+from meso_robust.reproduction.bench import Place, Plan, corners
+from meso_robust.types import Floats
 from meso_robust.units import DEG, UM
 
 WALL = "#c9ced6"

@@ -9,7 +9,6 @@ from functools import cache
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import Interval
 from meso_robust.certificates.chain import Chain, certify
@@ -22,8 +21,7 @@ from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
-
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags
 
 UNCERTAINTIES = tuple(field.name for field in fields(Uncertainty))
 """What is uncertain, by the names that scale factors are given for."""

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.experiment import Bench, PlannedPush, standard_tests
 from meso_robust.reproduction.printed import (
@@ -21,8 +20,7 @@ from meso_robust.reproduction.printed import (
 )
 from meso_robust.simulator import Flat, Push, PushResult, Round, simulate
 from meso_robust.simulator.support_models import Support
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 TESTS = tuple("ABCDEFGH")
 SUPPORTS = ("film", *POINTS)

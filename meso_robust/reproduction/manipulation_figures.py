@@ -21,7 +21,6 @@ from meso_robust.reporting.canvas import (
     MISS,
     OPEN,
     TIP,
-    Floats,
     corners,
     fit_equal,
     outline,
@@ -35,6 +34,7 @@ from meso_robust.reproduction.printed import PART, TIP_RADIUS
 from meso_robust.simulator import PushResult
 from meso_robust.task import load_task
 from meso_robust.tasks import SLOT
+from meso_robust.types import Floats
 
 COLOURS = dict(zip(SUPPORTS, (CERTIFIED, MISS, OPEN), strict=True))
 """Colour of each support, in every picture of the tests."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.identification.experiment import PlannedPush
@@ -21,8 +20,7 @@ from meso_robust.reproduction.item import Found, Item, Row, Setting
 from meso_robust.reproduction.printed import PART, SLOT_WIDTH, film
 from meso_robust.simulator import PushResult, exact, simulate
 from meso_robust.simulator.fixture import SLOT_WIDTH as CHANNEL
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 MIRRORED = (("A", "E"), ("B", "D"), ("F", "H"))
 """Tests that are each other's image in the x axis."""

@@ -10,9 +10,8 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.reproduction.certified import CertifiedPlan
 from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.item import Figure
+from meso_robust.types import Floats
 from meso_robust.units import UM
-
-Floats = npt.NDArray[np.float64]
 
 NAMES = {
     ("y_translation", "tilt"): "Y: tilt",

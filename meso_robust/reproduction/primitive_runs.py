@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
@@ -24,9 +23,7 @@ from meso_robust.simulator import Push
 from meso_robust.simulator.exact import exact
 from meso_robust.task import load_task
 from meso_robust.tasks import PAPER
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 WIDTH_UM = 837.0
 GAP_UM = 20.0

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval
@@ -28,8 +27,6 @@ from meso_robust.reproduction.rotation_runs import (
     Rotations,
     rotations,
 )
-
-Floats = npt.NDArray[np.float64]
 
 TABLE_3 = {"x": (1559.0, 1996.0), "y": (18.0, 20.0), "theta": (0.5, 1.1)}
 TABLE_5 = {"x": (944.0, 965.0), "y": (0.0, 11.0), "theta": (0.0, 0.7)}

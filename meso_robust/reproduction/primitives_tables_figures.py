@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import HALF_PI
 from meso_robust.conditions import values
@@ -13,8 +12,7 @@ from meso_robust.reporting.theme import BLUE, ORANGE, PURPLE
 from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.item import Figure
 from meso_robust.reproduction.primitive_runs import YTranslations, turned_deg
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 LEVELS_UM = (2.0, 5.0, 11.0, 20.0)
 PRINTED_UM = 11.0

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings import Rectangle
 from meso_robust.simulator import Film, ThreePoints
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 PART = Rectangle(length=1616e-6, width=837e-6)
 """Section IX-A."""

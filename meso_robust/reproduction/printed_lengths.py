@@ -10,19 +10,12 @@ import numpy as np
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import REPORTED, drawn
-from meso_robust.reproduction.bench import (
-    START,
-    Flags,
-    Floats,
-    Place,
-    Runs,
-    follow,
-    succeeded,
-)
+from meso_robust.reproduction.bench import START, Place, Runs, follow, succeeded
 from meso_robust.reproduction.item import Found, Item, Row, Setting
 from meso_robust.reproduction.rrt import distance
 from meso_robust.reproduction.seven_steps import JAMMED, PRINTED
 from meso_robust.simulator import Outcome
+from meso_robust.types import Flags, Floats
 from meso_robust.units import DEG, UM
 
 MOUTH, AXIS, WALL = (0.2e-3, 1.8e-3), (-1.36e-3, -1.06e-3), (0.0, 0.6)

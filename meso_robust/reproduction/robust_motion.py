@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.conditions import values
@@ -25,8 +24,7 @@ from meso_robust.reproduction.robust_trials import (
     spread_of,
     why_not,
 )
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 NOMINAL = (
     Trial(action="straighten", spacing_um=580.0, middle_um=0.0, start_deg=87.0, travel_um=800.0),

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
@@ -20,8 +19,7 @@ from meso_robust.primitives.straighten import certify_straighten
 from meso_robust.primitives.tilt import certify_tilt
 from meso_robust.task import load_task
 from meso_robust.tasks import PAPER
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 AHEAD_UM = 520.0
 """From the part's centre to the tips at the start, along the push."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.reproduction.item import Row
 from meso_robust.reproduction.primitive_runs import turned_deg
@@ -13,8 +12,7 @@ from meso_robust.reproduction.rotation_runs import (
     PUSH_UM,
     Rotations,
 )
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 TRIALS = {"x": (370.0, 434.0), "y": (14.0, 34.0), "theta": (88.0, 90.0)}
 """Smallest and largest of the printed trials: um, um, deg."""

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
@@ -22,8 +21,7 @@ from meso_robust.reproduction.primitive_runs import (
     nominal_runs,
     rotation,
 )
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 PRINTED_SEPARATION_UM = 857.0
 """Eq. (10): 837 um and twice the errors of sensing and control."""

@@ -14,18 +14,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from meso_robust.reproduction import printed
-from meso_robust.reproduction.bench import (
-    START,
-    Flags,
-    Floats,
-    Place,
-    Plan,
-    follow,
-    nominal,
-    succeeded,
-)
+from meso_robust.reproduction.bench import START, Place, Plan, follow, nominal, succeeded
 from meso_robust.simulator import Film, Outcome, Push, Round, simulate
 from meso_robust.simulator.support_models import Support
+from meso_robust.types import Flags, Floats
 
 PLACES = 100
 """Pushing locations on the boundary of the peg; Section VII."""

@@ -18,8 +18,9 @@ from meso_robust.reproduction.baselines import (
     Errors,
     successes,
 )
-from meso_robust.reproduction.bench import Flags, Place, follow, nominal
+from meso_robust.reproduction.bench import Place, follow, nominal
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
+from meso_robust.types import Flags
 
 KINDS: Mapping[str, Errors] = {
     "nothing uncertain": Errors(),

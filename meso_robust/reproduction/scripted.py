@@ -13,8 +13,6 @@ from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import REPORTED, successes
 from meso_robust.reproduction.bench import (
     START,
-    Flags,
-    Floats,
     Followed,
     Place,
     Plan,
@@ -25,6 +23,7 @@ from meso_robust.reproduction.bench import (
 )
 from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting, Value
 from meso_robust.reproduction.seven_steps import PRINTED, lengths_of, tuned
+from meso_robust.types import Flags, Floats
 from meso_robust.units import DEG, UM
 
 SUPPORTS = ("p1*", "p2*", "film")

@@ -6,14 +6,12 @@ import itertools
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.identification.experiment import PlannedPush
 from meso_robust.reproduction.eight_tests import SUPPORTS, TESTS, planned, pushed
 from meso_robust.reproduction.item import Found, Item, Row, Setting
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 POSITION = 5e-6
 """m; error of part and probe in x and in y, Section VI."""

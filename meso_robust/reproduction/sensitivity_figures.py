@@ -8,11 +8,12 @@ import numpy as np
 from matplotlib import figure as mpl
 
 from meso_robust import units
-from meso_robust.reporting.canvas import AXIS_NAME, INK, Floats
+from meso_robust.reporting.canvas import AXIS_NAME, INK
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reproduction.eight_tests import BENCH, SUPPORTS, TESTS
 from meso_robust.reproduction.item import Figure
 from meso_robust.reproduction.manipulation_figures import COLOURS
+from meso_robust.types import Floats
 
 _DRAWN = 30  # ways in a panel
 _EVERY = 5  # record of a drawn way

@@ -9,10 +9,11 @@ import numpy as np
 
 from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import ALL, ON_FILM, REPORTED, Errors, drawn, successes
-from meso_robust.reproduction.bench import TIP_START, Floats, Place, Plan, Runs, follow
+from meso_robust.reproduction.bench import TIP_START, Place, Plan, Runs, follow
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.rrt import distance
 from meso_robust.simulator import Outcome
+from meso_robust.types import Floats
 from meso_robust.units import UM
 
 MOVES = UM * np.array(

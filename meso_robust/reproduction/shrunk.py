@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
@@ -21,10 +20,9 @@ from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Effects, Film, Outcome, Push, simulate
 from meso_robust.task import Task
+from meso_robust.types import Flags, Floats
 from meso_robust.units import UM
 
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
 Errors = Literal["scaled", "camera stays", "camera and probe stay"]
 
 STEP = 2e-6  # m, of the probes at full size

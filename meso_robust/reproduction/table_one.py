@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.identification.models.three_point import FrictionPoints, three_point
@@ -32,8 +31,7 @@ from meso_robust.reproduction.printed import (
 )
 from meso_robust.simulator import Outcome, ThreePoints, simulate
 from meso_robust.simulator.support_models import Support
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 FIRST, SECOND = POINTS
 REPORTED = (20e-6, 40e-6)

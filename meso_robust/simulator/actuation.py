@@ -6,13 +6,9 @@ stands at ``u + C f``, f the force on its tip. With forces over the film's drag 
 time, ``C e_x``: the time in which a bent probe that is stopped creeps back.
 """
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust.kernels import inner
 from meso_robust.simulator.stage import Effect, Parameter, Stage
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _UM = 1e-6
 
@@ -61,7 +57,7 @@ DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y)
 
 
 @inner
-def drive(effects: _F, command: float, played: float) -> float:
+def drive(effects: Floats, command: float, played: float) -> float:
     """Position behind the play, on one axis and without drift (see `drifted`).
 
     Parameters
@@ -78,6 +74,6 @@ def drive(effects: _F, command: float, played: float) -> float:
 
 
 @inner
-def drifted(effects: _F, axis: int, time: float) -> float:
+def drifted(effects: Floats, axis: int, time: float) -> float:
     """Displacement of the mount since the start of the run, m."""
     return float(effects[_DRIFT_X if axis == 0 else _DRIFT_Y] * time)

@@ -1,7 +1,6 @@
 """Forces and motion of one step: the modes of the step before, Lemke's method, all contact modes."""
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner, maker
 from meso_robust.simulator.guess import SEPARATE, guess_forces, remember_modes
@@ -10,9 +9,7 @@ from meso_robust.simulator.modes import FOUND, NONE, new_walk, next_mode
 from meso_robust.simulator.outcome import Outcome
 from meso_robust.simulator.rows import TOLERANCE, assemble, is_solution, move_by_forces
 from meso_robust.simulator.tables import ACTIVE, LN, LT, MODE, MOTION, QN, SHIFT, Work
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 COMPLETED = int(Outcome.COMPLETED)
 JAM = int(Outcome.JAM)
@@ -23,7 +20,7 @@ _SAME = 1e-6  # units: motions this close are one
 
 
 @inner
-def closes(contacts: _F, marks: _I, step: _F, count: int) -> bool:
+def closes(contacts: Floats, marks: Ints, step: Floats, count: int) -> bool:
     """Whether a gap would close with no force; if not, write the motion without any."""
     for c in range(count):
         if not contacts[c, QN] >= -TOLERANCE:

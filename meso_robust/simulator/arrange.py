@@ -30,8 +30,7 @@ from meso_robust.simulator.tables import (
     Y,
 )
 from meso_robust.simulator.tips import Flat, Point
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _DEPTH = 20.0  # steps: what lies deeper than this is another side of the part
 _NODES = 6  # cells along the part for effects that act on its whole area
@@ -40,39 +39,39 @@ _NODES = 6  # cells along the part for effects that act on its whole area
 class Inputs(NamedTuple):
     """A push as the kernels take it: the fields of `Case` with a leading length of 1 or N runs."""
 
-    part: _F
+    part: Floats
     """(1|N, V, 9)"""
-    edges: _F
+    edges: Floats
     """(E, 9)"""
-    size: _F
+    size: Floats
     """(1|N,)"""
     depth: float
-    obstacles: _F
+    obstacles: Floats
     """(1|N, O, OBSTACLE)"""
-    waypoints: _F
+    waypoints: Floats
     """(1|N, T, P, 2)"""
-    legs: _F
+    legs: Floats
     """(1|N, T, 2)"""
-    law: _F
+    law: Floats
     """(1|N, LAW)"""
-    points: _F
+    points: Floats
     """(1|N, K, 4)"""
-    effects: _F
+    effects: Floats
     """(1|N, S)"""
 
 
 class Outputs(NamedTuple):
     """Arrays the kernels fill."""
 
-    poses: _F
+    poses: Floats
     """(N, 3), the poses at the start on entry."""
     outcomes: npt.NDArray[np.int8]
     """(N,)"""
-    max_penetration: _F
+    max_penetration: Floats
     """(N,)"""
-    record: _F
+    record: Floats
     """(N, R, 5 + 5 P) table of `record`, its times on entry."""
-    ended: _F
+    ended: Floats
     """(N, C, CONTACT + 1) contacts of the step in which each run ended, and their obstacle (−1 for
     none); or no runs, where that is not wanted."""
 
@@ -104,7 +103,7 @@ def case_of(i: int, inputs: Inputs) -> Case:
 
 
 def prepare(
-    push: Push, instants: _F | None = None, *, unique: bool = False
+    push: Push, instants: Floats | None = None, *, unique: bool = False
 ) -> tuple[Inputs, Outputs]:
     """Arrange a push for the kernels.
 
@@ -144,7 +143,7 @@ def inputs_of(push: Push, unique: bool) -> Inputs:
     )
 
 
-def outputs_of(push: Push, instants: _F | None) -> Outputs:
+def outputs_of(push: Push, instants: Floats | None) -> Outputs:
     """What the kernels fill; see `prepare`."""
     runs, probes = len(push.poses), push.waypoints.shape[2]
     times = np.zeros((1, 0)) if instants is None else instants
@@ -159,15 +158,15 @@ def outputs_of(push: Push, instants: _F | None) -> Outputs:
     )
 
 
-def _depth(push: Push, corners: _F) -> float:
+def _depth(push: Push, corners: Floats) -> float:
     """Deepest penetration of a solid that is taken for one, m; deeper is another side of it."""
     return min(_DEPTH * push.step, 0.5 * thickness(corners))
 
 
-def _obstacles(push: Push) -> tuple[_F, _F]:
+def _obstacles(push: Push) -> tuple[Floats, Floats]:
     """Edges of the probes' tips, of the fixture and of the unmodelled post, and their table."""
     effects = push.effects.table
-    rows: list[_F] = []
+    rows: list[Floats] = []
     ends = [0]
     for shape in push.shapes:
         rows.append(shape.edges(ends[-1]))
@@ -200,7 +199,7 @@ def _obstacles(push: Push) -> tuple[_F, _F]:
     return np.concatenate(rows), table
 
 
-def _radii(push: Push) -> _F:
+def _radii(push: Push) -> Floats:
     if push.effects.is_on(EXCESS) and any(isinstance(shape, Flat) for shape in push.shapes):
         refuse("effects.tip_radius", "a flat tip", "has no radius", "use Point or Round tips")
     radius = radii(np.array([shape.radius for shape in push.shapes]), push.effects.table)
@@ -210,12 +209,12 @@ def _radii(push: Push) -> _F:
     return radius
 
 
-def _legs(push: Push) -> _F:
+def _legs(push: Push) -> Floats:
     steps = np.append(push.steps_of_legs, 0)
     return np.stack([push.times, np.broadcast_to(steps, push.times.shape)], axis=2)
 
 
-def _law(push: Push, tables: Tables, unique: bool) -> _F:
+def _law(push: Push, tables: Tables, unique: bool) -> Floats:
     law = np.zeros((max(len(tables.film), len(tables.surface)), LAW))
     law[:, FILM : FILM + 6] = tables.film
     law[:, SURFACE : SURFACE + 6] = tables.surface
@@ -226,7 +225,7 @@ def _law(push: Push, tables: Tables, unique: bool) -> _F:
     return law
 
 
-def _points(push: Push, tables: Tables) -> _F:
+def _points(push: Push, tables: Tables) -> Floats:
     """Dry points of the support, and nodes for effects on the whole area where there are any."""
     dry = np.concatenate([tables.points, np.zeros((*tables.points.shape[:2], 1))], axis=2)
     if not push.effects.is_on(*NODE_SLOTS):

@@ -9,7 +9,6 @@ from dataclasses import fields
 from typing import TypeAlias, cast
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from meso_robust.kernels import fingerprint, inner, threads
@@ -30,8 +29,7 @@ from meso_robust.simulator.record import (
 )
 from meso_robust.simulator.stepping import run
 from meso_robust.simulator.tables import CONTACT, COUNT, MAX_CONTACTS, WHO, Work, workspace
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _CHUNKS = 4  # pieces of a batch for each core
 
@@ -40,7 +38,7 @@ Kernel: TypeAlias = Callable[[Inputs, int, int, Outputs], None]
 
 
 @inner
-def _keep_contacts(work: Work, ended: _F) -> None:
+def _keep_contacts(work: Work, ended: Floats) -> None:
     """Copy the contacts of the step in which a run ended."""
     for c in range(work.contacts.shape[0]):
         for k in range(CONTACT):
@@ -77,7 +75,7 @@ def simulate(
     push: Push,
     *,
     record: int = 0,
-    instants: _F | None = None,
+    instants: Floats | None = None,
     unique: bool = False,
     workers: int | None = None,
 ) -> PushResult:
@@ -141,7 +139,7 @@ def _result(push: Push, outputs: Outputs) -> PushResult:
     return result
 
 
-def _instants(push: Push, record: int, instants: _F | None) -> _F | None:
+def _instants(push: Push, record: int, instants: Floats | None) -> Floats | None:
     if record < 0:
         refuse("record", f"{record}", "must not be negative", "give the number of intervals or 0")
     if instants is None:

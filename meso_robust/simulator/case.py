@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner, maker
 from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS
@@ -12,8 +11,7 @@ from meso_robust.simulator.scene import Scene
 from meso_robust.simulator.support import DRY_SLOTS, FILM_SLOTS
 from meso_robust.simulator.tables import BODY, PLAYED_X, X
 from meso_robust.simulator.touch import PULL_SLOTS
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 FILM, SURFACE, INERTIA, IDLE, UNIQUE, AHEAD = 0, 6, 12, 15, 16, 17
 """First of six numbers each of film and limit surface, of three of the motion model; the unit of length
@@ -27,17 +25,17 @@ class Case(NamedTuple):
     """One run as the kernels see it; SI, forces over the film's translational drag."""
 
     scene: Scene
-    obstacles: _F
+    obstacles: Floats
     """(O, OBSTACLE) table of `tables`: the probes, then what does not move."""
-    waypoints: _F
+    waypoints: Floats
     """(T, P, 2) commanded positions of the probes, world frame."""
-    legs: _F
+    legs: Floats
     """(T, 2) times of the waypoints, and steps to the next."""
-    law: _F
+    law: Floats
     """(LAW,) film, limit surface, motion model and choices."""
-    points: _F
+    points: Floats
     """(K, 4) x, y, strength and share of the area of the dry points."""
-    effects: _F
+    effects: Floats
     """(S,) table of effects."""
 
 
@@ -57,13 +55,13 @@ FILM_NOW, TANGENT, OFFSET, TWIST_NOW, TWIST_NEW, WRENCH, TWIST_LAST, BEFORE = (
 class State(NamedTuple):
     """What a run carries from step to step."""
 
-    obstacles: _F
+    obstacles: Floats
     """(O, OBSTACLE) of this run."""
-    body: _F
+    body: Floats
     """(BODY,) vector of the part."""
-    dry: _F
+    dry: Floats
     """(K, 2) forces of the dry points, body frame."""
-    space: _F
+    space: Floats
     """(8, 6) workspace: film matrix, tangent, offset, twist, new twist, wrench of the stage, last
     twist, last pose."""
 
@@ -84,7 +82,7 @@ def new_state(case: Case) -> State:
 
 
 @inner
-def _any(effects: _F, slots: tuple[int, ...]) -> bool:
+def _any(effects: Floats, slots: tuple[int, ...]) -> bool:
     """Whether one of the columns is not zero."""
     on = False
     for slot in slots:

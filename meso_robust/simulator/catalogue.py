@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import NoReturn
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.actuation import ACTUATION
 from meso_robust.simulator.environment import ENVIRONMENT
@@ -15,8 +14,7 @@ from meso_robust.simulator.observation import OBSERVATION
 from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
 from meso_robust.simulator.support import SUPPORT
 from meso_robust.simulator.touch import CONTACT
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 STAGES: tuple[Stage, ...] = (SUPPORT, ENVIRONMENT, CONTACT, GEOMETRY, ACTUATION, OBSERVATION)
 """The stages, in the order of their columns."""

@@ -16,12 +16,12 @@ from meso_robust.simulator.outline import edge_table, refuse, thickness
 from meso_robust.simulator.support import FILM_SLOTS, LAYS, THINNING
 from meso_robust.simulator.tips import Flat, Tip
 from meso_robust.simulator.touch import EDGE
+from meso_robust.types import Floats
 
 if TYPE_CHECKING:
     from meso_robust.simulator.effects import Effects
     from meso_robust.simulator.support_models import Tables
 
-_F = npt.NDArray[np.float64]
 
 MAX_PROBES = 6
 """Most probes in one move."""
@@ -37,7 +37,7 @@ takes it back.
 """
 
 
-def check_arrays(arrays: Mapping[str, _F], shapes: int) -> None:
+def check_arrays(arrays: Mapping[str, Floats], shapes: int) -> None:
     """Refuse arrays of the wrong shape or with values that are not finite.
 
     Parameters
@@ -85,7 +85,7 @@ def check_arrays(arrays: Mapping[str, _F], shapes: int) -> None:
         refuse("shapes", f"{shapes} shapes", f"must be {probes}, one a probe", "give all or none")
 
 
-def check_numbers(friction: _F, times: _F, step: float, time_step: float) -> None:
+def check_numbers(friction: Floats, times: Floats, step: float, time_step: float) -> None:
     """Refuse a negative friction, clocks that do not go on, and steps that are not positive.
 
     Parameters
@@ -198,7 +198,7 @@ def check_steps(*, step: float, longest: float, time_step: float, steps: int, la
         )
 
 
-def check_thickness(step: float, vertices: _F, shapes: Sequence[Tip], fixture: Fixture) -> None:
+def check_thickness(step: float, vertices: Floats, shapes: Sequence[Tip], fixture: Fixture) -> None:
     """Refuse steps that could carry a tip, or the part, through what they meet.
 
     Parameters
@@ -228,9 +228,9 @@ def check_thickness(step: float, vertices: _F, shapes: Sequence[Tip], fixture: F
 
 
 def check_start(
-    poses: _F,
-    vertices: _F,
-    starts: _F,
+    poses: Floats,
+    vertices: Floats,
+    starts: Floats,
     shapes: Sequence[Tip],
     fixture: Fixture,
     effects: Effects,
@@ -270,7 +270,7 @@ def check_start(
             _refuse_overlap("poses", "the part", depth, limit, f"fixture.outlines[{k}]")
 
 
-def _refuse_overlap(argument: str, what: str, depth: _F, limit: float, other: str) -> None:
+def _refuse_overlap(argument: str, what: str, depth: Floats, limit: float, other: str) -> None:
     for run in np.flatnonzero(depth > limit):
         refuse(
             argument,
@@ -280,7 +280,7 @@ def _refuse_overlap(argument: str, what: str, depth: _F, limit: float, other: st
         )
 
 
-def in_body(poses: _F, points: _F) -> _F:
+def in_body(poses: Floats, points: Floats) -> Floats:
     """(N, 2) world points in the body frames of (N, 3) poses."""
     offset = points - poses[:, :2]
     cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
@@ -288,7 +288,7 @@ def in_body(poses: _F, points: _F) -> _F:
     return np.column_stack([x, cos * offset[:, 1] - sin * offset[:, 0]])
 
 
-def _in_world(poses: _F, points: _F) -> _F:
+def _in_world(poses: Floats, points: Floats) -> Floats:
     """(N, V, 2) body points (1|N, V, 2) in the world, for each of (N, 3) poses."""
     cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
     x = poses[:, :1] + cos * points[..., 0] - sin * points[..., 1]
@@ -296,7 +296,7 @@ def _in_world(poses: _F, points: _F) -> _F:
     return np.stack([x, y], axis=2)
 
 
-def _depth(vertices: _F, scale: _F, points: _F) -> _F:
+def _depth(vertices: Floats, scale: Floats, points: Floats) -> Floats:
     """(N,) as `depth_inside` in outlines that are stretched by (1|N, 2) factors."""
     if len(scale) == 1:
         return depth_inside(vertices * scale[0], points)
@@ -308,7 +308,7 @@ def _depth(vertices: _F, scale: _F, points: _F) -> _F:
     return depth
 
 
-def depth_inside(vertices: _F, points: _F) -> _F:
+def depth_inside(vertices: Floats, points: Floats) -> Floats:
     """Depth of points inside an outline.
 
     Parameters
@@ -337,12 +337,14 @@ def depth_inside(vertices: _F, points: _F) -> _F:
     return np.asarray(np.where(inside, nearest, -nearest))
 
 
-def _two(vertices: _F) -> tuple[_F, _F]:
+def _two(vertices: Floats) -> tuple[Floats, Floats]:
     flat = np.column_stack([vertices, np.zeros(len(vertices))])
     return flat, np.roll(flat, -1, axis=0)
 
 
-def _overlap(vertices: _F, scale: _F, poses: _F, outline: _F, origin: _F) -> _F:
+def _overlap(
+    vertices: Floats, scale: Floats, poses: Floats, outline: Floats, origin: Floats
+) -> Floats:
     """(N,) depth of the part in a solid or of the solid in the part, by corners and crossings.
 
     The part is stretched by (1|N, 2) factors.
@@ -361,10 +363,10 @@ def _overlap(vertices: _F, scale: _F, poses: _F, outline: _F, origin: _F) -> _F:
     return np.asarray(np.where(crossing & (depth < 0.0), np.inf, depth))
 
 
-def _crosses(start: _F, end: _F, a: _F, b: _F) -> npt.NDArray[np.bool_]:
+def _crosses(start: Floats, end: Floats, a: Floats, b: Floats) -> npt.NDArray[np.bool_]:
     """(N,) whether a segment from a to b properly crosses any of (N, V) segments."""
 
-    def side(p: _F, q: _F, r: _F) -> _F:
+    def side(p: Floats, q: Floats, r: Floats) -> Floats:
         u, v = q - p, r - p
         return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 

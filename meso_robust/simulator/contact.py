@@ -16,13 +16,10 @@ other solid lies wholly on its far side (the separating axes of two wedges).
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.tables import FEATURE, GAP, NX, NY, PX, PY
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _PARALLEL = (
     0.1  # rad, above the largest turn of a step: edges this close may lie on each other after it
@@ -36,7 +33,15 @@ PER_CORNER = 2_000_000
 
 @inner
 def _add(
-    raw: _F, keys: _I, count: int, gap: float, nx: float, ny: float, px: float, py: float, key: int
+    raw: Floats,
+    keys: Ints,
+    count: int,
+    gap: float,
+    nx: float,
+    ny: float,
+    px: float,
+    py: float,
+    key: int,
 ) -> int:
     """Append a contact; one too many is counted but not written."""
     if count < raw.shape[0]:
@@ -48,14 +53,14 @@ def _add(
 
 @inner
 def beside_edges(
-    edges: _F,
+    edges: Floats,
     rows: tuple[int, int],
     point: tuple[float, float],
     radius: float,
     wedge: tuple[float, float, float, float],
     bounds: tuple[float, float],
-    raw: _F,
-    keys: _I,
+    raw: Floats,
+    keys: Ints,
     count: int,
 ) -> int:
     """Contacts of a disc with the edges of an outline.
@@ -112,13 +117,13 @@ def beside_edges(
 
 
 @inner
-def _shallower(edges: _F, i: int, convex: float, s: float, cx: float, cy: float) -> bool:
+def _shallower(edges: Floats, i: int, convex: float, s: float, cx: float, cy: float) -> bool:
     """Whether the neighbour across a convex corner is the nearer way out."""
     return convex > 0.0 and edges[i, 2] * cx + edges[i, 3] * cy - edges[i, 4] > s
 
 
 @inner
-def lies_beyond(edges: _F, i: int, cx: float, cy: float) -> bool:
+def lies_beyond(edges: Floats, i: int, cx: float, cy: float) -> bool:
     """Whether a point lies beyond the ends of both edges at the first corner of edge i, if convex."""
     if edges[i, 8] <= 0.0:
         return False
@@ -129,13 +134,13 @@ def lies_beyond(edges: _F, i: int, cx: float, cy: float) -> bool:
 
 @inner
 def at_corner(
-    edges: _F,
+    edges: Floats,
     corner: int,
     disc: tuple[float, float, float],
     step: tuple[float, float, float],
     wedge: tuple[float, float, float, float],
-    raw: _F,
-    keys: _I,
+    raw: Floats,
+    keys: Ints,
     count: int,
     reach: float,
 ) -> int:
@@ -183,7 +188,7 @@ def at_corner(
 
 @inner
 def _last_crossed(
-    edges: _F,
+    edges: Floats,
     corner: int,
     gx: float,
     gy: float,

@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.catalogue import table_of
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

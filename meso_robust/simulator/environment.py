@@ -1,12 +1,10 @@
 """What acts on the part besides support and tips: forces of the stage, and things in the way."""
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.stage import Effect, Parameter, Stage
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
 
@@ -92,7 +90,9 @@ FORCE_SLOTS = (_FORCE_X, _FORCE_Y, _FLOW_X, _FLOW_Y, _PULL)
 
 
 @inner
-def stage_wrench(effects: _F, film: _F, pose: _F, cos: float, sin: float, out: _F) -> None:
+def stage_wrench(
+    effects: Floats, film: Floats, pose: Floats, cos: float, sin: float, out: Floats
+) -> None:
     """Add the wrench of the stage on the part, body frame, over e_x.
 
     Parameters

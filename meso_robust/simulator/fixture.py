@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.outline import check_outline, refuse
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 SLOT_WIDTH = 976e-6
 """m; the narrow channel of the paper's Section IV, the 137 µm clearance of Section VII wider than the
@@ -40,7 +38,7 @@ class Fixture:
         If an outline is not a simple polygon, or μ is negative or not finite.
     """
 
-    outlines: tuple[_F, ...] = ()
+    outlines: tuple[Floats, ...] = ()
     friction: float = 0.0
 
     def __post_init__(self) -> None:

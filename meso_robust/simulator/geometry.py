@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.outline import refuse
 from meso_robust.simulator.stage import Effect, Parameter, Stage
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _UM = 1e-6
 
@@ -60,7 +58,7 @@ _OFFSET_X = GEOMETRY.slot("reference_offset", "x_um")
 _OFFSET_Y = GEOMETRY.slot("reference_offset", "y_um")
 
 
-def outlines(vertices: _F, table: _F) -> _F:
+def outlines(vertices: Floats, table: Floats) -> Floats:
     """True outlines of the part.
 
     The part is stretched about its reference point by ``1 + d / h`` along each of its axes, h half
@@ -81,7 +79,7 @@ def outlines(vertices: _F, table: _F) -> _F:
     return np.asarray(vertices * stretch(vertices, table)[:, None])
 
 
-def stretch(vertices: _F, table: _F) -> _F:
+def stretch(vertices: Floats, table: Floats) -> Floats:
     """(1|N, 2) factors by which the part is longer than stated along its axes.
 
     Raises
@@ -100,22 +98,22 @@ def stretch(vertices: _F, table: _F) -> _F:
     return np.asarray(factor)
 
 
-def radii(stated: _F, table: _F) -> _F:
+def radii(stated: Floats, table: Floats) -> Floats:
     """(1|N, P) true radii of the tips in m, for stated radii (P,)."""
     return np.asarray(stated + table[:, [EXCESS]])
 
 
-def reference_of_tracked(poses: _F, table: _F) -> _F:
+def reference_of_tracked(poses: Floats, table: Floats) -> Floats:
     """Poses (N, …, 3) of the reference point for those of the tracked point."""
     return _shifted(poses, table, -1.0)
 
 
-def tracked_of_reference(poses: _F, table: _F) -> _F:
+def tracked_of_reference(poses: Floats, table: Floats) -> Floats:
     """Poses (N, …, 3) of the tracked point for those of the reference point."""
     return _shifted(poses, table, 1.0)
 
 
-def _shifted(poses: _F, table: _F, sign: float) -> _F:
+def _shifted(poses: Floats, table: Floats, sign: float) -> Floats:
     offset = sign * table[:, [_OFFSET_X, _OFFSET_Y]]
     if not np.any(offset):
         return poses

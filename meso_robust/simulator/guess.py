@@ -7,9 +7,6 @@ singular and is left to Lemke's method. The guess is a short cut only: its force
 only if they pass the check of the whole problem (`rows.is_solution`).
 """
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust.kernels import inner
 from meso_robust.simulator.rows import TOLERANCE, deflection, move_by_forces
 from meso_robust.simulator.tables import (
@@ -29,9 +26,7 @@ from meso_robust.simulator.tables import (
     WN,
     WT,
 )
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 SEPARATE = 0
 """No force."""
@@ -46,7 +41,7 @@ GLIDE = 4
 
 
 @inner
-def remember_modes(contacts: _F, marks: _I, count: int) -> None:
+def remember_modes(contacts: Floats, marks: Ints, count: int) -> None:
     """Read the modes of the step off its forces."""
     for c in range(count):
         ln, lt, friction = contacts[c, LN], contacts[c, LT], contacts[c, MU]
@@ -61,7 +56,7 @@ def remember_modes(contacts: _F, marks: _I, count: int) -> None:
 
 
 @inner
-def keep_modes(marks: _I, count: int) -> None:
+def keep_modes(marks: Ints, count: int) -> None:
     """Keep features and modes of the step for the next one."""
     for c in range(count):
         for k in range(3):
@@ -70,13 +65,13 @@ def keep_modes(marks: _I, count: int) -> None:
 
 
 @inner
-def forget_modes(marks: _I) -> None:
+def forget_modes(marks: Ints) -> None:
     """Start without modes of a last step."""
     marks[marks.shape[0] - 1, 0] = 0
 
 
 @inner
-def recall_modes(marks: _I, count: int) -> None:
+def recall_modes(marks: Ints, count: int) -> None:
     """Give every contact the mode that it had in the last step, if it was there."""
     old = marks[marks.shape[0] - 1, 0]
     for c in range(count):
@@ -87,7 +82,7 @@ def recall_modes(marks: _I, count: int) -> None:
 
 
 @inner
-def guess_forces(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> bool:
+def guess_forces(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> bool:
     """Write the forces and the motion that the modes imply.
 
     Parameters
@@ -128,7 +123,7 @@ def _slope(mode: int, friction: float) -> float:
 
 
 @inner
-def _collect(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> int:
+def _collect(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> int:
     """List the unknowns of the modes; the motion takes the right-hand side."""
     for k in range(3):
         step[MOTION + k] = 0.0
@@ -155,7 +150,7 @@ def _collect(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> int:
 
 
 @inner
-def _soften(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> None:
+def _soften(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> None:
     """Add the deflection of the probes to the linear system of the modes."""
     i = 0
     for a in range(count):
@@ -179,7 +174,7 @@ def _soften(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> None:
 
 
 @inner
-def _triple(a: _F, b: _F, c: _F) -> float:
+def _triple(a: Floats, b: Floats, c: Floats) -> float:
     """Return the determinant of three columns."""
     return float(
         a[0] * (b[1] * c[2] - b[2] * c[1])
@@ -189,7 +184,7 @@ def _triple(a: _F, b: _F, c: _F) -> float:
 
 
 @inner
-def _solve(contacts: _F, marks: _I, step: _F, system: _F, count: int) -> bool:
+def _solve(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> bool:
     """Solve by Cramer's rule and spread the unknowns over the contacts."""
     A, B, C, right = system[6], system[7], system[8], step[MOTION : MOTION + 3]
     determinant = _triple(A, B, C)

@@ -11,7 +11,6 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.arrange import prepare
 from meso_robust.simulator.batch import run_range
@@ -19,8 +18,7 @@ from meso_robust.simulator.outcome import Outcome
 from meso_robust.simulator.outline import refuse
 from meso_robust.simulator.push import Push
 from meso_robust.simulator.tables import CONTACT, MAX_CONTACTS, MU, NX, PX, QN, QT, WN, WT
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _RESIDUAL = 1e-9  # of a sum that equals q, relative to q
 _HALVINGS = 30
@@ -34,15 +32,15 @@ _MODES = ((3,), (0, 1, 2), (0, 1, 3), (0, 2, 3))  # separate, stick, slip +, sli
 class Jam:
     """A step that no contact mode solves."""
 
-    pose: _F
+    pose: Floats
     """(3,) pose at which the part jams: m, m, rad."""
     obstacles: tuple[str, ...]
     """What each contact is with: ``probe k`` or ``fixture k``."""
-    points: _F
+    points: Floats
     """(C, 2) points of contact, m, world frame."""
-    normals: _F
+    normals: Floats
     """(C, 2) normals into the part, world frame."""
-    friction: _F
+    friction: Floats
     """(C,) friction coefficient of each contact."""
     closing_share: float
     """Share of all friction coefficients from which on the part jams here."""
@@ -109,12 +107,12 @@ def explain_jam(push: Push, run: int) -> Jam:
     )
 
 
-def _turned(turn: complex, vectors: _F) -> _F:
+def _turned(turn: complex, vectors: Floats) -> Floats:
     z = turn * (vectors[:, 0] + 1j * vectors[:, 1])
     return np.column_stack([z.real, z.imag])
 
 
-def _closing_share(table: _F) -> float:
+def _closing_share(table: Floats) -> float:
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
@@ -122,7 +120,7 @@ def _closing_share(table: _F) -> float:
     return high
 
 
-def _jams(table: _F, share: float) -> bool:
+def _jams(table: Floats, share: float) -> bool:
     """Whether no combination of contact modes solves the step with a share of the friction."""
     from scipy.optimize import nnls
 
@@ -137,7 +135,7 @@ def _jams(table: _F, share: float) -> bool:
     return True
 
 
-def _problem(table: _F, share: float) -> tuple[_F, _F]:
+def _problem(table: Floats, share: float) -> tuple[Floats, Floats]:
     """M and q of ``w = M z + q`` for the rows of the contacts."""
     count = len(table)
     wn, wt = table[:, WN : WN + 3], table[:, WT : WT + 3]

@@ -18,13 +18,10 @@ doi:10.1002/(SICI)1097-0207(19960815)39:15<2673::AID-NME972>3.0.CO;2-I.
 """
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from meso_robust.kernels import inner
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 SOLVED = 0
 """A solution was found and passed the residual check."""
@@ -48,7 +45,7 @@ _PIVOTS_PER_ROW = 30
 
 
 @inner
-def lemke(n: int, M: _F, q: _F, z: _F, tableau: _F, index: _I) -> int:
+def lemke(n: int, M: Floats, q: Floats, z: Floats, tableau: Floats, index: Ints) -> int:
     """Solve ``0 ≤ z ⊥ M z + q ≥ 0``.
 
     The entries of `M` and `q` should be of order one, since what counts as zero is absolute.
@@ -102,7 +99,7 @@ def lemke(n: int, M: _F, q: _F, z: _F, tableau: _F, index: _I) -> int:
 
 
 @njit(error_model="numpy", forceinline=True)
-def _start(n: int, M: _F, q: _F, first: int, tableau: _F, index: _I) -> None:
+def _start(n: int, M: Floats, q: Floats, first: int, tableau: Floats, index: Ints) -> None:
     """Fill the tableau with ``w = q + M z + 1 z_0`` after ``w_first`` was exchanged for ``z_0``.
 
     `index` holds the basic variable of each row, then the nonbasic variable of each column, then
@@ -128,7 +125,7 @@ def _start(n: int, M: _F, q: _F, first: int, tableau: _F, index: _I) -> None:
 
 
 @njit(error_model="numpy", forceinline=True)
-def _pivot(n: int, tableau: _F, row: int, column: int) -> None:
+def _pivot(n: int, tableau: Floats, row: int, column: int) -> None:
     """Exchange the basic variable of `row` with the nonbasic variable of `column`.
 
     Rows go in blocks of four, loaded before any is stored, for the compiler to use its vectors.
@@ -154,7 +151,7 @@ def _pivot(n: int, tableau: _F, row: int, column: int) -> None:
 
 
 @njit(error_model="numpy", forceinline=True)
-def _blocking_row(n: int, tableau: _F, index: _I, column: int) -> int:
+def _blocking_row(n: int, tableau: Floats, index: Ints, column: int) -> int:
     """Row that blocks the growth of the driving variable first, or -1 on a ray."""
     # Choices by value and few branches: which row blocks is as good as random to the processor.
     for i in range(n):
@@ -182,7 +179,7 @@ def _blocking_row(n: int, tableau: _F, index: _I, column: int) -> int:
 
 
 @inner
-def _goes_first(n: int, tableau: _F, index: _I, column: int, i: int, best: int) -> bool:
+def _goes_first(n: int, tableau: Floats, index: Ints, column: int, i: int, best: int) -> bool:
     """Break a tie between two rows: the artificial variable first, then lexicographically."""
     if index[i] == 2 * n or index[best] == 2 * n:
         return bool(index[i] == 2 * n)
@@ -204,7 +201,9 @@ def _goes_first(n: int, tableau: _F, index: _I, column: int, i: int, best: int) 
 
 
 @njit(error_model="numpy", forceinline=True)
-def _read(n: int, M: _F, q: _F, z: _F, tableau: _F, index: _I, row: int, column: int) -> int:
+def _read(
+    n: int, M: Floats, q: Floats, z: Floats, tableau: Floats, index: Ints, row: int, column: int
+) -> int:
     """Exchange ``z_0`` for the driving variable, write the solution and check it.
 
     With a negative `row`, ``z_0`` is dropped as it is. The check is against the problem as given.

@@ -28,13 +28,10 @@ doi:10.1002/(SICI)1097-0207(19960815)39:15<2673::AID-NME972>3.0.CO;2-I.
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner, maker
 from meso_robust.simulator.nonnegative import nearest
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _TOLERANCE = 1e-9  # of a sum that equals q, relative to its largest term from 1 to _LARGEST
 _LARGEST = 1e4
@@ -53,7 +50,7 @@ _TREE_LIMIT = 200_000  # nodes
 
 
 @maker
-def some_mode_holds(n: int, M: _F, q: _F) -> bool:
+def some_mode_holds(n: int, M: Floats, q: Floats) -> bool:
     """Tell whether any contact mode solves the step.
 
     Parameters
@@ -77,7 +74,7 @@ def some_mode_holds(n: int, M: _F, q: _F) -> bool:
 
 
 @maker
-def new_walk(n: int) -> _I:
+def new_walk(n: int) -> Ints:
     """Start of a walk through the contact modes of a problem of size n; see `next_mode`."""
     state = np.full(n // 4 + 2, _FREE, np.int64)
     state[0], state[1] = 0, 0  # depth, and whether a node was undecided
@@ -85,7 +82,7 @@ def new_walk(n: int) -> _I:
 
 
 @maker
-def next_mode(n: int, M: _F, q: _F, z: _F, state: _I) -> int:  # noqa: C901
+def next_mode(n: int, M: Floats, q: Floats, z: Floats, state: Ints) -> int:  # noqa: C901
     """Walk on to the next contact mode that solves the step.
 
     Parameters
@@ -152,7 +149,7 @@ def _uses_z(mode: int, unknown: int) -> bool:
 
 
 @inner
-def _fill(n: int, M: _F, modes: _I, columns: _F) -> int:
+def _fill(n: int, M: Floats, modes: Ints, columns: Floats) -> int:
     """Write the columns that the modes allow, one a row; return their number.
 
     Column j stands for the pair j as its mode chooses; the second columns of free contacts follow.
@@ -171,7 +168,7 @@ def _fill(n: int, M: _F, modes: _I, columns: _F) -> int:
 
 
 @inner
-def _verdict(columns: _F, x: _F, r: _F) -> int:
+def _verdict(columns: Floats, x: Floats, r: Floats) -> int:
     """Tell whether q is in the cone, from the nearest point of the cone."""
     largest, size = 1.0, 0.0
     for j in range(columns.shape[0]):
@@ -194,7 +191,7 @@ def _verdict(columns: _F, x: _F, r: _F) -> int:
 
 
 @inner
-def _write_solution(n: int, modes: _I, x: _F, z: _F) -> None:
+def _write_solution(n: int, modes: Ints, x: Floats, z: Floats) -> None:
     """Write z of a sum, all modes being chosen."""
     for j in range(n):
         z[j] = x[j] if _uses_z(modes[j // 4], j % 4) else 0.0

@@ -15,11 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 FIRST_ORDER = 1.0
 DYNAMIC = 2.0
@@ -83,7 +81,7 @@ def _check(mass: float, inertia: float) -> None:
 
 
 @inner
-def add_inertia(inertia: _F, velocity: _F, dt: float, K: _F, offset: _F) -> None:
+def add_inertia(inertia: Floats, velocity: Floats, dt: float, K: Floats, offset: Floats) -> None:
     """Add the change of momentum in a step to the tangent and its offset.
 
     Parameters

@@ -8,12 +8,9 @@ doi:10.1137/1.9781611971217; each subproblem by Householder reflections.
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _DEPENDENT = 1e-12  # of the length of a column: what is left of it when it depends on others
 _FLAT = 1e-13  # of the lengths: a gradient this small is none
@@ -21,7 +18,7 @@ _ROUNDS = 6  # per column
 
 
 @inner
-def nearest(A: _F, q: _F, x: _F, r: _F, space: _F, order: _I) -> bool:
+def nearest(A: Floats, q: Floats, x: Floats, r: Floats, space: Floats, order: Ints) -> bool:
     """Minimise ``|q − Σ x_j A_j|`` over ``x ≥ 0``.
 
     Parameters
@@ -70,7 +67,7 @@ def nearest(A: _F, q: _F, x: _F, r: _F, space: _F, order: _I) -> bool:
 
 
 @inner
-def _remainder(A: _F, q: _F, x: _F, r: _F, order: _I, count: int) -> None:
+def _remainder(A: Floats, q: Floats, x: Floats, r: Floats, order: Ints, count: int) -> None:
     """Write the residual; columns left out for a round may enter again."""
     m, n = A.shape
     for j in range(m):
@@ -83,7 +80,7 @@ def _remainder(A: _F, q: _F, x: _F, r: _F, order: _I, count: int) -> None:
 
 
 @inner
-def _steepest(A: _F, r: _F, gradient: _F, order: _I) -> int:
+def _steepest(A: Floats, r: Floats, gradient: Floats, order: Ints) -> int:
     """Column along which the residual falls fastest, or -1."""
     m, n = A.shape
     size = 0.0
@@ -105,7 +102,9 @@ def _steepest(A: _F, r: _F, gradient: _F, order: _I) -> int:
 
 
 @inner
-def _settle(A: _F, q: _F, x: _F, order: _I, count: int, space: _F, trial: _F) -> int:
+def _settle(
+    A: Floats, q: Floats, x: Floats, order: Ints, count: int, space: Floats, trial: Floats
+) -> int:
     """Go to the minimum over the passive columns, dropping those that would become negative.
 
     Returns the number of passive columns, or -1 if the columns depend on each other.
@@ -136,7 +135,7 @@ def _settle(A: _F, q: _F, x: _F, order: _I, count: int, space: _F, trial: _F) ->
 
 
 @inner
-def _solve(A: _F, q: _F, order: _I, count: int, space: _F, s: _F) -> bool:
+def _solve(A: Floats, q: Floats, order: Ints, count: int, space: Floats, s: Floats) -> bool:
     """Least squares over the passive columns; False if one depends on those before it."""
     n = A.shape[1]
     if count > n:
@@ -158,7 +157,7 @@ def _solve(A: _F, q: _F, order: _I, count: int, space: _F, s: _F) -> bool:
 
 
 @inner
-def _reflect(space: _F, diagonal: _F, n: int, k: int, count: int) -> bool:
+def _reflect(space: Floats, diagonal: Floats, n: int, k: int, count: int) -> bool:
     """Householder reflection that clears column k below its diagonal; False if nothing is left."""
     norm, whole = 0.0, 0.0
     for i in range(n):

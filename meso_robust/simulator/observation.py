@@ -17,11 +17,9 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _DEG = np.pi / 180.0
 

@@ -11,9 +11,8 @@ from functools import lru_cache
 from typing import NoReturn
 
 import numpy as np
-import numpy.typing as npt
 
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 EDGE = 9
 """Columns of a table of edges; see `edge_table`."""
@@ -26,7 +25,7 @@ def refuse(argument: str, value: str, rule: str, advice: str) -> NoReturn:
     raise ValueError(f"{argument}: {value}; {rule}; {advice}")
 
 
-def edge_table(vertices: _F, first: int = 0) -> _F:
+def edge_table(vertices: Floats, first: int = 0) -> Floats:
     """Tabulate the edges of an outline.
 
     Parameters
@@ -47,7 +46,7 @@ def edge_table(vertices: _F, first: int = 0) -> _F:
 
 
 @lru_cache(maxsize=256)
-def _edge_table(corners: bytes, first: int) -> _F:
+def _edge_table(corners: bytes, first: int) -> Floats:
     """Table of corners given as bytes, to be looked up: a single push is as short as making it."""
     vertices = np.frombuffer(corners).reshape(-1, 2)
     edge = np.roll(vertices, -1, axis=0) - vertices
@@ -63,7 +62,7 @@ def _edge_table(corners: bytes, first: int) -> _F:
     return table
 
 
-def check_outline(name: str, vertices: _F) -> None:
+def check_outline(name: str, vertices: Floats) -> None:
     """Refuse corners that do not make a simple polygon.
 
     Parameters
@@ -100,7 +99,7 @@ def check_outline(name: str, vertices: _F) -> None:
     _check_crossings(name, vertices, edge, advice)
 
 
-def _check_crossings(name: str, vertices: _F, edge: _F, advice: str) -> None:
+def _check_crossings(name: str, vertices: Floats, edge: Floats, advice: str) -> None:
     count = len(vertices)
     for i in range(count):
         for j in range(i + 2, count if i else count - 1):
@@ -108,10 +107,10 @@ def _check_crossings(name: str, vertices: _F, edge: _F, advice: str) -> None:
                 refuse(name, f"edges {i} and {j} meet", "must not touch or cross", advice)
 
 
-def _meet(a: _F, u: _F, b: _F, v: _F) -> bool:
+def _meet(a: Floats, u: Floats, b: Floats, v: Floats) -> bool:
     """Whether the segments from a along u and from b along v have a point in common."""
 
-    def side(origin: _F, way: _F, point: _F) -> float:
+    def side(origin: Floats, way: Floats, point: Floats) -> float:
         d = point - origin
         return float(way[0] * d[1] - way[1] * d[0])
 
@@ -125,13 +124,13 @@ def _meet(a: _F, u: _F, b: _F, v: _F) -> bool:
     return s1 * s2 <= 0.0 and s3 * s4 <= 0.0
 
 
-def area(vertices: _F) -> float:
+def area(vertices: Floats) -> float:
     """Signed area in m², positive for corners in counter-clockwise order."""
     x, y = vertices[:, 0], vertices[:, 1]
     return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
-def check_part(vertices: _F) -> None:
+def check_part(vertices: Floats) -> None:
     """Refuse corners that are not those of a part about its reference point.
 
     Parameters
@@ -161,7 +160,7 @@ def check_part(vertices: _F) -> None:
         )
 
 
-def thickness(vertices: _F) -> float:
+def thickness(vertices: Floats) -> float:
     """Least distance of a corner of an outline from an edge that it does not belong to, m."""
     return _thickness(np.ascontiguousarray(vertices, dtype=np.float64).tobytes())
 
@@ -180,7 +179,7 @@ def _thickness(corners: bytes) -> float:
     return least
 
 
-def quadrature(vertices: _F, order: int = 3) -> _F:
+def quadrature(vertices: Floats, order: int = 3) -> Floats:
     """Points and weights that integrate over the area of an outline.
 
     The outline is cut by a grid over its bounding box; each piece is replaced by four points with its
@@ -212,10 +211,10 @@ def quadrature(vertices: _F, order: int = 3) -> _F:
     return table
 
 
-def clip_to_box(vertices: _F, low: _F, high: _F) -> _F:
+def clip_to_box(vertices: Floats, low: Floats, high: Floats) -> Floats:
     """Corners of the part of an outline inside a box (Sutherland-Hodgman)."""
     for axis, bound, sign in ((0, low[0], 1), (0, high[0], -1), (1, low[1], 1), (1, high[1], -1)):
-        kept: list[_F] = []
+        kept: list[Floats] = []
         for a, b in zip(vertices, np.roll(vertices, -1, axis=0), strict=True):
             in_a, in_b = sign * (a[axis] - bound) >= 0, sign * (b[axis] - bound) >= 0
             if in_a:
@@ -228,7 +227,7 @@ def clip_to_box(vertices: _F, low: _F, high: _F) -> _F:
     return vertices
 
 
-def _moments(piece: _F) -> _F:
+def _moments(piece: Floats) -> Floats:
     """(2, 3) or (4, 3) points with the area, centroid and second moments of a polygon."""
     x, y = piece[:, 0], piece[:, 1]
     xn, yn = np.roll(x, -1), np.roll(y, -1)

@@ -25,8 +25,7 @@ from meso_robust.simulator.outline import check_part, refuse
 from meso_robust.simulator.stage import REFERENCE_SPEED
 from meso_robust.simulator.support_models import Film, Support
 from meso_robust.simulator.tips import Point, Tip
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _ROUNDING = 1e-9  # of a step, so that a travel of 10 steps is not cut into 11
 _RATES = (*range(56), *range(64, 80))  # columns of effects that act in time: not of geometry
@@ -77,11 +76,11 @@ class Push:
         If a shape or value is out of its rule, or if the part starts inside a tip or the fixture.
     """
 
-    vertices: _F
-    poses: _F
-    waypoints: _F
-    times: _F
-    friction: _F
+    vertices: Floats
+    poses: Floats
+    waypoints: Floats
+    times: Floats
+    friction: Floats
     support: Support
     step: float
     shapes: tuple[Tip, ...] = ()
@@ -133,9 +132,9 @@ class Push:
     def straight(
         cls,
         *,
-        tips: _F,
-        travel: _F,
-        film_ratio: _F | float | None = None,
+        tips: Floats,
+        travel: Floats,
+        film_ratio: Floats | float | None = None,
         speed: float = REFERENCE_SPEED,
         **rest: object,
     ) -> Push:
@@ -177,7 +176,7 @@ class Push:
             **rest,  # type: ignore[arg-type]
         )
 
-    def _legs(self) -> _F:
+    def _legs(self) -> Floats:
         """(1|N, T − 1) longest displacement of a probe between two waypoints, m."""
         way = np.diff(self.waypoints, axis=1)
         return np.asarray(np.hypot(way[..., 0], way[..., 1]).max(axis=2, initial=0.0))
@@ -233,13 +232,13 @@ class PushResult:
         Number of steps of the move.
     """
 
-    poses: _F
+    poses: Floats
     outcomes: npt.NDArray[np.int8]
-    max_penetration: _F
-    times: _F
-    path: _F
-    tips: _F
-    forces: _F
+    max_penetration: Floats
+    times: Floats
+    path: Floats
+    tips: Floats
+    forces: Floats
     modes: npt.NDArray[np.int8]
     fixture_modes: npt.NDArray[np.int8]
     steps: int

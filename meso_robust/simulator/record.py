@@ -4,9 +4,6 @@ A row of the record is ``time, x, y, θ, mode of the fixture`` and then for each
 mode``; world frame, forces on the part over e_x. The force of a step and its modes hold over the step.
 """
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust.kernels import inner
 from meso_robust.simulator.rows import TOLERANCE, slips
 from meso_robust.simulator.tables import (
@@ -22,9 +19,7 @@ from meso_robust.simulator.tables import (
     WHO,
     X,
 )
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 TIME, POSE, FIXTURE_MODE, PROBES = 0, 1, 4, 5
 """Columns of a record."""
@@ -35,7 +30,7 @@ _SLIP = 1e-6  # units: slower than this sticks
 
 
 @inner
-def contact_mode(contacts: _F, marks: _I, step: _F, count: int, c: int) -> int:
+def contact_mode(contacts: Floats, marks: Ints, step: Floats, count: int, c: int) -> int:
     """Tell the mode of a contact: 0 separate, 1 stick, 2 slip +, 3 slip −.
 
     In slip + the friction on the part points along t, the inward normal turned by +90°.
@@ -49,7 +44,7 @@ def contact_mode(contacts: _F, marks: _I, step: _F, count: int, c: int) -> int:
 
 
 @inner
-def on_part(contacts: _F, c: int, scale: float, pull: float) -> tuple[float, float]:
+def on_part(contacts: Floats, c: int, scale: float, pull: float) -> tuple[float, float]:
     """Force of a contact on the part, body frame: λ times a scale, and the pull times another."""
     nx, ny = contacts[c, NX], contacts[c, NY]
     ln, lt = scale * contacts[c, LN], scale * contacts[c, LT]
@@ -59,18 +54,18 @@ def on_part(contacts: _F, c: int, scale: float, pull: float) -> tuple[float, flo
 
 @inner
 def record_step(
-    record: _F,
+    record: Floats,
     sample: int,
     end: float,
     dt: float,
     unit: float,
-    before: _F,
-    pose: _F,
-    body: _F,
-    obstacles: _F,
-    contacts: _F,
-    marks: _I,
-    step: _F,
+    before: Floats,
+    pose: Floats,
+    body: Floats,
+    obstacles: Floats,
+    contacts: Floats,
+    marks: Ints,
+    step: Floats,
     count: int,
 ) -> int:
     """Write the samples that fall into the last step; return the next one to write.
@@ -104,13 +99,13 @@ def record_step(
 
 @inner
 def _record_contacts(
-    row: _F,
+    row: Floats,
     probes: int,
-    body: _F,
+    body: Floats,
     speed: float,
-    contacts: _F,
-    marks: _I,
-    step: _F,
+    contacts: Floats,
+    marks: Ints,
+    step: Floats,
     count: int,
 ) -> None:
     """Write forces, and the mode of the most loaded contact of each probe and of the fixture."""
@@ -134,7 +129,7 @@ def _record_contacts(
 
 
 @inner
-def record_rest(record: _F, sample: int, pose: _F, obstacles: _F) -> None:
+def record_rest(record: Floats, sample: int, pose: Floats, obstacles: Floats) -> None:
     """Write the samples after the end of a run that was stopped: nothing moves or presses."""
     probes = (record.shape[1] - PROBES) // PER_PROBE
     for row in range(sample, record.shape[0]):

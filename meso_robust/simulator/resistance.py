@@ -1,8 +1,5 @@
 """Forces and motion of a step with any support law, by tangents of the law until the twist agrees."""
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust.kernels import inner
 from meso_robust.simulator.actuation import COMPLIANCE
 from meso_robust.simulator.advance import advance, closes
@@ -55,8 +52,7 @@ from meso_robust.simulator.tables import (
     Work,
 )
 from meso_robust.simulator.touch import pull_of_tips
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 COMPLETED = int(Outcome.COMPLETED)
 OUT_OF_RANGE = int(Outcome.OUT_OF_RANGE)
@@ -75,7 +71,7 @@ def general_step(
     state: State,
     work: Work,
     count: int,
-    pose: _F,
+    pose: Floats,
     dt: float,
     unit: float,
 ) -> int:
@@ -102,7 +98,7 @@ def general_step(
 
 
 @inner
-def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: _F) -> None:
+def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: Floats) -> None:
     """Write the film matrix, the wrench of stage and menisci, and the bending by menisci."""
     film, wrench, contacts = state.space[FILM_NOW], state.space[WRENCH], work.contacts
     if kind.changing:
@@ -187,7 +183,7 @@ def _tangents(
 
 @inner
 def _balance(
-    work: Work, count: int, K: _F, offset: _F, unit: float, dt: float, compliance: float
+    work: Work, count: int, K: Floats, offset: Floats, unit: float, dt: float, compliance: float
 ) -> int:
     """Solve the contacts against the resistance ``K v − offset``."""
     w = work.step
@@ -203,7 +199,7 @@ def _balance(
 
 
 @inner
-def _agree(twist: _F, new: _F, size: float, speed: float) -> bool:
+def _agree(twist: Floats, new: Floats, size: float, speed: float) -> bool:
     """Whether two twists agree; the first is overwritten by the second."""
     change = abs(new[0] - twist[0]) + abs(new[1] - twist[1]) + size * abs(new[2] - twist[2])
     for k in range(3):
@@ -212,7 +208,7 @@ def _agree(twist: _F, new: _F, size: float, speed: float) -> bool:
 
 
 @inner
-def _shift(w: _F, offset: _F, scale: float) -> None:
+def _shift(w: Floats, offset: Floats, scale: float) -> None:
     """Write the motion without contact, ``s' = L⁻¹ s dt / (k unit)``."""
     scale /= w[FACTOR + 6]
     w[SHIFT] = scale * w[FACTOR] * offset[0]

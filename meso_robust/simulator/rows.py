@@ -23,7 +23,6 @@ by the resistance of the support.
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.tables import (
@@ -48,9 +47,7 @@ from meso_robust.simulator.tables import (
     WN,
     WT,
 )
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 TOLERANCE = 1e-9
 """Residual of an accepted step in tip displacements, relative to the largest force (1 to 1e4)."""
@@ -59,7 +56,7 @@ LARGEST = 1e4
 
 
 @inner
-def write_rows(contacts: _F, step: _F, count: int, unit: float) -> bool:
+def write_rows(contacts: Floats, step: Floats, count: int, unit: float) -> bool:
     """Write the rows of the first `count` contacts; False if one is not finite."""
     f0, f1, f2 = step[FACTOR], step[FACTOR + 1], step[FACTOR + 2]
     f3, f4, f5 = step[FACTOR + 3], step[FACTOR + 4], step[FACTOR + 5]
@@ -81,7 +78,7 @@ def write_rows(contacts: _F, step: _F, count: int, unit: float) -> bool:
 
 
 @inner
-def deflection(contacts: _F, marks: _I, soft: float, a: int, b: int) -> tuple[float, float]:
+def deflection(contacts: Floats, marks: Ints, soft: float, a: int, b: int) -> tuple[float, float]:
     """Displacement of the tip of contact a by a unit normal force at b, along n and t of a.
 
     Of the same probe only. A unit tangential force gives the same pair turned: (−t, n).
@@ -93,7 +90,7 @@ def deflection(contacts: _F, marks: _I, soft: float, a: int, b: int) -> tuple[fl
 
 
 @inner
-def _dot(contacts: _F, a: int, i: int, b: int, j: int) -> float:
+def _dot(contacts: Floats, a: int, i: int, b: int, j: int) -> float:
     """Product of three columns of contact a from i and three of b from j."""
     return float(
         contacts[a, i] * contacts[b, j]
@@ -103,7 +100,7 @@ def _dot(contacts: _F, a: int, i: int, b: int, j: int) -> float:
 
 
 @inner
-def assemble(contacts: _F, marks: _I, step: _F, count: int, M: _F, q: _F) -> int:
+def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats, q: Floats) -> int:
     """Write M and q of the first `count` active contacts; return their size."""
     soft = step[SOFT]
     for a in range(count):
@@ -128,7 +125,7 @@ def assemble(contacts: _F, marks: _I, step: _F, count: int, M: _F, q: _F) -> int
 
 
 @inner
-def move_by_forces(contacts: _F, step: _F, count: int) -> None:
+def move_by_forces(contacts: Floats, step: Floats, count: int) -> None:
     """Write the motion of the part, ``Δ' = s' + Σ (w_n λ_n + w_t λ_t)``."""
     for k in range(3):
         step[MOTION + k] = step[SHIFT + k]
@@ -138,7 +135,7 @@ def move_by_forces(contacts: _F, step: _F, count: int) -> None:
 
 
 @inner
-def slips(contacts: _F, marks: _I, step: _F, count: int, c: int) -> tuple[float, float]:
+def slips(contacts: Floats, marks: Ints, step: Floats, count: int, c: int) -> tuple[float, float]:
     """Relative displacements v_n and v_t of a contact under the forces and motion of the step."""
     vn, vt = contacts[c, QN], contacts[c, QT]
     for k in range(3):
@@ -154,7 +151,7 @@ def slips(contacts: _F, marks: _I, step: _F, count: int, c: int) -> tuple[float,
 
 
 @inner
-def is_solution(contacts: _F, marks: _I, step: _F, count: int) -> bool:
+def is_solution(contacts: Floats, marks: Ints, step: Floats, count: int) -> bool:
     """Check forces and motion against every condition of the step, for all contacts.
 
     This is the residual check of the whole problem, contacts left out of it included, with γ put

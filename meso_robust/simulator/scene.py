@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.contact import PER_CORNER, at_corner, beside_edges, lies_beyond
@@ -29,17 +28,15 @@ from meso_robust.simulator.tables import (
     X,
     Y,
 )
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 
 class Scene(NamedTuple):
     """Geometry of one run as the kernels see it."""
 
-    part: _F
+    part: Floats
     """(V, 9) edges of the part, body frame."""
-    edges: _F
+    edges: Floats
     """(E, 9) edges of all obstacles one after the other, each about its own origin; a point or
     disc has one row, a corner without edges."""
     size: float
@@ -50,7 +47,13 @@ class Scene(NamedTuple):
 
 @inner
 def find_contacts(
-    scene: Scene, obstacles: _F, pose: _F, body: _F, reach: float, contacts: _F, marks: _I
+    scene: Scene,
+    obstacles: Floats,
+    pose: Floats,
+    body: Floats,
+    reach: float,
+    contacts: Floats,
+    marks: Ints,
 ) -> int:
     """Write all contacts within reach.
 
@@ -111,10 +114,10 @@ def _disc(
     wedge: tuple[float, float, float, float],
     dx: float,
     dy: float,
-    body: _F,
+    body: Floats,
     reach: float,
-    contacts: _F,
-    marks: _I,
+    contacts: Floats,
+    marks: Ints,
     count: int,
 ) -> int:
     """Contacts of a disc, or of a corner of an obstacle, with the part."""
@@ -137,13 +140,13 @@ def _corners_of_obstacle(
     scene: Scene,
     rows: tuple[int, int],
     where: tuple[float, float, float, float],
-    pose: _F,
+    pose: Floats,
     dx: float,
     dy: float,
-    body: _F,
+    body: Floats,
     reach: float,
-    contacts: _F,
-    marks: _I,
+    contacts: Floats,
+    marks: Ints,
     count: int,
 ) -> int:
     """Contacts of the convex corners of a polygonal obstacle with the part."""
@@ -174,10 +177,10 @@ def _corners_of_part(
     scene: Scene,
     rows: tuple[int, int],
     where: tuple[float, float, float, float],
-    pose: _F,
+    pose: Floats,
     bounds: tuple[float, float],
-    contacts: _F,
-    marks: _I,
+    contacts: Floats,
+    marks: Ints,
     count: int,
 ) -> int:
     """Contacts of the convex corners of the part with the edges of a polygonal obstacle."""
@@ -206,7 +209,7 @@ def _corners_of_part(
 
 
 @inner
-def smallest_gap(contacts: _F, count: int) -> float:
+def smallest_gap(contacts: Floats, count: int) -> float:
     """Smallest gap of the first `count` contacts, m; infinite without any."""
     least = np.inf
     for c in range(count):

@@ -20,7 +20,6 @@ holds, the solution of that mode is taken.
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.actuation import COMPLIANCE, drifted, drive
@@ -68,8 +67,7 @@ from meso_robust.simulator.tables import (
     Y,
 )
 from meso_robust.simulator.touch import attraction_reach, friction_of_contacts
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 COMPLETED = int(Outcome.COMPLETED)
 JAM = int(Outcome.JAM)
@@ -84,7 +82,7 @@ MAX_TURN = 0.05
 
 
 @inner
-def run(case: Case, state: State, work: Work, pose: _F, record: _F) -> tuple[int, float]:
+def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> tuple[int, float]:
     """Push the part through one move.
 
     Parameters
@@ -171,7 +169,7 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
 
 @inner
 def _step(
-    case: Case, kind: Kind, state: State, work: Work, pose: _F, dt: float, unit: float
+    case: Case, kind: Kind, state: State, work: Work, pose: Floats, dt: float, unit: float
 ) -> tuple[int, float, int]:
     """Take one step; return the outcome, the smallest gap at its start and the contacts."""
     reach = _REACH * unit
@@ -203,7 +201,7 @@ def _step(
 
 @inner
 def _contacts(
-    case: Case, state: State, work: Work, pose: _F, reach: float, unit: float
+    case: Case, state: State, work: Work, pose: Floats, reach: float, unit: float
 ) -> tuple[int, float, int]:
     """Find the contacts within reach, with their friction and the modes of the last step."""
     contacts, marks = work.contacts, work.marks
@@ -238,7 +236,7 @@ def _forces(
     state: State,
     work: Work,
     count: int,
-    pose: _F,
+    pose: Floats,
     dt: float,
     unit: float,
 ) -> int:
@@ -253,7 +251,7 @@ def _forces(
 
 
 @inner
-def _displacement(body: _F, w: _F, unit: float, size: float) -> float:
+def _displacement(body: Floats, w: Floats, unit: float, size: float) -> float:
     """Write the displacement of the part; return how far any point of it or a tip moves.
 
     Infinite if the part turns too far.
@@ -269,7 +267,7 @@ def _displacement(body: _F, w: _F, unit: float, size: float) -> float:
 
 
 @inner
-def _displace(case: Case, plain: bool, body: _F, pose: _F, dt: float) -> None:
+def _displace(case: Case, plain: bool, body: Floats, pose: Floats, dt: float) -> None:
     """Move the part."""
     cos, sin, x, y, turn = body[COS], body[SIN], body[NEXT], body[NEXT + 1], body[NEXT + 2]
     body[MOVED], body[MOVED + 1], body[MOVED + 2] = x, y, turn

@@ -24,13 +24,11 @@ creeps at about ε.
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.stage import REFERENCE_SPEED, Effect, Parameter, Stage
 from meso_robust.simulator.tables import FACTOR
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _RATIO = Parameter(
     key="ratio", unit="", to_si=REFERENCE_SPEED, low=0.0, meaning="force over film drag at 75 µm/s"
@@ -248,7 +246,7 @@ _RIDGE = 1e-3  # share of the secant in the tangent, for a matrix that is positi
 
 
 @inner
-def add_point(K: _F, x: float, y: float, a: float, b: float, c: float) -> None:
+def add_point(K: Floats, x: float, y: float, a: float, b: float, c: float) -> None:
     """Add ``Jᵀ [[a, b], [b, c]] J`` of the point (x, y) to a packed matrix.
 
     A symmetric 3×3 matrix is packed as its upper triangle by rows, (6,).
@@ -262,7 +260,7 @@ def add_point(K: _F, x: float, y: float, a: float, b: float, c: float) -> None:
 
 
 @inner
-def multiply(K: _F, v: _F, out: _F, sign: float) -> None:
+def multiply(K: Floats, v: Floats, out: Floats, sign: float) -> None:
     """Add ``sign K v`` of a packed matrix to `out`."""
     out[0] += sign * (K[0] * v[0] + K[1] * v[1] + K[2] * v[2])
     out[1] += sign * (K[1] * v[0] + K[3] * v[1] + K[4] * v[2])
@@ -270,7 +268,9 @@ def multiply(K: _F, v: _F, out: _F, sign: float) -> None:
 
 
 @inner
-def film_matrix(film: _F, points: _F, effects: _F, pose: _F, time: float, out: _F) -> None:
+def film_matrix(
+    film: Floats, points: Floats, effects: Floats, pose: Floats, time: float, out: Floats
+) -> None:
     """Write the film's drag matrix with the effects that leave it linear.
 
     Parameters
@@ -316,7 +316,7 @@ def film_matrix(film: _F, points: _F, effects: _F, pose: _F, time: float, out: _
 
 
 @inner
-def _move_centre(K: _F, x: float, y: float) -> None:
+def _move_centre(K: Floats, x: float, y: float) -> None:
     """Congruence ``K → Tᵀ K T`` with ``T v = (v_x − y ω, v_y + x ω, ω)``."""
     K[5] += 2.0 * (x * K[4] - y * K[2]) + y * y * K[0] - 2.0 * x * y * K[1] + x * x * K[3]
     K[2] += x * K[1] - y * K[0]
@@ -324,7 +324,7 @@ def _move_centre(K: _F, x: float, y: float) -> None:
 
 
 @inner
-def pressure_slope(points: _F, effects: _F) -> tuple[float, float]:
+def pressure_slope(points: Floats, effects: Floats) -> tuple[float, float]:
     """Slope q of the pressure ``1 + q · r`` that has the given centre, 1/m."""
     xx, xy, yy = 0.0, 0.0, 0.0
     for i in range(points.shape[0]):
@@ -339,16 +339,16 @@ def pressure_slope(points: _F, effects: _F) -> tuple[float, float]:
 
 @inner
 def resist_dry(
-    points: _F,
-    surface: _F,
-    effects: _F,
+    points: Floats,
+    surface: Floats,
+    effects: Floats,
     slope: tuple[float, float],
     age: float,
     creep: float,
-    v: _F,
-    force: _F,
-    K: _F,
-    out: _F,
+    v: Floats,
+    force: Floats,
+    K: Floats,
+    out: Floats,
 ) -> None:
     """Add tangent and offset of all laws but the film's at the twist v.
 
@@ -397,7 +397,7 @@ def resist_dry(
 
 @inner
 def _strength(
-    points: _F, i: int, effects: _F, slope: tuple[float, float], age: float, speed: float
+    points: Floats, i: int, effects: Floats, slope: tuple[float, float], age: float, speed: float
 ) -> tuple[float, float, float]:
     """Coulomb strength of a point, viscous coefficient beyond the film's, and its loss with speed."""
     c, w = points[i, 2], points[i, 3]
@@ -417,7 +417,7 @@ def _strength(
 
 
 @inner
-def _resist_surface(surface: _F, creep: float, v: _F, K: _F, out: _F) -> None:
+def _resist_surface(surface: Floats, creep: float, v: Floats, K: Floats, out: Floats) -> None:
     """Add tangent and offset of the limit surface, ``D = A v / n`` with ``n = √(vᵀ A v)``."""
     px = surface[0] * v[0] + surface[1] * v[1] + surface[2] * v[2]
     py = surface[1] * v[0] + surface[3] * v[1] + surface[4] * v[2]
@@ -441,14 +441,14 @@ def _resist_surface(surface: _F, creep: float, v: _F, K: _F, out: _F) -> None:
 
 @inner
 def update_forces(
-    points: _F,
-    effects: _F,
+    points: Floats,
+    effects: Floats,
     slope: tuple[float, float],
     age: float,
     creep: float,
-    v: _F,
-    new: _F,
-    force: _F,
+    v: Floats,
+    new: Floats,
+    force: Floats,
 ) -> None:
     """Update the forces of the Coulomb law from the last twist to the new one, inside their discs."""
     for i in range(points.shape[0]):
@@ -468,14 +468,14 @@ def update_forces(
 
 
 @inner
-def add_film(film: _F, K: _F) -> None:
+def add_film(film: Floats, K: Floats) -> None:
     """Add a packed film matrix to the tangent; a linear law has no offset."""
     for k in range(6):
         K[k] += film[k]
 
 
 @inner
-def older(age: float, distance: float, dt: float, effects: _F) -> float:
+def older(age: float, distance: float, dt: float, effects: Floats) -> float:
     """Age of the contact after a step of `dt` in which it slid by `distance`.
 
     Exact for a constant speed: ``a' = 1 − a v / D``.
@@ -487,7 +487,7 @@ def older(age: float, distance: float, dt: float, effects: _F) -> float:
 
 
 @inner
-def factorise(K: _F, step: _F) -> bool:
+def factorise(K: Floats, step: Floats) -> bool:
     """Write the lower triangle of ``L⁻¹`` by rows and k, ``K / k = L Lᵀ``; False if impossible."""
     k = K[0]
     if not (k > 0.0 and k < np.inf):

@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.outline import quadrature, refuse
 from meso_robust.simulator.stage import REFERENCE_SPEED
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _UPPER = ((0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2))  # packed order of a symmetric matrix
 
@@ -24,11 +22,11 @@ _UPPER = ((0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2))  # packed order of a symmetric
 class Tables(NamedTuple):
     """What the kernels read; the leading length is 1 or N runs."""
 
-    film: _F
+    film: Floats
     """(1|N, 6) packed drag matrix over e_x; zeros without a film."""
-    points: _F
+    points: Floats
     """(1|N, K, 3) x, y in m and strength over e_x in m/s of the dry points."""
-    surface: _F
+    surface: Floats
     """(1|N, 6) packed matrix of the limit surface over e_x², m²/s²; zeros without one."""
 
 
@@ -47,12 +45,12 @@ _NO_FILM = np.zeros((1, 6))
 _NO_POINTS = np.zeros((1, 0, 3))
 
 
-def packed(matrix: _F) -> _F:
+def packed(matrix: Floats) -> Floats:
     """Upper triangles (…, 6) by rows of symmetric matrices (…, 3, 3)."""
     return np.ascontiguousarray(matrix[..., _UPPER[0], _UPPER[1]])
 
 
-def _positive_definite(name: str, matrix: _F) -> _F:
+def _positive_definite(name: str, matrix: Floats) -> Floats:
     """Copy as (1|N, 3, 3), refusing what is not symmetric and positive definite."""
     array = np.array(matrix, dtype=np.float64)
     if array.ndim not in (2, 3) or array.shape[-2:] != (3, 3):
@@ -93,14 +91,14 @@ class Film:
         If a matrix is not symmetric and positive definite.
     """
 
-    drag: _F
+    drag: Floats
 
     def __post_init__(self) -> None:
         """Copy, freeze and check."""
         object.__setattr__(self, "drag", _positive_definite("drag", self.drag))
 
     @classmethod
-    def ratio(cls, film_ratio: float | _F) -> Film:
+    def ratio(cls, film_ratio: float | Floats) -> Film:
         """The paper's film, ``diag(1, 1, ρ)``.
 
         Parameters
@@ -127,7 +125,7 @@ class Film:
         return cls(drag)
 
     @classmethod
-    def under(cls, vertices: _F) -> Film:
+    def under(cls, vertices: Floats) -> Film:
         """Uniform film under the whole of an outline (V, 2), m."""
         nodes = quadrature(vertices, 1)
         x, y, w = nodes.T
@@ -164,7 +162,7 @@ class ThreePoints:
         If μ_s is not positive, or if the points do not stand around the centre of mass.
     """
 
-    points: _F
+    points: Floats
     centre_of_mass: tuple[float, float] = (0.0, 0.0)
     friction: float = 1.0
 
@@ -191,7 +189,7 @@ class ThreePoints:
             )
 
     @property
-    def loads(self) -> _F:
+    def loads(self) -> Floats:
         """(1|N, 3) shares of the weight on the points."""
         d = self.points - np.asarray(self.centre_of_mass)
         b, c = np.roll(d, -1, axis=1), np.roll(d, -2, axis=1)
@@ -222,8 +220,8 @@ class PressurePoints:
         If the shapes do not agree or a share is not positive.
     """
 
-    points: _F
-    shares: _F
+    points: Floats
+    shares: Floats
 
     def __post_init__(self) -> None:
         """Copy, freeze and check."""
@@ -240,7 +238,7 @@ class PressurePoints:
         object.__setattr__(self, "shares", shares)
 
     @classmethod
-    def under(cls, vertices: _F, cells: int = 6) -> PressurePoints:
+    def under(cls, vertices: Floats, cells: int = 6) -> PressurePoints:
         """Uniform pressure under the whole of an outline (V, 2), m, cut into cells."""
         nodes = quadrature(vertices, cells)
         return cls(points=nodes[:, :2], shares=nodes[:, 2])
@@ -267,7 +265,7 @@ class LimitSurface:
         If a matrix is not symmetric and positive definite.
     """
 
-    matrix: _F
+    matrix: Floats
 
     def __post_init__(self) -> None:
         """Copy, freeze and check."""
@@ -298,7 +296,7 @@ class Mixture:
 
     film: Film
     dry: ThreePoints | PressurePoints | LimitSurface
-    ratio: float | _F
+    ratio: float | Floats
 
     def __post_init__(self) -> None:
         """Copy, freeze and check."""

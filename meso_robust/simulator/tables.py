@@ -8,12 +8,9 @@ frame at the start of the step.
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import maker
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 MAX_CONTACTS = 16
 """Most contacts of one step."""
@@ -86,21 +83,21 @@ BODY = 13
 class Work(NamedTuple):
     """Workspace of a run, for at most C contacts."""
 
-    contacts: _F
+    contacts: Floats
     """(C, CONTACT)"""
-    marks: _I
+    marks: Ints
     """(C + 1, MARKS)"""
-    step: _F
+    step: Floats
     """(STEP,)"""
-    system: _F
+    system: Floats
     """(9, 3), for the guess of the modes."""
-    matrix: _F
+    matrix: Floats
     """(4C, 4C), M of the complementarity problem."""
-    vector: _F
+    vector: Floats
     """(2, 4C): q and z."""
-    tableau: _F
+    tableau: Floats
     """(4C + 3, 4C), for Lemke's method."""
-    labels: _I
+    labels: Ints
     """(16C + 2,), for Lemke's method."""
 
 

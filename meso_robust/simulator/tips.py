@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator.outline import EDGE, edge_table, refuse
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _CORNER = np.zeros((1, EDGE))  # a point or disc: one corner without edges
 _CORNER[0, 8] = 1.0
@@ -24,7 +22,7 @@ class Point:
         """Radius of the disc, m."""
         return 0.0
 
-    def edges(self, first: int) -> _F:
+    def edges(self, first: int) -> Floats:
         """Table of edges; see `outline.edge_table`."""
         return _CORNER.copy()
 
@@ -53,7 +51,7 @@ class Round:
                 "radius", f"{self.radius} m", "must be positive and finite", "use Point for zero"
             )
 
-    def edges(self, first: int) -> _F:
+    def edges(self, first: int) -> Floats:
         """Table of edges; see `outline.edge_table`."""
         return _CORNER.copy()
 
@@ -93,7 +91,7 @@ class Flat:
         return 0.0
 
     @property
-    def corners(self) -> _F:
+    def corners(self) -> Floats:
         """(4, 2) corners in m about the middle of the side."""
         ahead = np.array([np.cos(self.facing), np.sin(self.facing)])
         left = np.array([-ahead[1], ahead[0]])
@@ -107,7 +105,7 @@ class Flat:
             ]
         )
 
-    def edges(self, first: int) -> _F:
+    def edges(self, first: int) -> Floats:
         """Table of edges; see `outline.edge_table`."""
         return edge_table(self.corners, first)
 

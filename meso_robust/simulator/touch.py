@@ -5,16 +5,11 @@ contact; the contact itself still only presses, ``λ_n ≥ 0``, so that the forc
 is ``λ_n − F`` and its friction ``μ λ_n`` holds while the tip is drawn back.
 """
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust.kernels import inner
 from meso_robust.simulator.contact import PER_CORNER
 from meso_robust.simulator.stage import Effect, Parameter, Stage
 from meso_robust.simulator.tables import FEATURE, FRICTION, GAP, MU, PULL, WET, WHO
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _UM = 1e-6
 
@@ -88,7 +83,9 @@ _TOUCHING = 1e-9  # m: a gap this small wets the tip
 
 
 @inner
-def friction_of_contacts(effects: _F, obstacles: _F, contacts: _F, marks: _I, count: int) -> None:
+def friction_of_contacts(
+    effects: Floats, obstacles: Floats, contacts: Floats, marks: Ints, count: int
+) -> None:
     """Write the friction coefficient of every contact, and no pull.
 
     A corner of the part belongs to no edge and has the plain coefficient.
@@ -103,7 +100,7 @@ def friction_of_contacts(effects: _F, obstacles: _F, contacts: _F, marks: _I, co
 
 
 @inner
-def attraction_reach(effects: _F) -> float:
+def attraction_reach(effects: Floats) -> float:
     """Gap within which a tip may draw the part, m; zero without such an effect."""
     reach = 0.0
     if effects[_ADHESION] != 0.0:
@@ -115,7 +112,7 @@ def attraction_reach(effects: _F) -> float:
 
 @inner
 def pull_of_tips(
-    effects: _F, probes: int, obstacles: _F, contacts: _F, marks: _I, count: int
+    effects: Floats, probes: int, obstacles: Floats, contacts: Floats, marks: Ints, count: int
 ) -> None:
     """Write the pull of every tip at its nearest contact, and keep track of menisci.
 

@@ -13,13 +13,10 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 from scipy.special import ndtr
 
 from meso_robust.tracking.needle import Needle
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
+from meso_robust.types import Floats, Singles
 
 AHEAD, ALONG, ASIDE = 8.0, 22.0, 9.0
 """px ahead of the tip, along and beside the axis that are compared."""

@@ -18,10 +18,7 @@ import numpy.typing as npt
 from meso_robust.tracking.alpha_matting import Window
 from meso_robust.tracking.edge_profile import Behind, behind
 from meso_robust.tracking.needle import Needle
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Floats, Image, Singles
 
 _AROUND = 32  # px of the frame around the window that are kept
 _MARGIN = 6.0  # px beside the needle that its meniscus changes

@@ -13,9 +13,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 MOST_K1 = 0.1
 """Largest distortion: below it no ray of the image folds, and Newton's method converges."""

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.reading import foreign_table, shown, text_of
+from meso_robust.types import Floats
 from meso_robust.wording import counted
 
-Floats = npt.NDArray[np.float64]
 UM = 1e-6
 
 

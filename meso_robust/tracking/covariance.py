@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.tracking.sampling import Floats, Ints
+from meso_robust.types import Floats, Ints
 
 SIDE_SIGMA = 0.05
 """px; how far one side as a whole may seem displaced or tilted by texture, halo and background: the

@@ -15,10 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.tracking.needle import Needle
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Floats, Image, Singles
 
 _REACH = 12.0  # px to either side of the edge that differ from the film
 _NEAR, _FAR = 5.0, 40.0  # px from the needle; from the foot, that an edge is read over

@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from meso_robust.tracking.covariance import side_modes
-from meso_robust.tracking.sampling import Bools, Floats, Ints, Patch, profiles
+from meso_robust.tracking.sampling import Patch, profiles
+from meso_robust.types import Flags as Bools, Floats, Ints
 
 Map = Callable[[Floats], Floats]
 

@@ -11,8 +11,9 @@ import numpy as np
 from meso_robust.tracking.covariance import clustered, fused, systematic, turned
 from meso_robust.tracking.edges import EdgeFit, Lens, Outline, placed, rotation
 from meso_robust.tracking.memory import Memory
-from meso_robust.tracking.sampling import Bools, Floats, Patch
+from meso_robust.tracking.sampling import Patch
 from meso_robust.tracking.ssd import registered
+from meso_robust.types import Flags as Bools, Floats
 
 AGREES = 0.8
 """px; a found edge this near to the outline at the fitted pose agrees with it."""

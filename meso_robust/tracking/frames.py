@@ -25,8 +25,7 @@ from meso_robust.reading import foreign_table, text_of
 from meso_robust.tracking import stack
 from meso_robust.tracking.pixels import MOST_PIXELS, Grey, decoded, quiet_opencv
 from meso_robust.tracking.stack import Stack, open_stack, page_count, read_pages
-
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Image
 
 SUFFIXES = {".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm"}
 """Endings of the files that count as images of a folder."""

@@ -15,9 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-
-Floats = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Floats, Image
 
 LEAST_POINTS = 12
 """Fewer would leave nothing to judge the fit by."""

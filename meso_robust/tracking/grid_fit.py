@@ -13,8 +13,7 @@ from scipy.stats import t as student
 from meso_robust.errors import InputError
 from meso_robust.tracking.calibration import MOST_K1, Calibration, Interval
 from meso_robust.tracking.grid import LEAST_POINTS, GridPoints, find_grid
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _MOST_RMS = 0.5  # px; beyond it the points are no plane grid of equal pitch seen from above
 _OUTLIER = 5.0  # standard deviations; dust on a dot, a damaged corner

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.recordings import Polygon, Rectangle
@@ -19,11 +18,11 @@ from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import load_calibration
 from meso_robust.tracking.pixels import Grey, decoded
 from meso_robust.tracking.scene import Start
+from meso_robust.types import Floats
 
 if TYPE_CHECKING:
     from meso_robust.tracking.grid_fit import GridFit
 
-Floats = npt.NDArray[np.float64]
 UM, DEG = 1e-6, math.pi / 180.0
 _PROBE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)=([^,]+),([^,]+)")
 

@@ -17,11 +17,7 @@ import numpy.typing as npt
 
 from meso_robust.tracking.edge_profile import Behind, behind
 from meso_robust.tracking.needle import Needle, coverage, fit_needle
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
-Image = npt.NDArray[np.uint8]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats, Image, Singles
 
 LEARNED = 40
 """Frames that the image of a needle is the mean of."""

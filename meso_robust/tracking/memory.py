@@ -9,8 +9,9 @@ import numpy as np
 from meso_robust.tracking.covariance import LAMP_SIGMA, lamp_estimate
 from meso_robust.tracking.edges import Lens, Outline, learned_pattern, single_step
 from meso_robust.tracking.rim import LampFit, lamp_displacement
-from meso_robust.tracking.sampling import Bytes, Floats, Patch
+from meso_robust.tracking.sampling import Patch
 from meso_robust.tracking.ssd import Appearance, Template, added, blank, template
+from meso_robust.types import Floats, Image as Bytes
 
 LEARNING = 12
 """Frames that the appearance is learned from; after that it is kept, so that it cannot drift."""

@@ -19,8 +19,7 @@ import numpy.typing as npt
 from scipy.optimize import least_squares
 from scipy.special import ndtr
 
-Floats = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Floats
 
 _FINER = 3  # samples a pixel and direction
 _AHEAD, _ALONG, _ASIDE = 9.0, 20.0, 8.0  # px; the piece of the image that the tip is fitted to

@@ -14,11 +14,11 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.tracking.calibration import Calibration
+from meso_robust.types import Floats
 
 if TYPE_CHECKING:
     from meso_robust.tracking.track import Track
 
-Floats = npt.NDArray[np.float64]
 Colours = npt.NDArray[np.uint8]
 
 MAGNIFIED = 50.0

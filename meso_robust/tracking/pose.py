@@ -31,9 +31,10 @@ from meso_robust.tracking.memory import (
     with_light,
     with_pattern,
 )
-from meso_robust.tracking.sampling import Bytes, Floats, patch
+from meso_robust.tracking.sampling import patch
 from meso_robust.tracking.ssd import registered
 from meso_robust.tracking.template import candidates, symmetry
+from meso_robust.types import Floats, Image as Bytes
 
 SMALLEST = 24.0
 """px; width below which an outline is refused: its opposite edges would be one to the tracker."""

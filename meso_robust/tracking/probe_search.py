@@ -8,14 +8,11 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 
 from meso_robust.errors import InputError
 from meso_robust.tracking.needle import Needle, nearest_needle
-
-Floats = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Floats, Image
 
 SPREAD = 24
 """Frames between which motion is looked for."""

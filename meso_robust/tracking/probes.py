@@ -12,16 +12,13 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.tracking.alpha_matting import window_of
 from meso_robust.tracking.backdrop import Glimpse, glimpse
 from meso_robust.tracking.learned import Learned, Tip, lost
 from meso_robust.tracking.needle import Needle, fit_needle
 from meso_robust.tracking.tip_refine import LEAST, Refined, refined
-
-Floats = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Floats, Image
 
 _HALO = 4  # px about the part in which the film is not even
 _LEAST_CONTRAST = 4.0  # of film and needle, in standard deviations of what the fit leaves

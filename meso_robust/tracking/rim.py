@@ -19,7 +19,7 @@ from scipy.special import erfcx, ndtr
 
 from meso_robust.tracking.covariance import LAMP_SIGMA
 from meso_robust.tracking.edges import CORNER, Lens, Outline, placed, rotation
-from meso_robust.tracking.sampling import Bytes, Floats
+from meso_robust.types import Floats, Image as Bytes
 
 _IN, _OUT, _BIN = -10.0, 9.0, 0.25  # px inward and outward of the outline, and a bin
 _CENTRES = np.arange(_IN, _OUT, _BIN) + 0.5 * _BIN

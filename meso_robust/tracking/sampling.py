@@ -6,13 +6,8 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
-Bytes = npt.NDArray[np.uint8]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
+from meso_robust.types import Floats, Image, Singles
 
 SMOOTHING = 1.0
 """Standard deviation in px of the smoothing before any sampling: bilinear interpolation of an image
@@ -36,11 +31,11 @@ class Patch(NamedTuple):
     """
 
     grey: Singles
-    hidden: Bytes
+    hidden: Image
     corner: Floats
 
 
-def patch(frame: Bytes, mask: Bytes | None, points: Floats, margin: float) -> Patch:
+def patch(frame: Image, mask: Image | None, points: Floats, margin: float) -> Patch:
     """The piece of ``frame`` about ``points`` (N, 2) in px with ``margin`` px around, smoothed."""
     height, width = frame.shape
     low = np.floor(points.min(axis=0) - margin).astype(int)

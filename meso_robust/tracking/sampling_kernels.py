@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from meso_robust.kernels import inner
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
-Bytes = npt.NDArray[np.uint8]
+from meso_robust.types import Floats, Image, Singles
 
 
 @inner
-def _bilinear(grey: Singles, hidden: Bytes, u: float, v: float) -> float:
+def _bilinear(grey: Singles, hidden: Image, u: float, v: float) -> float:
     """Grey value at (u, v) of the piece; NaN outside it and where it is hidden."""
     height, width = grey.shape
     if not (0.0 <= u <= width - 1.0 and 0.0 <= v <= height - 1.0):
@@ -29,7 +25,7 @@ def _bilinear(grey: Singles, hidden: Bytes, u: float, v: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def sample(grey: Singles, hidden: Bytes, points: Floats, out: Floats) -> None:
+def sample(grey: Singles, hidden: Image, points: Floats, out: Floats) -> None:
     """Grey values at points."""
     for n in range(len(points)):
         out[n] = _bilinear(grey, hidden, points[n, 0], points[n, 1])
@@ -37,7 +33,7 @@ def sample(grey: Singles, hidden: Bytes, points: Floats, out: Floats) -> None:
 
 @njit(cache=True, error_model="numpy")
 def profiles(
-    grey: Singles, hidden: Bytes, points: Floats, normals: Floats, step: float, out: Floats
+    grey: Singles, hidden: Image, points: Floats, normals: Floats, step: float, out: Floats
 ) -> None:
     """Grey values along normals."""
     half = 0.5 * (out.shape[1] - 1)

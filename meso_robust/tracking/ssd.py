@@ -16,7 +16,8 @@ import numpy as np
 
 from meso_robust.tracking.covariance import clustered, turned
 from meso_robust.tracking.edges import Lens, moved, placed, rotation, spread, tukey
-from meso_robust.tracking.sampling import Floats, Ints, Patch, sample
+from meso_robust.tracking.sampling import Patch, sample
+from meso_robust.types import Floats, Ints
 
 INSET = 6.0
 """Distance in px from the outline inside which nothing is compared: the rim changes with the light."""

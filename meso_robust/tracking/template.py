@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from meso_robust.tracking.edges import rotation
-from meso_robust.tracking.sampling import Bytes, Floats, Singles
+from meso_robust.types import Floats, Image as Bytes, Singles
 
 STEP = math.radians(6.0)
 """Between the angles tried; the edges' reach covers half of it at the ends of a part."""

@@ -29,9 +29,7 @@ from meso_robust.tracking.alpha_matting import (
 )
 from meso_robust.tracking.backdrop import Backdrop
 from meso_robust.tracking.needle import Needle
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
+from meso_robust.types import Floats, Singles
 
 _NOISE = 4.0  # grey values²
 _TUKEY = 5.0  # standard deviations beyond which a pixel does not count

@@ -13,8 +13,7 @@ from meso_robust.tracking.alpha_matting import Window
 from meso_robust.tracking.backdrop import Canvas, Glimpse, backdrop, canvas, glimpse_at
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.tip_fit import Matte, fit_matte, place
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 LEAST = 8
 """Frames that the needle is fitted to; fewer do not tell it from what is behind it."""

@@ -18,9 +18,7 @@ from meso_robust.tracking.pose import Lens, PartTracker, Sighting
 from meso_robust.tracking.probe_search import SPREAD, moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker
 from meso_robust.tracking.scene import Scene as Scene, Start as Start
-
-Floats = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
+from meso_robust.types import Floats, Image
 
 _MOTION_FRAMES = 300  # searched for moving probes
 _SIDES = 8  # pieces of an edge, so that its image may bend

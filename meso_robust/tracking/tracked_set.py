@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings import Polygon, Recording, RecordingSet, Rectangle, SensorInfo
 from meso_robust.tracking.commands import Commands
@@ -15,7 +14,6 @@ from meso_robust.tracking.commands import Commands
 if TYPE_CHECKING:
     from meso_robust.tracking.track import Track
 
-Floats = npt.NDArray[np.float64]
 UM, DEG = 1e-6, math.pi / 180.0
 _CLOCK = 6  # decimals of a second that two clocks are compared to
 

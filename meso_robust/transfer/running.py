@@ -28,9 +28,8 @@ from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
 from meso_robust.simulator.observation import observe
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.task import Task
+from meso_robust.types import Floats
 from meso_robust.wording import up
-
-Floats = npt.NDArray[np.float64]
 
 HANDLING_S = 10.0
 """s a move: lifting the probes, sensing, placing them; what drifts or draws the part goes on."""

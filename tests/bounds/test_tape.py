@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from meso_robust.bounds import Bounded, Interval, bounded
-from meso_robust.bounds.tape import Floats, compile_tape, run
+from meso_robust.bounds.tape import compile_tape, run
+from meso_robust.types import Floats
 from tests.bounds.formulas import NAMES, Formula, corner, formulas, together
 from tests.strategies import REPEATABLE, intervals
 

@@ -18,7 +18,6 @@ from meso_robust.bounds import Bounded, enclose
 from meso_robust.campaigns.property.laws.routes import (
     MOST_ARGUMENTS,
     NAMES,
-    Floats,
     Routes,
     Sample,
     at_shares,
@@ -28,6 +27,7 @@ from meso_robust.campaigns.property.laws.routes import (
     routes,
     sample,
 )
+from meso_robust.types import Floats
 from tests.conditions.functions import with_a_changed_sign
 from tests.strategies import REPEATABLE
 

@@ -14,12 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.diagnosis.evidence import Evidence, Floats
+from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.reporting import diagnosis_figures as figures
 from meso_robust.reporting.diagnosis import diagnosis_report
 from meso_robust.reporting.diagnosis_words import answer, summary
 from meso_robust.reporting.svg import style
 from meso_robust.reporting.theme import BAND, SHADES, STAGES
+from meso_robust.types import Floats
 from tests.reporting.diagnoses import EXTRAPOLATION, NAMES, SPANS, document, evidence
 from tests.reporting.test_page import Reader
 

@@ -12,7 +12,6 @@ from matplotlib.patches import Polygon, Rectangle
 
 from meso_robust.pipeline import Planned
 from meso_robust.primitives.setup import PoseBox
-from meso_robust.reporting.canvas import Floats
 from meso_robust.reporting.plan_figures import GHOSTS, ghost_rows, move_figure, overview_figure
 from meso_robust.reporting.tube_figures import (
     PATHS,
@@ -22,6 +21,7 @@ from meso_robust.reporting.tube_figures import (
     thinned_paths,
     tube_figure,
 )
+from meso_robust.types import Floats
 
 MOVES = range(4)
 TURN = 2  # index of the rotation

@@ -18,7 +18,8 @@ from meso_robust.tracking.edges import (
     single_step,
 )
 from meso_robust.tracking.rim import lamp_displacement
-from meso_robust.tracking.sampling import Bytes, Floats, patch
+from meso_robust.tracking.sampling import patch
+from meso_robust.types import Floats, Image as Bytes
 from tests.tracking.drawing import CORNERS, digitised, obliquely_lit, plain
 
 ELL = np.array([[-90.0, -60], [110, -60], [110, 10], [0, 10], [0, 80], [-90, 80]])

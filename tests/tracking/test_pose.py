@@ -9,7 +9,7 @@ import pytest
 
 from meso_robust.errors import InputError
 from meso_robust.tracking.pose import PartTracker, Sighting
-from meso_robust.tracking.sampling import Bytes, Floats
+from meso_robust.types import Floats, Image as Bytes
 from tests.tracking.drawing import CORNERS, digitised, plain, textured
 
 POSE = np.array([300.4, 236.7, 0.3])

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from meso_robust.tracking.edges import Lens, placed
-from meso_robust.tracking.sampling import Bytes, Floats, patch
+from meso_robust.tracking.sampling import patch
 from meso_robust.tracking.ssd import Appearance, Template, added, blank, registered, template
+from meso_robust.types import Floats, Image as Bytes
 from tests.tracking.drawing import CORNERS, digitised, plain, textured
 
 RNG = np.random.default_rng(0)

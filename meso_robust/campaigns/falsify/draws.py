@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.laboratory.ascent import shaken
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Spread = Literal["uniform", "corners", "mixed"]
 Draw = Literal["uniform", "corners", "mixed", "adversarial"]
 

@@ -7,7 +7,6 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.coverage import histogram
 from meso_robust.campaigns.falsify.budgeted_search import Problem, Rare, search
@@ -26,8 +25,7 @@ from meso_robust.laboratory.judging import judge
 from meso_robust.laboratory.replay import limits, miss
 from meso_robust.laboratory.running import PlanRun
 from meso_robust.primitives.setup import setup_of
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 HARDEST = 3  # runs kept of a chunk of draws
 WANTED_CLAIMS: Mapping[str, Wanted] = {

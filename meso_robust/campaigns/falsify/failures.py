@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.minimising import minimal
 from meso_robust.campaigns.falsify.ready import Ready
@@ -11,9 +10,7 @@ from meso_robust.campaigns.kind import MOST_FAILURES, Failure
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Column, nominal_row
 from meso_robust.laboratory.witness_file import replay_files
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 UNITS = (("_m2", 1e12, "um2"), ("_m", 1e6, "um"), ("_rad", 180.0 / np.pi, "deg"))
 

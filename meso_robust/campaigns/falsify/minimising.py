@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
+
 Breaks = Callable[[Floats], Flags]
 """(N, D) rows to (N,) whether they fail in the same way."""
 

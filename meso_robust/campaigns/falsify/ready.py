@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.section import FalsifySection, section_of
 from meso_robust.campaigns.falsify.targets import Target, all_targets
@@ -18,8 +17,7 @@ from meso_robust.laboratory.ascent import Effort
 from meso_robust.laboratory.claims import Claims
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.task import parse_task
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 SHORT = Effort(corners=500, reaches=(1.0,), elite=2, generations=0)
 """Of the attack whose summits adversarial draws start from."""

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.laboratory.ascent import Score
 from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
@@ -16,8 +15,8 @@ from meso_robust.laboratory.judging import INSTANTS
 from meso_robust.laboratory.meetings import meets, stick_ratio
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import MoveRun, PlanRun
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Measure = Callable[[PlanRun, Floats], Floats]
 
 FRICTION, FILM = 3, 4  # columns of a row

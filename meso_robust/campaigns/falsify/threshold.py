@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.targets import Target, all_targets, failing
 from meso_robust.laboratory.ascent import Effort, Summit, climb, corners, shaken
@@ -14,8 +13,8 @@ from meso_robust.laboratory.claims import only_motions
 from meso_robust.laboratory.judging import judge
 from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.primitives.setup import Setup
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Wanted = Callable[[str], bool]
 
 # what fails first fails at corners

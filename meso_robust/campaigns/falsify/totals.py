@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.laboratory.claims import Claims, slips
 from meso_robust.laboratory.judging import Judged
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Ends = list[list[float]]
 """(2, 3) least and largest pose (m, m, rad)."""
 

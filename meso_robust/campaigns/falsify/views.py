@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.campaigns.coverage import coverage
@@ -18,9 +17,8 @@ from meso_robust.campaigns.falsify.totals import RUN_LEVEL, Totals
 from meso_robust.campaigns.hardest import paths
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table, Values, View
 from meso_robust.laboratory.judging import INSTANTS
+from meso_robust.types import Floats
 from meso_robust.wording import down, up, up_to
-
-Floats = npt.NDArray[np.float64]
 
 SCALES = (1.0 / units.UM, 1.0 / units.UM, 1.0 / units.DEG)
 MOST_BARS = 16

@@ -16,8 +16,7 @@ from meso_robust.laboratory.draws import Draws
 from meso_robust.laboratory.running import MoveRun
 from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.setup import Setup
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, eq=False)

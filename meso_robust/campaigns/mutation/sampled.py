@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.mutation.along_runs import ALONG
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.conditions import values
 from meso_robust.primitives.names import Inequality
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 POINTS = 20000
 
 PLAIN = {

@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.models.model import Model, Parameter, Physics
 from meso_robust.simulator import Effects
 from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.simulator.stage import Parameter as EffectParameter
+from meso_robust.types import Floats
 
-Floats = npt.NDArray[np.float64]
 Scales = Mapping[str, Mapping[str, float]]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.models.model import (
     Model,
@@ -15,8 +14,7 @@ from meso_robust.identification.models.model import (
 )
 from meso_robust.identification.models.viscous import FINENESS, tip_friction
 from meso_robust.simulator import Effects, LimitSurface
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def limit_surface(outline: Floats) -> Model:

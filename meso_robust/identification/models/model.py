@@ -6,13 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.simulator import Effects
 from meso_robust.simulator.support_models import Support
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +78,7 @@ class Model:
     name: str
     parameters: tuple[Parameter, ...]
     physics: Callable[[Floats], Physics]
-    constraint: Callable[[Floats], Bools]
+    constraint: Callable[[Floats], Flags]
     draw: Callable[[np.random.Generator, int], Floats]
     step: float
     alike: Callable[[Floats], Floats] = lambda values: values
@@ -92,11 +89,11 @@ class Model:
         return tuple(parameter.key for parameter in self.parameters)
 
     @property
-    def fitted(self) -> Bools:
+    def fitted(self) -> Flags:
         """(n,) whether a parameter can show in motion at all and is searched for."""
         return np.array([not parameter.unseen for parameter in self.parameters])
 
-    def valid(self, values: Floats) -> Bools:
+    def valid(self, values: Floats) -> Flags:
         """(K,) whether values (K, n) in SI keep their ranges and the constraint."""
         low, high = self._of("low"), self._of("high")
         inside = np.all((values >= low) & (values <= high), axis=1)  # NaN is not

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.models.model import (
-    Bools,
     Model,
     Parameter,
     Physics,
@@ -19,8 +17,7 @@ from meso_robust.identification.models.viscous import FINENESS, tip_friction
 from meso_robust.simulator import Effects, ThreePoints
 from meso_robust.simulator.checks import depth_inside
 from meso_robust.simulator.support_models import Tables
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Flags as Bools, Floats
 
 POINTS = slice(2, 8)
 """Columns of x1, y1, x2, y2, x3, y3 in a vector."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.models.model import Model, Physics, characteristic_length
 from meso_robust.identification.models.viscous import FINENESS, tip_friction
 from meso_robust.simulator import Effects, PressurePoints
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 def uniform_pressure(outline: Floats) -> Model:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.identification.models.model import (
     Model,
@@ -14,8 +13,7 @@ from meso_robust.identification.models.model import (
     characteristic_length,
 )
 from meso_robust.simulator import Effects, Film
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 FINENESS = 1.0 / 182.0
 """Step on a film over the characteristic length: 5 µm for the part of the paper."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.recordings.checks.view import LATE, Floats, Integers, View
+from meso_robust.recordings.checks.view import LATE, View
 from meso_robust.recordings.contact import gaps
 from meso_robust.recordings.problem import Problem
+from meso_robust.types import Floats, Indices as Integers
 
 _DEEP = 0.05  # of the part's size: no calibration of the probes is so bad
 _WRONG = 0.25  # of it: nor is that of the camera; the tip is not where the file says

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
-from meso_robust.recordings.checks.view import Floats, Integers, View, runs, turn
+from meso_robust.recordings.checks.view import View, runs, turn
 from meso_robust.recordings.contact import margin
 from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.values import Recording, RecordingSet
+from meso_robust.types import Floats, Indices as Integers
 
 _TURN = math.radians(2.0)
 _CHANCE = 1e-3  # of a recording to hold such a run of equal frames by chance

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from meso_robust.recordings.checks.view import Flags, Floats, Integers, View, turn
+from meso_robust.recordings.checks.view import View, turn
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.problem import Problem
+from meso_robust.types import Flags, Floats, Indices as Integers
 from meso_robust.wording import counted
 
 _PUSH = 3.0  # a pushed part is not faster than the tip; twice that again for what is not known

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.recordings.checks.view import Integers, View
+from meso_robust.recordings.checks.view import View
 from meso_robust.recordings.contact import gaps, scatter, size
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.problem import Problem
+from meso_robust.types import Indices as Integers
 
 _OFF, _FITS = 0.10, 0.02  # median distance of the tip over the part's size: wrong, right
 _BETTER = 10.0  # times nearer with the right factor; with a wrong one a tip may be near by chance

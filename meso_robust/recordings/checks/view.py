@@ -7,16 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings.contact import SHORTEST, margin, nearest_gap, scatter, size
 from meso_robust.recordings.noise import Noise
 from meso_robust.recordings.problem import Problem, Severity
 from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
-
-Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.intp]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats, Indices
 
 LATE = 0.15
 """Time in s by which a camera may lag behind the controller."""
@@ -44,7 +40,7 @@ class View:
     lines: Sequence[int]
     noise: Noise
 
-    def without(self, frames: Integers) -> View:
+    def without(self, frames: Indices) -> View:
         """The same with the poses of some frames taken as not seen."""
         return replace(self, recording=unseen(self.recording, frames))
 
@@ -52,7 +48,7 @@ class View:
         self,
         kind: str,
         severity: Severity,
-        frames: Integers,
+        frames: Indices,
         value: str,
         rule: str,
         advice: str,
@@ -79,7 +75,7 @@ class View:
         return unwrapped(self.recording).poses
 
     @cached_property
-    def seen(self) -> Integers:
+    def seen(self) -> Indices:
         """Frames whose pose was seen."""
         return np.flatnonzero(~np.any(np.isnan(self.recording.poses), axis=1))
 
@@ -154,7 +150,7 @@ class View:
         return LATE * self.tip_speed
 
 
-def unseen(recording: Recording, frames: Integers) -> Recording:
+def unseen(recording: Recording, frames: Indices) -> Recording:
     """The recording with the poses of some frames taken as not seen."""
     if not frames.size:
         return recording
@@ -163,7 +159,7 @@ def unseen(recording: Recording, frames: Integers) -> Recording:
     return replace(recording, poses=poses)
 
 
-def runs(flags: Flags) -> list[Integers]:
+def runs(flags: Flags) -> list[Indices]:
     """Indices of each stretch of True."""
     found = np.flatnonzero(flags)
     return [run for run in np.split(found, np.flatnonzero(np.diff(found) > 1) + 1) if run.size]

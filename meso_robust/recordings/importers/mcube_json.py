@@ -23,8 +23,7 @@ from meso_robust.recordings.importers.imported import Imported, Importer, Left, 
 from meso_robust.recordings.importers.streams import forward, sampled
 from meso_robust.recordings.outline import Rectangle
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 PARTS: Mapping[str, Rectangle] = MappingProxyType({"rect1": Rectangle(length=0.090, width=0.090)})
 """Outlines by the name that the file's name gives."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 
-def forward(times: Floats) -> Bools:
+def forward(times: Floats) -> Flags:
     """Rows of a clock that go on: each later than all before it.
 
     Parameters
@@ -19,7 +17,7 @@ def forward(times: Floats) -> Bools:
 
     Returns
     -------
-    Bools
+    Flags
         (T,); the first is always true.
     """
     before = np.maximum.accumulate(times)

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.recordings.importers.files import candidates, files_of, one_kind, text_of
@@ -23,8 +22,7 @@ from meso_robust.recordings.importers.imported import Imported, Importer, Left, 
 from meso_robust.recordings.importers.streams import forward, sampled
 from meso_robust.recordings.outline import Polygon
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _LEG = 0.150
 CENTRE = np.array([_LEG / 3, _LEG / 3])

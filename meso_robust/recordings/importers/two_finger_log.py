@@ -21,9 +21,7 @@ from meso_robust.recordings.importers.imported import Imported, Importer, Left, 
 from meso_robust.recordings.importers.streams import forward
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 _LONG, _SHORT = 58.0e-3, 27.5e-3  # legs of the right-angled triangle
 _BLOCK = Rectangle(length=0.050, width=0.035)
@@ -164,7 +162,7 @@ def _ends(times: Floats) -> npt.NDArray[np.intp]:
     return np.flatnonzero(np.diff(times) > HOLE) + 1
 
 
-def _left(file: Path, rows: Bools, reason: str) -> Left:
+def _left(file: Path, rows: Flags, reason: str) -> Left:
     lines = tuple(int(row) + 1 for row in np.flatnonzero(rows))
     return Left(file=file.name, place="line", rows=lines, reason=reason)
 

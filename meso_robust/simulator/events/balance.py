@@ -17,7 +17,6 @@ body axes.
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.contact import Place, frame, friction
@@ -37,8 +36,8 @@ from meso_robust.simulator.events.scene import (
     Scene,
     Work,
 )
+from meso_robust.types import Floats
 
-_F = npt.NDArray[np.float64]
 Triple: TypeAlias = tuple[float, float, float]
 
 LARGEST = 1e9
@@ -58,7 +57,7 @@ def dot(a: Triple, b: Triple) -> float:
 
 
 @inlined
-def times(matrix: _F, a: Triple) -> Triple:
+def times(matrix: Floats, a: Triple) -> Triple:
     """Product of a 3x3 matrix and a vector."""
     return (
         matrix[0, 0] * a[0] + matrix[0, 1] * a[1] + matrix[0, 2] * a[2],
@@ -68,7 +67,7 @@ def times(matrix: _F, a: Triple) -> Triple:
 
 
 @inlined
-def pick(rows: _F, i: int) -> Triple:
+def pick(rows: Floats, i: int) -> Triple:
     """Row i as a tuple."""
     return rows[i, 0], rows[i, 1], rows[i, 2]
 
@@ -86,7 +85,7 @@ def solve_three(a: Triple, b: Triple, c: Triple, right: Triple) -> Triple:
 
 
 @inner
-def invert(matrix: _F, inverse: _F) -> None:
+def invert(matrix: Floats, inverse: Floats) -> None:
     """Write the inverse of a symmetric 3x3 matrix."""
     a, b, c = pick(matrix, 0), pick(matrix, 1), pick(matrix, 2)
     det = dot(a, cross(b, c))

@@ -3,14 +3,13 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _CLOSE = 1e-12  # relative asymmetry of a drag that is that of rounding
 
 
-def check_move(move: Mapping[str, _F], fixture: Sequence[_F], samples: int) -> None:
+def check_move(move: Mapping[str, Floats], fixture: Sequence[Floats], samples: int) -> None:
     """Refuse a move that is not one.
 
     Parameters
@@ -46,7 +45,7 @@ def check_move(move: Mapping[str, _F], fixture: Sequence[_F], samples: int) -> N
         _refuse("samples", samples, "must not be negative", "give 0 for no path")
 
 
-def _is_positive(matrices: _F) -> bool:
+def _is_positive(matrices: Floats) -> bool:
     """Whether symmetric matrices (N, 3, 3) are positive definite: their leading minors are positive."""
     first, second, third = matrices[:, 0].T, matrices[:, 1].T, matrices[:, 2].T
     minor = first[0] * second[1] - first[1] * second[0]
@@ -54,7 +53,7 @@ def _is_positive(matrices: _F) -> bool:
     return bool(((first[0] > 0.0) & (minor > 0.0) & (whole > 0.0)).all())
 
 
-def _check_shapes(move: Mapping[str, _F]) -> None:
+def _check_shapes(move: Mapping[str, Floats]) -> None:
     """Refuse arrays whose shapes do not go together."""
     poses, tips = move["poses"], move["tips"]
     runs = len(poses)
@@ -73,7 +72,7 @@ def _check_shapes(move: Mapping[str, _F]) -> None:
             _refuse(name, f"shape {move[name].shape}", rule, "give one row for each run and tip")
 
 
-def _check_polygon(name: str, corners: _F, turns: tuple[int, ...]) -> None:
+def _check_polygon(name: str, corners: Floats, turns: tuple[int, ...]) -> None:
     """Refuse a polygon that is none, or is in the wrong order."""
     if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
         _refuse(name, f"shape {corners.shape}", "must be (K, 2), K ≥ 3", "list the corners")

@@ -7,7 +7,6 @@ velocities make the motion not unique; none at all is a jam.
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.balance import (
@@ -37,9 +36,7 @@ from meso_robust.simulator.events.scene import (
     Scene,
     Work,
 )
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Ints
 
 FOUND, JAM, NOT_UNIQUE, TOO_MANY = range(4)
 
@@ -153,7 +150,7 @@ def _try_bases(scene: Scene, work: Work, clock: float, tally: tuple[int, int]) -
 
 
 @inlined
-def _next_subset(picked: _I, rank: int, total: int) -> bool:
+def _next_subset(picked: Ints, rank: int, total: int) -> bool:
     """Step to the next choice of `rank` out of `total` numbers in rising order."""
     k = rank - 1
     while k >= 0 and picked[k] == total - rank + k:
@@ -167,7 +164,7 @@ def _next_subset(picked: _I, rank: int, total: int) -> bool:
 
 
 @inlined
-def _collect(work: Work, pushes: _I) -> int:
+def _collect(work: Work, pushes: Ints) -> int:
     """List the wrenches of the combination and write its independent constraints."""
     wrenches = 0
     work.count[HELD] = 0

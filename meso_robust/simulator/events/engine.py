@@ -17,9 +17,7 @@ from meso_robust.simulator.events.journey import Log, run
 from meso_robust.simulator.events.outline import CONVEX, edge_table
 from meso_robust.simulator.events.scene import EVENTS, LOGGED, MOST, WORK, Scene, Work
 from meso_robust.simulator.events.timeline import Timeline, make_timeline
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _LONGEST = 1000  # phases of a timeline
 _CHUNK = 64  # runs below which one thread is enough
@@ -28,16 +26,16 @@ _CHUNK = 64  # runs below which one thread is enough
 class Inputs(NamedTuple):
     """A move as the kernel takes it; lengths in units of `size`."""
 
-    edges: _F
-    walls: _F
-    poses: _F
-    tips: _F
-    travel: _F
-    friction: _F
-    radii: _F
-    corners: _F
+    edges: Floats
+    walls: Floats
+    poses: Floats
+    tips: Floats
+    travel: Floats
+    friction: Floats
+    radii: Floats
+    corners: Floats
     """(Q, 2) convex corners of the fixture."""
-    drag: _F
+    drag: Floats
     """(N or 1, 3, 3)."""
     wall_friction: float
 
@@ -45,14 +43,14 @@ class Inputs(NamedTuple):
 class Outputs(NamedTuple):
     """What the kernel fills."""
 
-    poses: _F
+    poses: Floats
     outcomes: npt.NDArray[np.int8]
-    ended_at: _F
-    events: _I
-    path: _F
-    starts: _F
-    contacts: _I
-    logged: _I
+    ended_at: Floats
+    events: Ints
+    path: Floats
+    starts: Floats
+    contacts: Ints
+    logged: Ints
 
 
 Kernel: TypeAlias = Callable[[Inputs, Outputs, npt.NDArray[np.void], int, int], None]
@@ -62,17 +60,17 @@ Kernel: TypeAlias = Callable[[Inputs, Outputs, npt.NDArray[np.void], int, int], 
 class EventResult:
     """Results of N runs."""
 
-    poses: _F
+    poses: Floats
     """(N, 3) x, y in m and θ in rad at the end, or where the run stopped."""
     outcomes: npt.NDArray[np.int8]
     """(N,) values of `Outcome`. A run is jammed where no mode holds, and also where the speed of
     the part grows without bound, as between tips that close in on it from three sides."""
-    path: _F
+    path: Floats
     """(N, samples + 1, 3) poses at evenly spaced parts of the move; (N, 0, 3) if none are asked
     for. After the end of a run that stopped, the pose where it did."""
-    ended_at: _F
+    ended_at: Floats
     """(N,) part of the move that was made; 1 for a completed one."""
-    events: _I
+    events: Ints
     """(N,) number of intervals in which the modes of the contacts stayed the same."""
     inputs: Inputs
     """The move as the kernel took it."""
@@ -109,7 +107,7 @@ def _span(inputs: Inputs, which: int) -> float:
 
 
 @inner
-def _fill_tips(inputs: Inputs, i: int, tips: _F) -> float:
+def _fill_tips(inputs: Inputs, i: int, tips: Floats) -> float:
     """Write the tips and the corners of the fixture of a run; return its span."""
     movers = inputs.tips.shape[1]
     span = 0.0
@@ -201,7 +199,7 @@ def _outputs(inputs: Inputs, samples: int, phases: int) -> Outputs:
     )
 
 
-def prepare(move: Mapping[str, _F], fixture: Sequence[_F] = ()) -> tuple[Inputs, float]:
+def prepare(move: Mapping[str, Floats], fixture: Sequence[Floats] = ()) -> tuple[Inputs, float]:
     """Scale a move; the arrays of `integrate` under their names there.
 
     Returns
@@ -232,14 +230,14 @@ def prepare(move: Mapping[str, _F], fixture: Sequence[_F] = ()) -> tuple[Inputs,
 
 def integrate(
     *,
-    vertices: _F,
-    poses: _F,
-    tips: _F,
-    travel: _F,
-    friction: _F,
-    drag: _F,
-    radii: _F | None = None,
-    fixture: Sequence[_F] = (),
+    vertices: Floats,
+    poses: Floats,
+    tips: Floats,
+    travel: Floats,
+    friction: Floats,
+    drag: Floats,
+    radii: Floats | None = None,
+    fixture: Sequence[Floats] = (),
     fixture_friction: float = 0.0,
     samples: int = 0,
 ) -> EventResult:

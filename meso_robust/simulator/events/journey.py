@@ -7,7 +7,6 @@ not get on has failed.
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import sealed as inner
 from meso_robust.simulator.events.choice import FOUND, JAM, NOT_UNIQUE, choose, code_of
@@ -34,9 +33,7 @@ from meso_robust.simulator.events.scene import (
 )
 from meso_robust.simulator.events.start import settle
 from meso_robust.simulator.outcome import Outcome
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 _COMPLETED = int(Outcome.COMPLETED)
 _JAM = int(Outcome.JAM)
@@ -54,11 +51,11 @@ _SNAP = 1e3  # speed, in units of that of the tips
 class Log(NamedTuple):
     """What a run writes beside its pose."""
 
-    path: _F
+    path: Floats
     """(S + 1, 3) poses at evenly spaced instants, scaled; or no rows."""
-    starts: _F
+    starts: Floats
     """(L, 4) clock and pose at the start of each phase; or no rows."""
-    contacts: _I
+    contacts: Ints
     """(L, MOST, 4) kind, tip or corner, edge or corner, and mode of each contact; −1 for none."""
 
 

@@ -7,12 +7,9 @@ outside (a playpen). In both cases the outward normal of an edge is its directio
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import inlined
-
-_F = npt.NDArray[np.float64]
-_B = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 VX, VY, NX, NY, LENGTH, CONVEX, BEFORE, AFTER, TIP = range(9)
 """Columns of the table of edges; see `edge_table`."""
@@ -20,7 +17,7 @@ VX, VY, NX, NY, LENGTH, CONVEX, BEFORE, AFTER, TIP = range(9)
 _SAME = 1e-9  # relative difference of squared distances that are those of one corner
 
 
-def edge_table(polygons: Sequence[_F]) -> _F:
+def edge_table(polygons: Sequence[Floats]) -> Floats:
     """Tabulate the edges of polygons.
 
     Parameters
@@ -50,7 +47,7 @@ def edge_table(polygons: Sequence[_F]) -> _F:
     return table
 
 
-def _edges(corners: _F) -> _F:
+def _edges(corners: Floats) -> Floats:
     """Tabulate one polygon, without the columns of numbers."""
     edge = np.roll(corners, -1, axis=0) - corners
     length = np.hypot(edge[:, 0], edge[:, 1])
@@ -72,7 +69,7 @@ def _edges(corners: _F) -> _F:
 
 
 @inlined
-def distance(table: _F, px: float, py: float) -> float:
+def distance(table: Floats, px: float, py: float) -> float:
     """Signed distance of a point from the solid, negative inside.
 
     The nearest edge gives the sign; of two edges that meet in the nearest corner it is the one
@@ -94,7 +91,7 @@ def distance(table: _F, px: float, py: float) -> float:
 
 
 @inlined
-def distance_without(table: _F, left_out: _B, px: float, py: float) -> float:
+def distance_without(table: Floats, left_out: Flags, px: float, py: float) -> float:
     """Distance of a point from the nearest edge that is not left out, never negative."""
     best = np.inf
     for i in range(table.shape[0]):
@@ -116,7 +113,7 @@ def _square(along: float, length: float, s: float) -> float:
 
 
 @inlined
-def leave_out(table: _F, left_out: _B, edge: int) -> None:
+def leave_out(table: Floats, left_out: Flags, edge: int) -> None:
     """Leave out an edge and the neighbours that meet it in a convex corner."""
     left_out[edge] = True
     if table[edge, CONVEX] > 0.0:

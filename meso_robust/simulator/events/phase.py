@@ -1,7 +1,6 @@
 """One phase of a run: the motion in one mode up to the next event or the end of the move."""
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.kernels import sealed as inner
 from meso_robust.simulator.events.balance import cross, fill, monitor, pick, solve_three, velocity
@@ -32,8 +31,7 @@ from meso_robust.simulator.events.scene import (
 )
 from meso_robust.simulator.events.search import NEGATIVE, event_value, next_contact, root
 from meso_robust.simulator.events.stride import error_of, stride
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 _STILL = 1e-14  # turn on the whole move below which the part only translates
 _LARGEST_STEP = 0.4
@@ -44,7 +42,7 @@ _TURN = 0.1  # rad, of an exact step; events are looked for at its middle and it
 
 
 @inner
-def advance(scene: Scene, work: Work, path: _F, clock: float) -> float:
+def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
     """Move the part through one phase.
 
     Parameters
@@ -108,7 +106,7 @@ def _translates(scene: Scene, work: Work, rest: float) -> bool:
 
 
 @inner
-def _follow(scene: Scene, work: Work, path: _F, clock: float, rest: float) -> float:
+def _follow(scene: Scene, work: Work, path: Floats, clock: float, rest: float) -> float:
     """Go along a curve of closed form."""
     curve = work.curve
     bound = (curve[1], curve[2], curve[4], curve[5], fastest_turn(work), 0.0)
@@ -119,7 +117,9 @@ def _follow(scene: Scene, work: Work, path: _F, clock: float, rest: float) -> fl
 
 
 @inner
-def _integrate(scene: Scene, work: Work, path: _F, clock: float, guides: tuple[int, int]) -> float:
+def _integrate(
+    scene: Scene, work: Work, path: Floats, clock: float, guides: tuple[int, int]
+) -> float:
     """Take the motion step by step to the next event or the end of the move.
 
     The steps of a part that two tips guide, the numbers of whose contacts are given, are exact.
@@ -229,7 +229,9 @@ def _first_negative(
 
 
 @inner
-def _end_at(scene: Scene, work: Work, path: _F, clock: float, where: tuple[float, int]) -> float:
+def _end_at(
+    scene: Scene, work: Work, path: Floats, clock: float, where: tuple[float, int]
+) -> float:
     """Step again up to an event, correct its instant, and move the part there."""
     time, event = where
     quantity = event if event < 0 else event - 1

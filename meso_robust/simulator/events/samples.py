@@ -1,24 +1,20 @@
 """Poses at evenly spaced instants of a move, in the motion that is going on."""
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust.kernels import sealed as inner
 from meso_robust.simulator.events.curve import CUBIC, pose_at
 from meso_robust.simulator.events.scene import SAMPLE, Scene, Work
 from meso_robust.simulator.events.stride import stride
-
-_F = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 
 @inner
-def _instant(work: Work, path: _F, sample: int) -> float:
+def _instant(work: Work, path: Floats, sample: int) -> float:
     """The clock at a sample of the path."""
     return float(work.span * sample / (path.shape[0] - 1))
 
 
 @inner
-def sample_curve(work: Work, path: _F, clock: float, length: float) -> None:
+def sample_curve(work: Work, path: Floats, clock: float, length: float) -> None:
     """Write the samples that fall on a curve of closed form."""
     while work.count[SAMPLE] < path.shape[0]:
         sample = work.count[SAMPLE]
@@ -30,7 +26,7 @@ def sample_curve(work: Work, path: _F, clock: float, length: float) -> None:
 
 
 @inner
-def sample_step(scene: Scene, work: Work, path: _F, clock: float, length: float) -> None:
+def sample_step(scene: Scene, work: Work, path: Floats, clock: float, length: float) -> None:
     """Write the samples that fall in a step; in a Runge-Kutta step each is a shorter one."""
     if work.curve[0] != CUBIC:
         sample_curve(work, path, clock, length)

@@ -8,10 +8,8 @@ The drag is scaled to a first entry of one. A run then has quantities of order o
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-_F = npt.NDArray[np.float64]
-_B = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 MOST = 12
 """Largest number of places that touch at the same time."""
@@ -38,16 +36,16 @@ BUSY = -1
 class Scene(NamedTuple):
     """One run, and what is noted for each body: first the tips, then the corners of the part."""
 
-    edges: _F
+    edges: Floats
     """(V, 9) `edge_table` of the part, body frame."""
-    walls: _F
+    walls: Floats
     """(F, 9) `edge_table` of the fixture, world frame."""
-    tips: _F
+    tips: Floats
     """(T, 6) rows x, y at the start, velocity, radius, friction; world frame. The first `movers`
     are the tips, the others the convex corners of the fixture."""
-    clear: _F
+    clear: Floats
     """(T + V,) distances that tips and corners of the part are known to keep; written."""
-    left_out: _B
+    left_out: Flags
     """(T + V, max(V, F) + 1) edges or walls that a touching body is not measured from, and in the
     last column whether there are any; written."""
 

@@ -6,9 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator.events.scene import POINT, WALL
-
-_F = npt.NDArray[np.float64]
-_I = npt.NDArray[np.int64]
+from meso_robust.types import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -20,13 +18,13 @@ class Timeline:
     its left in mode 3, on its right in mode 2. Without friction a slip is always shown as mode 2.
     """
 
-    times: _F
+    times: Floats
     """(K,) starts of the intervals as parts of the move."""
-    poses: _F
+    poses: Floats
     """(K, 3) poses at the starts, in m and rad."""
     modes: npt.NDArray[np.int8]
     """(K, P) modes of the tips; of a tip that touches in two places, that of the first closed."""
-    tip_edges: _I
+    tip_edges: Ints
     """(K, P) edge (by its first corner) that each tip is on, −1 if it is on none; a disc or point
     tip on a corner has −2 − corner."""
     pairs: tuple[tuple[str, int, int], ...]
@@ -37,7 +35,7 @@ class Timeline:
     """(K, C) modes of the pairs."""
 
 
-def make_timeline(starts: _F, contacts: _I, movers: int) -> Timeline:
+def make_timeline(starts: Floats, contacts: Ints, movers: int) -> Timeline:
     """Arrange the log of a run.
 
     Parameters

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.budgeted_search import Trail
 from meso_robust.campaigns.falsify.draws import shares_of
 from meso_robust.laboratory.ascent import Effort, climb
-
-Floats = npt.NDArray[np.float64]
 
 EFFORT = Effort(corners=1000)
 

@@ -9,12 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.budgeted_search import Trail
 from meso_robust.campaigns.falsify.draws import shares_of
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 POPULATION = 64  # rows of a generation, run in bulk
 SPREAD = 0.3  # standard deviation at the start, of the width of the box

@@ -9,8 +9,7 @@ import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.budgeted_search import Trail
 from meso_robust.campaigns.falsify.draws import shares_of
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 WALKS = 8  # side by side, so that a batch is large
 

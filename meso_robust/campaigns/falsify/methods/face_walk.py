@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.falsify.budgeted_search import Trail
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from meso_robust.types import Flags, Floats
 
 WALKS = 4  # side by side
 TRIES = 32  # of each walk in a step

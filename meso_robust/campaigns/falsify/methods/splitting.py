@@ -14,8 +14,7 @@ import numpy.typing as npt
 from scipy.special import ndtr
 
 from meso_robust.campaigns.falsify.budgeted_search import Rare, Trail
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 SPLIT = 0.1  # of a population goes on to the next level
 LEVELS = 10  # that the budget pays for: probabilities down to SPLIT ** LEVELS

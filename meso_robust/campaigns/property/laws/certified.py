@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from hypothesis import strategies as st
 
 from meso_robust.bounds import Verdict as Proved
@@ -29,8 +28,7 @@ from meso_robust.laboratory.witness_file import replay_files
 from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 ROWS = 96
 """Runs of a batch: half of them uniform, half at corners; as many again around the worst of them."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
 from meso_robust.campaigns.property.laws.moves import UM, Move, moves, push_of
 from meso_robust.simulator import Outcome, simulate
 from meso_robust.simulator.exact import exact
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 PER_STEP = 20.0
 """Largest error of the last pose over the step; 0.03 is common, 1.7 is passed by one move in 1,000, 5 by

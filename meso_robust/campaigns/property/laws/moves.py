@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from hypothesis import strategies as st
 
 from meso_robust.simulator import Film, Push
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 UM = 1e-6
 STEP = 2.0 * UM  # of the stepper, of the probes

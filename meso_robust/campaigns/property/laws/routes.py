@@ -14,15 +14,14 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.bounds import Bounded, Box, Interval, enclose
 from meso_robust.conditions import balls, condition, values
+from meso_robust.types import Floats
 
 if TYPE_CHECKING:
     from flint import arb
 
-Floats = npt.NDArray[np.float64]
 Balls = Callable[..., "tuple[arb, ...]"]
 
 PACKAGE = "meso_robust._generated"

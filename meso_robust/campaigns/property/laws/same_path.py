@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from hypothesis import strategies as st
 
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
@@ -14,8 +13,7 @@ from meso_robust.campaigns.property.laws.convergence import apart
 from meso_robust.campaigns.property.laws.moves import STEP, Move, moves, push_of
 from meso_robust.simulator import Outcome, Push, simulate
 from meso_robust.simulator.exact import exact
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 SAMPLES = 8  # intervals of the path that are compared
 ROUNDING = 1e-9

@@ -7,7 +7,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from hypothesis import strategies as st
 
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
@@ -15,8 +14,7 @@ from meso_robust.conditions import values
 from meso_robust.simulator import Outcome, Push
 from meso_robust.simulator.events import EventResult
 from meso_robust.simulator.exact import exact
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.types import Floats
 
 UM = 1e-6
 HALF_LENGTH_UM = 4000.0  # so long that no tip comes to the end of its edge
