@@ -67,7 +67,7 @@ TOLD: dict[str, tuple[Any, str, str, str, Callable[[Path], object]]] = {
     "plan": (OWN / "plan.json", '"dual_x"', '"daul_x"', "policy.0.daul_x", of_the_paper_task(read_plan)),
     "schema of a plan": (OWN / "plan.json", '"schema"', '"shema"', "shema", of_the_paper_task(read_plan)),
     "policy": (policy, '"heading"', '"headng"', "rules.0.headng", of_the_paper_task(read_policy)),
-    "certificate": (OWN / "certificate.json", '"assumptions"', '"asumptions"', "claim.asumptions", of_the_paper_task(read_certificate)),
+    "certificate": (OWN / "certificate.json", '"premises": [', '"premisses": [', "claim.premisses", of_the_paper_task(read_certificate)),
     "calibration": (CALIBRATION, "pixel_um", "pixel_mu", "pixel_mu", load_calibration),
 }  # fmt: skip
 
@@ -83,7 +83,7 @@ def test_the_key_that_was_meant_is_told(what: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as refused:
         read(path)
 
-    meant = right.strip('"[]')
+    meant = right.strip('"[]: ')
     assert f"key {key} is unknown; did you mean {meant!r}?" in str(refused.value)
 
 

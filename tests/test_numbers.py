@@ -84,7 +84,8 @@ def test_an_absurd_number_is_no_certificate(place: tuple[Any, ...]) -> None:
         with pytest.raises(InputError) as caught:
             parse_certificate(json.dumps(changed), "file", paper_task())
         told = str(caught.value)
-        assert f"key {'.'.join(map(str, place))} = {str(absurd)[:80]!r}: Input should be" in told
+        assert f"key {'.'.join(map(str, place))} = " in told
+        assert ": Input should be " in told
 
 
 @pytest.mark.parametrize(

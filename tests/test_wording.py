@@ -82,7 +82,8 @@ def nearest(path: Path) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "room", ["premises", "certificates", "policy", "execution", "reporting", "campaigns", "job.py"]
+    "room",
+    ["transfer", "certificates", "policy", "laboratory", "reporting", "campaigns", "pipeline.py"],
 )
 def test_no_promise_is_rounded_to_the_nearest(room: str) -> None:
     files = [PACKAGE / room] if room.endswith(".py") else sorted((PACKAGE / room).rglob("*.py"))

@@ -16,6 +16,7 @@ from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import FILE, DiagnosisDocument
 from meso_robust.files import write_all
 from meso_robust.identification import usable
+from meso_robust.identification.identify import check_model
 from meso_robust.recordings import RecordingSet
 
 Verdict = Literal["consistent", "named", "ambiguous", "unknown"]
@@ -145,6 +146,7 @@ def diagnose(
     >>> mr.plan("task.toml", model="diagnosis/model.toml")  # doctest: +SKIP
     """
     at_least(0, seed=seed)
+    check_model(model)
     found, source = set_of(recordings)
     with progress.doing("checking the recordings"):
         warnings = usable.warnings_of(found)

@@ -20,7 +20,7 @@ from meso_robust.identification.design import DETERMINANT, design as designed
 from meso_robust.identification.document import FitWord, ModelDocument
 from meso_robust.identification.experiment import Bench, Experiment, standard_tests as tests_of
 from meso_robust.identification.experiment_document import experiment_files
-from meso_robust.identification.identify import Identification
+from meso_robust.identification.identify import Identification, check_model
 from meso_robust.identification.plausible import doubts
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
@@ -167,6 +167,7 @@ def identify(  # every option of the verb is an argument
       ...
     """
     _check(starts, objective, confidence, design, seed)
+    check_model(model)
     found, source = set_of(recordings)
     with progress.doing("checking the recordings"):
         by_camera = found.position_source == "camera"  # of seen tips the noise must be known first

@@ -185,7 +185,7 @@ def plan(  # every option of the verb is an argument
     >>> planned
     <Planned PROVED: paper, Section IX-E, 4 moves>
     >>> print(planned)
-    PROVED: paper, Section IX-E, 4 moves
+    PROVED (point tips): paper, Section IX-E, 4 moves
     simulated: 20 of 20 runs end in the goal
     margin: still proved with all uncertainties x ...
     >>> planned.margin.binding
@@ -261,7 +261,7 @@ def certify(
     ...     update={"policy": (*good.policy[:-1], last.model_copy(update={"dual_end_x": early}))}
     ... )
     >>> print(mr.certify(task, bad, samples=20))
-    REFUTED: paper, Section IX-E, 4 moves
+    REFUTED (point tips): paper, Section IX-E, 4 moves
     simulated: 0 of 20 runs end in the goal
     not proved in step 4 (straighten): the second tip touches before the probe stops
     what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan

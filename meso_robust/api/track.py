@@ -175,7 +175,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     ...         probes={"left": (0.0, 700.0)},
     ...     )
     >>> tracked
-    <Tracked 1 videos: part found in 3 of 3 frames>
+    <Tracked 1 video: part found in 3 of 3 frames>
     >>> bool(np.abs(tracked.recordings.recordings[0].poses[:, :2]).max() < 5e-6)  # a pixel
     True
     """

@@ -96,6 +96,7 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
     file = task or PAPER
     known = load_task(file)  # before the imports that take seconds
     if asked["model"] is not None:
+        known.rectangle("--model")
         read_toml(asked["model"], "give a model.toml")
     check_folder(out, written(**asked), (task, asked["model"]))
 

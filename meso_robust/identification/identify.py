@@ -162,9 +162,20 @@ class _Job:
     told: Told
 
 
-def _model(name: str, recordings: RecordingSet) -> Model:
+def check_model(name: str) -> None:
+    """Refuse a name that no plain model has.
+
+    Raises
+    ------
+    InputError
+        Naming those that there are.
+    """
     if name not in MODELS:
         raise InputError(f"--model {name}: must be one of {', '.join(MODELS)}; choose one")
+
+
+def _model(name: str, recordings: RecordingSet) -> Model:
+    check_model(name)
     return MODELS[name](np.array(recordings.part.outline))
 
 

@@ -165,15 +165,17 @@ def check_effects(effects: Effects, corners: int, motion: MotionModel) -> None:
         refuse("effects", on, "need a support, and FirstOrder has none", "use Dynamic")
 
 
-def check_steps(*, step: float, longest: float, time_step: float, steps: int, lasts: float) -> None:
+def check_steps(
+    *, step: float, longest: float, time_step: float, steps: int, times: Floats
+) -> None:
     """Refuse steps so short that the move would not end.
 
     Parameters
     ----------
     step, longest
         Longest step and longest displacement of a tip between two waypoints, m.
-    time_step, lasts
-        Longest step and duration of the move, s.
+    time_step, times
+        Longest step, and the instants of the waypoints, s.
     steps
         Steps of the move by both.
 
@@ -192,7 +194,7 @@ def check_steps(*, step: float, longest: float, time_step: float, steps: int, la
     if not steps <= MAX_STEPS:
         refuse(
             "time_step",
-            f"{time_step:g} s for {lasts:g} s",
+            f"{time_step:g} s for {np.ptp(times):g} s",
             f"must give at most {MAX_STEPS:g} steps",
             "give times in s and a longer time step",
         )

@@ -115,7 +115,7 @@ class Push:
             longest=self.longest_leg,
             time_step=self.time_step,
             steps=self.steps,
-            lasts=float(np.ptp(self.times)),
+            times=self.times,
         )
         check_thickness(self.step, self.vertices, self.shapes, self.fixture)
         check_start(

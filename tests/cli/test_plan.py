@@ -151,7 +151,6 @@ def test_out_that_is_a_file_is_status_2_before_any_work(tmp_path: Path) -> None:
     ("old", "new", "words"),
     [
         ("theta_deg = 90.0", "theta_deg = 45.0", "from upright|135.0 deg from the start"),
-        ("x_um = 2060.4", "x_um = 400.0", "further from the goal"),
         ("theta_deg = 90.0", "theta_deg = 0.0", "turns the part by one quarter"),
     ],
 )
@@ -165,11 +164,28 @@ def test_start_that_no_primitive_can_handle_is_status_1_unknown_and_why(
     assert result.exit_code == 1
     assert "UNKNOWN" in result.stderr
     assert any(word in result.stderr for word in words.split("|")), result.stderr
-    assert not out.exists()
+    assert [file.name for file in out.iterdir()] == ["report.html"]
+
+
+def test_a_start_too_close_is_unknown_for_a_probe_on_one_side_and_proved_for_any(
+    tmp_path: Path,
+) -> None:
+    any_side = task_file(tmp_path, "x_um = 2060.4", "x_um = 400.0")
+    one_side = tmp_path / "one_side.toml"
+    text = any_side.read_text(encoding="utf-8")
+    one_side.write_text(text.replace("[probe]", '[probe]\nheadings = ["-x"]'), encoding="utf-8")
+
+    refused = RUNNER.invoke(app, ["plan", str(one_side), "--out", str(tmp_path / "one")])
+    proved = RUNNER.invoke(
+        app, ["plan", str(any_side), "--out", str(tmp_path / "any"), "--samples", "20"]
+    )
+
+    assert (refused.exit_code, proved.exit_code) == (1, 0)
+    assert "further from the goal" in refused.stderr
 
 
 def test_goal_that_is_too_tight_is_not_proved(tmp_path: Path) -> None:
-    task = task_file(tmp_path, "position_tolerance_um = 76.0", "position_tolerance_um = 12.0")
+    task = task_file(tmp_path, "position_tolerance_um = 76.0", "position_tolerance_um = 4.0")
 
     result = RUNNER.invoke(
         app, ["plan", str(task), "--out", str(tmp_path / "o"), "--samples", "20"]

@@ -160,4 +160,4 @@ def test_no_plan_for_the_model_s_ranges_is_status_1_and_says_them(tmp_path: Path
     assert result.exit_code == 1
     assert "UNKNOWN" in result.stderr
     assert "uncertainty.friction = 0 … 0.9" in result.stderr
-    assert not (tmp_path / "out").exists()
+    assert [file.name for file in (tmp_path / "out").iterdir()] == ["report.html"]

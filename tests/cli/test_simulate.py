@@ -233,7 +233,12 @@ def test_bad_task_missing_plan_and_bad_witness_are_status_2(tmp_path: Path) -> N
     _refused(simulate(task, PLAN, "--out", out), out, str(task))
     _refused(simulate(PAPER, tmp_path / "no.json", "--out", out), out, "no.json")
     _refused(simulate(PAPER, PLAN, "--out", out, "--witness", proved), out, str(proved), "'PROVED'")
-    _refused(simulate(PAPER, PLAN, "--out", out, "--witness", PLAN), out, str(PLAN), "schema")
+    _refused(
+        simulate(PAPER, PLAN, "--out", out, "--witness", PLAN),
+        out,
+        str(PLAN),
+        "neither a witness nor a certificate",
+    )
 
 
 def test_out_that_is_a_file_is_status_2_before_any_work(tmp_path: Path) -> None:

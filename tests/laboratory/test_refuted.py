@@ -23,14 +23,14 @@ def test_a_witness_that_does_not_fail_is_told(wide_friction_plan: Planned, tmp_p
     certificate = wide_friction_plan.certificate
     witness = certificate.witness
     assert witness is not None
-    zero = (0.0).hex()
+    zero, moves = (0.0).hex(), len(certificate.policy)
     harmless = witness.model_copy(
         update={
             "friction": (0.33).hex(),
             "start": tuple(float(v).hex() for v in wide_friction_plan.setup.start.mid),
-            "sensing": ((zero, zero, zero),) * 4,
-            "dual_probe": ((zero, zero),) * 4,
-            "single_probe": ((zero, zero),) * 4,
+            "sensing": ((zero, zero, zero),) * moves,
+            "dual_probe": ((zero, zero),) * moves,
+            "single_probe": ((zero, zero),) * moves,
         }
     )
     made_up = certificate.model_copy(update={"witness": harmless})

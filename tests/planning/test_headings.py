@@ -262,7 +262,9 @@ def test_the_checker_rejects_a_heading_that_the_task_has_no_probe_for(planned: P
     document = json.loads(planned.certificate.model_dump_json(by_alias=True))
     probe = task().probe.model_copy(update={"headings": ("-x", "-y")})
 
-    assert objection(document, task().model_copy(update={"probe": probe})) == "move 1: heading"
+    assert (
+        objection(document, task().model_copy(update={"probe": probe})) == "move_value/1: heading"
+    )
 
 
 def test_a_policy_keeps_to_the_stated_headings() -> None:

@@ -114,7 +114,7 @@ PROBE = ("moves", 1, "probes", 1)
         (edit(*PROBE, "name", to=""), ("moves.1.probes", "name of its own")),
         (edit("moves", 1, "probes", to=[]), ("moves.1.probes", "0 probes", "1 to 6")),
         (edit("moves", 0, "travel_um", to=[1.0]), ("moves.0.travel_um", "missing")),
-        (drop("moves", 1), ("moves", "1 moves", "2")),
+        (drop("moves", 1), ("moves", "1 move;", "2")),
         (
             edit("moves", 0, "expect", to={"x_um": [1, 0], "y_um": [0, 0], "theta_deg": [0, 0]}),
             ("moves.0.expect.x_um", "[1.0, 0.0]", "lower end"),

@@ -99,7 +99,8 @@ def test_adhesion_is_unknown_with_its_premise_and_size_and_runs_as_evidence() ->
     assert certificate.undecided.settled_by.about["effect"] == "tip_adhesion"
     said = certificate.reading.undecided
     assert said is not None
-    assert f"pull_um_s {pull.low:.3g} … {pull.high:.3g} µm/s" in said.inequality
+    low, high = math.floor(100 * pull.low) / 100, math.ceil(100 * pull.high) / 100
+    assert f"pull_um_s {low:.2f} … {high:.2f} µm/s" in said.inequality  # outward
     assert "without tip adhesion" in said.settled_by
     assert "tip_adhesion (breaks a premise)" in why(made)
     assert told.evidence is not None
