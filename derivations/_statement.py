@@ -258,7 +258,7 @@ def _listed(relations: Iterable[Boolean]) -> str:
 
 def _entries(side: Side) -> list[sp.Expr]:
     if isinstance(side, sp.MatrixExpr):
-        return list(side.doit())
+        return list(side.doit().as_explicit())  # a sum that stays one iterates over nothing
     return [side] if isinstance(side, sp.Expr) else list(side)
 
 

@@ -6,8 +6,11 @@ the shipped task takes it as a half side.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from meso_robust.bounds import Verdict
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.laboratory.adversary import search
@@ -15,6 +18,7 @@ from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.laboratory.running import PlanRun
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.planning.compose import compose
+from meso_robust.primitives.frame import HEADINGS, Heading
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.reproduction.certified import CertifiedPlan, trials
 from meso_robust.reproduction.item import Row, Setting
@@ -28,7 +32,7 @@ SEARCHES = {True: 1, False: 10}
 
 
 def rows(plan: CertifiedPlan, sampled: PlanRun, setting: Setting) -> tuple[Row, ...]:
-    """Both readings for the shipped plan, and a plan that is made for the narrower one.
+    """Both readings for the shipped plan, and plans that are made for the narrower one.
 
     Parameters
     ----------
@@ -41,7 +45,8 @@ def rows(plan: CertifiedPlan, sampled: PlanRun, setting: Setting) -> tuple[Row, 
     worst = _worst_found(plan, setting)
     return (
         *(_shipped(plan, sampled, worst, half, words) for half, words in READINGS.items()),
-        _made_for_half(plan, len(sampled.outcomes), setting),
+        _made_for_half(plan, (plan.rules[0].frame.heading,), len(sampled.outcomes), setting),
+        _made_for_half(plan, HEADINGS, len(sampled.outcomes), setting),
     )
 
 
@@ -87,19 +92,24 @@ def _proved(chain: Chain, setup: Setup) -> str:
     return f"{inside}: the certified end reaches {np.ceil(10.0 * reach) / 10.0:.1f} um"
 
 
-def _made_for_half(plan: CertifiedPlan, count: int, setting: Setting) -> Row:
-    """What the planner makes of the narrower goal."""
+def _made_for_half(
+    plan: CertifiedPlan, headings: Sequence[Heading], count: int, setting: Setting
+) -> Row:
+    """What the planner makes of the narrower goal with probes that push in these headings."""
     task = with_half_side(plan.task, min(READINGS))
+    probe = task.probe.model_copy(update={"headings": tuple(headings)})
+    task = task.model_copy(update={"probe": probe})
     rules, setup = compose(task).rules, setup_of(task)
-    chain = certify(rules, setup)
-    found = trials(rules, setup, count, setting.seed)
-    hits = int(in_goal(found, setup).sum())
-    proved = chain.verdict.word if chain.verdict.word == "PROVED" else "The planner proves none"
+    hits = int(in_goal(trials(rules, setup, count, setting.seed), setup).sum())
+    proved = certify(rules, setup).verdict is Verdict.PROVED
+    used = ", ".join(dict.fromkeys(rule.frame.heading for rule in rules))
     return Row(
-        quantity=f"a plan made for ± {min(READINGS):g} um: probability of success",
+        quantity=f"a plan made for ± {min(READINGS):g} um, pushing along {' or '.join(headings)}: "
+        "probability of success",
         unit="%",
         ours=_percent(hits, count),
-        why=f"{proved}; {hits} of {count} runs of its best, exact 95 % interval",
+        why=f"{'PROVED' if proved else 'The planner proves none; its best'}: {len(rules)} moves, along "
+        f"{used}; {hits} of {count} runs, exact 95 % interval",
     )
 
 

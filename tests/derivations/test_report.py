@@ -47,7 +47,7 @@ TITLE = "Squares <script>alert(1)</script> & sums | bars"
 
 def sample() -> tuple[Derivation, ...]:
     """One claim of every verdict, made by the functions that decide."""
-    square = for_all("$x^2 + y^2 < -1$ never", [sp.Eq(y, y, evaluate=False)], x**2 + y**2 > -1)
+    square = for_all("$x^2 + y^2 < 2 x y - 1$ never", [], x**2 + y**2 > 2 * x * y - 1)
     quarter = {**angle(sp.Rational(1, 5), t), p: sp.Rational(7, 3)}
     one = (
         Claim(
@@ -71,15 +71,24 @@ def sample() -> tuple[Derivation, ...]:
             with_added=(for_all("$x > 1$", [x > 2], x > 1),),
         ),
         Claim(
+            key="empty",
+            title="Nothing is left",
+            place="eq. (6)",
+            printed="$p > 1$",
+            derived="$p > 1$ where $p > q$ and $q > 3$, but $p < 2$",
+            added=("$p > q$", "$q > 3$"),
+            of_print=(for_all("$p > 1$ as it stands", [], p > 1, at={p: sp.Rational(1, 3)}),),
+            with_added=(for_all("$p > 1$", [p > q, q > 3], p > 1),),
+            compatible=(together("both where $p < 2$", p > q, q > 3, p < 2),),
+        ),
+        Claim(
             key="sharpened",
             title="A bound",
             place="eq. (3)",
-            printed="$x^2 + y^2 > -1$",
-            derived=r"$x^2 + y^2 \ge 0$",
+            printed="$x^2 + y^2 > 2 x y - 1$",
+            derived=r"$x^2 + y^2 \ge 2 x y$",
             of_print=(square,),
-            sharper=(
-                for_all(r"$x^2 + y^2 \ge 0$", [sp.Eq(y, y, evaluate=False)], x**2 + y**2 >= 0),
-            ),
+            sharper=(for_all(r"$x^2 + y^2 \ge 2 x y$", [], x**2 + y**2 >= 2 * x * y),),
         ),
     )
     two = (
@@ -236,8 +245,8 @@ def test_the_page_shows_every_claim_with_its_verdict(
 
 
 def test_the_head_counts_by_verdict(read: Reader) -> None:
-    assert "2 of 5 printed statements stand as printed" in read.text
-    assert read.text.index("2 of 5 printed") < read.text.index("Overview")
+    assert "2 of 6 printed statements stand as printed" in read.text
+    assert read.text.index("2 of 6 printed") < read.text.index("Overview")
     assert len(set(register.MARKS.values())) == len(Verdict)
 
 
@@ -254,9 +263,10 @@ def test_a_file_without_claims_has_no_chapter(read: Reader, files: dict[str, str
 
 
 def test_added_hypotheses_are_marked_and_only_they(files: dict[str, str]) -> None:
-    assert files["index.html"].count("the print lacks it") == 1
-    assert files["README.md"].count("the print lacks it") == 1
-    assert r"- $x \gt 2$ **(added" in files["README.md"]
+    for name in ("index.html", "README.md"):
+        assert files[name].count("the print lacks it") == 3
+    for formula in (r"x \gt 2", r"p \gt q", r"q \gt 3"):
+        assert f"- ${formula}$ **(added" in files["README.md"]
 
 
 def test_the_json_says_everything(
@@ -288,6 +298,7 @@ def test_the_json_names_the_routes(files: dict[str, str]) -> None:
     routes = {key: [f["route"] for f in entry["findings"]] for key, entry in entries.items()}
     assert routes["confirmed"] == ["identity"]
     assert routes["added"] == ["witness", "z3"]
+    assert routes["empty"] == ["witness", "z3", "z3"]
     assert routes["new-one"] == ["certificate", "witness"]
 
 
@@ -316,7 +327,7 @@ def test_every_query_is_stored_and_z3_answers_as_promised(files: dict[str, str])
     ]
     promised = {f["proof"]: f["answer"] for f in findings if f["proof"]}
     assert set(promised) == {name for name in files if name.endswith(".smt2")}
-    assert sorted(promised.values()) == ["sat", "sat", "unsat", "unsat", "unsat", "unsat"]
+    assert sorted(promised.values()) == ["sat"] * 2 + ["unsat"] * 6
     for name, answer in promised.items():
         assert _smt.solve(files[name])[0] == answer, name
     assert "proofs/added-2.smt2" in promised  # the second finding of its claim

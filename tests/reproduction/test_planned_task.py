@@ -11,8 +11,11 @@ import pytest
 
 from meso_robust.bounds import Verdict
 from meso_robust.campaigns.intervals import share_interval
+from meso_robust.certificates.chain import certify
 from meso_robust.laboratory.draws import nominal
 from meso_robust.laboratory.running import run
+from meso_robust.planning.compose import compose
+from meso_robust.primitives.setup import setup_of
 from meso_robust.reproduction import tolerance
 from meso_robust.reproduction.certified import (
     UNCERTAINTIES,
@@ -26,6 +29,9 @@ from meso_robust.reproduction.certified import (
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.planned_task import ITEM, sequence, with_separation
 from meso_robust.simulator import Outcome
+from tests.checker.test_check import checked
+from tests.paper import paper_task
+from tests.polygons import certificate
 
 ROOT = Path(__file__).parents[2]
 
@@ -125,7 +131,7 @@ def test_the_item_says_that_the_printed_rotation_fails() -> None:
 def test_both_readings_of_the_tolerance_are_measured() -> None:
     plan = certified_plan()
     sampled = trials(plan.rules, plan.setup, 40, 0)
-    whole, half, made = tolerance.rows(plan, sampled, Setting(quick=True))
+    whole, half, one_side, any_side = tolerance.rows(plan, sampled, Setting(quick=True))
     post = json.loads((ROOT / "reports/paper_task/certificate.json").read_text())["steps"][-1][
         "post"
     ]
@@ -138,7 +144,18 @@ def test_both_readings_of_the_tolerance_are_measured() -> None:
     worst = np.abs(sampled.final[:, :2]).max() * 1e6
     found = float(re.search(r"find is ([\d.]+) um off", half.why)[1])  # type: ignore[index]
     assert worst <= found + 0.05 <= reach + 0.05
-    assert made.why.startswith("The planner proves none")
     text = (ROOT / "meso_robust/tasks/paper.toml").read_text()
     assert "epsilon_p/2" in text
     assert f"certified to end within +- {np.ceil(reach):.0f} um" in text
+    assert "along -x:" in one_side.quantity
+    assert one_side.why.startswith("The planner proves none; its best: 4 moves, along -x; ")
+    assert any_side.why.startswith("PROVED: 5 moves, along +x, -x, +y; 40 of 40 runs")
+
+
+def test_the_plan_for_the_narrower_tolerance_is_verified_by_the_checker() -> None:
+    task = tolerance.with_half_side(paper_task(), 38.0)
+    assert task.goal.position_tolerance_um == 38.0
+    rules = compose(task).rules
+    assert {rule.frame.heading for rule in rules} == {"+x", "-x", "+y"}
+    document = certificate(task, rules, certify(rules, setup_of(task)))
+    assert checked(document, task).verdict == "VERIFIED"
