@@ -1,4 +1,4 @@
-"""What the examples in the docstrings of the API share: a plan of the paper's task, made once."""
+"""Which tests are slow, and what the examples of the API share: a plan of the paper's task, made once."""
 
 from __future__ import annotations
 
@@ -8,6 +8,23 @@ import pytest
 from _pytest.doctest import DoctestItem
 
 import meso_robust as mr
+from tests.slow import ROOT, changed, is_slow
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--fast`` leaves slow tests to ``make test-all``, but for those of code that has changed."""
+    parser.addoption("--fast", action="store_true", help="without slow tests of unchanged code")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark slow tests by the table in ``tests/slow.py``."""
+    touched = changed() if config.getoption("--fast") else ()
+    slow = [item for item in items if is_slow(item.path.relative_to(ROOT).as_posix(), touched)]
+    for item in slow:
+        item.add_marker(pytest.mark.slow)
+    if config.getoption("--fast"):
+        items[:] = [item for item in items if item not in set(slow)]
+        config.hook.pytest_deselected(items=slow)
 
 
 @pytest.fixture(autouse=True)
