@@ -149,6 +149,22 @@ def test_packages_form_no_cycle() -> None:
     assert order.index("bounds") < order.index("motion") < order.index("planning")
 
 
+def test_files_form_no_cycle() -> None:
+    """Wherever in a file an import stands, and if only for the type checker."""
+    files = {".".join(path.relative_to(ROOT).with_suffix("").parts): path for path in SOURCES}
+    graph = {
+        name: {
+            known
+            for one in imported(path)
+            for known in (one, one.rpartition(".")[0])
+            if known in files and known != name
+        }
+        for name, path in files.items()
+        if path.stem != "__init__"  # a room's front door names what it shows
+    }
+    list(graphlib.TopologicalSorter(graph).static_order())  # raises on a cycle
+
+
 def test_nothing_below_reaches_the_reports_the_command_line_or_the_derivations() -> None:
     for path in (path for path in SOURCES if part_of(path) not in ABOVE):
         assert not parts_imported(path) & ABOVE, names(path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +9,6 @@ import numpy as np
 from meso_robust import units
 from meso_robust.reproduction import printed
 from meso_robust.reproduction.bench import START, Place, Plan, Runs, follow, succeeded
-from meso_robust.reproduction.item import Setting
 from meso_robust.types import Flags, Floats
 
 Range = tuple[float, float]
@@ -122,24 +120,3 @@ def successes(
     """
     at = place or Place()
     return succeeded(follow(plan, drawn(errors, runs, rng, at), at, step=step), at)
-
-
-def plans(setting: Setting) -> Mapping[str, Plan]:
-    """The plans of Section VII as strokes of the tip, for the default place of the slot.
-
-    Parameters
-    ----------
-    setting
-        Seed and size.
-
-    Raises
-    ------
-    ValueError
-        If the random search finds no plan.
-    """
-    from meso_robust.reproduction import rrt, seven_steps
-
-    return {
-        "RRT": rrt.plan(Place(), setting.seed).plan,
-        "scripted": seven_steps.tuned(Place(), setting)[0],
-    }

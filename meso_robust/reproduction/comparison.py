@@ -9,17 +9,11 @@ import numpy as np
 
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reproduction import rrt
-from meso_robust.reproduction.baselines import (
-    ALL,
-    ON_FILM,
-    REPORTED,
-    Errors,
-    plans,
-    successes,
-)
+from meso_robust.reproduction.baselines import ALL, ON_FILM, REPORTED, Errors, successes
 from meso_robust.reproduction.bench import Place, Plan
 from meso_robust.reproduction.certified import certified_successes
 from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.rivals import plans
 
 RUNS = {True: 200, False: 10_000}
 """Of each plan at the stated uncertainty, if quick and if not."""

@@ -10,8 +10,10 @@ from meso_robust.campaigns.intervals import share_interval
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
+from meso_robust.reproduction.at_size import AtSize
 from meso_robust.reproduction.certified import CertifiedPlan, certified_plan, trials
 from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.scales_figures import figure
 from meso_robust.reproduction.shrunk import (
     WITHDRAWAL,
     Certified,
@@ -66,18 +68,6 @@ PULLS = (
     Pull(name="a whole meniscus, tip shrinks", share=1.0, tip_shrinks=True),
     Pull(name="a whole meniscus, the paper's tip", share=1.0, tip_shrinks=False),
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AtSize:
-    """Everything at one size."""
-
-    length_um: float
-    certified: Mapping[Errors, Certified]
-    free: Mapping[Errors, float]
-    """Share of runs that end in the goal without adhesion."""
-    held: Mapping[str, float]
-    """The same with adhesion, all errors shrunk with the part, by the name of the pull."""
 
 
 def study(plan: CertifiedPlan, setting: Setting) -> tuple[AtSize, ...]:
@@ -273,8 +263,6 @@ def _data(sizes: Sequence[AtSize]) -> dict[str, object]:
 
 def reproduce(setting: Setting) -> Found:
     """Shrink the task step by step; see `Item`."""
-    from meso_robust.reproduction.scales_figures import figure
-
     sizes = study(certified_plan(), setting)
     return Found(
         answer=_answer(sizes),

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from meso_robust.reporting.theme import BLUE, GREEN, VERMILION
+from meso_robust.reproduction.at_size import AtSize
 from meso_robust.reproduction.item import Figure
-
-if TYPE_CHECKING:
-    from meso_robust.reproduction.scales import AtSize
 
 COLOURS = (BLUE, GREEN, VERMILION)
 CAPTION = (
