@@ -127,7 +127,7 @@ def _refuted(certificate: Certificate, known: Given) -> Answer:
     proved = len(steps) == len(certificate.policy) and all(s.verdict == "PROVED" for s in steps)
     ends = steps[-1].post_exact if proved and steps else None
     if ends is not None and within(box(ends, of_move(len(steps) - 1, "post_exact")), known.goal):
-        raise Refused(place("verdict"), "every move PROVED, into the goal", "none")
+        raise Refused(place("verdict"), "REFUTED", "every move stated as PROVED, into the goal")
     _expect(place("undecided"), certificate.undecided is not None)
     _expect(place("policy"), len(certificate.policy) > 0)
     for rule in certificate.policy:
@@ -170,7 +170,7 @@ def _check_claim(certificate: Certificate, task: Task, known: Given) -> None:
     _same(place("task"), certificate.task, task.name)
     _same(place("claim.id"), claim.id, own)
     _same(place("claim.moves"), claim.moves, len(certificate.policy))
-    _same(place("claim.premises"), claim.premises, tuple(Premise))
+    _same(place("claim.premises"), list(claim.premises), [one.value for one in Premise])
     _check_uncertainties(claim.uncertainties, uncertainties(known))
     listed = {one.inequality for step in certificate.steps for one in step.obligations}
     _same(place("claim.inequalities"), sorted(claim.inequalities), sorted(listed))
@@ -264,7 +264,7 @@ def _check_steps(
     for number, (passage, post) in enumerate(moves):
         step, does = certificate.steps[number], passage.does
         stated_property = (step.property.id, step.property.about)
-        _same(of_move(number, "property"), stated_property, (does.id, does.about))
+        _same(of_move(number, "property"), stated_property, (str(does.id), dict(does.about)))
         for name in ("x", "y", "theta"):
             stated, own = getattr(boxes[number + 1], name), getattr(post, name)
             ends = [[float(end) for end in side] for side in (stated, own)]

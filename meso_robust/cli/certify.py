@@ -37,7 +37,7 @@ def certify(
     except InputError as error:
         refuse(error)
     except NotApplicableError as error:
-        unplanned(task, out, error, "certify")
+        unplanned(task, out, error, "certify", quiet)
     tell(found, out, as_json, quiet)
 
 

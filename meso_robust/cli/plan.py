@@ -73,7 +73,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     except InputError as error:
         refuse(error)
     except NotApplicableError as error:
-        unplanned(task or PAPER, out, error, "plan")
+        unplanned(task or PAPER, out, error, "plan", quiet)
     tell(found, out, as_json, quiet)
 
 
@@ -108,15 +108,20 @@ def _found(task: Path | None, out: Path, say: Reporter, **asked: Any) -> Planned
     return found
 
 
-def unplanned(task: Path, out: Path, error: object, verb: str) -> NoReturn:
+def unplanned(task: Path, out: Path, error: object, verb: str, quiet: bool) -> NoReturn:
     """Write the report of a task that has no plan to judge; ends with exit status 1."""
     from meso_robust.errors import InputError
+    from meso_robust.even_film import remarks
     from meso_robust.files import write_all
     from meso_robust.reporting.unplanned import unplanned_report
     from meso_robust.task import load_task
 
+    known = load_task(task)
+    if not quiet:  # a ratio of the wrong unit is a reason to find no plan
+        for remark in remarks(known):
+            note(remark)
     try:
-        write_all(out, {"report.html": unplanned_report(load_task(task), str(error), verb)})
+        write_all(out, {"report.html": unplanned_report(known, str(error), verb)})
     except InputError as failed:
         refuse(failed)
     for name in ("plan.json", "certificate.json"):  # of an earlier run: not the answer now

@@ -111,7 +111,7 @@ def beyond(sensed: Iterable[PoseBox], boxes: Sequence[PoseBox]) -> str:
     if found is None or not found[1].any():
         return "it lies on the very bound"
     return ", ".join(
-        f"{name} = {value:.6g} is {abs(by):.3g} {name.rsplit('_', 1)[1]} "
+        f"{name} = {value:.6g} is {abs(by):.6g} {name.rsplit('_', 1)[1]} "
         f"{'above' if by > 0 else 'below'} the bound {value - by:.6g}"
         for name, by, value in zip(KEYS, found[1], found[2], strict=True)
         if by

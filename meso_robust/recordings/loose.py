@@ -58,7 +58,7 @@ def read_loosely(folder: Path) -> Loose:
         problems += [_fault(section.file, fault) for fault in table.faults]
     if not tables:
         raise InputError(
-            f"{folder}: no recording can be read, the first because: {problems[0].value}"
+            f"{folder}: no recording can be read; {problems[0].file}: {problems[0].value}"
         )
     return Loose(
         recordings=assembled(document, folder, [table.recording for table in tables]),

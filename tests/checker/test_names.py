@@ -157,6 +157,17 @@ def test_a_premise_that_the_checker_does_not_know_is_rejected(document: Document
     assert objection(found) == "value: claim.premises"
 
 
+def test_what_is_rejected_is_told_as_the_file_writes_it(document: Document) -> None:
+    premises, move = copy.deepcopy(document), copy.deepcopy(document)
+    premises["claim"]["premises"].remove("point_tips")
+    move["steps"][0]["property"] = {"id": "part_rests", "about": {}}
+    for found, own in ((premises, "point_tips"), (move, "turns_part")):
+        refused = checked(found, paper_task()).refused
+        assert refused is not None
+        assert f"'{own}'" in refused.found
+        assert "<" not in refused.stated + refused.found  # as Python shows a value of a class
+
+
 def test_an_uncertainty_that_the_checker_does_not_know_is_rejected(document: Document) -> None:
     """There is room for more of them, and none is believed before there is a proof of it."""
     found = copy.deepcopy(document)

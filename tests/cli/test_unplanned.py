@@ -45,6 +45,17 @@ def test_the_report_of_an_early_unknown_has_reason_and_advice(verb: str, tmp_pat
     assert "paper, section ix-e" in page
 
 
+def test_an_early_unknown_says_that_the_ratio_of_drags_is_no_even_films(tmp_path: Path) -> None:
+    text = PAPER.read_text(encoding="utf-8").replace("theta_deg = 90.0", "theta_deg = 0.0")
+    task = tmp_path / "task.toml"
+    task.write_text(text.replace("film_ratio_um2 = 376900.0", "film_ratio_um2 = 1.0"), "utf-8")
+    words = ["plan", str(task), "--out", str(tmp_path / "out")]
+    remark = "note: uncertainty.film_ratio_um2 = 1 +- 5 %"
+
+    assert remark in CliRunner().invoke(app, words).stderr
+    assert remark not in CliRunner().invoke(app, [*words, "--quiet"]).stderr
+
+
 def open_loop(path: Path) -> None:
     """The shipped plan's moves alone, the first of them made by one tip: no primitive does that."""
     import json

@@ -140,6 +140,18 @@ def test_what_a_verdict_is_said_to_tell_is_told_by_the_code() -> None:
         assert settles or quoted in {*claims, goal}, quoted
 
 
+def test_the_certificate_page_shows_the_friction_of_the_tutorials_last_plan() -> None:
+    edit = re.findall(r"^sed .*/friction = \[(.+), (.+)\]/'", text("tutorial.md"), re.MULTILINE)
+    (stated,) = [[float(end) for end in one] for one in edit]
+    page = text("certificate.md")
+    shown = re.findall(r'"uncertainties": \{"friction": \["(\S+)", "(\S+)"\]', page)
+
+    assert [[float.fromhex(end) for end in one] for one in shown] == [
+        pytest.approx(stated, abs=1e-15)
+    ]
+    assert re.findall(r"mu in (\[.+?\])", page) == [str(stated)]
+
+
 def test_premises_that_the_certificate_page_tells_are_all() -> None:
     told = re.findall(r"^\| `(\w+)` \| (.+) \|$", text("certificate.md"), re.MULTILINE)
     assert {id_: said for id_, said in told if id_ in list(Premise)} == PREMISES

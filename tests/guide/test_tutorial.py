@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import shutil
 from pathlib import Path
@@ -132,6 +133,14 @@ def test_answers_of_searches_are_those_of_the_page(
 
     assert command.shown[0].startswith(start)
     assert done.stdout.startswith(start)
+
+
+def test_a_diagnosis_is_told_in_the_words_of_the_page(walk: dict[str, tuple[Command, Any]]) -> None:
+    """All but the digits, which may differ."""
+    command, done = result(walk, "diagnose")
+    shown = tuple(re.sub(r"[\d.]+", "0", line) for line in command.shown)
+
+    assert missing(shown, re.sub(r"[\d.]+", "0", done.stdout)) == []
 
 
 def test_the_premise_that_is_not_kept_is_named_with_its_size_and_evidence(
