@@ -58,7 +58,7 @@ def read_loosely(folder: Path) -> Loose:
         problems += [_fault(section.file, fault) for fault in table.faults]
     if not tables:
         raise InputError(
-            f"{folder}: no recording can be read, the first because: {problems[0].value}"
+            f"{folder}: no recording can be read; the first problem: {problems[0].value}"
         )
     return Loose(
         recordings=assembled(document, folder, [table.recording for table in tables]),
@@ -74,7 +74,7 @@ def _unreadable(file: str, error: InputError, folder: Path) -> Problem:
         severity="error",
         value=str(error).removeprefix(f"{folder / file}").lstrip(":, "),
         rule="every recording of the set must be a file in its format",
-        advice="mend the file or leave the recording out of set.toml",
+        advice="correct the file or leave the recording out of set.toml",
     )
 
 

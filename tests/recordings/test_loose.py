@@ -130,7 +130,7 @@ def test_a_recording_that_cannot_be_read_is_listed_and_left_out(tmp_path: Path) 
 def test_a_set_of_which_nothing_can_be_read_is_refused(
     tmp_path: Path, text: str, message: str
 ) -> None:
-    with pytest.raises(InputError, match=f"no recording can be read, the first because: {message}"):
+    with pytest.raises(InputError, match=f"no recording can be read; the first problem: {message}"):
         read_loosely(folder_of(tmp_path, table=text))
 
 
