@@ -29,7 +29,7 @@ def write_all(folder: Path, contents: Mapping[str, str]) -> None:
             del drafts[name]
     except OSError as error:
         raise InputError(
-            f"--out {folder}: cannot be written ({error.strerror}); give a folder that can"
+            f"--out {folder}: cannot be written ({error.strerror}); give a writable folder"
         ) from error
     finally:
         for draft in drafts.values():  # a full disk and Ctrl-C leave no draft behind
@@ -118,13 +118,13 @@ def _check_target(folder: Path, name: str, inputs: Iterable[Path]) -> None:
     target = folder / name
     if os.path.isdir(target) and not target.is_symlink():
         raise InputError(
-            f"--out {folder}: {name} is a folder there, and a file of that name is to be written; "
+            f"--out {folder}: {name} is a folder, but a file of that name must be written; "
             "give another folder"
         )
     for source in inputs:
         if os.path.exists(target) and os.path.exists(source) and target.samefile(source):
             raise InputError(
-                f"--out {folder}: {name} would replace {source}, which must not be written over; "
+                f"--out {folder}: {name} would replace {source}, which must not be overwritten; "
                 "give another folder"
             )
 

@@ -98,7 +98,7 @@ def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planne
     SimulatorContradictsProofError
         The simulator and the proof disagree.
     """
-    with doing("searching a plan (the first run compiles kernels: about a minute)"):
+    with doing("searching for a plan (the first run compiles kernels: about a minute)"):
         found = compose(task)
     return judge(task, found, samples, seed, doing)
 
@@ -108,7 +108,7 @@ def make_best(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> P
 
     The result's task may have another ``tip_spacing_um``; everything else is as for :func:`make`.
     """
-    with doing("searching spacing, offsets and travels (one to three minutes)"):
+    with doing("optimising spacing, offsets and travels (one to three minutes)"):
         best = design(task)
     return judge(best.task, Found(rules=best.rules, scale=best.factor), samples, seed, doing)
 
@@ -131,7 +131,7 @@ def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = _qui
     setup = setup_of(task)
     with doing("certifying"):
         chain = certify(found.rules, setup)
-    with doing("searching the margin"):
+    with doing("searching for the margin"):
         bears = margin(found.rules, task)
     with doing(f"simulating {counted(samples, 'run')}"):
         posts = [step.post for step in chain.steps]

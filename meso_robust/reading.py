@@ -80,8 +80,7 @@ def bytes_of(path: Path, advice: str, largest: int = LARGEST_DATA) -> bytes:
         raise InputError(f"{path}: cannot be read ({error}); {advice}") from error
     if len(content) > largest:
         raise InputError(
-            f"{path}: is larger than {largest // MIB} MiB, the most that is read of such a file; "
-            f"{advice}"
+            f"{path}: is larger than {largest // MIB} MiB, the limit for such a file; {advice}"
         )
     return content
 
@@ -120,7 +119,7 @@ def json_values(text: str, source: str) -> Any:
         _check_depth(values)
     except (ValueError, RecursionError) as error:
         raise InputError(
-            f"{source}: is not a JSON file in UTF-8 ({error}); write it anew or mend it"
+            f"{source}: is not a JSON file in UTF-8 ({error}); correct or regenerate it"
         ) from error
     return values
 
@@ -138,7 +137,7 @@ def toml_values(text: str, source: str) -> dict[str, Any]:
         _check_depth(values)
     except (ValueError, RecursionError) as error:
         raise InputError(
-            f"{source}: is not a TOML file in UTF-8 ({error}); mend the place"
+            f"{source}: is not a TOML file in UTF-8 ({error}); correct it there"
         ) from error
     return values
 
@@ -220,7 +219,9 @@ def first_fault(
         return f"key {key} is missing; {keys} lists all keys"
     if first["type"] == "value_error":
         return f"key {key}: {rule}"
-    return f"key {key} = {shown(first['input'])}: {rule}; mend it, {keys} tells what it may be"
+    return (
+        f"key {key} = {shown(first['input'])}: {rule}; correct it; {keys} lists the allowed values"
+    )
 
 
 def _key(steps: Iterable[str | int], index: str) -> str:

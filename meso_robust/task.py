@@ -399,7 +399,7 @@ def parse_task(values: dict[str, Any], source: str) -> Task:
         # through JSON, because strict checking of a TOML array as a tuple would refuse the list
         return Task.model_validate_json(json.dumps(values, allow_nan=True))
     except TypeError as error:
-        raise InputError(f"{source}: dates and times have no place in a task ({error})") from error
+        raise InputError(f"{source}: a task must not contain dates or times ({error})") from error
     except ValidationError as error:
         fault = first_fault(error, Task, whole="task", keys="`meso-robust schema task`")
         raise InputError(f"{source}: {fault}") from error

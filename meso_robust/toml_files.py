@@ -59,7 +59,7 @@ def checked(
         raise InputError(f"{source}: {fault}") from error
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"{source}: has a date, a time or an endless number ({error}); give plain values"
+            f"{source}: has a date, a time, NaN or infinity ({error}); give plain values"
         ) from error
 
 

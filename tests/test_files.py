@@ -98,7 +98,7 @@ def test_a_folder_in_the_place_of_a_file_leaves_all_as_it_was(tmp_path: Path) ->
     (tmp_path / "b.html").mkdir()
     (tmp_path / "a.json").write_text("earlier", encoding="utf-8")
 
-    with pytest.raises(InputError, match=r"b\.html is a folder there"):
+    with pytest.raises(InputError, match=r"b\.html is a folder, but"):
         write_all(tmp_path, {"a.json": "1", "b.html": "2"})
 
     assert (tmp_path / "a.json").read_text(encoding="utf-8") == "earlier"

@@ -1,5 +1,5 @@
 """What the verbs of the command line do, as calls: one file a verb.
 
 ``import meso_robust`` offers all of them. A call is silent unless it is given something that shows
-progress, writes nothing unless it is told where, and returns a plain value that prints its answer.
+progress, writes nothing unless given a place to write, and returns a plain value that prints its answer.
 """

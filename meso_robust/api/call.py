@@ -48,7 +48,7 @@ def call(function: Callable[_P, _R]) -> Callable[_P, _R]:
             if not _fits(value, kind):
                 raise InputError(
                     f"{name} = {shown(value)}: must be {_in_words(kind)}; help(meso_robust."
-                    f"{function.__qualname__}) says what it is"
+                    f"{function.__qualname__}) describes it"
                 )
         try:
             return function(*args, **kwargs)

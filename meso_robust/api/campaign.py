@@ -118,7 +118,7 @@ def campaign(  # every option of the verb is an argument
     campaign
         The campaign file (TOML).
     folder
-        For the store, with which a campaign that was interrupted goes on; a temporary one if left out.
+        For the store, from which an interrupted campaign resumes; a temporary one if left out.
     examples
         Folder where failing examples are kept, and tried again by every campaign that is given it.
     workers
@@ -161,16 +161,18 @@ def campaign(  # every option of the verb is an argument
     success rate (monte-carlo): 100 of 100 executions, drawn uniformly...
     """
     if workers is not None and scheduler is not None:
-        raise InputError("--workers, --scheduler: give one of them; a cluster has its own workers")
+        raise InputError(
+            "--workers, --scheduler: mutually exclusive; a cluster has its own workers, give only one of them"
+        )
     within(1, MOST_WORKERS, workers=1 if workers is None else workers)
     at_least(0, seed=0 if seed is None else seed)
     kept = path_of(examples)
-    with progress.doing("reading the campaign and what it names"):
+    with progress.doing("reading the campaign and its files"):
         stated = read_campaign(Path(campaign), seed)
     if folder is not None:
         check_folder(Path(folder), ("campaign.json", "report.html"), (Path(campaign),))
     with _stored(path_of(folder), resume, stated) as store:
-        with progress.doing("trying kept examples again"):
+        with progress.doing("retrying kept examples"):
             replayed = _replayed(stated, kept)
         _work(stated, store, progress, workers, scheduler)
         with progress.doing("adding up"):
@@ -199,14 +201,14 @@ def _opened(folder: Path, resume: bool, stated: Campaign) -> Store:
     path = folder / NAME
     if path.exists() and not resume:
         raise InputError(
-            f"--out {folder}: holds a campaign already; go on with it by --resume, or give "
+            f"--out {folder}: already holds a campaign; continue it with --resume, or give "
             "another folder"
         )
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            f"--out {folder}: cannot be made ({error.strerror}); give a folder that can"
+            f"--out {folder}: cannot be created ({error.strerror}); give a writable folder"
         ) from error
     return Store(path, stated.values, code())
 
@@ -230,8 +232,8 @@ def _keep(examples: Path, answer: Answer) -> None:
                 keep(examples, one.totals)
         except OSError as error:
             raise InputError(
-                f"--examples {examples}: cannot be written ({error}); free some space, and "
-                "give the same command with --resume"
+                f"--examples {examples}: cannot be written ({error}); free some space, then "
+                "run the same command with --resume"
             ) from error
 
 

@@ -125,7 +125,7 @@ def diagnose(
     seed
         Of everything random.
     store
-        Folder for what is done on the way, with which a diagnosis that was interrupted goes on.
+        Folder for intermediate results, from which an interrupted diagnosis resumes.
     progress
         Shows what is being done.
 

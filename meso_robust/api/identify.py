@@ -141,7 +141,7 @@ def identify(  # every option of the verb is an argument
     confidence
         Probability of the intervals.
     design
-        Also propose this many pushes that tell most.
+        Also propose this many of the most informative pushes.
     seed
         Of the random starts.
     progress
@@ -210,7 +210,7 @@ def _fitted(
     seed: int,
     confidence: float,
 ) -> Identification:
-    """The fit, told of by the searches that have ended."""
+    """The fit, reporting the searches that have ended."""
     model, starts, objective = how
     with progress.counting(f"fitting {model} from {counted(starts, 'start')}", starts) as advance:
         ended = 0
@@ -233,7 +233,7 @@ def _fitted(
 
 
 def _designed(recordings: RecordingSet, found: Identification, count: int) -> dict[str, str]:
-    """Files of the pushes that tell most beside the recordings there are."""
+    """Files of the most informative pushes to add to the recordings."""
     from meso_robust.reporting.experiment import experiment_page
 
     settings, fitted, quality = found.settings, found.fitted, found.quality

@@ -202,8 +202,8 @@ def plan(  # every option of the verb is an argument
     if model is not None:
         if widest or policy or maps:
             raise InputError(
-                "model: goes with none of widest, policy, maps, which are about a task alone; plan "
-                "with the model first, then for the task of the result"
+                "model: cannot be combined with widest, policy or maps, which need only a task; plan "
+                "with the model first, then with the task it returns"
             )
         made = promise(known, read(Path(model), known), samples, seed, progress.doing)
         return _promised(made, files_of(task, model))

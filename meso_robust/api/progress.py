@@ -1,4 +1,4 @@
-"""How a call tells what it is doing: silently, unless something that shows it is given."""
+"""How a call reports what it is doing: silently, unless something that shows it is given."""
 
 from __future__ import annotations
 

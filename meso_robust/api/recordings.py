@@ -85,7 +85,7 @@ class Recordings:
 
     @call
     def check_save(self, folder: StrPath) -> None:
-        """Refuse a folder in which ``save`` would write over the recordings as they were made.
+        """Refuse a folder in which ``save`` would overwrite the original recordings.
 
         Raises
         ------
@@ -95,7 +95,7 @@ class Recordings:
         sub, source = Path(folder) / FOLDER, Path(self.checked.source).resolve()
         if self.rewritten and sub.resolve() in (source, source.parent):
             raise InputError(
-                f"--out {folder}: would write over the recordings in {sub}, which must stay as "
+                f"--out {folder}: would overwrite the recordings in {sub}, which must stay as "
                 "they were made; give another folder"
             )
 
@@ -106,7 +106,7 @@ class Recordings:
         Raises
         ------
         InputError
-            They cannot be written, or the recordings would be written over.
+            They cannot be written, or the recordings would be overwritten.
         """
         self.check_save(folder)
         with progress.doing("writing the results"):

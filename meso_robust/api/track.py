@@ -43,7 +43,7 @@ class Tracked:
 
     @property
     def tracked(self) -> bool:
-        """Whether the part was found in all frames of all videos but the share that may be lost."""
+        """Whether the part was found in all frames of all videos, except the share that may be lost."""
         return self.document.tracked
 
     def __str__(self) -> str:
@@ -218,7 +218,7 @@ def tracked(job: Job, *, progress: Progress = SILENT) -> Tracked:
 
 
 def keep_videos(folder: Path, job: Job) -> None:
-    """Refuse a folder in which a result could be written over a video.
+    """Refuse a folder in which a result could overwrite a video.
 
     Raises
     ------
@@ -228,7 +228,7 @@ def keep_videos(folder: Path, job: Job) -> None:
     for video in job.videos:
         if folder.resolve() in (video.resolve().parent, video.resolve()):
             raise InputError(
-                f"--out {folder}: holds {video.name}, which must not be written over; give another "
+                f"--out {folder}: holds {video.name}, which must not be overwritten; give another "
                 "folder"
             )
 

@@ -135,9 +135,9 @@ def _check_motion(
                 "not once the part turns; name the angle of the start otherwise"
             )
     if Mode.OPEN in modes:
-        raise InputError("modes: OPEN; must last over the duration; leave the contact out")
+        raise InputError("modes: OPEN; must persist for the whole duration; leave the contact out")
     if not 0.0 < duration < np.inf:
-        raise InputError(f"duration: {duration}; must be positive and finite; mend the value")
+        raise InputError(f"duration: {duration}; must be positive and finite; correct the value")
     if steps < 1 or steps & (steps - 1):
         raise InputError(f"steps: {steps}; must be a power of two; try 64")
 

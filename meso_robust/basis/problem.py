@@ -105,7 +105,7 @@ class _Parameters:
         if name not in self.ranges:
             if name not in self.box:
                 raise InputError(
-                    f"box: lacks {name!r}; must hold every named parameter; add an interval for it"
+                    f"box: {name!r} is missing; must hold every named parameter; add an interval for it"
                 )
             self.symbols[name], self.ranges[name] = ca.SX.sym(name), self.box[name]
         return self.symbols[name]
@@ -134,7 +134,7 @@ class _Parameters:
 
     def _number(self, value: float, label: str) -> ca.SX:
         if not np.isfinite(value):
-            raise InputError(f"{label}: {value}; must be finite; mend the value")
+            raise InputError(f"{label}: {value}; must be finite; correct the value")
         if (value * 1024.0).is_integer() and abs(value) < 2.0**40:
             return ca.SX(value)
         return self.own(label, Interval.point(value))

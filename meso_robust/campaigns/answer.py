@@ -124,7 +124,7 @@ def _part(part: Part, store: Store, replayed: Result | None) -> PartAnswer:
 
 
 def _with_replayed(told: Told, replayed: Result) -> Told:
-    """What is told of a part, and of the examples that were kept from earlier campaigns."""
+    """Results of a part and of the examples kept from earlier campaigns."""
     again = f"Of {replayed.runs:,} examples kept before {replayed.failed:,} fail again."
     return replace(
         told,

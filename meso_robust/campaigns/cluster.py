@@ -55,7 +55,7 @@ class Cluster:
                 if time.monotonic() > until or not isinstance(error, OSError):
                     raise InputError(
                         f"--scheduler {self._address}: cannot be reached ({error}); give the address "
-                        "that `dask scheduler` prints; what is done is kept, go on with --resume"
+                        "that `dask scheduler` prints; finished work is kept; continue with --resume"
                     ) from error
                 time.sleep(1.0)
             else:
@@ -63,7 +63,7 @@ class Cluster:
 
     @property
     def name(self) -> str:
-        """As the report tells of it."""
+        """As the report describes it."""
         return f"Dask at {self._address}"
 
     @property
@@ -80,7 +80,7 @@ class Cluster:
             if time.monotonic() > until:
                 raise InputError(
                     f"--scheduler {self._address}: has no workers; start some (`dask worker "
-                    f"{self._address} --nthreads 1`); what is done is kept, go on with --resume"
+                    f"{self._address} --nthreads 1`); finished work is kept; continue with --resume"
                 )
             time.sleep(PAUSE)
         return workers
@@ -97,7 +97,7 @@ class Cluster:
         return isinstance(error, CancelledError) or self._client.status != "running"
 
     def renew(self) -> None:
-        """Connect anew; what was under way is forgotten by the scheduler."""
+        """Reconnect; the scheduler forgets what was under way."""
         self.close()
         self._connect(PATIENCE)
 

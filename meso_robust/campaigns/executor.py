@@ -1,4 +1,4 @@
-"""Who does the chunks: processes of this machine. See ``cluster.py`` for several machines."""
+"""Executors that run chunks: processes of this machine. See ``cluster.py`` for several machines."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Crew(Protocol):
 
     @property
     def name(self) -> str:
-        """As the report tells of it."""
+        """As the report describes it."""
 
     @property
     def size(self) -> int:
@@ -51,7 +51,7 @@ class Processes:
 
     @property
     def name(self) -> str:
-        """As the report tells of it."""
+        """As the report describes it."""
         return f"{self._workers} process{'' if self._workers == 1 else 'es'}"
 
     @property

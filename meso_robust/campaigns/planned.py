@@ -35,7 +35,7 @@ class PlanSection(Section):
     task: str | None = None
     """Task file, relative to the campaign file; the paper's task if absent."""
     plan: str | None = None
-    """Plan for it (``plan.json``); planned anew if absent."""
+    """Plan for it (``plan.json``); planned again if absent."""
     factor: Annotated[float, Field(gt=0, le=10)] = 1.0
     """All uncertainties are scaled about their middles by this."""
 

@@ -122,7 +122,7 @@ class Store:
     def _check_file(self) -> None:
         if self._pragma("application_id") != APPLICATION:
             raise InputError(
-                f"{self.path}: is no store of a campaign; give another folder with --out"
+                f"{self.path}: is not a campaign store; give another folder with --out"
             )
         if self._pragma("user_version") != VERSION:
             raise InputError(
@@ -138,19 +138,19 @@ class Store:
         try:
             kept = json.loads(about["campaign"])
         except (KeyError, ValueError) as error:
-            raise sqlite3.DatabaseError("what it is about cannot be read") from error
+            raise sqlite3.DatabaseError("its description cannot be read") from error
         if about["campaign"] != canonical(campaign):
             key = first_difference(kept, json.loads(canonical(campaign)))
             raise InputError(
-                f"{self.path}: holds another campaign, the first difference is at {key}; results of "
-                "two campaigns are never added: give another folder with --out, or the campaign "
-                "file as it was"
+                f"{self.path}: holds another campaign (first difference at {key}); results of "
+                "different campaigns are never combined; give another folder with --out, or the "
+                "original campaign file"
             )
         if about.get("code", "") != code:
             raise InputError(
-                f"{self.path}: was begun by other code ({about.get('code', '')[:12]}, now {code[:12]}: the "
+                f"{self.path}: was started by different code ({about.get('code', '')[:12]}, now {code[:12]}: the "
                 "package or a package it computes with has changed); results of different code are "
-                "never added: give another folder with --out, or install what it was begun with"
+                "never combined; give another folder with --out, or install the original code"
             )
 
     @contextmanager
@@ -176,12 +176,12 @@ class Store:
         Returns
         -------
         bool
-            Whether it is new. A chunk that is there already is not counted again.
+            Whether it is new. A chunk that is already stored is not counted again.
 
         Raises
         ------
         RuntimeError
-            The chunk is there already with another result: it is not a pure function of its seed.
+            The chunk is already stored with another result: it is not a pure function of its seed.
         """
         sealed = digest(f"{part}\0{chunk}\0{text}")
         row = (part, chunk, text, sealed, seconds, worker)
@@ -209,7 +209,7 @@ class Store:
                 if digest(f"{part}\0{chunk}\0{text}") != sealed:
                     raise InputError(
                         f"{self.path}: part {part!r}, chunk {chunk}: damaged, its digest differs; "
-                        "bring the file back from a copy, or begin anew in another folder (--out)"
+                        "restore the file from a backup, or start over in another folder (--out)"
                     )
                 yield chunk, result_of(text)
 
@@ -273,6 +273,6 @@ def _advice(error: str) -> str:
     if "unable to open" in error or "readonly" in error:
         return f"cannot be opened for writing ({error}); give another folder with --out"
     return (
-        f"is damaged or no store of a campaign ({error}); bring it back from a copy, or begin anew in "
+        f"is damaged or not a campaign store ({error}); restore it from a backup, or start over in "
         "another folder (--out)"
     )

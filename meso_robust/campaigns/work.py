@@ -88,7 +88,7 @@ def carry_out(campaign: Campaign, store: Store, crew: Crew, do: Do = do_chunk) -
     campaign, store
         What is asked, and what is done already.
     crew
-        Who does it.
+        Executor that runs the chunks.
     do
         Does a chunk, given the part's text and the chunk's index.
 
@@ -161,7 +161,7 @@ class _Work:
     def _kept(self, ticket: Ticket, done: Done) -> Iterator[Step]:
         if done.code != code():
             raise InputError(
-                f"worker {done.worker} runs other code ({done.code[:12]}, here {code()[:12]}); install "
+                f"worker {done.worker} runs different code ({done.code[:12]}, here {code()[:12]}); install "
                 "the same packages on all workers"
             )
         new = self._store.add(ticket.part, ticket.chunk, done.text, done.seconds, done.worker)

@@ -53,7 +53,7 @@ def design(task: Task, tell: Callable[[str], None] = lambda _: None) -> Design:
     task
         What to plan for; its ``tip_spacing_um`` is where the search starts.
     tell
-        Is told how far the search is.
+        Called with the progress of the search.
 
     Raises
     ------

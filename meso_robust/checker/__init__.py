@@ -26,7 +26,7 @@ The box after a move is the box before the next one (told exactly), the first ho
 task, the last lies in the goal: by induction over the moves the policy ends in the goal.
 
 What else is verified: each listed inequality over its stated box with its stated bound, every number
-for reading, every sentence, and the margin's factor (the chain anew with scaled uncertainties and no
+for reading, every sentence, and the margin's factor (the chain again with scaled uncertainties and no
 help from the certificate). What cannot be verified is named in the answer.
 
 The witness of a REFUTED certificate is followed by the same proofs, each range put to the run's number

@@ -15,7 +15,7 @@ The far edge closes on the passive tip, ``p`` along the edge from the centre's f
 (the tip's speed ``-c`` along ``a`` less that of the part's point, ``L k + omega d1``). Until the gap is
 closed, turn and creep are the first gap times a mean of these rates, which lies between their bounds
 over the states that can be visited: those in which turn and creep are the gap closed so far times
-rates between such bounds. The bounds are guessed, and confirmed by computing them anew on the
+rates between such bounds. The bounds are guessed, and confirmed by recomputing them on the
 states that follow from the guess: the motion cannot be the first to leave them.
 """
 

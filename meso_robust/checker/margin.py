@@ -50,7 +50,7 @@ def check_none(margin: MarginDocument) -> None:
 def check_factor(
     certificate: Certificate, task: Task, *, alone: bool, prover: Prover = PLAIN
 ) -> None:
-    """Verify the whole chain anew with scaled uncertainties.
+    """Verify the whole chain again with scaled uncertainties.
 
     Parameters
     ----------

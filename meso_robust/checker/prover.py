@@ -30,4 +30,4 @@ class Prover:
 
 
 PLAIN = Prover()
-"""Every proof is made anew."""
+"""Every proof is computed again."""

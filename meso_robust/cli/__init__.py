@@ -36,9 +36,9 @@ from meso_robust.cli.track import track
 
 app = typer.Typer(
     cls=Verbs,
-    help="Plans pushes for mesoscale parts that are proved to work, and says why when none is.",
+    help="Plans pushes for mesoscale parts, proves that they work, and says why when it cannot.",
     epilog="Exit status: 0 done, the answer is yes; 1 done, the answer is no; 2 bad input; "
-    "3 internal fault; 130 interrupted. `meso-robust VERB --help` tells of one verb.",
+    "3 internal fault; 130 interrupted. `meso-robust VERB --help` describes one verb.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -71,7 +71,7 @@ def _meso_robust(
             "--version",
             callback=_tell_version,
             is_eager=True,
-            help="Tell versions, machine and caches: what a report of a fault needs.",
+            help="Show versions, machine and caches, for a bug report.",
         ),
     ] = False,
 ) -> None:

@@ -35,16 +35,17 @@ def campaign(  # noqa: PLR0913  # every option of the verb is an argument
         typer.Option(min=1, max=MOST_WORKERS, help="Processes; one for each core by default."),
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(help="Dask scheduler to use instead, such as tcp://host:8786.")
+        str | None,
+        typer.Option(
+            help="Dask scheduler to use instead of local processes, such as tcp://host:8786."
+        ),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with what the folder's store holds.")
+        bool, typer.Option("--resume", help="Resume from the results already in the folder.")
     ] = False,
-    seed: Annotated[
-        int | None, typer.Option(min=0, help="Instead of the seed in the file.")
-    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Overrides the seed in the file.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print campaign.json only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Run a campaign in small seeded chunks; write its store, campaign.json and report.html."""
     from meso_robust.errors import InputError

@@ -26,7 +26,7 @@ def certify(
     ] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print certificate.json only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Certify a plan, cross-check it in the simulator, and write a report."""
     from meso_robust.errors import InputError, NotApplicableError

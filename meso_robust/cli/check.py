@@ -19,7 +19,7 @@ def check(
         bool, typer.Option("--thorough", help="Also the margin of each uncertainty alone.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the verdict.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the verdict.")] = False,
 ) -> None:
     """Verify a certificate without the planner, in exact and ball arithmetic.
 

@@ -19,7 +19,7 @@ def derive(
         bool, typer.Option("--check", help="Write nothing; fail if anything on disk differs.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the verdicts as JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Derive, prove or refute every printed claim; regenerate the code that comes from it."""
     from derivations import generate, report

@@ -30,7 +30,7 @@ def diagnose(
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the result document only.")
     ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Say what physics a plain model leaves out of recordings: where, what, and how much it helps."""
     from meso_robust.errors import InputError

@@ -15,7 +15,7 @@ from meso_robust.cli.console import Reporter, negative, refuse
 def drive(
     task: Annotated[Path, typer.Argument(help="Task file (TOML).")],
     plan: Annotated[Path, typer.Argument(help="Plan (plan.json) or policy (policy.json) for it.")],
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the answers.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the answers.")] = False,
 ) -> None:
     """Answer each sensed pose with the next certified move.
 

@@ -12,9 +12,9 @@ from meso_robust.cli.console import refuse
 
 def example(
     folder: Annotated[
-        Path, typer.Argument(help="New folder, in which nothing is written over.")
+        Path, typer.Argument(help="New folder; existing files are never overwritten.")
     ] = Path("meso-robust-example"),
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing.")] = False,
 ) -> None:
     """Copy the tutorial, its task and videos, and all shipped tasks into a new folder."""
     from meso_robust.errors import InputError

@@ -32,7 +32,8 @@ def identify(  # noqa: PLR0913  # every option of the verb is an argument
         bool, typer.Option("--plan", help="Only write the paper's tests A-H for this part.")
     ] = False,
     design: Annotated[
-        int, typer.Option(min=0, max=100, help="Also propose this many pushes that tell most.")
+        int,
+        typer.Option(min=0, max=100, help="Also propose this many of the most informative pushes."),
     ] = 0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random starts.")] = 0,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
@@ -41,7 +42,7 @@ def identify(  # noqa: PLR0913  # every option of the verb is an argument
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the result document only.")
     ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Fit a model to recorded pushes: values, intervals, and what cannot be known from them."""
     from meso_robust.errors import InputError

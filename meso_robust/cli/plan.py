@@ -24,8 +24,8 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     model: Annotated[
         Path | None,
         typer.Option(
-            help="Fitted model (model.toml): plan for the task as it says the laboratory is, or say "
-            "which premise of the proof it breaks; also writes that task and premises.json."
+            help="Fitted model (model.toml): plan the task with its parameters, or report "
+            "which premise of the proof it violates; also writes the resulting task and premises.json."
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("meso-robust-plan"),
@@ -51,11 +51,12 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     maps: Annotated[
         bool,
         typer.Option(
-            "--maps", help="Also draw where each primitive may push, from which start (SVG, JSON)."
+            "--maps",
+            help="Also draw where each primitive may push, and from which starts (SVG, JSON).",
         ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print certificate.json only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Find a plan, certify it, cross-check it in the simulator, and write a report."""
     from meso_robust.errors import InputError, NotApplicableError
@@ -65,8 +66,8 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     try:
         if model is not None and any(wanted.values()):
             raise InputError(
-                "--model: goes with none of --widest, --policy, --maps, which are about a task "
-                f"alone; plan with the model first, then use {out / 'task.toml'}"
+                "--model: cannot be combined with --widest, --policy or --maps, which need only a task; "
+                f"plan with the model first, then use {out / 'task.toml'}"
             )
         asked = {"model": model, "samples": samples, "seed": seed, **wanted}
         found = _found(task, out, Reporter(quiet or as_json), **asked)

@@ -17,22 +17,22 @@ def recordings(
     path: Annotated[Path, typer.Argument(help="Recording set, or recordings in another format.")],
     format_name: Annotated[
         str | None,
-        typer.Option("--format", help="set or the name of another format; found out if not given."),
+        typer.Option("--format", help="set or the name of another format; detected by default."),
     ] = None,
     repair: Annotated[
-        bool, typer.Option("--repair", help="Repair what can be without inventing data.")
+        bool, typer.Option("--repair", help="Repair what can be repaired without inventing data.")
     ] = False,
     outline: Annotated[
         Path | None,
         typer.Option(
-            help="TOML file with [part] as in set.toml, for a format that does not say the outline."
+            help="TOML file with [part] as in set.toml, for a format that does not state the outline."
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
         "meso-robust-recordings"
     ),
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Check recordings and list what is wrong; write a report, a repaired or an imported set."""
     import json

@@ -21,10 +21,10 @@ def reproduce(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
         "meso-robust-reproduce"
     ),
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs: a first look.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs, for a first look.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print reproduction.json only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Make the paper's tables and figures again; write them beside the printed values."""
     from meso_robust.errors import InputError

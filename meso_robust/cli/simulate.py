@@ -29,7 +29,7 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     ] = False,
     witness: Annotated[
         Path | None,
-        typer.Option(help="Replay this witness.json, or the one of a REFUTED certificate."),
+        typer.Option(help="Replay this witness.json, or the witness in a REFUTED certificate."),
     ] = None,
     recordings: Annotated[
         int,
@@ -47,7 +47,7 @@ def simulate(  # noqa: PLR0913  # every option of the verb is an argument
     ] = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random runs.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print simulation.json only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Run a plan in the simulator; write the runs, their trajectories and an animation."""
     from meso_robust.errors import InputError

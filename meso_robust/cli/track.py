@@ -27,7 +27,7 @@ def track(  # noqa: PLR0913  # every option of the verb is an argument
     tip_radius_um: Annotated[float | None, typer.Option(help="Radius of the tips.")] = None,
     calibration: Annotated[Path | None, typer.Option(help="calibration.toml.")] = None,
     pixel_um: Annotated[
-        float | None, typer.Option(help="Size of a pixel; if not given, what a TIFF says.")
+        float | None, typer.Option(help="Size of a pixel; read from a TIFF by default.")
     ] = None,
     grid: Annotated[
         Path | None, typer.Option(help="Image of a stage grid (chessboard or dots).")
@@ -39,7 +39,9 @@ def track(  # noqa: PLR0913  # every option of the verb is an argument
     ] = None,
     probe: Annotated[
         list[str] | None,
-        typer.Option(help="Tip in the first frame, NAME=x_um,y_um; repeat it. Else by motion."),
+        typer.Option(
+            help="Tip in the first frame, NAME=x_um,y_um; repeatable. Found by its motion by default."
+        ),
     ] = None,
     commands: Annotated[
         list[Path] | None,
@@ -49,19 +51,25 @@ def track(  # noqa: PLR0913  # every option of the verb is an argument
         ),
     ] = None,
     frame_rate_hz: Annotated[
-        float | None, typer.Option(help="Frame rate, instead of the file's.")
+        float | None, typer.Option(help="Overrides the file's frame rate.")
     ] = None,
     allow_truncated: Annotated[
-        bool, typer.Option("--allow-truncated", help="Use the frames before a video's break.")
+        bool,
+        typer.Option(
+            "--allow-truncated",
+            help="Accept a truncated video and use the frames before the break.",
+        ),
     ] = False,
     most_lost: Annotated[
         float, typer.Option(min=0, max=1, help="Largest share of frames that may be lost.")
     ] = 0.1,
-    overlay: Annotated[bool, typer.Option(help="Write a video with what was seen.")] = True,
+    overlay: Annotated[
+        bool, typer.Option(help="Write a video with the tracked poses drawn in.")
+    ] = True,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("meso-robust-track"),
-    seed: Annotated[int, typer.Option(min=0, help="Recorded; nothing here is random.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Recorded only; tracking is not random.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print track.json only.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but the result.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
     """Track part and probes in videos; write a recording set with covariances and a report."""
     from meso_robust.errors import InputError

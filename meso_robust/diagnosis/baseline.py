@@ -91,7 +91,7 @@ def fitted_baseline(
     model
         Name of the model.
     quick, seed, told
-        Fewer random starts; seed of them; told of progress.
+        Fewer random starts; their seed; a callback for progress.
 
     Raises
     ------

@@ -75,7 +75,7 @@ def noise_of(recordings: RecordingSet) -> Noise:
     if not (position > 0.0 and orientation > 0.0):
         raise InputError(
             "set.toml: sensor: no noise is stated and half of the poses repeat exactly; must be "
-            "known to tell a misfit from noise; state position_sigma_um and orientation_sigma_deg"
+            "known to distinguish misfit from noise; state position_sigma_um and orientation_sigma_deg"
         )
     sigma = np.array([position, position, orientation])
     still = (found.x.sigma, found.y.sigma, found.theta.sigma)

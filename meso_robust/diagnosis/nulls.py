@@ -1,7 +1,7 @@
 """Recordings without a mismatch: simulated with the fitted model, and fitted like the real ones.
 
 Motion is from shorter steps than the fit's, so that errors of the solver are in the distribution;
-noise has the colour of the sensor's, with what is not known of it drawn anew for each set, and the
+noise has the colour of the sensor's, with what is not known of it redrawn for each set, and the
 frames that the camera lost are lost again.
 """
 

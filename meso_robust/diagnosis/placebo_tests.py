@@ -1,7 +1,7 @@
 """Would any wiggle of this size do? The named signature, put where it does not belong.
 
 A decoy has the signature of every recording on another recording and in a wrong frame: turned by a
-multiple of 90°, or mirrored, for each recording anew. The share of decoys that explain as much as the
+multiple of 90°, or mirrored, independently for each recording. The share of decoys that explain as much as the
 signature itself is how often a name of this form would win by chance (the idea of knockoffs).
 """
 

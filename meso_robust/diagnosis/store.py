@@ -1,4 +1,4 @@
-"""Results of the long steps on disk, so that an interrupted diagnosis goes on where it stood."""
+"""Results of the long steps on disk, so that an interrupted diagnosis can resume."""
 
 from __future__ import annotations
 

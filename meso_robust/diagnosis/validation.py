@@ -154,7 +154,7 @@ def _freedom(at: Tangent) -> Floats:
 
 
 def improvement(before: Errors, after: Errors, seed: int) -> tuple[float, float]:
-    """Interval of the relative fall of the error in σ, by drawing recordings anew."""
+    """Interval of the relative fall of the error in σ, by resampling recordings."""
     rng = np.random.default_rng([seed, 2])
     freedom = _freedom(before.at)
     drawn = rng.integers(0, len(freedom), (_RESAMPLED, len(freedom)))

@@ -112,7 +112,7 @@ class Windows:
     def statistics(self, seen: Floats) -> Statistics:
         """What other data (R, T, 3) of the same commands would say, such as a simulated null.
 
-        Starts are fitted anew with the derivatives at hand, which costs some milliseconds.
+        Starts are refitted with the available derivatives, which costs some milliseconds.
         """
         cut = sliced_poses(seen, self.cuts)
         cut = np.where(np.isfinite(self.prepared.seen), cut, np.nan)

@@ -32,12 +32,12 @@ def copy_example(folder: Path) -> None:
     Raises
     ------
     InputError
-        It is there already and not empty, or cannot be written.
+        It already exists and is not empty, or cannot be written.
     """
     try:
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
             raise InputError(
-                f"{folder}: is there already; nothing is written over; give a new folder"
+                f"{folder}: already exists; refusing to overwrite it; give a new folder"
             )
         target = folder.resolve()
         check_folder(target, option="")
@@ -52,7 +52,7 @@ def copy_example(folder: Path) -> None:
         raise
     except (OSError, ValueError, RuntimeError) as error:  # a name with a NUL, a link to itself
         raise InputError(
-            f"{folder}: cannot be written ({why(error)}); give a folder that can"
+            f"{folder}: cannot be written ({why(error)}); give a writable folder"
         ) from error
 
 

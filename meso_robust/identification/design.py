@@ -105,7 +105,7 @@ def design(
     choice
         What to choose from.
     known
-        (n, n) information that is there already, in the model's coordinates, such as that of
+        (n, n) information already available, in the model's coordinates, such as that of
         recordings; the ranges of the parameters always count besides.
     criterion
         `DETERMINANT`, or the key of the parameter whose interval is to be the shortest.

@@ -151,8 +151,8 @@ def _check(model: Model, values: Floats) -> None:
         )
     for row in np.flatnonzero(~model.valid(values))[:1]:
         raise ValueError(
-            f"values[{row}]: {values[row]}; must keep the ranges and the constraint of model "
-            f"{model.name}; ask Model.valid before"
+            f"values[{row}]: {values[row]}; must respect the ranges and the constraint of model "
+            f"{model.name}; check with Model.valid first"
         )
 
 

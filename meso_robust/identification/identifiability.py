@@ -57,7 +57,7 @@ def check_enough(prepared: Prepared, model: Model) -> None:
         raise InputError(
             f"{counted(len(prepared.files), 'recording')}{still} for {int(model.fitted.sum())} parameters of "
             f"model {model.name}; must be at least {least_pushes(model)} pushes, as each shows two "
-            f"numbers (turn and sideways way); record {missing} more, at other places of the long "
+            f"numbers (rotation and sideways motion); record {missing} more, at other places of the long "
             "and the short sides, off the middle so that the part turns"
         )
 

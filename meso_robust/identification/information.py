@@ -123,7 +123,7 @@ def _sigmas(sensor: SensorInfo) -> Floats:
     if not position or not orientation:
         raise InputError(
             f"sensor: position_sigma {position}, orientation_sigma {orientation}; must be known and "
-            "positive to say what a push tells; state them"
+            "positive to say how informative a push is; state them"
         )
     return np.array([position, position, orientation])
 

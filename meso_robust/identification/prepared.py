@@ -194,7 +194,7 @@ def _trimmed(recording: Recording, notes: list[Note]) -> Recording:
     """The recording from its first whole frame to the last with all probes."""
     if not recording.probe_names:
         raise InputError(
-            f"{recording.file}: no probe; a push has at least one; leave the recording out"
+            f"{recording.file}: no probe; a push needs at least one; leave the recording out"
         )
     probes = np.all(np.isfinite(recording.probes), axis=(1, 2))
     whole = probes & np.all(np.isfinite(recording.poses), axis=1)
@@ -238,7 +238,7 @@ def _motion(
     seen_by_camera = whole.position_source == "camera"
     if seen_by_camera and sigmas.position is None:
         raise InputError(
-            f"{recording.file}: probes seen by a camera of unknown noise; must be known to tell a "
+            f"{recording.file}: probes seen by a camera of unknown noise; must be known to distinguish a "
             "shaking tip from a noisy one; state sensor.position_sigma_um in set.toml"
         )
     if seen_by_camera:

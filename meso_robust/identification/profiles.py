@@ -1,6 +1,6 @@
 """Profile likelihood: how far a parameter can move while all others follow.
 
-A parameter is held at a value and everything else fitted anew; χ² then rises by Δ. By Wilks' theorem
+A parameter is held at a value and everything else refitted; χ² then rises by Δ. By Wilks' theorem
 (doi:10.1214/aoms/1177732360) the values with Δ below the quantile of χ² with one degree of freedom
 form a confidence interval. Where Δ never gets there before the range of the parameter ends, the
 interval is open on that side: the recordings give no bound.

@@ -70,7 +70,7 @@ def rollout(
         shown = setting.model.displayed(values[bad[0]])
         raise InputError(
             f"values: {dict(zip(setting.model.keys, shown.tolist(), strict=True))}; must be valid "
-            f"in the model {setting.model.name}; give others"
+            f"in the model {setting.model.name}; give other values"
         )
     physics = setting.model.physics(values)
     radius = setting.bench.tip_radius

@@ -81,7 +81,7 @@ class StartBox:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sensitivity:
-    """What became of a box of starts; the first start is the planned one.
+    """Outcome of a box of starts; the first start is the planned one.
 
     Attributes
     ----------

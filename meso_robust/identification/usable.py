@@ -1,4 +1,4 @@
-"""What to keep in mind about a recording set that is fitted, and what must be mended first."""
+"""What to keep in mind about a recording set that is fitted, and what must be fixed first."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def warnings_of(recordings: RecordingSet, allowed: frozenset[str] = frozenset())
     if barring:
         more = f" (and {len(barring) - 1} more)" if len(barring) > 1 else ""
         raise InputError(
-            f"{barring[0]}{more}; list them with `meso-robust recordings`, which with --repair takes "
+            f"{barring[0]}{more}; list them with `meso-robust recordings`, which with --repair marks "
             "bad poses as not seen"
         )
     return tuple(str(p) for p in found if p.severity != "information")

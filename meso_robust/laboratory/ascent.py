@@ -154,7 +154,7 @@ def corners(low: Floats, high: Floats, count: int, rng: np.random.Generator) -> 
 def shaken(
     seeds: Floats, low: Floats, high: Floats, count: int, rng: np.random.Generator
 ) -> Floats:
-    """(count, D) seeds with some coordinates drawn anew, at an end of their range or within it."""
+    """(count, D) seeds with some coordinates redrawn, at an end of their range or within it."""
     rows = seeds[rng.integers(len(seeds), size=count)]
     share = rng.random(rows.shape)
     share = np.where(rng.random(rows.shape) < 0.5, np.rint(share), share)

@@ -72,7 +72,7 @@ def film(push: Push, camera: Camera, rng: np.random.Generator) -> tuple[PushResu
     if not np.all(push.times == push.times[:1]):
         raise ValueError(
             f"times: {len(push.times)} rows that differ; must be the same for all runs that are "
-            "filmed together; film them one by one"
+            "filmed together; film them separately"
         )
     start, end = push.times[0, 0], push.times[0, -1]
     count = int(np.ceil((end - start) * camera.sensor.frame_rate * _FINER)) + 1

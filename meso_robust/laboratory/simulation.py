@@ -103,7 +103,7 @@ def simulated(
         sampled = player.run(rows, record=RECORD)
     worst = None
     if adversarial:
-        with doing("searching the worst run"):
+        with doing("searching for the worst run"):
             worst = search(player, _worst_first(player, rows, sampled)[:SEEDS], rng)
     return Simulated(
         task=task,

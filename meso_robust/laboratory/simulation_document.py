@@ -60,7 +60,7 @@ class CaseDocument(_Model):
     """A run with everything that was uncertain in it, exactly."""
 
     run: RunDocument
-    """What became of it."""
+    """Its outcome."""
     draws: tuple[UncertainDocument, ...]
     """Every uncertain quantity."""
 

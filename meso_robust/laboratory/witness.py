@@ -83,7 +83,7 @@ def _of_a_file(
     if found.plan_hash != plan.hash:
         raise InputError(
             f"{path}: key plan_hash = {found.plan_hash!r}: must be the hash of the plan; give "
-            "the plan that lies beside the witness"
+            "the plan next to the witness"
         )
     scaled = replace(player, setup=setup_of(task, found.factor))  # type: ignore[type-var]
     return Witness(

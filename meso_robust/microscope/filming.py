@@ -71,7 +71,7 @@ def film(  # a camera, what it sees, and when
     shapes = (len(times), 3), (len(times), len(scene.probes), 2)
     if (poses.shape, tips.shape) != shapes:
         raise ValueError(
-            f"poses {poses.shape}, tips {tips.shape}; must be {shapes[0]} and {shapes[1]}, one a "
+            f"poses {poses.shape}, tips {tips.shape}; must be {shapes[0]} and {shapes[1]}, one for each "
             "time and probe"
         )
     if path.suffix and not np.allclose(np.diff(times), 1.0 / rate(times), rtol=_EVEN, atol=0.0):
@@ -135,7 +135,7 @@ def _write_folder(path: Path, images: Iterable[AnyImage]) -> None:
     for number, image in enumerate(images):
         file = path / f"frame_{number:05d}.png"
         if not cv2.imwrite(str(file), image, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
-            raise InputError(f"{file}: cannot be written; give a folder that can")
+            raise InputError(f"{file}: cannot be written; give a writable folder")
 
 
 def _make(folder: Path) -> None:
@@ -143,7 +143,7 @@ def _make(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            f"{folder}: cannot be written ({error.strerror}); give a folder that can"
+            f"{folder}: cannot be written ({error.strerror}); give a writable folder"
         ) from error
 
 
@@ -169,7 +169,7 @@ def _write_video(path: Path, images: Iterable[AnyImage], rate_hz: float, scene: 
 
 def _as_bgr(path: Path, image: AnyImage) -> Image:
     if image.dtype != np.uint8:
-        raise InputError(f"{path}: 16 bit frames; a video holds 8 bit, film into a folder instead")
+        raise InputError(f"{path}: 16-bit frames; a video holds 8 bits; film into a folder instead")
     grey = image.ndim == 2
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if grey else image, dtype=np.uint8)
 

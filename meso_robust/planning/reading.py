@@ -46,7 +46,7 @@ def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
     if plan.task_hash != task.hash:
         raise InputError(
             f"{source}: key task_hash = {plan.task_hash!r}: must be the hash {task.hash!r} of the "
-            f"task; the plan was made for another task ({plan.task!r}), plan this one anew"
+            f"task; the plan was made for another task ({plan.task!r}), plan again for this task"
         )
     wrong = next(wrong_headings(plan.policy, task, "policy"), None)
     if wrong is not None:
@@ -121,7 +121,7 @@ def wrong_headings(rules: Sequence[RuleDocument], task: Task, key: str) -> Itera
         if stated is not None and rule.heading not in stated:
             yield (
                 f"{key}.{k}.heading = {rule.heading!r}: must be one of {list(stated)}, the task's "
-                "probe.headings; plan the task anew, or state the probe that pushes so"
+                "probe.headings; plan the task again, or state the probe that pushes that way"
             )
 
 

@@ -86,7 +86,7 @@ class Controller(Protocol):
 
 
 def controller_of(path: Path, task: Task) -> Controller:
-    """The controller for a plan or policy file, proved anew.
+    """The controller for a plan or policy file, proved again.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def controller_of(path: Path, task: Task) -> Controller:
     rules = rules_of(read_plan(path, task))
     if not rules:
         raise NotApplicableError(
-            f"{path}: an open-loop plan answers no sensed pose; give one with a policy"
+            f"{path}: an open-loop plan cannot respond to sensed poses; give one with a policy"
         )
     return PlanController(rules, task)
 
@@ -206,7 +206,7 @@ class PlanController:
         if self._boxes is None:
             raise NotApplicableError(
                 "the plan is not proved for this task, so no pose can be answered; make one with "
-                "`meso-robust plan`, which also says what stands in the way"
+                "`meso-robust plan`, which also reports what prevents a proof"
             )
         self._made = 0
         self._last: tuple[tuple[float, float, float], Move] | None = None

@@ -161,7 +161,7 @@ def claim(policy: Policy) -> str:
 
 
 def read_policy(path: Path, task: Task) -> Policy:
-    """Read a policy for ``task`` and prove every cell of it anew.
+    """Read a policy for ``task`` and prove every cell of it again.
 
     Raises
     ------
@@ -175,13 +175,13 @@ def read_policy(path: Path, task: Task) -> Policy:
     if document.task_hash != task.hash:
         raise InputError(
             f"{path}: key task_hash = {document.task_hash!r}: must be the hash {task.hash!r} of the "
-            f"task; the policy was made for another task ({document.task!r}), make it anew"
+            f"task; the policy was made for another task ({document.task!r}), regenerate it"
         )
     try:
         return recertified(_policy(document, task))
     except (ValueError, IndexError) as error:
         kind = "is not proved" if isinstance(error, NotProvedError) else "cannot be used"
-        raise InputError(f"{path}: the policy {kind}: {error}; make it anew") from error
+        raise InputError(f"{path}: the policy {kind}: {error}; regenerate it") from error
 
 
 def _policy(document: PolicyDocument, task: Task) -> Policy:

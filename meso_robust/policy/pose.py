@@ -60,7 +60,7 @@ def parse(line: str) -> Sensed:
         The line is anything else.
     """
     if not line.strip():
-        raise PoseError(f"a blank line is no pose; send {_example()}")
+        raise PoseError(f"a blank line is not a pose; send {_example()}")
     try:
         value = json.loads(line, object_pairs_hook=_each_once)
     except (ValueError, RecursionError) as error:

@@ -51,7 +51,7 @@ class NotProvedError(ValueError):
 
 
 def recertified(policy: Policy) -> Policy:
-    """The same policy, every cell proved anew and its numbers replaced by those proved now.
+    """The same policy, every cell proved again and its numbers replaced by those proved now.
 
     Raises
     ------
@@ -64,13 +64,13 @@ def recertified(policy: Policy) -> Policy:
     cells = []
     for number, cell in enumerate(policy.cells):
         below = [box for moves, boxes in known.items() if moves < cell.moves for box in boxes]
-        anew = certified(cell.rule, cell.sensed, cell.moves, below, setup)
-        if anew is None or cell.moves < 1:
+        proved = certified(cell.rule, cell.sensed, cell.moves, below, setup)
+        if proved is None or cell.moves < 1:
             raise NotProvedError(
                 f"cell {number} ({cell.rule.action}, {counted(cell.moves, 'move')} to go) is not proved"
             )
         known.setdefault(cell.moves, []).append(cell.sensed)
-        cells.append(anew)
+        cells.append(proved)
     if any(one.moves > other.moves for one, other in pairwise(cells)):
         raise NotProvedError("the cells are not in the order of their moves to go")
     return Policy(task=policy.task, cells=tuple(cells), rest=rest)

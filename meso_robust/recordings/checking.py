@@ -58,18 +58,18 @@ def checked(
             lines=read.lines,
             notes=read.notes,
         )
-    mended, repairs = repaired(read.recordings, found, read.lines)
-    left = problems(mended)
+    usable, repairs = repaired(read.recordings, found, read.lines)
+    left = problems(usable)
     for _ in range(_PASSES):  # the noise of what is left may bring out more
         if not any(map(repairable, left)):
             break
-        rows = {one.file: read.lines[one.file] for one in mended.recordings} if read.lines else None
-        mended, more = repaired(mended, problems(mended, rows), rows)
-        repairs, left = (*repairs, *more), problems(mended)
+        rows = {one.file: read.lines[one.file] for one in usable.recordings} if read.lines else None
+        usable, more = repaired(usable, problems(usable, rows), rows)
+        repairs, left = (*repairs, *more), problems(usable)
     return Checked(
         source=str(path),
         format=name,
-        recordings=mended,
+        recordings=usable,
         found=found,
         repairs=repairs,
         remaining=left,
@@ -107,7 +107,9 @@ def _own(path: Path) -> _Read:
 def _imported(path: Path, name: str, outline: Rectangle | Polygon | None) -> _Read:
     if name not in FORMATS:
         known = ", ".join([OWN, *FORMATS])
-        raise InputError(f"--format {name}: must be one of {known}; leave it out to find out")
+        raise InputError(
+            f"--format {name}: must be one of {known}; leave it out to detect the format"
+        )
     importer = FORMATS[name]
     read = importer.read(path, outline)
     notes = (importer.note, *map(str, read.left))

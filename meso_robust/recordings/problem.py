@@ -26,7 +26,7 @@ KINDS: Mapping[str, str] = {
     "outlier": "poses off the path",
     "jump": "jump",
     "copy": "the same push twice",
-    "alike": "orientation not told from its likes",
+    "alike": "ambiguous orientation",
     "units": "units that look wrong",
     "overlap": "tip deep inside the part",
     "untouched": "part moves untouched",

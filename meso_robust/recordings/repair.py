@@ -82,13 +82,13 @@ def repaired(
             done = f"the recording was left out: {useless[0].value}"
             repairs.append(Repair(file=recording.file, kind=useless[0].kind, done=done))
             continue
-        mended, done_here = _mended(recording, own, line_numbers(recording, lines))
-        kept.append(mended)
+        corrected, done_here = _corrected(recording, own, line_numbers(recording, lines))
+        kept.append(corrected)
         repairs += done_here
     if not kept:
         raise InputError(
-            f"no recording can be used, the last ({repairs[-1].file}) because: {repairs[-1].done}; "
-            "record the set again or mend it by hand"
+            f"no recording is usable; the last one, {repairs[-1].file}: {repairs[-1].done}; "
+            "record the set again or correct it by hand"
         )
     return replace(recordings, recordings=tuple(kept)), tuple(repairs)
 
@@ -102,7 +102,7 @@ def _useless(problem: Problem) -> bool:
     return problem.severity == "error" and problem.kind not in {*_LEFT_OUT, *_UNSEEN, *_KEPT}
 
 
-def _mended(
+def _corrected(
     recording: Recording, problems: Sequence[Problem], lines: Sequence[int]
 ) -> tuple[Recording, list[Repair]]:
     repairs = []

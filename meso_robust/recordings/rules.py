@@ -38,11 +38,11 @@ def probe_fault(name: str) -> str | None:
 
 
 def twice_fault(names: Sequence[str]) -> str | None:
-    """Say which name stands twice, or None; upper and lower case count as the same."""
+    """Say which name appears twice, or None; upper and lower case count as the same."""
     lower = [name.lower() for name in names]
     for k, name in enumerate(lower):
         if name in lower[:k]:
-            return f"{names[k]!r} stands twice; names must differ, not only in case; rename one"
+            return f"{names[k]!r} appears twice; names must differ, not only in case; rename one"
     return None
 
 

@@ -30,8 +30,8 @@ POSE = ("part_x_um", "part_y_um", "part_theta_deg")
 _LARGEST = (
     1e15  # in any unit of the format; what is larger is no measurement, and its square counts
 )
-_MEND = "mend the cell"
-_ADVICE = "mend its name in set.toml or add the file"
+_CORRECT = "correct the cell"
+_ADVICE = "correct its name in set.toml or add the file"
 _POSE_UNITS = np.array([UM, UM, DEG])
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -203,11 +203,11 @@ def _check_header(path: Path, header: Sequence[str], probes: Sequence[str]) -> N
         raise InputError(f"{path}: header {shown(','.join(header))}; {foreign}")
     for name in header:
         if header.count(name) > 1:
-            raise InputError(f"{path}: column {name!r} stands twice; leave one out")
+            raise InputError(f"{path}: duplicate column {name!r}; leave one out")
         if name not in known:
             rule = f"must be one of {', '.join(needed)}"
             raise InputError(
-                f"{path}: column {name!r} is unknown; {rule}; {like(name, known)}mend the name or set.toml"
+                f"{path}: column {name!r} is unknown; {rule}; {like(name, known)}correct the name or set.toml"
             )
     for name in needed:
         if name not in header:
@@ -221,19 +221,19 @@ def _column(name: str, cells: Sequence[str], lines: Sequence[int]) -> tuple[Floa
     faults: list[Fault] = []
     for k, (cell, value) in enumerate(zip(cells, values, strict=True)):
         if value is None or (name == TIME and math.isnan(value)):
-            mend = foreign_table([cell], 1) or _MEND
-            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", rule, mend))
+            advice = foreign_table([cell], 1) or _CORRECT
+            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", rule, advice))
         elif abs(value) > _LARGEST:
             values[k] = None
             large = f"must be at most {_LARGEST:g} in size"
-            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", large, _MEND))
+            faults.append(Fault(lines[k], "cell", f"column {name} = {cell!r}", large, _CORRECT))
     return np.array([math.nan if v is None else v for v in values], dtype=np.float64), faults
 
 
 def _clock_faults(
     times: Floats, timed: Indices, kept: Indices, lines: Sequence[int]
 ) -> list[Fault]:
-    """The rows that were left out because the clock does not go on there."""
+    """The rows that were left out because the clock does not advance there."""
     faults = []
     for k in np.setdiff1d(timed, kept).tolist():
         before, after = kept[kept < k], kept[kept > k]

@@ -85,7 +85,7 @@ def map_files(task: Task, say: Doing, *, count: int = 128) -> dict[str, str]:
     NotApplicableError
         There is no plan for the task, or none of its moves has a map.
     """
-    with say("searching a plan"):
+    with say("searching for a plan"):
         chain = _chain(task)
     maps = []
     for primitive in PRIMITIVES:

@@ -170,9 +170,9 @@ def ends_figure(view: Paths, ends: Floats) -> Figure:
         _number(axes, group, left[group[0], :2], (5, 4))
     for group in _together(left[:, 2:], _CLOSE * np.ptp(strip.get_xlim())):
         _number(strip, group, np.array([left[group[0], 2], 0.35]), (-3, 5))
-    for one, label in ((axes, "x less goal, µm"), (strip, "θ less goal, deg")):
+    for one, label in ((axes, "x minus goal, µm"), (strip, "θ minus goal, deg")):
         one.set_xlabel(label, labelpad=2)
-    axes.set_ylabel("y less goal, µm", labelpad=2)
+    axes.set_ylabel("y minus goal, µm", labelpad=2)
     return figure
 
 

@@ -102,7 +102,7 @@ def _made(answer: TrackDocument) -> list[tuple[str, str]]:
 def _meaning(answer: TrackDocument) -> str:
     share = f"{100 * answer.most_lost:g} %"
     if answer.tracked:
-        return f"In every video part and probes were found in all frames but {share} at most."
+        return f"In every video part and probes were found in all frames except {share} at most."
     return f"{lost_in_words(answer)}."
 
 

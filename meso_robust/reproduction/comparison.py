@@ -90,7 +90,7 @@ def run(setting: Setting) -> Found:
         missing=(
             "the numbers of trials behind 60 … 70 % and behind the scripted plan's success",
             "how errors go on: the probe's is one for a whole run of the open-loop plans, and drawn "
-            "anew for every move of the certified one, which also has misaligned tips and a sensing "
+            "again for every move of the certified one, which also has misaligned tips and a sensing "
             "error before every move",
             "the slot's place and depth, the tip spacing: as in the items rrt, scripted and "
             "planned-task",

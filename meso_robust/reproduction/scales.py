@@ -152,7 +152,7 @@ def _stop_row(sizes: Sequence[AtSize], errors: Errors) -> Row:
         unit="um",
         ours=(first.length_um, above),
         why=f"Open at {first.length_um:g} um: {first.certified[errors].reason}. UNKNOWN, not refuted: "
-        "the planner is a search; tip spacing was shrunk, not chosen anew.",
+        "the planner is a search; tip spacing was shrunk, not optimised again.",
     )
 
 

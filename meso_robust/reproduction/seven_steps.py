@@ -34,7 +34,7 @@ SUPPORTS = ("p1*", "film")
 """On which the lengths are searched."""
 POPULATION, GENERATIONS, RESTARTS, STARTS = 10, 30, 2, 6
 QUICK_GENERATIONS, QUICK_STARTS = 1, 1
-"""Size of the search: of each population the starts are drawn anew."""
+"""Size of the search: the starts of each population are redrawn."""
 TRIALS, QUICK_TRIALS = 40, 5
 """Runs by which the plans found are told apart."""
 
@@ -90,7 +90,7 @@ def tuned(place: Place, setting: Setting) -> tuple[Plan, str]:
     setting
         Seed and size.
     """
-    setting.told("searching the lengths of the seven moves", 0, 1)
+    setting.told("optimising the lengths of the seven moves", 0, 1)
     return _tuned(place, setting.quick, setting.seed)
 
 

@@ -75,14 +75,19 @@ def check_arrays(arrays: Mapping[str, Floats], shapes: int) -> None:
         if not np.all(np.isfinite(arrays[name])):
             where = tuple(int(k) for k in np.argwhere(~np.isfinite(arrays[name]))[0])
             value = f"{arrays[name][where]} at {where}"
-            refuse(name, value, "must be finite", "remove the run or mend the value")
+            refuse(name, value, "must be finite", "remove the run or correct the value")
     if points < 2:
         refuse("waypoints", f"{points} instants", "must be at least 2", "give start and end")
     if not 1 <= probes <= MAX_PROBES:
         advice = "leave out the probes that stay away from the part"
         refuse("waypoints", f"{probes} probes", f"must be 1 to {MAX_PROBES}", advice)
     if shapes not in (0, probes):
-        refuse("shapes", f"{shapes} shapes", f"must be {probes}, one a probe", "give all or none")
+        refuse(
+            "shapes",
+            f"{shapes} shapes",
+            f"must be {probes}, one for each probe",
+            "give all or none",
+        )
 
 
 def check_numbers(friction: Floats, times: Floats, step: float, time_step: float) -> None:

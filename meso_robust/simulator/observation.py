@@ -172,7 +172,9 @@ class Sensor:
         for name in ("position_sigma", "orientation_sigma", "correlation_time"):
             value = getattr(self, name)
             if not 0.0 <= value < np.inf:
-                _refuse(f"sensor.{name}", f"{value}", "must be finite and not negative", "mend it")
+                _refuse(
+                    f"sensor.{name}", f"{value}", "must be finite and not negative", "correct it"
+                )
         if not 0.0 < self.frame_rate < np.inf:
             rule = "must be positive and finite"
             _refuse("sensor.frame_rate", f"{self.frame_rate} Hz", rule, "try 30 Hz")

@@ -82,7 +82,7 @@ def check_outline(name: str, vertices: Floats) -> None:
         refuse(name, f"shape {vertices.shape}", "must be (V, 2)", "give x and y of each corner")
     if not np.all(np.isfinite(vertices)):
         where = int(np.argwhere(~np.isfinite(vertices))[0, 0])
-        refuse(name, f"corner {where} is {vertices[where]}", "must be finite", "mend the value")
+        refuse(name, f"corner {where} is {vertices[where]}", "must be finite", "correct the value")
     if len(vertices) < 3:
         refuse(name, f"{len(vertices)} corners", "must be at least 3", "give the whole outline")
     advice = "give the corners of a simple outline in order, each once"

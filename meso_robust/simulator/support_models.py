@@ -57,7 +57,7 @@ def _positive_definite(name: str, matrix: Floats) -> Floats:
         refuse(name, f"shape {array.shape}", "must be (3, 3) or (N, 3, 3)", "reshape it")
     array = array.reshape(-1, 3, 3)
     if not np.all(np.isfinite(array)):
-        refuse(name, "a number that is not finite", "must be finite", "mend the value")
+        refuse(name, "a number that is not finite", "must be finite", "correct the value")
     if not np.allclose(array, array.transpose(0, 2, 1), rtol=1e-12, atol=0.0):
         refuse(name, "not symmetric", "must equal its transpose", "give (E + Eᵀ) / 2")
     scale = np.sqrt(np.abs(array[:, [0, 1, 2], [0, 1, 2]]))
@@ -174,7 +174,7 @@ class ThreePoints:
         array = array.reshape(-1, 3, 2)
         for name, values in (("points", array), ("centre_of_mass", self.centre_of_mass)):
             if not np.all(np.isfinite(values)):
-                refuse(name, "a number that is not finite", "must be finite", "mend the value")
+                refuse(name, "a number that is not finite", "must be finite", "correct the value")
         if not 0.0 < self.friction < np.inf:
             refuse("friction", f"{self.friction}", "must be positive and finite", "give μ_s")
         array.flags.writeable = False
@@ -230,7 +230,7 @@ class PressurePoints:
         if points.ndim != 2 or points.shape != (len(shares), 2) or not len(points):
             refuse("points", f"shape {points.shape}", "must be (K, 2) with K shares", "reshape it")
         if not np.all(np.isfinite(points)):
-            refuse("points", "a number that is not finite", "must be finite", "mend the value")
+            refuse("points", "a number that is not finite", "must be finite", "correct the value")
         for k in np.flatnonzero(~((shares > 0.0) & (shares < np.inf))):
             refuse("shares", f"share {k} is {shares[k]}", "must be positive", "leave it out")
         points.flags.writeable = shares.flags.writeable = False

@@ -75,11 +75,13 @@ class Calibration:
     def __post_init__(self) -> None:
         """Check the values."""
         if not 0.0 < self.pixel_size < math.inf:
-            raise ValueError(f"pixel_size: {self.pixel_size} m; must be positive; give m a pixel")
+            raise ValueError(
+                f"pixel_size: {self.pixel_size} m; must be positive; give metres per pixel"
+            )
         if min(self.size) < 1:
             raise ValueError(f"size: {self.size} px; must be positive; give width and height")
         if not abs(self.k1) <= MOST_K1:
-            raise ValueError(f"k1: {self.k1}; must be within ±{MOST_K1}; calibrate once more")
+            raise ValueError(f"k1: {self.k1}; must be within ±{MOST_K1}; calibrate again")
 
     @property
     def middle(self) -> Floats:

@@ -59,9 +59,7 @@ def read_commands(path: Path) -> Commands:
     late = np.flatnonzero(~(np.diff(times) > 0.0))
     if np.isnan(times).any() or late.size:
         line = int(np.flatnonzero(np.isnan(times))[0] if np.isnan(times).any() else late[0] + 1) + 2
-        raise InputError(
-            f"--commands {path}, line {line}: time_s must be there and after that of the line before"
-        )
+        raise InputError(f"--commands {path}, line {line}: time_s is required and must increase")
     tips = values[:, 1:].reshape(len(values), len(names), 2) * UM
     return Commands(names=names, times=times, tips=tips)
 
@@ -73,7 +71,7 @@ def _names(path: Path, header: list[str]) -> tuple[str, ...]:
         raise InputError(
             f"--commands {path}: columns {shown(header)}; must be time_s, then "
             "<probe>_x_um, <probe>_y_um of each probe; "
-            f"{foreign_table(header, 3) or 'mend the header'}"
+            f"{foreign_table(header, 3) or 'correct the header'}"
         )
     return names
 
@@ -94,7 +92,7 @@ def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[f
         if math.isinf(value) or (cell and math.isnan(value)):
             raise InputError(
                 f"--commands {path}, line {line}, column {shown(name)} = {shown(cell)}: must be a finite number, "
-                f"or empty; {foreign_table([cell], 1) or 'mend the cell'}"
+                f"or empty; {foreign_table([cell], 1) or 'correct the cell'}"
             )
         values.append(value)
     return values

@@ -147,7 +147,7 @@ def _video(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
         )
     if not (math.isfinite(stated) and 0.0 < stated <= _MOST_RATE):
         if rate is None:
-            raise InputError(f"{path}: says no frame rate; give --frame-rate-hz")
+            raise InputError(f"{path}: states no frame rate; give --frame-rate-hz")
         stated = rate
     promised = int(count) if math.isfinite(count) and count > 0 else None
     notes = ["16-bit grey values are scaled to 8 bits"] if deep else []
@@ -180,7 +180,7 @@ def _capture(path: Path) -> cv2.VideoCapture:
     # FFmpeg would show a text file as a screen of text
     if not capture.isOpened() or _code(capture, cv2.CAP_PROP_FOURCC) == b"ansi":
         raise InputError(
-            f"{path}: is not a video that can be decoded, or has lost its end; copy it once more, "
+            f"{path}: cannot be decoded as a video, or its end is missing; copy it again, "
             "or convert it to AVI with MJPG"
         )
     return capture
@@ -202,7 +202,7 @@ def _stamped(path: Path, slower: float) -> Iterator[Frame]:
             if not time > last:
                 raise InputError(
                     f"{path}: frame {index} has the time stamp {time:g} s, not after {last:g} s; "
-                    "write the video anew, or give its images with a times.csv"
+                    "write the video again, or give its images with a times.csv"
                 )
             yield Frame(index=index, time=time, image=_grey8(np.asarray(image)))
             last, index = time, index + 1
@@ -231,8 +231,8 @@ def _whole(
         yield held
     elif not allow_truncated:
         raise InputError(
-            f"{path}: truncated, {read} of {promised} promised frames could be read; copy it once "
-            "more, or use the frames before the break with --allow-truncated"
+            f"{path}: truncated, {read} of {promised} declared frames could be read; copy it "
+            "again, or use the frames before the break with --allow-truncated"
         )
 
 
@@ -310,7 +310,7 @@ def _stacks(path: Path, files: list[Path], rate: float | None, allow_truncated: 
         _check_stack(one, stacks[0], allow_truncated and one is stacks[-1])
     if (path / TIMES_FILE).exists():
         raise InputError(
-            f"{path / TIMES_FILE}: has an instant a file, but the files here have several pages; give "
+            f"{path / TIMES_FILE}: has one time per file, but the files here have several pages; give "
             "--frame-rate-hz, or time stamps in OME-TIFF"
         )
     grey = Grey.of(files[0], next(read_pages(stacks[0])))
@@ -352,8 +352,8 @@ def _check_stack(one: Stack, first: Stack, may_break: bool) -> None:
         )
     if one.pages == 0 or (one.broken and not may_break):
         raise InputError(
-            f"{one.path}: truncated, {one.broken}; copy it once more, or use the pages before the "
-            "break of a last file with --allow-truncated"
+            f"{one.path}: truncated, {one.broken}; copy it again, or use the pages before the "
+            "break in the last file with --allow-truncated"
         )
 
 
@@ -384,7 +384,7 @@ def _stack_clock(
         if times and not own[0] > times[-1]:
             raise InputError(
                 f"{one.path}: begins at {own[0]:g} s, not after {times[-1]:g} s, where the stack "
-                "before it ends: separate recordings; give the stacks one by one"
+                "before it ends: separate recordings; give the stacks separately"
             )
         times += own
     if len(times) < 2:
@@ -416,14 +416,14 @@ def _clock(path: Path, files: list[Path], rate: float | None) -> tuple[list[floa
     stated = _read_times(table)
     missing = [file.name for file in files if file.name not in stated]
     if missing:
-        raise InputError(f"{table}: has no line for {missing[0]}; add one, one line an image")
+        raise InputError(f"{table}: has no line for {missing[0]}; add one; each image needs a line")
     times = [stated[file.name] for file in files]
     steps = np.diff(times)
     if np.any(steps <= 0.0):
         late = int(np.flatnonzero(steps <= 0.0)[0]) + 1
         raise InputError(
             f"{table}: {files[late].name} at {times[late]} s is not after {files[late - 1].name}; "
-            "mend the instants, or rename the images"
+            "correct the times, or rename the images"
         )
     if rate is None and not steps.size:
         raise InputError(f"{table}: one image gives no frame rate; give --frame-rate-hz")
@@ -431,7 +431,7 @@ def _clock(path: Path, files: list[Path], rate: float | None) -> tuple[list[floa
 
 
 def _read_times(table: Path) -> dict[str, float]:
-    advice = "mend it, or leave it out and give --frame-rate-hz"
+    advice = "correct it, or leave it out and give --frame-rate-hz"
     text = text_of(table, advice, "a CSV file")
     try:
         rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
@@ -440,7 +440,7 @@ def _read_times(table: Path) -> dict[str, float]:
     if not rows or rows[0] != ["file", "time_s"]:
         raise InputError(
             f"{table}: must begin with the line file,time_s; "
-            f"{foreign_table(rows[0] if rows else [], 2) or 'mend its header'}"
+            f"{foreign_table(rows[0] if rows else [], 2) or 'correct its header'}"
         )
     times: dict[str, float] = {}
     for line, row in enumerate(rows[1:], start=2):
@@ -448,7 +448,7 @@ def _read_times(table: Path) -> dict[str, float]:
         if value is None or row[0] in times:
             raise InputError(
                 f"{table}, line {line}: {','.join(row)!r}; must be the name of an image, once, and "
-                f"a finite number of seconds; {foreign_table(row, 2) or 'mend the line'}"
+                f"a finite number of seconds; {foreign_table(row, 2) or 'correct the line'}"
             )
         times[row[0]] = value
     return times

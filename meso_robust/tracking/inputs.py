@@ -102,7 +102,7 @@ def stated_camera(
         found = fit.calibration
     else:
         if not (pixel_um is not None and 0.0 < pixel_um < math.inf):
-            raise InputError(f"--pixel-um {pixel_um}: must be positive; give um a pixel")
+            raise InputError(f"--pixel-um {pixel_um}: must be positive; give um per pixel")
         found = Calibration(pixel_size=pixel_um * UM, size=size)
     if found.size != size:
         raise InputError(
@@ -130,7 +130,7 @@ def stated_pose(text: str | None) -> Floats | None:
     good = values.shape == (3,) and math.isfinite(values[2]) and not np.isinf(values).any()
     if not good or np.isnan(values[0]) != np.isnan(values[1]):
         raise InputError(
-            f"--start {text!r}: must be x_um,y_um,theta_deg, or ,,theta_deg; mend the pose"
+            f"--start {text!r}: must be x_um,y_um,theta_deg, or ,,theta_deg; correct the pose"
         )
     return values * np.array([UM, UM, DEG])
 
@@ -141,7 +141,7 @@ def stated_probes(texts: tuple[str, ...]) -> tuple[Start, ...] | None:
     Raises
     ------
     InputError
-        A text is no probe, or a name stands twice.
+        A text is not a probe, or a name appears twice.
     """
     found: list[Start] = []
     for text in texts:
@@ -156,6 +156,6 @@ def stated_probes(texts: tuple[str, ...]) -> tuple[Start, ...] | None:
         if fault:
             raise InputError(f"--probe {text!r}: {fault}")
         if match[1].lower() in [start.name.lower() for start in found]:
-            raise InputError(f"--probe {text!r}: the name stands twice; names must differ")
+            raise InputError(f"--probe {text!r}: duplicate name; names must differ")
         found.append(Start(name=match[1], tip=(x * UM, y * UM)))
     return tuple(found) or None

@@ -118,7 +118,7 @@ def prepared(job: Job) -> Ready:
         if video.size != videos[0].size:
             raise InputError(
                 f"{video.path}: {video.size[0]} x {video.size[1]} px, but {videos[0].path} has "
-                f"{videos[0].size[0]} x {videos[0].size[1]}; track them singly"
+                f"{videos[0].size[0]} x {videos[0].size[1]}; track them separately"
             )
     camera, fit = stated_camera(
         videos[0].size, job.calibration, job.pixel_um, job.grid, job.pitch_um, _own_pixel(videos)
@@ -165,8 +165,8 @@ def _logs(job: Job) -> tuple[Path, ...]:
         return tuple(job.commands[0] / f"{video.stem}.csv" for video in job.videos)
     if job.commands and len(job.commands) != len(job.videos):
         raise InputError(
-            f"--commands: {len(job.commands)} files for {len(job.videos)} videos; must be one a video; "
-            "give a folder that has a CSV file of each video's name, or track them singly"
+            f"--commands: {len(job.commands)} files for {len(job.videos)} videos; must be one for each video; "
+            "give a folder that has a CSV file of each video's name, or track them separately"
         )
     return job.commands
 
@@ -276,7 +276,7 @@ class _Drafts:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(
-                f"--out {self._folder}: cannot be written ({error.strerror}); give a folder that can"
+                f"--out {self._folder}: cannot be written ({error.strerror}); give a writable folder"
             ) from error
         return self
 
@@ -290,8 +290,8 @@ class _Drafts:
                 shutil.copyfileobj(content, draft)
         except OSError as error:
             raise InputError(
-                f"--out {self._folder}: {name} cannot be written ({error.strerror}); give a folder "
-                "that can"
+                f"--out {self._folder}: {name} cannot be written ({error.strerror}); give a writable "
+                "folder"
             ) from error
 
     def place(self) -> None:

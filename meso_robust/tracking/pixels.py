@@ -52,10 +52,10 @@ def decoded(path: Path) -> Pixels:
     data = bytes_of(path, "give an image", LARGEST_IMAGE)
     for start, end in _ENDS.items():
         if data.startswith(start) and end not in data[-_PADDING:]:
-            raise InputError(f"{path}: truncated image; copy it once more or leave it out")
+            raise InputError(f"{path}: truncated image; copy it again or leave it out")
     image = _opened(path, data) if data else None
     if image is None:
-        raise InputError(f"{path}: is not an image that can be decoded; leave it out")
+        raise InputError(f"{path}: cannot be decoded as an image; leave it out")
     return image
 
 
@@ -137,7 +137,7 @@ class Grey:
             return np.ascontiguousarray(image, dtype=np.uint8)
         if int(image.max()) >= 2**self.bits:
             raise InputError(
-                f"{path}: grey value {int(image.max())}, but the first image was taken for "
+                f"{path}: grey value {int(image.max())}, but the first image was taken to be "
                 f"{self.bits}-bit; convert the images to 8 bits"
             )
         # rounding, not cutting: half a grey value of bias would be left otherwise

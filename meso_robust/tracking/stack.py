@@ -168,7 +168,7 @@ def _check_sums(stack: Stack, file: tifffile.TiffFile, k: int) -> None:
 def _undecoded(path: Path, page: int) -> InputError:
     return InputError(
         f"{path}: page {page + 1} cannot be decoded; save the stack without compression or with "
-        "LZW or Deflate, or copy it once more"
+        "LZW or Deflate, or copy it again"
     )
 
 
@@ -178,7 +178,7 @@ def _opened(path: Path) -> Iterator[tifffile.TiffFile]:
         # one file only: what OME-XML names beside it is not ours to open
         file = tifffile.TiffFile(path, _multifile=False)
     except (ValueError, OSError, tifffile.TiffFileError) as error:
-        raise InputError(f"{path}: is not a TIFF file that can be read; leave it out") from error
+        raise InputError(f"{path}: cannot be read as a TIFF file; leave it out") from error
     try:
         yield file
     finally:
@@ -189,9 +189,9 @@ def _counted(path: Path, file: tifffile.TiffFile) -> int:
     try:
         count = len(file.pages)
     except (ValueError, OSError, IndexError, tifffile.TiffFileError) as error:
-        raise InputError(f"{path}: its list of pages is damaged; copy it once more") from error
+        raise InputError(f"{path}: its list of pages is damaged; copy it again") from error
     if not 0 < count <= MOST_PAGES:
-        raise InputError(f"{path}: {count} pages; must be 1 to {MOST_PAGES:,}; cut it in pieces")
+        raise InputError(f"{path}: {count} pages; must be 1 to {MOST_PAGES:,}; split it")
     return count
 
 

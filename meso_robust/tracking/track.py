@@ -202,7 +202,7 @@ def _finished(
     calibration = scene.calibration
     notes = list(frames.notes)
     if frames.promised is not None and len(times) < frames.promised:
-        notes.append(f"truncated: {len(times)} of {frames.promised} promised frames are used")
+        notes.append(f"truncated: {len(times)} of {frames.promised} declared frames are used")
     turns = sightings[0].turns
     if turns > 1:
         notes.append(

@@ -37,7 +37,7 @@ class LostDocument(_Section):
     last: int
     """Last frame."""
     state: str
-    """What became of the part in them."""
+    """Whether the part was found in them."""
     reason: str
     """Why, in words."""
 

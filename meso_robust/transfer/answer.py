@@ -1,4 +1,4 @@
-"""What became of the promise, as a document and in words."""
+"""The re-certification result, as a document and in words."""
 
 from __future__ import annotations
 

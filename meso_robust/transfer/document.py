@@ -92,7 +92,7 @@ class EvidenceMade(_Model):
 
 
 class PremisesDocument(_Model):
-    """What became of the promise."""
+    """Result of re-certification with a fitted model."""
 
     schema_: Literal["meso-robust/premises/1"] = Field(
         default="meso-robust/premises/1", alias="schema"

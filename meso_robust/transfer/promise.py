@@ -58,7 +58,7 @@ Doing = Callable[[str], AbstractContextManager[None]]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Promise:
-    """What became of the promise."""
+    """Result of re-certification with a fitted model."""
 
     planned: Planned
     """Of the changed task; its certificate has the verdict of the promise."""
@@ -142,7 +142,7 @@ def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing:
     SimulatorContradictsProofError
         The simulator and the proof disagree.
     """
-    with doing("searching a plan for the task as the model says it is"):
+    with doing("searching for a plan with the model's parameters"):
         found = _search(task, document)
     planned = judge(found.changed.task, found.plan, samples, seed, doing)
     ran, why = None, "the model has no effects: the runs of the certificate are of its physics"

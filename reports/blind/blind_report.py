@@ -1,4 +1,4 @@
-"""The page of the blind benchmark: ``python -m reports.blind.blind_report FOLDER`` writes it anew."""
+"""The page of the blind benchmark: ``python -m reports.blind.blind_report FOLDER`` regenerates it."""
 
 from __future__ import annotations
 
@@ -124,8 +124,8 @@ commitment.
 
 Sizes are multiples of the just-detectable size: a signature of 5 σ once friction, drag ratio and
 all start poses are fitted. Intervals are exact 95 % ones. The same command,
-`python -m reports.blind.campaign`, goes on where the campaign stands;
-`python -m reports.blind.blind_report` writes this page anew. `cases.csv` lists every case, `results.json`
+`python -m reports.blind.campaign`, resumes the campaign where it stopped;
+`python -m reports.blind.blind_report` regenerates this page. `cases.csv` lists every case, `results.json`
 has every figure, `sealed.jsonl` the labels with their salts."""
 
 

@@ -42,7 +42,7 @@ TASKS: tuple[dict[str, Any], ...] = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Replayed:
-    """What became of one task, and of its witness if it was refuted."""
+    """Outcome of one task, and of its witness if it was refuted."""
 
     task: str
     verdict: str

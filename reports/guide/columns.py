@@ -166,7 +166,7 @@ DRIVE = Table(
 )
 CAMPAIGN = Table(
     "`campaign.json`, written by `campaign`",
-    "What became of each part; a key within another one is written behind a dot.",
+    "Result of each part; a nested key is written behind a dot.",
     (
         Column("schema", "`meso-robust/campaign-result/1`"),
         Column("name", "of the campaign"),

@@ -36,7 +36,7 @@ class Starts:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PolicyRuns:
-    """What became of N runs."""
+    """Outcomes of N runs."""
 
     moves: npt.NDArray[np.int64]
     """(N,) moves that each run took."""

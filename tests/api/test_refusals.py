@@ -44,7 +44,7 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.track("x", probes={"p": (1.0, "a")}), "probes['p'] = (1.0, 'a'): must be 2"),  # type: ignore[dict-item]
         (lambda: mr.campaign("x", workers=1025), "workers = 1025: must be at most 1,024"),
         (lambda: mr.plan(mr.Task.paper(), seed=-1), "seed = -1: must be at least 0"),
-        (lambda: mr.plan(PAPER, model="m", maps=True), "model: goes with none of widest"),
+        (lambda: mr.plan(PAPER, model="m", maps=True), "model: cannot be combined with widest"),
         (lambda: mr.plan(PAPER, model="no such model"), "no such model"),
         (lambda: mr.certify(PAPER, "no such plan"), "no such plan: cannot be read"),
         (lambda: mr.check("no such certificate", PAPER), "no such certificate: cannot be read"),
@@ -65,7 +65,10 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.track("no such video", tip_radius_um=1.0), "part"),
         (lambda: mr.track("x", most_lost=2.0), "most_lost = 2.0"),
         (lambda: mr.campaign("no such.toml"), "no such.toml: cannot be read"),
-        (lambda: mr.campaign("x", workers=1, scheduler="y"), "workers=, scheduler=: give one"),
+        (
+            lambda: mr.campaign("x", workers=1, scheduler="y"),
+            "workers=, scheduler=: mutually exclusive",
+        ),
         (lambda: mr.drive(PAPER, "no such plan"), "no such plan: cannot be read"),
         (lambda: mr.standard_tests("no such.toml"), "no such.toml: cannot be read"),
     ],

@@ -101,7 +101,7 @@ def test_track(story: Story, filmed: Filmed, tracked: mr.Tracked) -> None:
     assert {"set.toml", "track.json", "overlay.avi"} < story.same("track")
     assert tracked.tracked
     assert mr.read_recordings(story.ours / "track").set.recordings[0].probe_names == ("left",)
-    with pytest.raises(mr.InputError, match="must not be written over"):
+    with pytest.raises(mr.InputError, match="must not be overwritten"):
         tracked.save(filmed.path.parent)
 
 

@@ -69,7 +69,7 @@ def test_another_campaign_is_refused_with_the_key_that_differs(tmp_path: Path) -
 
 def test_other_code_is_refused(tmp_path: Path) -> None:
     filled(tmp_path)
-    with pytest.raises(InputError, match="other code"):
+    with pytest.raises(InputError, match="started by different code"):
         Store(tmp_path / NAME, VALUES, "d" * 64)
 
 
@@ -88,11 +88,11 @@ def test_another_file_is_refused_and_left_alone(tmp_path: Path) -> None:
         db.execute("CREATE TABLE mine (value TEXT)")
     db.close()
     before = path.read_bytes()
-    with pytest.raises(InputError, match="is no store of a campaign"):
+    with pytest.raises(InputError, match="is not a campaign store"):
         opened(tmp_path)
     assert path.read_bytes() == before
     path.write_text("not a database " * 100, encoding="utf-8")
-    with pytest.raises(InputError, match="is damaged or no store"):
+    with pytest.raises(InputError, match="is damaged or not a campaign store"):
         opened(tmp_path)
 
 

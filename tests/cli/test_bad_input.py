@@ -23,7 +23,7 @@ from tests.strategies import paper_chain, paper_task
 
 RUNNER = CliRunner()
 WAY_OUT = re.compile(
-    r"\b(give|mend|record|leave|add|use|try|choose|write|copy|make|install|convert|fetch|keep|split)\b"
+    r"\b(give|correct|fix|record|leave|add|use|try|choose|write|copy|make|install|convert|download|keep|split)\b"
     r"|must|--help|`meso-robust"
 )
 PART = ("--length-um", "1616", "--width-um", "837", "--tip-radius-um", "12.5")

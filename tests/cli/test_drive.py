@@ -199,8 +199,8 @@ def test_a_pose_outside_is_refused_by_name_and_amount(
     ("line", "words"),
     [
         ("no json", "not a JSON object"),
-        ("", "a blank line is no pose"),
-        ("  \t", "a blank line is no pose"),
+        ("", "a blank line is not a pose"),
+        ("  \t", "a blank line is not a pose"),
         ("[1, 2, 3]", "a JSON object is needed"),
         ('{"x_um": 1.0, "y_um": 2.0}', "theta_deg is missing"),
         ('{"x_um": 1.0, "y_um": 2.0, "theta_deg": 90, "z": 1}', "z is unknown"),

@@ -121,7 +121,7 @@ def test_the_recordings_that_were_read_are_never_written_over(tmp_path: Path) ->
     before = (tmp_path / "recordings" / MIDDLE).read_bytes()
     result = recordings(tmp_path / "recordings", "--repair", "--out", tmp_path)
     assert result.exit_code == 2
-    assert "would write over the recordings" in result.stderr
+    assert "would overwrite the recordings" in result.stderr
     assert (tmp_path / "recordings" / MIDDLE).read_bytes() == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["recordings"]
 

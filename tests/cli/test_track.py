@@ -149,7 +149,7 @@ def test_a_video_is_never_written_over(filmed: Filmed) -> None:
     result = tracked(filmed.path, *PART, *CAMERA, "--out", filmed.path.parent)
 
     assert result.exit_code == 2
-    assert "must not be written over" in result.stderr
+    assert "must not be overwritten" in result.stderr
     assert sorted(filmed.path.parent.iterdir()) == before
 
 
@@ -170,9 +170,9 @@ def test_a_video_is_never_written_over(filmed: Filmed) -> None:
         (("{v}", "{v}", *PART, *CAMERA, "--commands", "{text}"), "1 files for 2 videos"),
         (("{none}", *PART, *CAMERA), "no such file"),
         (("{torn}", *PART, *CAMERA), "--allow-truncated"),
-        (("{text}", *PART, *CAMERA), "not a video"),
+        (("{text}", *PART, *CAMERA), "cannot be decoded as a video"),
         (("{v}", *PART, "--calibration", "{none}"), "cannot be read"),
-        (("{v}", *PART, "--grid", "{text}", "--pitch-um", "100"), "not an image"),
+        (("{v}", *PART, "--grid", "{text}", "--pitch-um", "100"), "cannot be decoded as an image"),
     ],
 )
 def test_bad_input_is_status_2_with_one_message_and_no_files(

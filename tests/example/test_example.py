@@ -63,7 +63,7 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
     for folder in (tmp_path, tmp_path / "mine.txt"):
         result = RUNNER.invoke(app, ["example", str(folder)])
         assert result.exit_code == 2
-        assert "nothing is written over; give a new folder" in result.stderr
+        assert "refusing to overwrite it; give a new folder" in result.stderr
     assert tree(tmp_path) == before
 
 

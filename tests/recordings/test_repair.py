@@ -87,7 +87,7 @@ def test_nothing_left_is_refused() -> None:
     changed[150:, 1] += 90 * UM
     one = replace(clean().recordings[1], poses=changed)
     recordings = clean(recordings=(one,))
-    with pytest.raises(InputError, match=r"no recording can be used, the last \(push_01.csv\)"):
+    with pytest.raises(InputError, match=r"no recording is usable; the last one, push_01\.csv: "):
         repaired(recordings, problems(recordings))
 
 

@@ -114,7 +114,7 @@ def test_recordings_are_frozen_copies() -> None:
         ({"file": "a/b.csv"}, r"file: 'a/b.csv'; must be the plain name"),
         ({"probe_names": ("1a",)}, r"probe_names: '1a'; must be a letter, then letters"),
         ({"probe_names": ("a" * 65,)}, r"probe_names: 'a{65}'; must be a letter"),
-        ({"probe_names": ("a", "a")}, r"probe_names: 'a' stands twice"),
+        ({"probe_names": ("a", "a")}, r"probe_names: 'a' appears twice"),
         ({"probe_names": ()}, r"probes: shape \(3, 1, 2\); must be \(3, 0, 2\)"),
         ({"poses": np.zeros((2, 3))}, r"poses: shape \(2, 3\); must be \(3, 3\)"),
         ({"times": np.zeros((3, 1))}, r"times: shape \(3, 1\); must be \(3,\)"),
@@ -150,7 +150,7 @@ def test_a_recording_that_cannot_be_is_refused(changes: dict[str, Any], message:
         ({"tip_radius": math.nan}, r"tip_radius: nan m; must be finite and not negative"),
         ({"position_source": "eye"}, r"position_source: 'eye'; must be one of controller, camera"),
         ({"recordings": ()}, r"recordings: none; must be at least one"),
-        ({"recordings": (recording(), recording())}, r"recordings: file 'a.csv' stands twice"),
+        ({"recordings": (recording(), recording())}, r"recordings: file 'a.csv' appears twice"),
     ],
 )
 def test_a_set_that_cannot_be_is_refused(changes: dict[str, Any], message: str) -> None:

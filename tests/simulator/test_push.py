@@ -117,7 +117,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"step": 1e-20}, r"step: 1e-20 m for a travel of 0.0001 m; must give at most 1e\+08 steps"),
     ({"tips": INSIDE}, r"waypoints: probe 0 of run 1 starts 3 µm inside the part; must start"),
     ({"speed": 0.0}, r"speed: 0.0 m/s; must be positive and finite; try"),
-    ({"shapes": (Point(), Point())}, r"shapes: 2 shapes; must be 1, one a probe"),
+    ({"shapes": (Point(), Point())}, r"shapes: 2 shapes; must be 1, one for each probe"),
     (
         {"shapes": (Round(30 * UM),), "tips": INSIDE + np.array([20 * UM, 0])},
         r"waypoints: probe 0 of run 0 starts 10 µm inside the part",

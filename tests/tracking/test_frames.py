@@ -163,7 +163,7 @@ def test_truncated_video_says_how_much_could_be_read(tmp_path: Path) -> None:
     words = refused(open_frames(torn))
     kept = list(open_frames(torn, allow_truncated=True))
 
-    assert "of 12 promised frames" in words
+    assert "of 12 declared frames" in words
     assert "--allow-truncated" in words
     assert 3 <= len(kept) < 12
     # the last frame before the break may be damaged: it is not handed out
@@ -176,15 +176,15 @@ def test_video_without_its_index_is_refused(tmp_path: Path) -> None:
     torn = tmp_path / "torn.mp4"
     torn.write_bytes(whole.read_bytes()[:-400])
 
-    with pytest.raises(InputError, match="not a video"):
+    with pytest.raises(InputError, match="cannot be decoded as a video"):
         open_frames(torn)
 
 
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
-        ("notes.txt", b"some text, long enough to be shown\n" * 50, "not a video"),
-        ("noise.avi", bytes(range(256)) * 40, "not a video"),
+        ("notes.txt", b"some text, long enough to be shown\n" * 50, "cannot be decoded as a video"),
+        ("noise.avi", bytes(range(256)) * 40, "cannot be decoded as a video"),
         ("empty.avi", b"", "zero frames"),
         ("one.png", b"", "single image"),
     ],

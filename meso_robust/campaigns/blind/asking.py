@@ -49,8 +49,8 @@ def asked(folder: Path, expected: str, *, quick: bool) -> Values:
             shutil.copytree(folder, copy)
         if not copy.exists() or digest(copy) != expected:
             raise InputError(
-                f"{folder}: is not the recording set that the campaign began with; restore it, or "
-                "begin the campaign anew"
+                f"{folder}: differs from the recording set that the campaign started with; restore it, or "
+                "start a new campaign"
             )
         try:
             return {"document": essence(diagnosed(copy, quick=quick, seed=SEED))}

@@ -57,7 +57,7 @@ def labels_hash(corpus: Path) -> str:
         if (corpus / name).is_file():
             return sha256((corpus / name).read_bytes())
     raise InputError(
-        f"{corpus}: holds neither {COMMITMENT} nor {LABELS}; a corpus must tell what is concealed in "
+        f"{corpus}: holds neither {COMMITMENT} nor {LABELS}; a corpus must state what is hidden in "
         f'each set: give {LABELS} with a line {{"set": NAME, "label": {{...}}}} for each'
     )
 
@@ -86,7 +86,7 @@ def opened_labels(corpus: Path, sets: Mapping[str, str], hashed: str) -> Opened:
     """
     try:
         if labels_hash(corpus) != hashed:
-            raise SealError("what tells the labels has changed since the campaign began")
+            raise SealError("the file that states the labels has changed since the campaign began")
         if not (corpus / COMMITMENT).is_file():
             return Opened("stated", "there is no commitment to the labels", _stated(corpus, sets))
         if not (corpus / SEALED).is_file():
@@ -103,7 +103,7 @@ def _sealed(corpus: Path, sets: Mapping[str, str]) -> dict[str, Values]:
         raise SealError(f"{len(names)} recording sets, but {len(cases)} labels were committed to")
     for name, case in zip(names, cases, strict=True):
         if case.recordings != sets[name]:
-            raise SealError(f"set {name}: other recordings than were sealed")
+            raise SealError(f"set {name}: its recordings are not the ones that were sealed")
     return {
         name: _checked(case.label, f"{SEALED}: case {case.index}")
         for name, case in zip(names, cases, strict=True)

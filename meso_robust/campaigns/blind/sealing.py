@@ -134,7 +134,7 @@ def opened(folder: Path) -> tuple[Commitment, list[Sealed]]:
     if sha256(bytes.fromhex(master)) != commitment.master:
         raise SealError(f"{folder / SEALED}: the master salt is not the one committed to")
     if [case.index for case in cases] != list(range(len(commitment.cases))):
-        raise SealError(f"{folder / SEALED}: cases are missing, doubled or out of order")
+        raise SealError(f"{folder / SEALED}: cases are missing, duplicated or out of order")
     for case, expected in zip(cases, commitment.cases, strict=True):
         _check(case, expected, seed_of(commitment.diagnoser, master, case.index))
     if merkle_root(commitment.cases) != commitment.root:
@@ -189,7 +189,7 @@ def append(path: Path, value: Values) -> None:
     """Add a line to a file of JSON lines, on the disk when this returns."""
     with path.open("a+b") as file:
         file.seek(0)
-        file.truncate(file.read().rfind(b"\n") + 1)  # a line cut short is written anew
+        file.truncate(file.read().rfind(b"\n") + 1)  # a truncated line is rewritten
         file.write(canonical(value) + b"\n")
         file.flush()
         os.fsync(file.fileno())

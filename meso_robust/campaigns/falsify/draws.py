@@ -28,7 +28,7 @@ def shares_of(how: Spread, shape: tuple[int, int], rng: np.random.Generator) -> 
 def drawn(
     how: Draw, runs: int, box: tuple[Floats, Floats], seeds: Floats, rng: np.random.Generator
 ) -> Floats:
-    """(N, D) rows; ``adversarial`` starts from ``seeds`` (S, D) and draws some coordinates anew."""
+    """(N, D) rows; ``adversarial`` starts from ``seeds`` (S, D) and redraws some coordinates."""
     low, high = box
     if how == "adversarial":
         return shaken(np.clip(seeds, low, high), low, high, runs, rng)

@@ -58,8 +58,8 @@ def given(section: FalsifySection, folder: Path) -> Values:
     parse_task(dict(found["task"]), section.name).rectangle("attacks on a certificate")
     if not found["plan"]["policy"]:
         raise InputError(
-            f"part {section.name!r}: key plan = {section.plan!r}: must state a policy, for nothing is "
-            "claimed of bare moves; give a plan that `meso-robust plan` made"
+            f"part {section.name!r}: key plan = {section.plan!r}: must state a policy, because bare "
+            "moves carry no claim; give a plan that `meso-robust plan` made"
         )
     asked = section.model_dump(mode="json")
     part = Part(

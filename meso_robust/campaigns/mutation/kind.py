@@ -26,7 +26,7 @@ from meso_robust.toml_files import toml_text
 FORGED = 0.25
 """Share of the certificates that are forged with care; the others have single values changed."""
 TOLD = 6
-"""Differences that are told of a certificate."""
+"""Most differences reported for a certificate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,7 +23,7 @@ from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
 
 SAMPLES = 100
-"""Runs in the simulator of a certificate that is made anew: none is tampered with."""
+"""Runs in the simulator of a certificate that is generated: none is tampered with."""
 
 
 class MutationSection(PlanSection):
@@ -34,7 +34,7 @@ class MutationSection(PlanSection):
     factor: Annotated[float, Field(ge=1, le=1)] = 1.0
     """A certificate is about the task's own uncertainties: 1."""
     certificate: str | None = None
-    """Certificate for the task, relative to the campaign file; made anew for the plan if absent."""
+    """Certificate for the task, relative to the campaign file; generated for the plan if absent."""
     certificates: Annotated[int, Field(ge=1, le=10**8)] = 3000
     """How many tampered ones are checked."""
     chunk: Annotated[int, Field(ge=1, le=10**5)] = 100
@@ -70,8 +70,8 @@ def given_certificate(section: MutationSection, folder: Path) -> Values:
     document = {**found.model_dump(mode="json", by_alias=True), "digest": digest}
     if digest != found.digest:
         raise InputError(
-            f"{path}: key digest = {found.digest!r}: must be {digest!r}, that of its values; give "
-            "the certificate as it was written"
+            f"{path}: key digest = {found.digest!r}: must be {digest!r}, the digest of its values; give "
+            "the certificate as originally written"
         )
     values = task.model_dump(mode="json", by_alias=True)
     return {"task": values, "certificate": _accepted(sealed(document), task, str(path))}
@@ -98,7 +98,7 @@ def _accepted(document: Document, task: Task, source: str) -> Document:
     if document["verdict"] != "PROVED" or reply.word != VERIFIED:
         raise InputError(
             f"{source}: the certificate says {document['verdict']} and the checker {reply.word}"
-            f"{reply.why and f' ({reply.why})'}; must be PROVED and {VERIFIED}: tampering with it "
-            "would show nothing, give another task or plan"
+            f"{reply.why and f' ({reply.why})'}; must be PROVED and {VERIFIED}: otherwise tampering with it "
+            "would show nothing; give another task or plan"
         )
     return document

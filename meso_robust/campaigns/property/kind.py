@@ -33,7 +33,9 @@ class PropertySection(Section):
     def _known_and_once(self) -> Self:
         for name in self.properties:
             if name not in PROPERTIES:
-                raise ValueError(f"{name!r} is no property; must be of {', '.join(PROPERTIES)}")
+                raise ValueError(
+                    f"{name!r} is not a property; must be one of {', '.join(PROPERTIES)}"
+                )
             if self.properties.count(name) > 1:
                 raise ValueError(f"property {name!r} is given twice; name each once")
         return self

@@ -178,7 +178,7 @@ def _rests(view: View, name: str, every: bool) -> Problem:
         _NONE,
         f"{name} stays in its place",
         "a probe that pushes moves",
-        "check its columns; the recording tells of noise only"
+        "check its columns; the recording only shows noise"
         if every
         else "none needed if it only holds",
     )

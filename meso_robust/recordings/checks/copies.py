@@ -1,4 +1,4 @@
-"""Recordings that are the same push twice, and orientations that nobody told from their likes."""
+"""Recordings that are the same push twice, and orientations that were not told from their look-alikes."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def alike_problems(recordings: Sequence[Recording]) -> list[Problem]:
             severity="warning",
             value=f"θ is known up to {360.0 / one.alike_orientations:g}°: the part looks the same in "
             f"{one.alike_orientations} orientations, and none was stated",
-            rule="θ must be told from its likes where the part is not as even as its outline",
+            rule="θ must be resolved where the part is less symmetric than its outline",
             advice="track again with --start ,,θ, or leave alike_orientations out of set.toml if θ is "
             "right",
         )

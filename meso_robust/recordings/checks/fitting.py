@@ -26,7 +26,7 @@ def fitting_problems(view: View, sensor: EstimatedSensor) -> list[Problem]:
                 "error",
                 _NONE,
                 "no probe",
-                "a push has at least one",
+                "a push needs at least one",
                 "leave the recording out, or name its probes in set.toml",
             )
         ]
@@ -89,8 +89,8 @@ def noise_known_problems(recordings: RecordingSet, sensor: EstimatedSensor) -> l
             severity="error",
             value=f"{' and '.join(dict.fromkeys(missing))} not stated, and no still frames to estimate "
             "it from",
-            rule="must be known to tell a misfit from noise, and a shaking tip from a noisy one",
-            advice="state it in set.toml; identify can do without where the probes are the controller's",
+            rule="must be known to distinguish misfit from noise, and a shaking tip from a noisy one",
+            advice="state it in set.toml; identify can do without it where probe positions come from the controller",
         )
     ]
 

@@ -51,7 +51,7 @@ def _rate(view: View) -> list[Problem]:
             np.zeros(0, dtype=np.intp),
             f"steps of {step:.6g} s, that is {1.0 / step:.4g} Hz",
             f"set.toml states {stated:.6g} Hz",
-            f"mend frame_rate_hz or the clock{thousand}",
+            f"correct frame_rate_hz or the clock{thousand}",
         )
     ]
 
@@ -66,7 +66,7 @@ def _few(view: View) -> list[Problem]:
             "error" if count < FEWEST else "warning",
             np.zeros(0, dtype=np.intp),
             f"{counted(count, 'frame')} show{'s' * (count == 1)} the part",
-            f"at least {FEWEST} are needed, {FEW} to tell much",
+            f"at least {FEWEST} are needed, {FEW} to be informative",
             "leave the recording out or record it again",
         )
     ]

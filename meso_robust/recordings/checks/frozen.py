@@ -88,7 +88,7 @@ def frozen_problem(view: View, frames: Integers) -> list[Problem]:
             frames,
             f"{_rows(frames)} repeating the pose before bit by bit, up to {longest} in a row",
             "every frame has noise of its own",
-            "take these poses as not seen; --repair does",
+            "mark these poses as not seen; --repair does",
         )
     ]
 

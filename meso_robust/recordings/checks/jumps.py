@@ -52,7 +52,7 @@ def outlying_problem(view: View, frames: Integers) -> list[Problem]:
             frames,
             f"{frames.size} poses are off the path of the others, further than the tips push",
             f"from frame to frame at most {_allowed_text(view)}",
-            "take these poses as not seen; --repair does",
+            "mark these poses as not seen; --repair does",
         )
     ]
 

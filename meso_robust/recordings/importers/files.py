@@ -76,9 +76,9 @@ def text_of(file: Path) -> str:
     try:
         return (_unpacked(file, data) if file.suffix == ".gz" else data).decode("utf-8")
     except OSError as error:  # of gzip: not packed by it
-        raise InputError(f"{file}: cannot be read ({error}); give a file that can") from error
+        raise InputError(f"{file}: cannot be read ({error}); give a readable file") from error
     except (EOFError, zlib.error) as error:
-        raise InputError(f"{file}: cannot be unpacked ({error}); fetch it anew") from error
+        raise InputError(f"{file}: cannot be unpacked ({error}); download it again") from error
     except UnicodeDecodeError as error:
         raise InputError(f"{file}: is not text in UTF-8 ({error}); give a text file") from error
 
@@ -89,7 +89,7 @@ def _unpacked(file: Path, data: bytes) -> bytes:
         content = packed.read(LARGEST_DATA + 1)
     if len(content) > LARGEST_DATA:
         raise InputError(
-            f"{file}: holds more than {LARGEST_DATA // MIB} MiB, the most that is read of such a "
-            "file; give a file that can be read"
+            f"{file}: holds more than {LARGEST_DATA // MIB} MiB, the limit for such a "
+            "file; give a smaller one"
         )
     return content

@@ -150,7 +150,7 @@ def _stream(file: Path, name: str, rows: Any) -> Floats:
         if not (isinstance(row, list) and len(row) == 4 and all(map(_is_number, row))):
             shown = repr(row)[:60]
             raise InputError(
-                f"{file}: key {name}[{k}] = {shown}; {rule}; mend or leave out the row"
+                f"{file}: key {name}[{k}] = {shown}; {rule}; correct the row or leave it out"
             )
     return np.array(rows, dtype=np.float64)
 

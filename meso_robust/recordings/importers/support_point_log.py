@@ -109,7 +109,7 @@ def read(path: Path, outline: Outline | None = None) -> Imported:
             reason = "stands in a file before: a copy"
             left.append(Left(file=file.name, place="push", rows=copies, reason=reason))
     if not recordings:
-        raise InputError(f"{path}: no complete push; must have one; fetch the files anew")
+        raise InputError(f"{path}: no complete push; must have one; download the files again")
     return Imported(
         recordings=RecordingSet(
             part=PART,
@@ -244,7 +244,7 @@ def _table(file: Path, lines: Sequence[str], start: int, end: int, columns: int)
 
 def _wrong(file: Path, lines: Sequence[str], at: int, rule: str) -> InputError:
     return InputError(
-        f"{file}, line {at + 1}: {lines[at][:60]!r}; must be {rule}; fetch the file anew"
+        f"{file}, line {at + 1}: {lines[at][:60]!r}; must be {rule}; download the file again"
     )
 
 

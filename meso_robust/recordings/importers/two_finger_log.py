@@ -175,7 +175,7 @@ def _rows(file: Path) -> Floats:
         if row is None or len(row) != _COLUMNS:
             raise InputError(
                 f"{file}, line {number}: {line[:60]!r}; must be eight finite numbers with commas; "
-                "mend the line or leave it out"
+                "correct the line or leave it out"
             )
         rows.append(row)
     return np.array(rows)

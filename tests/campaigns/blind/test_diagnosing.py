@@ -135,5 +135,5 @@ def test_a_machine_that_fails_is_no_answer_of_the_diagnosis(
 @pytest.mark.parametrize("name", ["00", "gone"])
 def test_recordings_that_have_changed_are_refused(part: Part, name: str) -> None:
     other = {**part.given, "sets": {name: 64 * "0"}}
-    with pytest.raises(InputError, match=f"{name}: is not the recording set"):
+    with pytest.raises(InputError, match=f"{name}: differs from the recording set"):
         BLIND.execute(None, replace(part, given=other), 0)

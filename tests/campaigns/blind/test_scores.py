@@ -140,4 +140,6 @@ def test_recordings_other_than_those_sealed_score_nothing() -> None:
     part = part_of()
     sets = {**part.given["sets"], "0003": 64 * "0"}
     found = BLIND.total(replace(part, given={**part.given, "sets": sets}), results())
-    assert found["labels"]["why"].endswith("set 0003: other recordings than were sealed")
+    assert found["labels"]["why"].endswith(
+        "set 0003: its recordings are not the ones that were sealed"
+    )

@@ -1,4 +1,4 @@
-"""What is told of a part: nothing but what its chunks found."""
+"""What is reported of a part: nothing but what its chunks found."""
 
 from __future__ import annotations
 

@@ -188,7 +188,10 @@ def test_what_was_not_done_is_told() -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"properties": ["holds", "unheard-of"]}, "'unheard-of' is no property; must be of holds"),
+        (
+            {"properties": ["holds", "unheard-of"]},
+            "'unheard-of' is not a property; must be one of holds",
+        ),
         ({"properties": ["odd", "odd"]}, "property 'odd' is given twice"),
         ({"properties": []}, "at least 1 item"),
         ({"examples": 0}, "greater than or equal to 1"),

@@ -84,7 +84,7 @@ def test_a_part_without_a_known_outline_is_refused(tmp_path: Path) -> None:
 def test_two_logs_of_one_name_are_told_apart_by_the_user(tmp_path: Path) -> None:
     for name in ("log.txt", "log.csv"):
         written.two_finger(tmp_path / "tri_0", ROWS, name)
-    with pytest.raises(InputError, match=r"tri_0: recordings: file 'log_push1\.csv' stands twice"):
+    with pytest.raises(InputError, match=r"tri_0: recordings: file 'log_push1\.csv' appears twice"):
         IMPORTER.read(tmp_path / "tri_0")
 
 

@@ -18,7 +18,7 @@ def corner_walk(trail: Trail, rng: np.random.Generator) -> None:
     """Walks from random corners, again and again until the budget is gone.
 
     Each step tries to flip every coordinate, takes the best flip, or all that help at once if that
-    is better still. The best of the walks goes on where two flips together help.
+    is better still. The best of the walks continues with pairs of flips.
     """
     while True:
         corners = shares_of("corners", (WALKS, trail.size), rng)

@@ -86,7 +86,7 @@ def _chains(
 def _proposed(normal: Floats, rng: np.random.Generator) -> Floats:
     """(C, D) points moved along some coordinates, so that the normal distribution is kept.
 
-    How many coordinates and how far is drawn anew for every point, whatever it is: a mixture of
+    How many coordinates and how far is redrawn for every point, whatever it is: a mixture of
     kernels that each keep it.
     """
     some = rng.random((len(normal), 1))

@@ -155,7 +155,7 @@ FAILING = Property(
 PLANNED = Property(
     name="planned-is-kept",
     statement=(
-        "Other parts, tips, starts, goals and uncertainties, planned anew: runs break nothing that the "
+        "Other parts, tips, starts, goals and uncertainties, each planned separately: runs break nothing that the "
         "certificate proves."
     ),
     agreement="poses to 1e-12 m and rad, the accuracy of the event-driven engine",

@@ -92,7 +92,7 @@ CERTIFICATE = Property(
 PLAN = Property(
     name="mirrored-plan",
     statement=(
-        "Other parts, tips, starts, goals and uncertainties, planned anew: the mirrored task has the "
+        "Other parts, tips, starts, goals and uncertainties, each planned separately: the mirrored task has the "
         "mirrored plan."
     ),
     agreement="exact: the same commands, in mirrored axes",
