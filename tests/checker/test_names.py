@@ -161,10 +161,10 @@ def test_what_is_rejected_is_told_as_the_file_writes_it(document: Document) -> N
     premises, move = copy.deepcopy(document), copy.deepcopy(document)
     premises["claim"]["premises"].remove("point_tips")
     move["steps"][0]["property"] = {"id": "part_rests", "about": {}}
-    for found, own in ((premises, "point_tips"), (move, "turns_part")):
+    for found, known in ((premises, "point_tips"), (move, "turns_part")):
         refused = checked(found, paper_task()).refused
         assert refused is not None
-        assert f"'{own}'" in refused.found
+        assert f"'{known}'" in refused.found
         assert "<" not in refused.stated + refused.found  # as Python shows a value of a class
 
 
