@@ -33,7 +33,7 @@ from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.provenance import made_with
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task
-from meso_robust.wording import counted, down, worded
+from meso_robust.wording import counted, do, down, worded
 
 Doing = Callable[[str], AbstractContextManager[None]]
 
@@ -61,7 +61,7 @@ class Planned:
         check, runs = self.check, len(self.check.in_goal)
         lines = [
             f"{self.certificate.verdict} ({TIPS}): {self.task.name}, {counted(len(self.found.rules), 'move')}",
-            f"simulated: {int(check.in_goal.sum())} of {counted(runs, 'run')} end in the goal",
+            f"simulated: {int(check.in_goal.sum())} of {counted(runs, 'run')} {do(runs, 'end')} in the goal",
         ]
         if self.certificate.verdict == "PROVED":
             lines.append(

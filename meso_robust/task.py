@@ -24,7 +24,7 @@ from pydantic import (
 
 from meso_robust.corners import Corner, fault, hull
 from meso_robust.errors import InputError
-from meso_robust.reading import LARGEST_STATED, first_fault, text_of, toml_values
+from meso_robust.reading import LARGEST_STATED, first_fault, shown, text_of, toml_values
 from meso_robust.tasks import PAPER
 
 # Limits far beyond the mesoscale: they catch a slip of the unit before it becomes a long search.
@@ -285,6 +285,8 @@ class Task(_Section):
         Traceback (most recent call last):
         meso_robust.errors.InputError: nowhere.toml: cannot be read (No such file or directory); ...
         """
+        if not isinstance(path, str | PathLike):
+            raise InputError(f"path = {shown(path)}: must be a text or a path of a task file")
         return load_task(Path(path))
 
     @classmethod

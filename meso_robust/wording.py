@@ -58,6 +58,11 @@ def counted(count: int, noun: str, plural: str = "") -> str:
     return f"{count} {noun if count == 1 else plural or noun + 's'}"
 
 
+def do(count: int, verb: str) -> str:
+    """What so many do: one ends, two end."""
+    return verb + "s" if count == 1 else verb
+
+
 def worded(text: str) -> str:
     """Words with the sign of the unit, as people read it; keys of files stay as they are.
 

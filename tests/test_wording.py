@@ -11,7 +11,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 import meso_robust
-from meso_robust.wording import counted, down, down_to, up, up_to
+from meso_robust.certificates.words import claim_words
+from meso_robust.checker.words import claim
+from meso_robust.wording import counted, do, down, down_to, up, up_to
+from tests.conftest import paper_task
 from tests.strategies import REPEATABLE
 
 PACKAGE = Path(meso_robust.__file__).parent
@@ -90,3 +93,11 @@ def test_no_promise_is_rounded_to_the_nearest(room: str) -> None:
 
     assert files
     assert [line for path in files for line in nearest(path)] == []
+
+
+def test_one_of_anything_is_told_as_one() -> None:
+    told = [words(paper_task(), 1) for words in (claim, claim_words)]
+
+    assert [do(1, "end"), do(0, "end"), do(2, "show")] == ["ends", "end", "show"]
+    for one in told:
+        assert "policy of 1 move can be carried out" in one

@@ -43,7 +43,11 @@ def call(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     @functools.wraps(function)
     def checked(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-        for name, value in signature.bind_partial(*args, **kwargs).arguments.items():
+        try:
+            bound = signature.bind_partial(*args, **kwargs)
+        except TypeError as error:
+            raise TypeError(f"{function.__qualname__}() {error}") from None
+        for name, value in bound.arguments.items():
             kind = _kind(signature.parameters[name].annotation, function)
             if not _fits(value, kind):
                 raise InputError(

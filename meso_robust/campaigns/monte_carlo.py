@@ -37,6 +37,7 @@ from meso_robust.laboratory.simulation import in_goal
 from meso_robust.laboratory.witness_file import replay_files
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
+from meso_robust.wording import do
 
 OF = {
     "uniform": ", drawn uniformly from the uncertainty box,",
@@ -212,7 +213,7 @@ def _tell(part: Part, totals: Values) -> Told:
     high = share_interval(good + unfinished, runs, part.confidence)[1]
     ends = ends_told(low, high)
     answer = (
-        f"{good:,} of {runs:,} executions{OF[part.asked['draws']]} end in the goal: "
+        f"{good:,} of {runs:,} execution{'s' * (runs != 1)}{OF[part.asked['draws']]} {do(runs, 'end')} in the goal: "
         f"{percent(good / runs, ROUND_FLOOR)} ({100 * part.confidence:g} % interval {' to '.join(ends)})."
     )
     if unfinished:

@@ -14,6 +14,7 @@ from meso_robust.motion.two_sided import TubeStatus
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Inequality, Named, ObligationId, Property, Reason
 from meso_robust.task import Task
+from meso_robust.wording import counted
 
 Id = ObligationId
 
@@ -195,7 +196,7 @@ def claim_words(task: Task, moves: int) -> str:
         f"sensing errors (same bounds, before each move), the probe errors (within "
         f"{u.probe_position_um} um), mu in {list(u.friction)}, film ratio within "
         f"{u.film_ratio_percent} % of {u.film_ratio_um2} um^2 and tip misalignment in "
-        f"{list(u.tip_misalignment_deg)} deg, the plan's policy of {moves} moves can be "
+        f"{list(u.tip_misalignment_deg)} deg, the plan's policy of {counted(moves, 'move')} can be "
         f"carried out, and every motion of the quasi-static model ends with the part within "
         f"{goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
         f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg){walls}."

@@ -90,7 +90,7 @@ def sentence(name: Named) -> str:
 
 
 def claim(task: Task, moves: int) -> str:
-    """What is verified of a policy of ``moves`` moves."""
+    """What is verified of a policy of so many moves."""
     u, start, goal = task.uncertainty, task.start, task.goal
     return (
         f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "
@@ -98,7 +98,7 @@ def claim(task: Task, moves: int) -> str:
         f"(same bounds, before each move), the probe errors (within {u.probe_position_um} um), "
         f"mu in {list(u.friction)}, film ratio within {u.film_ratio_percent} % of "
         f"{u.film_ratio_um2} um^2 and tip misalignment in {list(u.tip_misalignment_deg)} deg, the "
-        f"plan's policy of {moves} moves can be carried out, and every motion of the quasi-static "
+        f"plan's policy of {moves} move{'s' * (moves != 1)} can be carried out, and every motion of the quasi-static "
         f"model ends with the part within {goal.position_tolerance_um} um and "
         f"{goal.orientation_tolerance_deg} deg of ({goal.x_um} um, {goal.y_um} um, "
         f"{goal.theta_deg} deg){_walls(task)}."

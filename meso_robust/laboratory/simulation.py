@@ -19,6 +19,7 @@ from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task
 from meso_robust.types import Floats
+from meso_robust.wording import counted
 
 Doing = Callable[[str], AbstractContextManager[None]]
 
@@ -97,7 +98,9 @@ def simulated(
         Shows what is being done while a stage runs.
     """
     rng = np.random.default_rng(seed)
-    with doing(f"simulating {samples} runs (the first run compiles kernels: about a minute)"):
+    with doing(
+        f"simulating {counted(samples, 'run')} (the first run compiles kernels: about a minute)"
+    ):
         nominal = _case(player, nominal_row(player))
         rows = player.draw(samples, rng)
         sampled = player.run(rows, record=RECORD)

@@ -30,7 +30,7 @@ from meso_robust.reporting.view import engine, view
 from meso_robust.reporting.words import MINUS, QUANTITIES, factor, number, small
 from meso_robust.transfer.answer import document, worst_words
 from meso_robust.transfer.promise import Promise
-from meso_robust.wording import counted, up, worded
+from meso_robust.wording import counted, do, up, worded
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +99,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         small=small,
         up=up,
         counted=counted,
+        do=do,
         worded=worded,
         worst_words=worst_words,
     )
@@ -139,7 +140,9 @@ def _overview(result: Planned) -> Picture:
 
 def _spread(result: Planned, index: int) -> Picture:
     alive = through(result.check, index)
-    caption = f"{int(alive.sum())} of {len(alive)} runs completed; {_inside(result, index)}."
+    caption = (
+        f"{int(alive.sum())} of {counted(len(alive), 'run')} completed; {_inside(result, index)}."
+    )
     name = f"After move {index + 1}: {title(result, index)}"
     return Picture(name, caption, to_svg(spread_figure(result, index), f"spread{index}", name))
 

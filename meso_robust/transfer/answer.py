@@ -17,7 +17,7 @@ from meso_robust.transfer.document import (
 )
 from meso_robust.transfer.lines import Ground
 from meso_robust.transfer.promise import Promise, model_hash
-from meso_robust.wording import counted, down, down_to, worded
+from meso_robust.wording import counted, do, down, down_to, worded
 
 
 def document(made: Promise) -> PremisesDocument:
@@ -165,7 +165,7 @@ def _evidence_words(made: Promise) -> list[str]:
         )
     return [
         f"simulated under the model's own physics (evidence, not proof): {found.in_goal} of "
-        f"{counted(found.runs, 'run')} end in the goal; {worst_words(found)}",
+        f"{counted(found.runs, 'run')} {do(found.runs, 'end')} in the goal; {worst_words(found)}",
         *(f"  {counted(count, 'run')}: {how}" for how, count in found.endings.items()),
     ]
 

@@ -31,6 +31,7 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
     ("call", "message"),
     [
         (lambda: mr.Task.load("no such.toml"), "no such.toml: cannot be read"),
+        (lambda: mr.Task.load(4), "path = 4: must be a text or a path"),  # type: ignore[arg-type]
         (lambda: mr.plan("no such.toml"), "no such.toml: cannot be read"),
         (lambda: mr.plan(mr.Task.paper(), samples=0), "samples = 0: must be at least 1"),
         (lambda: mr.plan(PAPER, samples=1_000_001), "samples = 1000001: must be at most 1,000,000"),
@@ -164,3 +165,8 @@ def test_a_pose_may_come_from_numpy() -> None:
     seen: list[Any] = [np.float32(2060.4), np.float64(-9.2), np.int64(90)]
     assert driver.answer(*map(float, seen)) == driver.answer(*seen)
     assert driver.answer(*seen)["primitive"] == "y_translation"
+
+
+def test_a_misspelt_argument_is_told_with_the_call_it_was_given_to() -> None:
+    with pytest.raises(TypeError, match=r"^plan\(\) got an unexpected keyword argument 'sample'"):
+        mr.plan(PAPER, sample=3)  # type: ignore[call-arg]

@@ -65,7 +65,7 @@ def _answer(ready: Ready, totals: Values, drawn: Totals, searches: Counts) -> st
         counts += [(searches["failed"], count, "searches")] if count else []
         told = " and ".join(f"{failed:,} of {tried:,} {of}" for failed, tried, of in counts)
         return f"{told} break a claim: {', '.join(names)}.{of_what}"
-    tried = f"{drawn.runs:,} executions and {count:,} searches"
+    tried = f"{drawn.runs:,} execution{'s' * (drawn.runs != 1)} and {count:,} search{'es' * (count != 1)}"
     unfinished = drawn.unfinished + searches.get("unfinished", 0)
     if unfinished:
         tried += f", {unfinished:,} of which the engine could not finish"

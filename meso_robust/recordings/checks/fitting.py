@@ -10,6 +10,7 @@ from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.noise import EstimatedSensor, roughness
 from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.values import RecordingSet, unwrapped
+from meso_robust.wording import counted, do
 
 _FEWEST = 2
 _NOISE = 5.0  # standard deviations by which a first pose may overlap a tip and be taken for noise
@@ -38,7 +39,7 @@ def fitting_problems(view: View, sensor: EstimatedSensor) -> list[Problem]:
                 "few_frames",
                 "error",
                 _NONE,
-                f"{whole.size} frames show the part and all probes at once",
+                f"{counted(whole.size, 'frame')} {do(whole.size, 'show')} the part and all probes at once",
                 f"at least {_FEWEST} are needed",
                 "leave the recording out or record it again",
             )

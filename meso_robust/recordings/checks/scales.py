@@ -13,6 +13,7 @@ from meso_robust.recordings.contact import gaps, scatter, size
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.problem import Problem
 from meso_robust.types import Indices as Integers
+from meso_robust.wording import counted
 
 _OFF, _FITS = 0.10, 0.02  # median distance of the tip over the part's size: wrong, right
 _BETTER = 10.0  # times nearer with the right factor; with a wrong one a tip may be near by chance
@@ -108,7 +109,7 @@ def turn_unit_problems(views: Sequence[View]) -> list[Problem]:
             kind="units",
             severity="error",
             value=f"while the part moves, the nearest tip is {now:.3g} part sizes from its outline, "
-            f"mean of {len(pairs)} recordings",
+            f"mean of {counted(len(pairs), 'recording')}",
             rule="must be in um and deg throughout, as the names of columns and keys say",
             advice=f"it would fit ({then:.2g} part sizes) with {guess.words}; convert the files",
         )

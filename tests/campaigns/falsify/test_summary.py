@@ -121,7 +121,7 @@ def test_totals_are_json_and_do_not_depend_on_what_is_missing() -> None:
         json.dumps(total(part, iter(results)))
     )
     some = told(results[1:5])
-    assert some.answer.startswith("No counterexample in 300 executions and 1 searches.")
+    assert some.answer.startswith("No counterexample in 300 executions and 1 search.")
     none = told(())
     assert none.verdict == "measured"
     assert none.answer == "Nothing was executed to break a claim."
