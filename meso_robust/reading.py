@@ -22,7 +22,7 @@ from meso_robust.errors import InputError
 
 MIB = 2**20
 LARGEST_STATED = 4 * MIB
-"""Bytes of a file that somebody writes by hand: task, set.toml, model.toml, campaign."""
+"""Bytes of a file that someone writes by hand: task, set.toml, model.toml, campaign."""
 LARGEST_DATA = 64 * MIB
 """Bytes of a file that a program writes: plan, policy, certificate, witness, table."""
 DEEPEST = 64

@@ -162,7 +162,7 @@ def campaign(  # every option of the verb is an argument
     """
     if workers is not None and scheduler is not None:
         raise InputError(
-            "--workers, --scheduler: mutually exclusive; a cluster has its own workers, give only one of them"
+            "--workers, --scheduler: mutually exclusive; give one of them, as a cluster has its own workers"
         )
     within(1, MOST_WORKERS, workers=1 if workers is None else workers)
     at_least(0, seed=0 if seed is None else seed)

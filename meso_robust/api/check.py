@@ -1,4 +1,4 @@
-"""``check``: a certificate verified once more, by formulas of its own."""
+"""``check``: a certificate verified again, by independent formulas."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def check(
     Raises
     ------
     InputError
-        A file cannot be read, is no certificate, or is one for another task.
+        A file cannot be read, is not a certificate, or is one for another task.
 
     Examples
     --------

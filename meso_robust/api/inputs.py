@@ -40,7 +40,7 @@ def at_least(least: int, **numbers: int) -> None:
     Raises
     ------
     InputError
-        There is one, or it is no whole number.
+        There is one, or it is not a whole number.
     """
     for name, value in numbers.items():
         if not isinstance(value, Integral):
@@ -55,7 +55,7 @@ def within(least: int, most: int, **numbers: int) -> None:
     Raises
     ------
     InputError
-        There is one, or it is no whole number.
+        There is one, or it is not a whole number.
     """
     at_least(least, **numbers)
     for name, value in numbers.items():

@@ -230,7 +230,7 @@ def certify(
     seed: int = 0,
     progress: Progress = SILENT,
 ) -> Planned:
-    """Certify a plan that somebody else made, whether it states a policy or bare moves.
+    """Certify a plan that someone else made, whether it states a policy or bare moves.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ class Cluster:
         Raises
         ------
         InputError
-            Dask is not installed, or nobody answers at the address.
+            Dask is not installed, or nothing answers at the address.
         """
         try:
             import distributed

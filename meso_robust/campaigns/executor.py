@@ -27,7 +27,7 @@ class Crew(Protocol):
 
     @property
     def size(self) -> int:
-        """How many chunks are done side by side. Raises InputError if there is nobody to do them."""
+        """How many chunks are done side by side. Raises InputError if there are no workers."""
 
     def submit(self, do: Callable[[str, int], Found], part: str, chunk: int) -> Future[Found]:
         """Have a chunk done. Raises CrewLostError."""

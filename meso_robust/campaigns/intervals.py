@@ -1,4 +1,4 @@
-"""How sure a share of successes is, and how that is told."""
+"""How sure a share of successes is, and how that is reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a kind of campaign is: how its work is cut into chunks, done, added up and told.
+"""What a kind of campaign is: how its work is cut into chunks, done, added up and reported.
 
 To add a kind, write a file (or a folder) that makes a :class:`Kind`, and add its line to ``kinds.py``.
 """
@@ -41,7 +41,7 @@ class Part:
     seed: int
     """Of the part; differs from that of all other parts of the campaign."""
     confidence: float
-    """Of the intervals that are told, 0 to 1."""
+    """Of the reported intervals, 0 to 1."""
     asked: Values
     """The section as stated, defaults filled in."""
     given: Values
@@ -150,7 +150,7 @@ not answer what was asked; ``measured``: a rate, no claim was at stake."""
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Told:
-    """A part's totals as they are told."""
+    """A part's totals as reported."""
 
     verdict: Verdict
     answer: str
@@ -185,4 +185,4 @@ class Kind:
     keep: Callable[[Path, Values], None] | None = None
     """Saves in a folder what of the totals is worth trying again in later campaigns."""
     replay: Callable[[Part, Path], Result] | None = None
-    """Tries again what was saved there. It depends on the folder, so it is told beside the totals."""
+    """Tries again what was saved there. It depends on the folder, so it is reported beside the totals."""

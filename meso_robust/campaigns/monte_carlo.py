@@ -134,7 +134,7 @@ def _hexadecimal(row: Floats) -> list[str]:
 
 
 def _outcomes(runs: PlanRun, good: npt.NDArray[np.bool_]) -> dict[str, int]:
-    """Runs by how they ended; a code of the simulator by its number, named when told."""
+    """Runs by how they ended; a code of the simulator by its number, named when reported."""
     codes, counts = np.unique(runs.outcomes[~good], return_counts=True)
     return {str(code): int(n) for code, n in zip(codes, counts, strict=True)}
 

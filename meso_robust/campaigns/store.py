@@ -55,7 +55,7 @@ class Trouble:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Session:
-    """A time during which somebody worked on the campaign."""
+    """A time during which someone worked on the campaign."""
 
     began: str
     ended: str | None

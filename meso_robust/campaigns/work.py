@@ -1,6 +1,6 @@
 """The work of a campaign: what is missing is handed out, what comes back is kept.
 
-A chunk whose worker dies is done again; when several were under way nobody knows which of them killed
+A chunk whose worker dies is done again; when several were under way it is unknown which of them killed
 it, so each is tried by itself. A chunk that fails three times is given up and reported.
 """
 
@@ -61,7 +61,7 @@ class _State:
     under_way: dict[Future[Done], tuple[Ticket, float]] = field(default_factory=dict)
 
     def next(self, size: int) -> Ticket | None:
-        """The next chunk that may be begun now, if any."""
+        """The next chunk that may start now, if any."""
         if any(ticket.alone for ticket, _ in self.under_way.values()):
             return None
         if self.suspects:

@@ -1,7 +1,7 @@
 """``certificate.json``: what is claimed, what was proved of it, and how far it reaches.
 
 Numbers that the claim rests on are doubles in hexadecimal (``float.hex``), SI units; those in um
-and deg beside them are for reading. What is claimed is told by stable names and their data; the
+and deg beside them are for reading. What is claimed is stated by stable names and their data; the
 sentences under ``reading`` are rendered from them for people, and nothing compares them.
 """
 

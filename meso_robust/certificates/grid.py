@@ -1,4 +1,4 @@
-"""Boxes on a decimal grid: what is proved is told in numbers that somebody else can meet.
+"""Boxes on a decimal grid: what is proved is stated in numbers that someone else can meet.
 
 Two careful enclosures of one set differ by a little. A box that is widened to the next decimals
 leaves room for the other one, and can be written down in full.

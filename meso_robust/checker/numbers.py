@@ -42,7 +42,7 @@ def side(pair: HexPair, what: Named) -> Side:
     Raises
     ------
     Refused
-        It is empty, or an end is no number.
+        It is empty, or an end is not a number.
     """
     low, high = (double(text, what) for text in pair)
     if not low <= high:

@@ -27,7 +27,7 @@ def read_certificate(path: Path, task: Task) -> tuple[Certificate, str]:
     Raises
     ------
     InputError
-        The file cannot be read, is no certificate, or is one for another task.
+        The file cannot be read, is not a certificate, or is one for another task.
     """
     text = text_of(path, "give a certificate", "a JSON file")
     return parse_certificate(text, str(path), task)

@@ -63,7 +63,7 @@ def campaign(  # noqa: PLR0913  # every option of the verb is an argument
         refuse(error)
     except KeyboardInterrupt:
         print(
-            "meso-robust: interrupted; what is done is kept, --resume goes on with it",
+            "meso-robust: interrupted; finished work is kept, continue with --resume",
             file=sys.stderr,
         )
         raise typer.Exit(INTERRUPTED) from None

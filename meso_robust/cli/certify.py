@@ -1,4 +1,4 @@
-"""``meso-robust certify``: certifies a plan that somebody else made."""
+"""``meso-robust certify``: certifies a plan that someone else made."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def judged(naming: Naming, told: Witnesses) -> Naming:
 
 
 def _against(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> Rejection | None:
-    """Why a set is no answer; None if it may be."""
+    """Why a set cannot be the answer; None if it may be."""
     reasons = (
         _refuted(one, answers, told) if told.unseen else None,
         _idle(one, told) if told.unseen else None,

@@ -138,7 +138,7 @@ def _why(found: Diagnosis) -> str:
     if len(answers) == 1:
         return f"{names} leaves nothing that the detector sees (p = {answers[0].p_value:.2g})"
     others = " or ".join(" + ".join(one.effects) for one in answers[1:])
-    return f"{names} explains the recordings, and so does {others}; they cannot be told apart"
+    return f"{names} explains the recordings, and so does {others}; they cannot be distinguished"
 
 
 def _why_unknown(best: Candidate | None, catch_all: float | None) -> str:

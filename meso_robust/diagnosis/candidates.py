@@ -37,7 +37,7 @@ class Candidate:
     p_value
         Of the largest local test of what is left; NaN if not asked.
     rejected
-        Why it is no answer; None if it may be.
+        Why it cannot be the answer; None if it may be.
     """
 
     refit: Refit

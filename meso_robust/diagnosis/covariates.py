@@ -25,7 +25,7 @@ from meso_robust.types import Floats
 Frame = Literal["stage", "part"]
 
 MOST = 6
-"""Covariates that are told at most."""
+"""Most covariates reported."""
 _SIGNIFICANT = 0.05
 _FLIPS = 2000
 _RESTING = 0.1  # of the fastest motion of the tip: rest

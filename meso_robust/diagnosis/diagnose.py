@@ -146,7 +146,7 @@ def diagnose(
     seed
         The same seed gives the same result.
     store
-        Folder for intermediate results, with which an interrupted diagnosis goes on.
+        Folder for intermediate results, from which an interrupted diagnosis resumes.
     told
         Told of progress.
 

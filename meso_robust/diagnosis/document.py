@@ -1,4 +1,4 @@
-"""``diagnosis.json``: a diagnosis as it stands in a file."""
+"""``diagnosis.json``: a diagnosis as stored in a file."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class CandidateSection(_Section):
     adequate: bool | None
     """Whether nothing is left that the detector sees; None where that was not asked."""
     rejected: str
-    """Why it is no answer; empty for one that is."""
+    """Why it was rejected; empty if it was not."""
     ground: Ground | None = None
     """The same as an id; null for one that is."""
 
@@ -219,7 +219,7 @@ class HeldOutSection(_Section):
     extended_sigma: NotNegative
     """The same of the extended model."""
     noise_floor_sigma: NotNegative
-    """What is left where nothing but noise is: repeatability and systematic error together."""
+    """What is left where there is only noise: repeatability and systematic error together."""
     repeatability_sigma: NotNegative | None = None
     """What the repeatability leaves, the scatter from frame to frame. A model leaves less than the noise
     where it takes up systematic error, which stays from frame to frame, but not less than this. Null if

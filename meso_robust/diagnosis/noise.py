@@ -39,7 +39,7 @@ class Noise:
     known
         Whether σ is stated or seen in still frames; otherwise it is the floor only.
     floor
-        What is left where nothing but noise is, in σ: repeatability and systematic error together.
+        What is left where there is only noise, in σ: repeatability and systematic error together.
     repeatability
         What the scatter from frame to frame leaves, in σ; None where nothing tells it.
     """

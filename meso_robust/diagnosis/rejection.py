@@ -1,4 +1,4 @@
-"""Why a set of effects is no answer: a ground with its data. The words stand in one table."""
+"""Why a set of effects is rejected: a reason with its data. One table holds the words."""
 
 from __future__ import annotations
 

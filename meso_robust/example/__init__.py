@@ -1,7 +1,7 @@
 """The example of the tutorial: a laboratory's task, its videos of pushes, its calibration grid.
 
 The videos are drawn by the synthetic microscope from motion that a generator of its own makes
-(``reports/example``); what is true of it is not told here.
+(``reports/example``); the true parameters are not given here.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class Interval:
     low, high
         Ends. They are the normal approximation's and may lie beyond the parameter's range.
     informed
-        Whether motion has told anything: without, the ends only restate the width of the range.
+        Whether motion was informative: if not, the ends only restate the width of the range.
     """
 
     key: str

@@ -1,4 +1,4 @@
-"""``model.toml`` and ``identification.json``: a fitted model as it stands in a file."""
+"""``model.toml`` and ``identification.json``: a fitted model as stored in a file."""
 
 from __future__ import annotations
 

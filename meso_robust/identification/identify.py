@@ -408,7 +408,7 @@ def maximised(
 ) -> tuple[Settings, Fitted]:
     """Fits from vectors (B, n), and the settings with the noise that was estimated along.
 
-    A σ that is not known is taken from the residuals of the best fit, and all is fitted once more,
+    A σ that is not known is taken from the residuals of the best fit, and all is fitted again,
     until it stays.
     """
     fitted = fit(prepared, model, values, settings)

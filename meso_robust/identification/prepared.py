@@ -36,7 +36,7 @@ _PAD = 1e-3  # s: what a shorter recording is lengthened by, at rest
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Note:
-    """Something about a recording that was taken otherwise than it stands in the file."""
+    """Something about a recording that was read differently from its file."""
 
     file: str
     what: str

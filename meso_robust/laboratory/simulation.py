@@ -29,7 +29,7 @@ SEEDS = 32  # worst samples that the adversary starts from
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Case:
-    """One row of what is uncertain, and what became of it, run by itself."""
+    """One row of uncertain values, and the outcome of its run."""
 
     row: Floats
     """(1, D)"""

@@ -85,7 +85,7 @@ def row_of(found: WitnessFile, bounds: Player, source: str) -> Floats:
     Raises
     ------
     InputError
-        A name is missing or unknown, a number is no finite double, or lies outside its bounds.
+        A name is missing or unknown, a number is not a finite double, or lies outside its bounds.
     """
     names = [column.name for column in bounds.columns]
     for name in sorted({*names} ^ {*found.row}):

@@ -1,4 +1,4 @@
-"""Which primitives an open-loop plan is made of, so that somebody else's moves can be certified."""
+"""Which primitives an open-loop plan is made of, so that someone else's moves can be certified."""
 
 from __future__ import annotations
 

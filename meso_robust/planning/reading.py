@@ -96,7 +96,7 @@ def _wrong(plan: PlanDocument) -> Iterator[str]:
         if len(found) > MOST_MOVES:
             yield f"{key}: {len(found)} of them; must be at most {MOST_MOVES}; split the plan"
     if not plan.policy and not plan.moves:
-        yield "moves = []: must hold a move, as there is no policy either"
+        yield "moves = []: must contain a move, because there is no policy"
     if plan.policy and len(plan.moves) != len(plan.policy):
         yield (
             f"moves: {counted(len(plan.moves), 'move')}; must be {len(plan.policy)}, one for each rule of "

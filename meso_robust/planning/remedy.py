@@ -15,7 +15,7 @@ class Remedy(StrEnum):
     LEAVE_SLOT = "leave_slot"
     """The plan is robust away from the slot."""
     CHANGE_MOVE = "change_move"
-    """Of a plan that somebody else made."""
+    """Of a plan that someone else made."""
     MEASURE_PART = "measure_part"
     BOUND_EFFECT = "bound_effect"
     WITHOUT_EFFECT = "without_effect"

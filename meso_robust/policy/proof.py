@@ -1,4 +1,4 @@
-"""What is proved of a policy: cell by cell, and again of a policy that somebody else wrote."""
+"""What is proved of a policy: cell by cell, and again of a policy that someone else wrote."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One move of any kind: certified in its own axes, told in the world's."""
+"""One move of any kind: certified in its own axes, stated in the world's."""
 
 from __future__ import annotations
 

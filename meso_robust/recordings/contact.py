@@ -58,7 +58,7 @@ def nearest_gap(recordings: RecordingSet, recording: Recording) -> Floats:
     """(T,) distance in m from the part to the nearest tip.
 
     Infinite where there are no tips; NaN where the pose was not seen, or one of the tips was not
-    seen and the others do not touch: then nobody knows.
+    seen and the others do not touch: then it is unknown.
     """
     each = gaps(recordings.part.outline, recording.poses, recording.probes, recordings.tip_radius)
     if not each.shape[1]:

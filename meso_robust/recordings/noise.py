@@ -45,10 +45,10 @@ class Spread:
     Attributes
     ----------
     sigma
-        Standard deviation in m or rad; None where it cannot be told.
+        Standard deviation in m or rad; None where it cannot be estimated.
     correlation
         Correlation of the noise from one frame to the next, -1 … 1; near 0 for white noise; None
-        where it cannot be told.
+        where it cannot be estimated.
     freedom
         Degrees of freedom n: σ has a relative standard error of about 1/√(2 n) if noise is white.
     reason
@@ -131,11 +131,11 @@ def systematic(sigma: float | None, repeatability: float | None) -> float | None
 
 
 def in_words(sigma: float, repeatability: float | None, unit: float, letter: str) -> str:
-    """σ told apart into repeatability and systematic error, as every report says it."""
+    """σ split into repeatability and systematic error, as every report says it."""
     whole = f"σ = {sigma / unit:.3g} {letter}"
     rest = systematic(sigma, repeatability)
     if repeatability is None or rest is None:
-        return f"{whole}; repeatability cannot be told, too few still frames"
+        return f"{whole}; repeatability cannot be estimated, too few still frames"
     if repeatability > sigma:
         return f"{whole}, less than the repeatability of {repeatability / unit:.3g} {letter}"
     return (

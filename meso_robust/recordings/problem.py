@@ -15,7 +15,7 @@ Severity = Literal["error", "warning", "information"]
 KINDS: Mapping[str, str] = {
     "unreadable": "file cannot be read",
     "row": "row of the wrong length",
-    "cell": "cell that is no number",
+    "cell": "cell that is not a number",
     "clock": "clock that repeats or runs backwards",
     "frame_rate": "frames come at another rate than stated",
     "few_frames": "too few frames",
@@ -36,7 +36,7 @@ KINDS: Mapping[str, str] = {
     "unseen_probe": "probe that is never seen",
     "force_offset": "force offset at rest",
     "no_probe": "no probe",
-    "noise_unknown": "noise that nobody knows",
+    "noise_unknown": "unknown noise",
     "noise": "noise differs from what is stated",
 }
 """Kinds of problems in words."""

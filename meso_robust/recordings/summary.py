@@ -268,7 +268,7 @@ def answer(checked: Checked, most: int = 20) -> str:
     ]
     rest = len(checked.remaining) - len(checked.matters)
     if rest:
-        lines.append(f"{rest} notes for information stand in the report")
+        lines.append(f"{rest} informational notes are in the report")
     return "\n".join([*lines, *_few("note: ", checked.notes, most)])
 
 

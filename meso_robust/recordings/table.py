@@ -75,13 +75,13 @@ def read_table(path: Path, probes: Sequence[str]) -> Recording:
     Returns
     -------
     Recording
-        In SI, NaN where a cell is empty, angles as they stand in the file.
+        In SI, NaN where a cell is empty, angles as stored in the file.
 
     Raises
     ------
     InputError
         The file cannot be read, a column is missing, unknown or double, a row is too short or too
-        long, a cell is no number, or the clock does not go on; the message names file, line,
+        long, a cell is not a number, or the clock does not advance; the message names file, line,
         column, value and rule.
     """
     table = read_readable(path, probes)
@@ -94,7 +94,7 @@ def read_readable(path: Path, probes: Sequence[str]) -> Table:
     """Read what can be read of a recording, and list every row and cell that cannot.
 
     Rows of the wrong length or without an instant, and the fewest rows that must go for the clock
-    to run forward, are left out; a cell that is no number becomes NaN.
+    to run forward, are left out; a cell that is not a number becomes NaN.
 
     Raises
     ------
@@ -248,7 +248,7 @@ def _clock_faults(
 
 
 def _number(cell: str) -> float | None:
-    """Value of a cell, NaN if it is empty, None if it is no finite number."""
+    """Value of a cell, NaN if it is empty, None if it is not a finite number."""
     if not cell:
         return math.nan
     if not _NUMBER.fullmatch(cell):

@@ -72,7 +72,7 @@ class Recording:
     forces
         (T, P, 2) forces at the probes in N, world frame; None if no force was recorded.
     alike_orientations
-        Number of orientations in which the part looks the same and among which nobody chose: θ is
+        Number of orientations in which the part looks the same and among which none was chosen: θ is
         right up to a whole turn over it. 1 where θ is sure.
 
     Raises
@@ -179,7 +179,7 @@ def unwrapped(recording: Recording) -> Recording:
     """The recording with θ made continuous: no step from one seen θ to the next exceeds π.
 
     Instants where θ was not seen stay NaN and are passed over. A true turn of more than π between
-    two seen angles cannot be told from a wrap.
+    two seen angles cannot be distinguished from a wrap.
     """
     poses = recording.poses.copy()
     seen = np.isfinite(poses[:, 2])

@@ -95,12 +95,12 @@ def _meaning(answer: Answer) -> str:
         "held": f"{len(held)} of {words.parts(len(parts))} made a claim and looked for what breaks "
         f"it in {runs:,} runs; nothing did. That is evidence, not a proof.",
         "broken": f"{len(broken)} of {words.parts(len(parts))} found that something does not hold: "
-        f"{', '.join(broken)}. What was found stands there, with what is needed to see it again.",
+        f"{', '.join(broken)}. The findings are listed there, with what is needed to reproduce them.",
         "open": f"{len(unanswered)} of {words.parts(len(parts))} asked for something that what was "
         f"done neither shows nor refutes: {', '.join(unanswered)}.",
         "measured": "Rates were measured; no claim was at stake.",
-        "incomplete": f"{planned - done:,} of {planned:,} chunks were not done. What is told below "
-        "rests on the others.",
+        "incomplete": f"{planned - done:,} of {planned:,} chunks were not done. The results below "
+        "rest on the others.",
     }[answer.verdict]
 
 

@@ -162,7 +162,7 @@ def _noise(checked: Checked) -> list[tuple[str, str, str, str, str]]:
 
 def _estimate(spread: Spread, unit: float, letter: str) -> str:
     if spread.sigma is None:
-        return f"cannot be told: {spread.reason}"
+        return f"cannot be estimated: {spread.reason}"
     error = spread.sigma / np.sqrt(2.0 * spread.freedom)
     return f"{spread.sigma / unit:.4g} ± {error / unit:.2g} {letter}"
 

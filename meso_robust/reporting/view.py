@@ -73,7 +73,7 @@ def data(result: Planned) -> Json:
 
 
 def _margin(margin: MarginDocument) -> Json:
-    """Factors, and how they are told."""
+    """Factors, and how they are worded."""
     each = margin.each_alone
     return {
         "all": margin.factor,

@@ -72,7 +72,7 @@ def _made(made: Mapping[str, Made], setting: Setting) -> tuple[tuple[str, str], 
 
 
 def shown(value: Value) -> str:
-    """A value as it stands in a table."""
+    """A value as shown in a table."""
     if value is None:
         return _NONE
     if isinstance(value, str):
@@ -83,7 +83,7 @@ def shown(value: Value) -> str:
 
 
 def apart(row: Row) -> str:
-    """The difference as it stands in a table; nothing where there is none to tell."""
+    """The difference as shown in a table; nothing where there is none to tell."""
     if row.difference is None or row.agreement is None:
         return ""
     if row.agreement is not Agreement.DIFFERS:

@@ -20,7 +20,7 @@ UM = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Commands:
-    """What the controller was told.
+    """What the controller was commanded.
 
     Attributes
     ----------

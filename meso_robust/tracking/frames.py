@@ -328,7 +328,7 @@ def _stacks(path: Path, files: list[Path], rate: float | None, allow_truncated: 
     if len(stacks) > 1 and any(one.pages > 1 for one in stacks):
         notes.append(
             f"{len(stacks)} stacks are taken as one film, in the order of their names; if they are "
-            "separate recordings, give them one by one"
+            "separate recordings, give them one at a time"
         )
     if len(sides) > 1:
         notes.append("the stacks state different pixel sizes: not used")
@@ -384,7 +384,7 @@ def _stack_clock(
         if times and not own[0] > times[-1]:
             raise InputError(
                 f"{one.path}: begins at {own[0]:g} s, not after {times[-1]:g} s, where the stack "
-                "before it ends: separate recordings; give the stacks separately"
+                "before it ends: separate recordings; give the stacks one at a time"
             )
         times += own
     if len(times) < 2:

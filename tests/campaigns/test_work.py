@@ -100,7 +100,7 @@ def test_a_chunk_that_hangs_is_ended(tmp_path: Path) -> None:
 
 
 def test_a_worker_with_other_code_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="runs other code"):
+    with pytest.raises(InputError, match="runs different code"):
         worked(tmp_path, campaign(2, {"code": "0" * 64}), 1)
 
 

@@ -175,5 +175,5 @@ def test_ctrl_c_ends_cleanly_and_keeps_what_is_done(tmp_path: Path) -> None:
         process.send_signal(signal.SIGINT)
         _, error = process.communicate()
     assert process.returncode == 130
-    assert b"--resume goes on" in error
+    assert b"continue with --resume" in error
     assert b"Traceback" not in error

@@ -124,7 +124,7 @@ def test_identify_may_fit_noise_that_nobody_knows() -> None:
         if line.startswith("error")
     }
 
-    assert warning == "noise that nobody knows"
+    assert warning == "unknown noise"
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="the public recordings are not here")

@@ -139,14 +139,14 @@ def test_folder_of_stacks_is_one_film_of_all_pages_and_says_so(tmp_path: Path) -
 
     assert frames.promised == 24
     assert np.array_equal(grey(frames), np.concatenate([STACK, np.roll(STACK, 1, axis=0)]))
-    assert any("one by one" in note for note in frames.notes)
+    assert any("one at a time" in note for note in frames.notes)
 
 
-def test_stacks_whose_clocks_begin_anew_are_no_one_film(tmp_path: Path) -> None:
+def test_stacks_whose_clocks_restart_are_not_one_film(tmp_path: Path) -> None:
     for k in range(2):
         ome(tmp_path / f"push_{k}.ome.tif", **planes(STAMPS))
 
-    with pytest.raises(InputError, match=r"push_1.*separate recordings.*one by one"):
+    with pytest.raises(InputError, match=r"push_1.*separate recordings.*one at a time"):
         open_frames(tmp_path)
 
 

@@ -1,4 +1,4 @@
-"""Asking for one diagnosis, by somebody who knows nothing but the recordings."""
+"""Asking for one diagnosis, by someone who knows only the recordings."""
 
 from __future__ import annotations
 

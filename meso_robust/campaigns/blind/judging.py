@@ -218,7 +218,7 @@ def coverage(label: Values, effects: Iterable[Values]) -> Iterator[tuple[str, bo
 
 
 def aligned(name: str, truth: Mapping[str, float], told: Mapping[str, Values]) -> dict[str, float]:
-    """The same truth in the numbers nearest to those told: angles come around."""
+    """The same truth in the numbers nearest to those reported: angles wrap around."""
     values = dict(truth)
     both = {"fraction", "direction_deg"} <= values.keys() & told.keys()
     if name in TURNED and both and values["fraction"] * told["fraction"]["value"] < 0:

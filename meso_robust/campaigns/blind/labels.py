@@ -1,4 +1,4 @@
-"""What may be concealed in a recording set, and the form in which that is told."""
+"""What may be concealed in a recording set, and the form in which it is stated."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STAGE: Mapping[str, str] = {name: stage_of(name).name for name in CATALOGUE}
 SILENT = frozenset({"drag_drift"})
 """Effects that no motion shows alone: the path does not depend on how large the drag is."""
 SIZES = (1.0, 2.0, 4.0, 8.0, 16.0)
-"""Multiples of the just-detectable size that are told apart."""
+"""Multiples of the just-detectable size that are distinguished."""
 PLAIN = 4.0
 """Multiple of the just-detectable size from which an effect is plain to see."""
 
@@ -45,7 +45,7 @@ class Truth(_Told):
 
 
 class Label(_Told):
-    """What is concealed in a recording set; whatever else is told is kept."""
+    """What is concealed in a recording set; any further keys are kept."""
 
     kind: Kind
     names: tuple[str, ...]

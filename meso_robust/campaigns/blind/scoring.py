@@ -46,7 +46,7 @@ class Share:
         return share_interval(self.hits, self.count, CONFIDENCE)[1] if self.count else 1.0
 
     def told(self) -> Scores:
-        """As it stands in ``results.json``."""
+        """As stored in ``results.json``."""
         ends = {"low": round(self.low, 4), "high": round(self.high, 4)}
         return {"hits": self.hits, "count": self.count, "rate": self.rate, **ends}
 

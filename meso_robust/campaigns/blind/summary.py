@@ -51,7 +51,7 @@ def _leading(scores: Values) -> Iterator[tuple[str, Share]]:
     yield "wrong and confident, of all cases", scores["wrong_and_confident"]["all"]
     yield "outside the catalogue: unknown", scores["outside"]["unknown"]
     yield f"right stage, one effect of ≥ {PLAIN:g}×", scores["stage"]["plain"]
-    yield "cannot be told: says so", scores["unidentifiable"]["says_so"]
+    yield "cannot be decided: says so", scores["unidentifiable"]["says_so"]
 
 
 def _views(part: Part, values: Values) -> Iterator[View]:
@@ -176,7 +176,7 @@ def _hard(scores: Values) -> Iterator[tuple[str, Share]]:
         ("unknown_if_detected", "unknown, of those detected"),
     ):
         yield f"outside the catalogue: {what}", scores["outside"][key]
-    yield "cannot be told: says so", scores["unidentifiable"]["says_so"]
+    yield "cannot be decided: says so", scores["unidentifiable"]["says_so"]
 
 
 def _confusion(scores: Values) -> Table:

@@ -21,7 +21,7 @@ NEAR = 0.9  # of a half width: what counts as brought near
 
 
 def tell(part: Part, totals: Values) -> Told:
-    """The totals as they are told; see ``Kind.tell``."""
+    """The totals as reported; see ``Kind.tell``."""
     ready = ready_of(part)
     each = (Totals(**one) for one in totals["draws"].values())
     drawn = functools.reduce(Totals.plus, each, Totals())

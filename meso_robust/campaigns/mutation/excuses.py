@@ -178,7 +178,7 @@ def _box(accepted: Accepted, one: Difference) -> str | None:
 
 
 def _range(accepted: Accepted, one: Difference) -> str | None:
-    """An end of what the claim holds for all of, told otherwise by no more than its rounding."""
+    """An end of what the claim holds for all of, stated differently by no more than its rounding."""
     pair = accepted.original.document["claim"]["uncertainties"][one.where[2]]
     reach = max(abs(float.fromhex(end)) for end in pair)
     apart = abs(float.fromhex(one.new) - float.fromhex(one.old))

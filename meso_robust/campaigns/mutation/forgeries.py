@@ -190,7 +190,7 @@ def _another_task(document: Document, original: Original, rng: random.Random) ->
 
 
 def _invented_witness(document: Document, original: Original, rng: random.Random) -> Document:
-    """REFUTED, by a run that does not fail, and told as such a certificate would tell it.
+    """REFUTED, by a run that does not fail, and stated as such a certificate would state it.
 
     In half of the cases the run leaves the bounds besides.
     """

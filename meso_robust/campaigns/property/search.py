@@ -73,7 +73,7 @@ class _Watched:
 
 
 def checked(of: Property, example: object) -> Verdict:
-    """The verdict on an example; an exception that nobody expected breaks the property as well."""
+    """The verdict on an example; an unexpected exception breaks the property as well."""
     try:
         return of.check(example)
     except Exception as error:

@@ -98,7 +98,7 @@ def _rows(frames: Integers) -> str:
 
 
 def _camera_noise(view: View) -> Floats | None:
-    """(3,) noise that frames must show, m and rad; None if there is none or nobody knows."""
+    """(3,) noise that frames must show, m and rad; None if there is none or it is unknown."""
     sensor, noise = view.recordings.sensor, view.noise
     stated = (sensor.position_sigma, sensor.position_sigma, sensor.orientation_sigma)
     found = (noise.x.sigma, noise.y.sigma, noise.theta.sigma)

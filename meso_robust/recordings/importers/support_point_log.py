@@ -55,7 +55,7 @@ NOTE = (
 
 @dataclass(frozen=True, slots=True)
 class _Push:
-    """A push as it stands in the file: mm, N, Unix time."""
+    """A push as stored in the file: mm, N, Unix time."""
 
     number: int
     poses: Floats  # (2, 7): before and after

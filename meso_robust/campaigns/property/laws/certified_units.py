@@ -66,7 +66,7 @@ def _rule(rule: MoveRule, factor: float) -> MoveRule:
 
 
 def _steps(rules: Sequence[MoveRule], setup: Setup) -> list[Step]:
-    """The steps as they are certified, without the grid of decimals on which boxes are told."""
+    """The steps as they are certified, without the grid of decimals on which boxes are stated."""
     state: PoseBox | None = setup.start
     before: Before | None = None
     found: list[Step] = []
