@@ -8,6 +8,7 @@ from meso_robust.reporting.skeleton import Banner, code, page, versions
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.task_card import task_figure
 from meso_robust.task import Task
+from meso_robust.wording import worded
 
 
 def unplanned_report(task: Task, why: str, verb: str) -> str:
@@ -42,8 +43,8 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
         "unplanned.html.j2",
         banner,
         made,
-        reason=reason,
-        advice=advice,
+        reason=worded(reason),
+        advice=worded(advice),
         picture=picture,
-        remarks=remarks(task),
+        remarks=[worded(one) for one in remarks(task)],
     )

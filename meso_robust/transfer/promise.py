@@ -275,6 +275,8 @@ def _unknown(planned: Planned, chain: Chain, undecided: Undecided | None) -> dic
         len(planned.found.rules),
         undecided=None if undecided is None else undecided.reading,
     )
+    if undecided is not None:
+        reading = reading.model_copy(update={"limit": undecided.reading.claim})
     return {
         "verdict": "UNKNOWN",
         "undecided": None if undecided is None else undecided.document,

@@ -53,6 +53,9 @@ def test_an_early_unknown_says_that_the_ratio_of_drags_is_no_even_films(tmp_path
     remark = "note: uncertainty.film_ratio_um2 = 1 +- 5 %"
 
     assert remark in CliRunner().invoke(app, words).stderr
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "µm²" in page
+    assert " um" not in page
     assert remark not in CliRunner().invoke(app, [*words, "--quiet"]).stderr
 
 

@@ -77,6 +77,14 @@ def test_the_answer_comes_first(pages: dict[Verdict, str], verdict: Verdict) -> 
     assert body.index("held-out error") < body.index("The reason of")
 
 
+def test_no_page_speaks_of_a_floor_that_a_model_can_go_below(pages: dict[Verdict, str]) -> None:
+    """A model leaves less than the noise where it absorbs the systematic part of it."""
+    assert any("noise: repeatability and systematic error" in page for page in pages.values())
+    for page in pages.values():
+        assert "noise floor" not in page
+        assert "any law could reach" not in page
+
+
 def test_the_answer_is_one_sentence_of_its_verdict() -> None:
     assert answer(document("named")) == (
         "dry_friction (support): ratio 0.21 [0.18, 0.24]; held-out error 4.1 → 1.05 σ"

@@ -78,6 +78,10 @@ def test_a_broken_premise_is_unknown_although_the_plain_model_s_plan_is_certifie
     assert PREMISES[Premise.FILM_DRAG] in certificate.reading.undecided.claim
     assert "derivations/one_point_sticking.py" in certificate.reading.undecided.inequality
     assert certificate.margin.factor == 0.0
+    assert certificate.margin.limit is not None
+    assert (
+        certificate.reading.limit == certificate.reading.undecided.claim
+    )  # never "None" on the page
     assert certificate.made_with["model"] == model_hash(dry) == told.model.sha256
     assert certificate.task_hash == told.task_hash != told.task_hash_before == paper_task().hash
     assert told.evidence is not None
