@@ -133,7 +133,7 @@ def test_too_few_boxes_leave_the_verdict_open() -> None:
     ("contacts", "modes", "box", "words"),
     [
         (ONE, [], BOX, "one for each"),
-        (ONE, [Mode.STICK], {k: v for k, v in BOX.items() if k != "d2"}, "lacks 'd2'"),
+        (ONE, [Mode.STICK], {k: v for k, v in BOX.items() if k != "d2"}, "'d2' is missing"),
         ((Tip(edge=4, at=0.0, friction=0.3, mover=LEFT),), [Mode.STICK], BOX, "no more corners"),
     ],
 )

@@ -88,7 +88,7 @@ TAMPERED: dict[str, tuple[str, Callable[[list[Any]], None], str]] = {
     "salt": (SEALED, lambda v: v[2].update(salt=64 * "1"), "case 1: the label"),
     "master salt": (SEALED, lambda v: v[0].update(master=64 * "1"), "master salt"),
     "case left out": (SEALED, lambda v: v.pop(), "missing"),
-    "case doubled": (SEALED, lambda v: v.append(v[1]), "doubled"),
+    "case doubled": (SEALED, lambda v: v.append(v[1]), "duplicated"),
     "diagnoser": (COMMITMENT, lambda v: v[0].update(diagnoser=64 * "1"), "seed"),
     "root": (COMMITMENT, lambda v: v[0].update(root=64 * "1"), "root"),
 }

@@ -139,7 +139,7 @@ def test_a_film_without_frames(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_filmed_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="16 bit"):
+    with pytest.raises(InputError, match="16-bit"):
         made(tmp_path / "a.avi", Faults(sixteen_bit=True))
     with pytest.raises(InputError, match="ending"):
         made(tmp_path / "a.gif")
