@@ -39,7 +39,7 @@ from meso_robust.wording import up
 HexPair = tuple[str, str]
 
 TIPS = "point tips"
-"""What every verdict is about, whatever the tips of the laboratory."""
+"""What the verdict of every plan is about, whatever the tips of the laboratory."""
 
 
 class _Model(BaseModel):
