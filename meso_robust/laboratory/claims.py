@@ -14,7 +14,7 @@ from numba import njit
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain
-from meso_robust.laboratory.endings import gaps_to, in_part
+from meso_robust.laboratory.geometry import gaps_to, in_part
 from meso_robust.laboratory.meetings import arrives, at_share, crosses
 from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
 from meso_robust.primitives.move import MoveRule
@@ -176,7 +176,7 @@ def _contacts(rule: MoveRule, move: MoveRun, claims: Claims, slip: float) -> Fla
         held = touching[:, pusher] & alone & (first_tip(move, half) == pusher)
     else:
         held = touching[:, UPPER] & touching[:, LOWER]
-    few = True if move.phases is None else move.phases <= PHASES[rule.action]
+    few = move.phases <= PHASES[rule.action]  # of the stepper, which counts none, always
     return np.asarray(held & few & (slips(move, half) <= slip))
 
 

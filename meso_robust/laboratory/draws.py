@@ -31,6 +31,11 @@ class Draws:
     single: Floats
     """(N, M, 2) error of the passive probe."""
 
+    def of_tips(self, k: int, tips: int) -> Floats:
+        """(N, P, 2) errors of 2 or 3 tips in move ``k``: those of the active probe share one."""
+        dual = self.dual[:, k]
+        return np.stack([dual, dual, self.single[:, k]][:tips], axis=1)
+
 
 def nominal(setup: Setup, moves: int) -> Draws:
     """One run with every error zero and every range at its middle."""
@@ -46,17 +51,24 @@ def nominal(setup: Setup, moves: int) -> Draws:
     )
 
 
+def spread(
+    low: Floats | float, high: Floats | float, shape: tuple[int, ...], rng: np.random.Generator
+) -> Floats:
+    """(N, ...) numbers of N runs in a box: the first half uniform, the second half at its corners."""
+    share = rng.random(shape)
+    corners = np.arange(shape[0]) >= (shape[0] + 1) // 2
+    share[corners] = np.rint(share[corners])
+    # rounding could pass an end by a digit
+    return np.clip(low + share * (high - low), low, high)
+
+
 def draw(setup: Setup, moves: int, runs: int, rng: np.random.Generator) -> Draws:
     """Random runs: the first half uniform over the box, the second half at its corners."""
-    u = setup.uncertainty
-    corners = np.arange(runs) >= (runs + 1) // 2
+    s, u = setup.start, setup.uncertainty
 
     def one(range_: Interval, *shape: int) -> Floats:
-        share = rng.random((runs, *shape))
-        share[corners] = np.rint(share[corners])
-        return np.clip(range_.lo + share * (range_.hi - range_.lo), range_.lo, range_.hi)
+        return spread(range_.lo, range_.hi, (runs, *shape), rng)
 
-    s = setup.start
     sensing = np.concatenate(
         [one(u.sensed_position, moves, 2), one(u.sensed_orientation, moves, 1)], axis=2
     )

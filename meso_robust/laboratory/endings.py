@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.laboratory.polygon import distances
+from meso_robust.laboratory.geometry import distances, gaps_to, in_part
 from meso_robust.laboratory.replay import Player
 from meso_robust.laboratory.running import STARTS_INSIDE, STEP, PlanRun, outline, rectangle
 from meso_robust.primitives.outline import Polygon
@@ -83,33 +83,3 @@ def _last_motion(path: Floats) -> float:
     """Part of the move at the last recorded pose that is not yet the final one."""
     moving = np.flatnonzero((path != path[-1]).any(axis=1))
     return float(moving[-1] / (len(path) - 1)) if moving.size and len(path) > 1 else 0.0
-
-
-def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
-    """(...,) distance of points from a rectangle, negative inside (then to the nearest edge).
-
-    Parameters
-    ----------
-    tips
-        (..., 2) points, m.
-    pose
-        (..., 3) of the rectangle, m and rad.
-    half
-        (2,) half its sides, m.
-    """
-    own = in_part(tips, pose)
-    beyond = np.abs(own) - half
-    outside = np.hypot(np.maximum(beyond[..., 0], 0.0), np.maximum(beyond[..., 1], 0.0))
-    return np.asarray(outside + np.minimum(np.maximum(beyond[..., 0], beyond[..., 1]), 0.0))
-
-
-def in_part(points: Floats, pose: Floats) -> Floats:
-    """(..., 2) points of the world (m) in the axes of a part at ``pose`` (..., 3)."""
-    return turned(points - pose[..., :2], pose)
-
-
-def turned(vectors: Floats, pose: Floats) -> Floats:
-    """(..., 2) vectors of the world in the axes of a part at ``pose`` (..., 3)."""
-    c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x + s * y, c * y - s * x], axis=-1)

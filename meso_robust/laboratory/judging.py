@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -94,8 +94,9 @@ def _of(runs: PlanRun, rows: npt.NDArray[np.int64]) -> PlanRun:
     """Some of the runs."""
 
     def cut(move: MoveRun) -> MoveRun:
-        names = ("before", "sensed", "tips", "travel", "path", "modes", "after")
-        return replace(move, **{name: getattr(move, name)[rows] for name in names})
+        return replace(
+            move, **{field.name: getattr(move, field.name)[rows] for field in fields(move)}
+        )
 
     return PlanRun(
         moves=tuple(cut(move) for move in runs.moves),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.laboratory.endings import in_part, turned
+from meso_robust.laboratory.geometry import in_part, turned
 from meso_robust.types import Flags, Floats
 
 

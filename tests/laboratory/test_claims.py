@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.laboratory.claims import CONTACT, Accuracy, broken, only_motions, outside
-from meso_robust.laboratory.endings import gaps_to
+from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.meetings import crosses, meets, stick_ratio
 from meso_robust.laboratory.replay import nominal_row
 from meso_robust.laboratory.running import PlanRun

@@ -10,7 +10,7 @@ import pytest
 
 from meso_robust.laboratory.ascent import corners
 from meso_robust.laboratory.claims import Claims
-from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.engines import NOT_RECORDED, Engine
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Feedback, limits, nominal_row
 from meso_robust.laboratory.running import STEP, PlanRun
@@ -70,9 +70,9 @@ def test_both_engines_make_the_same_executions() -> None:
         assert np.abs(move.after - same.after)[:, 2].max() < 1e-5
         assert np.ptp(move.after[:, 0]) > 1e-6
     # free, one contact, both: what the stepper's own record of modes shows as well
-    phases = [set() if m.phases is None else {int(n) for n in m.phases} for m in one.moves]
+    phases = [{int(n) for n in move.phases} for move in one.moves]
     assert phases == [{2}, {3}, {5}, {3}]
-    assert all(move.phases is None for move in other.moves)
+    assert all((move.phases == NOT_RECORDED).all() for move in other.moves)
     recorded = paper_player().run(rows, record=200).moves[1].modes
     assert {int(k) for k in recorded[:, -1].ravel()} == {1}
 

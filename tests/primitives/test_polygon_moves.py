@@ -12,7 +12,7 @@ from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.laboratory.claims import ends, outside
 from meso_robust.laboratory.draws import draw
-from meso_robust.laboratory.polygon import distances
+from meso_robust.laboratory.geometry import distances
 from meso_robust.laboratory.running import outline, run
 from meso_robust.motion import sticking
 from meso_robust.planning.compose import compose

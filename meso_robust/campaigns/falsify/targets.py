@@ -10,7 +10,7 @@ import numpy as np
 from meso_robust.laboratory.ascent import Score
 from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
 from meso_robust.laboratory.crosscheck import REFUTING
-from meso_robust.laboratory.endings import gaps_to
+from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.judging import INSTANTS
 from meso_robust.laboratory.meetings import meets, stick_ratio
 from meso_robust.laboratory.replay import Feedback
