@@ -223,8 +223,8 @@ def test_every_generated_module_names_its_own_derivation() -> None:
 
 
 PROMISE = {
-    "primitives", "planning", "feasible_regions", "certificates", "checker", "transfer", "policy", "pipeline",
-    "api", "reporting",
+    "motion", "primitives", "planning", "feasible_regions", "certificates", "checker", "transfer", "policy",
+    "laboratory", "campaigns", "pipeline", "api", "reporting",
 }  # fmt: skip
 _ASKED = {"startswith", "endswith", "removeprefix", "index", "find", "search", "match", "fullmatch"}
 

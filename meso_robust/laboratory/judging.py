@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.laboratory.claims import Accuracy, Claims, broken
+from meso_robust.laboratory.claims import Accuracy, Claim, Claims, broken
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import STEP, MoveRun, PlanRun
 from meso_robust.simulator import Outcome
@@ -26,8 +26,8 @@ class Judged:
     """N runs, and the claims that they break."""
 
     runs: PlanRun
-    broken: dict[str, Flags]
-    """(N,) by the name of the claim; see ``claims.broken``."""
+    broken: dict[Claim, Flags]
+    """(N,) by claim; see ``claims.broken``."""
     repeated: int
     """Runs of the stepper that were repeated at half the step before they were judged."""
     stuck: Flags
@@ -73,9 +73,9 @@ def judge(player: Feedback, claims: Claims, rows: Floats, step: float = STEP) ->
         fine = player.run(rows[suspects], record=INSTANTS, step=step)
         accuracy = Accuracy(slip=STEPPED_SLIP * step, pose=_changes(coarse, fine))
         again = broken(fine, claims, accuracy)
-        flags = {name: np.zeros(len(rows), dtype=bool) for name in again}
-        for name, one in again.items():
-            flags[name][suspects] = one
+        flags = {claim: np.zeros(len(rows), dtype=bool) for claim in again}
+        for claim, breaks in again.items():
+            flags[claim][suspects] = breaks
         stuck[suspects] = np.isin(fine.outcomes, UNFINISHED)
         left = np.logical_or.reduce(list(again.values()))
         suspects, coarse = suspects[left], _of(fine, np.flatnonzero(left))

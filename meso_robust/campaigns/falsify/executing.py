@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -16,8 +15,8 @@ from meso_robust.campaigns.falsify.methods import SEARCHES
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import Bisection, Bulk, Search, work_of
 from meso_robust.campaigns.falsify.targets import failing, scorer
-from meso_robust.campaigns.falsify.threshold import LARGEST, Wanted, any_motion, misses, threshold
-from meso_robust.campaigns.falsify.totals import totals
+from meso_robust.campaigns.falsify.threshold import LARGEST, threshold
+from meso_robust.campaigns.falsify.totals import counts, totals
 from meso_robust.campaigns.kind import Part, Result, Values
 from meso_robust.campaigns.planned import largest_factor
 from meso_robust.certificates.margin import margin
@@ -28,10 +27,6 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.types import Floats
 
 HARDEST = 3  # runs kept of a chunk of draws
-WANTED_CLAIMS: Mapping[str, Wanted] = {
-    "any claim about the motion": any_motion,
-    "carried out and in the goal": misses,
-}
 
 
 def execute(ready: Ready, part: Part, chunk: int) -> Result:
@@ -106,7 +101,7 @@ def _search(ready: Ready, work: Search, rng: np.random.Generator, budget: int) -
             "highest": finite(summit.value),
             "row": hexadecimal(summit.row),
             "evaluations": summit.evaluations,
-            "broken": {name: int(flags.sum()) for name, flags in judged.broken.items()},
+            "broken": counts(judged),
             "unfinished": int(judged.unfinished.sum()),
             "rare": None if rare is None else _rare(rare),
             "hardest": _hardest(ready, judged.runs, rows),
@@ -127,7 +122,7 @@ def _threshold(ready: Ready, work: Bisection, seed: int) -> Result:
     found = threshold(
         replace(player, engine="events"),
         lambda factor: setup_of(task, factor),
-        WANTED_CLAIMS[work.wanted],
+        work.wanted,
         seed=seed,
         largest=min(LARGEST, largest_factor(task)),
     )
@@ -138,11 +133,11 @@ def _threshold(ready: Ready, work: Bisection, seed: int) -> Result:
         failures=(),
         values={
             "does": "threshold",
-            "wanted": work.wanted,
+            "wanted": work.wanted.value,
             "certified": margin(player.rules, task).factor,
             "holds": found.holds,
             "breaks": None if at is None else at.factor,
-            "claims": [] if at is None else list(at.claims),
+            "claims": [] if at is None else [claim.words for claim in at.claims],
             "row": [] if at is None else hexadecimal(at.row),
         },
     )

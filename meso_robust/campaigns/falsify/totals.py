@@ -29,7 +29,7 @@ class Totals:
     repeated: int = 0
     """Runs of the stepper that were repeated at smaller steps."""
     broken: dict[str, int] = field(default_factory=dict)
-    """Runs that break a claim, by its name; zero too."""
+    """Runs that break a claim, by its words; zero too."""
     after: list[Ends | None] = field(default_factory=list)
     """(M,) extremes of the poses after each move; None if no run came to its end."""
     during: list[Ends | None] = field(default_factory=list)
@@ -97,13 +97,18 @@ def totals(judged: Judged, claims: Claims, covered: list[list[int]], shares: Flo
         failed=int(judged.any_broken.sum()),
         unfinished=int(judged.unfinished.sum()),
         repeated=judged.repeated,
-        broken={name: int(flags.sum()) for name, flags in judged.broken.items()},
+        broken=counts(judged),
         after=after,
         during=during,
         slip=slip,
         covered=covered,
         corners=_corners(shares[:, :RUN_LEVEL]),
     )
+
+
+def counts(judged: Judged) -> dict[str, int]:
+    """Runs that break each claim, by its words: this is what files hold."""
+    return {claim.words: int(flags.sum()) for claim, flags in judged.broken.items()}
 
 
 def _ends(poses: Floats) -> Ends | None:
