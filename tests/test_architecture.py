@@ -18,7 +18,7 @@ PACKAGE = Path(meso_robust.__file__).parent
 ROOT = PACKAGE.parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-BASE = {"errors", "kernels", "types", "wording"}
+BASE = {"errors", "kernels", "stages", "types", "wording"}
 BELOW_MOTION = {"bounds", "conditions", *BASE}
 BELOW_PLANNING = {"reading", "motion", "primitives", "units", "task", "tasks", *BELOW_MOTION}
 MAY_IMPORT = {

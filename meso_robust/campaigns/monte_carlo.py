@@ -28,6 +28,7 @@ from meso_robust.campaigns.kind import (
     Verdict,
 )
 from meso_robust.campaigns.planned import GivenPlan, PlanSection, given_plan, plan_of
+from meso_robust.laboratory.draws import at_shares
 from meso_robust.laboratory.endings import ending, words
 from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.judging import UNFINISHED
@@ -97,8 +98,7 @@ def drawn(part: Part, player: Player, chunk: int, size: int) -> Floats:
     share = part.rng(chunk).random((rows, len(low)))
     if part.asked["draws"] == "corners":
         share = np.rint(share)
-    # at an end exactly, which rounding could miss by a digit
-    return np.where(share == 1.0, high, np.clip(low + share * (high - low), low, high))
+    return at_shares(share, low, high)
 
 
 def _execute(ready: _Ready, part: Part, chunk: int) -> Result:

@@ -8,7 +8,7 @@ import numpy as np
 
 from meso_robust.laboratory.ascent import corners, stepped
 from meso_robust.laboratory.crosscheck import REFUTING
-from meso_robust.laboratory.replay import Player, joined, limits, miss
+from meso_robust.laboratory.replay import Player, limits, miss
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 
@@ -56,7 +56,7 @@ def search(player: Player, seeds: Floats, rng: np.random.Generator) -> Worst:
         Source of the corners.
     """
     low, high = limits(player)
-    pool = joined([np.clip(seeds, low, high), corners(low, high, CORNERS, rng)])
+    pool = np.concatenate([np.clip(seeds, low, high), corners(low, high, CORNERS, rng)])
     count = len(pool)
     pool, values, more = stepped(
         lambda rows: badness(player, rows), pool, badness(player, pool), (low, high)

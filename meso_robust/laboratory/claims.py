@@ -20,7 +20,7 @@ from meso_robust.laboratory.geometry import gaps_to, in_part
 from meso_robust.laboratory.meetings import arrives, at_share, crosses
 from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats
 
@@ -94,12 +94,6 @@ class Claims:
         return np.asarray(rectangle(self.setup).max(axis=0))
 
 
-def ends(box: PoseBox) -> Floats:
-    """(2, 3) lower and upper ends of a box."""
-    sides = (box.x, box.y, box.theta)
-    return np.array([[side.lo for side in sides], [side.hi for side in sides]])
-
-
 def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
     """What ``chain`` claims of ``rules``: boxes and tubes of the steps up to the last PROVED one."""
     posts: list[Floats | None] = []
@@ -107,8 +101,8 @@ def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
     for step in chain.steps:
         if step.verdict is not Verdict.PROVED or step.post is None:
             break
-        posts.append(ends(step.post))
-        tubes.append(np.array([ends(knot.box) for knot in step.tube]))
+        posts.append(step.post.ends)
+        tubes.append(np.array([knot.box.ends for knot in step.tube]))
     rest: list[Floats | None] = [None] * (len(rules) - len(posts))
     return Claims(
         rules=rules,
@@ -158,7 +152,7 @@ def broken(runs: PlanRun, claims: Claims, accuracy: Accuracy) -> dict[Claim, Fla
         for id_, flags in _of_a_move(rule, move, claims, k, accuracy).items():
             which = begun if id_ is ClaimId.STARTS_FREE else done
             found[Claim(id_, k + 1)] = which & flags
-    missed = outside(runs.final, ends(claims.setup.goal)[None], accuracy.pose[-1])
+    missed = outside(runs.final, claims.setup.goal.ends[None], accuracy.pose[-1])
     return {**found, REACHES_GOAL: runs.completed & missed}
 
 

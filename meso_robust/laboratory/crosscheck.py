@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.laboratory.draws import Draws, draw, nominal
+from meso_robust.laboratory.draws import Draws, draw, nominal, some
 from meso_robust.laboratory.running import STARTS_INSIDE, STEP, PlanRun, excess, run
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -103,7 +103,7 @@ def confirmed(rules: Sequence[MoveRule], setup: Setup, check: CrossCheck) -> boo
     """Whether the worst failing run also fails at half the simulation step."""
     if check.failure is None:
         return False
-    again = run(rules, setup, _rows(check.draws, np.array([check.failure])), step=0.5 * STEP)
+    again = run(rules, setup, some(check.draws, np.array([check.failure])), step=0.5 * STEP)
     missed = excess(again.final, setup.goal)[0]
     if not again.completed[0]:
         return bool(again.outcomes[0] in REFUTING)
@@ -124,17 +124,11 @@ def _largest(values: npt.NDArray[np.float64]) -> tuple[float, float, float]:
 def _step_error(
     rules: Sequence[MoveRule], setup: Setup, draws: Draws, sampled: PlanRun
 ) -> tuple[float, float, float]:
-    some = np.arange(min(COMPARED, len(draws.start)))
-    finer = run(rules, setup, _rows(draws, some), step=0.5 * STEP)
-    both = finer.completed & sampled.completed[some]
+    first = np.arange(min(COMPARED, len(draws.start)))
+    finer = run(rules, setup, some(draws, first), step=0.5 * STEP)
+    both = finer.completed & sampled.completed[first]
     changes = [
-        np.abs(fine.after - coarse.after[some])[both]
+        np.abs(fine.after - coarse.after[first])[both]
         for fine, coarse in zip(finer.moves, sampled.moves, strict=True)
     ]
     return _largest(np.concatenate(changes))
-
-
-def _rows(draws: Draws, rows: npt.NDArray[np.int64]) -> Draws:
-    return replace(
-        draws, **{field.name: getattr(draws, field.name)[rows] for field in fields(draws)}
-    )

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
 from meso_robust.bounds import Interval
 from meso_robust.primitives.setup import Setup
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
+
+_Runs = TypeVar("_Runs", bound=Any)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,6 +54,12 @@ def nominal(setup: Setup, moves: int) -> Draws:
     )
 
 
+def at_shares(share: Floats, low: Floats, high: Floats) -> Floats:
+    """(N, D) points of the unit cube as points of a box, its ends exactly at 0 and 1."""
+    # rounding could pass an end by a digit, or miss the upper one
+    return np.where(share >= 1.0, high, np.clip(low + share * (high - low), low, high))
+
+
 def spread(
     low: Floats | float, high: Floats | float, shape: tuple[int, ...], rng: np.random.Generator
 ) -> Floats:
@@ -83,3 +92,8 @@ def draw(setup: Setup, moves: int, runs: int, rng: np.random.Generator) -> Draws
         dual=one(u.probe_position, moves, 2),
         single=one(u.probe_position, moves, 2),
     )
+
+
+def some(values: _Runs, rows: Ints) -> _Runs:
+    """Some of N runs: of a dataclass all of whose fields are arrays with a row for each."""
+    return replace(values, **{f.name: getattr(values, f.name)[rows] for f in fields(values)})

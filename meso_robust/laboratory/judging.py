@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from meso_robust.laboratory.claims import Accuracy, Claim, Claims, broken
+from meso_robust.laboratory.draws import some
 from meso_robust.laboratory.replay import Feedback
-from meso_robust.laboratory.running import STEP, MoveRun, PlanRun
+from meso_robust.laboratory.running import STEP, PlanRun
 from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats
 
@@ -92,14 +93,8 @@ def _changes(coarse: PlanRun, fine: PlanRun) -> tuple[Floats, ...]:
 
 def _of(runs: PlanRun, rows: npt.NDArray[np.int64]) -> PlanRun:
     """Some of the runs."""
-
-    def cut(move: MoveRun) -> MoveRun:
-        return replace(
-            move, **{field.name: getattr(move, field.name)[rows] for field in fields(move)}
-        )
-
     return PlanRun(
-        moves=tuple(cut(move) for move in runs.moves),
+        moves=tuple(some(move, rows) for move in runs.moves),
         outcomes=runs.outcomes[rows],
         failed_in=runs.failed_in[rows],
     )

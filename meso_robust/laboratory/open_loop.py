@@ -28,11 +28,6 @@ class OpenLoop:
     setup: Setup
 
     @property
-    def kind(self) -> str:
-        """How the plan is run."""
-        return "open_loop"
-
-    @property
     def primitives(self) -> tuple[str, ...]:
         """Name of each move's primitive."""
         return tuple(move.primitive for move in self.moves)

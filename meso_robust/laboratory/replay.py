@@ -7,7 +7,6 @@ which is which.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -40,10 +39,6 @@ class Player(Protocol):
     @property
     def setup(self) -> Setup:
         """The task."""
-
-    @property
-    def kind(self) -> str:
-        """``feedback`` or ``open_loop``."""
 
     @property
     def primitives(self) -> tuple[str, ...]:
@@ -106,11 +101,6 @@ class Feedback:
     setup: Setup
     engine: Engine = "stepper"
     """Which engine of the simulator makes the moves."""
-
-    @property
-    def kind(self) -> str:
-        """How the plan is run."""
-        return "feedback"
 
     @property
     def primitives(self) -> tuple[str, ...]:
@@ -185,13 +175,6 @@ def miss(runs: PlanRun, setup: Setup) -> Floats:
 
     The largest of the three coordinates counts. NaN for a run that ended early.
     """
-    goal = setup.goal
-    low = np.array([goal.x.lo, goal.y.lo, goal.theta.lo])
-    high = np.array([goal.x.hi, goal.y.hi, goal.theta.hi])
+    low, high = setup.goal.ends
     away = np.abs(runs.final - 0.5 * (low + high)) / (0.5 * (high - low))
     return np.where(runs.completed, away.max(axis=1), np.nan)
-
-
-def joined(parts: Sequence[Floats]) -> Floats:
-    """Rows of several sources under each other."""
-    return np.concatenate(parts, axis=0)

@@ -331,6 +331,5 @@ def starts_inside(tips: Floats, poses: Floats, setup: Setup) -> Flags:
 
 def excess(poses: Floats, box: PoseBox) -> Floats:
     """(N, 3) by how much each coordinate lies outside ``box`` (m, m, rad); 0 inside."""
-    low = np.array([box.x.lo, box.y.lo, box.theta.lo])
-    high = np.array([box.x.hi, box.y.hi, box.theta.hi])
+    low, high = box.ends
     return np.maximum(np.maximum(low - poses, poses - high), 0.0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,11 +15,10 @@ from meso_robust.laboratory.witness import Witness
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
+from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
 from meso_robust.types import Floats
 from meso_robust.wording import counted
-
-Doing = Callable[[str], AbstractContextManager[None]]
 
 RECORD = 96  # intervals of each move that are kept of every run
 SEEDS = 32  # worst samples that the adversary starts from
@@ -67,10 +64,6 @@ def player_of(plan: PlanDocument, setup: Setup) -> Feedback | OpenLoop:
     return OpenLoop(moves=plan.moves, setup=setup)
 
 
-def _quietly(_: str) -> AbstractContextManager[None]:
-    return nullcontext()
-
-
 def simulated(
     task: Task,
     plan: PlanDocument,
@@ -80,7 +73,7 @@ def simulated(
     seed: int,
     adversarial: bool = False,
     witness: Witness | None = None,
-    doing: Doing = _quietly,
+    doing: Doing = quietly,
 ) -> Simulated:
     """Run a plan.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -107,19 +107,19 @@ def _um(point: Floats) -> Pair:
 
 def box_document(box: PoseBox) -> BoxDocument:
     """A box in um and deg, rounded outward to a thousandth."""
-    return BoxDocument(
-        x_um=_outward(units.to_um(box.x.lo), units.to_um(box.x.hi)),
-        y_um=_outward(units.to_um(box.y.lo), units.to_um(box.y.hi)),
-        theta_deg=_outward(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
-    )
+    return _box(box, _outward)
 
 
 def goal_document(box: PoseBox) -> BoxDocument:
     """A goal in um and deg, rounded to a thousandth for reading."""
+    return _box(box, _inward)
+
+
+def _box(box: PoseBox, rounded: Callable[[float, float], Pair]) -> BoxDocument:
     return BoxDocument(
-        x_um=_inward(units.to_um(box.x.lo), units.to_um(box.x.hi)),
-        y_um=_inward(units.to_um(box.y.lo), units.to_um(box.y.hi)),
-        theta_deg=_inward(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
+        x_um=rounded(units.to_um(box.x.lo), units.to_um(box.x.hi)),
+        y_um=rounded(units.to_um(box.y.lo), units.to_um(box.y.hi)),
+        theta_deg=rounded(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
     )
 
 

@@ -6,8 +6,7 @@ can be sensed in it, and all poses that can be sensed afterwards lie in cells wi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from meso_robust import units
@@ -18,10 +17,9 @@ from meso_robust.policy.cover import Ends, Room, ends_of, left_over, rooms
 from meso_robust.policy.proof import certified
 from meso_robust.primitives.frame import HEADINGS, Heading
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
 from meso_robust.wording import counted
-
-Doing = Callable[[str], AbstractContextManager[None]]
 
 MOST_MOVES = 8
 AROUND_UM = 500.0  # looked at beyond the start, on all sides of the goal
@@ -33,10 +31,6 @@ MOST_ROOMS = {FINE: 4, COARSE: 2}  # that a move is tried into, the largest
 INSIDE = 1e-9  # m that a proposed cell keeps from where it is expected to fail
 
 
-def _quietly(_: str) -> AbstractContextManager[None]:
-    return nullcontext()
-
-
 def reach_of(task: Task) -> float:
     """Half the side of the square around the goal in which starts are looked at, m."""
     start, goal = task.start, task.goal
@@ -46,7 +40,7 @@ def reach_of(task: Task) -> float:
 
 def make_policy(
     task: Task,
-    doing: Doing = _quietly,
+    doing: Doing = quietly,
     *,
     headings: Sequence[Heading] | None = None,
     quarters: Sequence[int] = QUARTERS,

@@ -172,7 +172,7 @@ class PolicyController:
         return None
 
     def _cell(self, box: PoseBox) -> Cell | None:
-        (low,), (high,) = ends_of([box])
+        low, high = box.ends
         slack = 1e-9  # wider than what `reads` allows for
         near = ((self._low <= high + slack) & (low - slack <= self._high)).all(axis=1)
         cells = (self._policy.cells[int(k)] for k in np.flatnonzero(near))

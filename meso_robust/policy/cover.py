@@ -62,7 +62,7 @@ def left_over(box: PoseBox, boxes: Ends, thinnest: float) -> PoseBox | None:
     Parts thinner than ``thinnest`` (m) or ``THIN_ANGLE`` do not count: this proposes, it does not
     prove.
     """
-    low, high = ends_of([box])
+    low, high = box.ends[:, None]
     met = ((boxes[0] < high) & (low < boxes[1])).all(axis=1)
     lows, highs = boxes[0][met], boxes[1][met]
     shared = np.minimum(highs, high) - np.maximum(lows, low)
@@ -76,9 +76,8 @@ def left_over(box: PoseBox, boxes: Ends, thinnest: float) -> PoseBox | None:
 
 def ends_of(boxes: Sequence[PoseBox]) -> Ends:
     """(N, 3) lower and upper ends of boxes."""
-    low = [(box.x.lo, box.y.lo, box.theta.lo) for box in boxes]
-    high = [(box.x.hi, box.y.hi, box.theta.hi) for box in boxes]
-    return np.array(low).reshape(-1, 3), np.array(high).reshape(-1, 3)
+    low, high = np.array([box.ends for box in boxes]).reshape(-1, 2, 3).swapaxes(0, 1)
+    return low, high
 
 
 def _cut(

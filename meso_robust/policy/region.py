@@ -51,7 +51,7 @@ def region_of(policy: Policy) -> tuple[Region, ...]:
 def _region(near: float, cells: tuple[Cell, ...]) -> Region:
     extent = _hull(cell.sensed for cell in cells)
     lows, highs = ends_of([cell.sensed for cell in cells])
-    (low,), (high,) = ends_of([extent])
+    low, high = extent.ends
     poses = np.random.default_rng(0).uniform(low, high, (SAMPLES, 3))
     held = np.zeros(SAMPLES, dtype=bool)
     for one_low, one_high in zip(lows, highs, strict=True):

@@ -22,6 +22,7 @@ from meso_robust.laboratory.running import (
 )
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.controller import Done, Move, PolicyController
+from meso_robust.policy.cover import ends_of
 from meso_robust.policy.pose import Sensed
 from meso_robust.primitives.move import Commands
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
@@ -80,9 +81,7 @@ def draw_starts(policy: Policy, runs: int, rng: np.random.Generator) -> Starts:
     def of(range_: Interval, *shape: int) -> Floats:
         return one(np.full((runs, *shape), range_.lo), np.full((runs, *shape), range_.hi))
 
-    boxes = [policy.cells[int(k)].sensed for k in chosen]
-    low = np.array([[b.x.lo, b.y.lo, b.theta.lo] for b in boxes])
-    high = np.array([[b.x.hi, b.y.hi, b.theta.hi] for b in boxes])
+    low, high = ends_of([policy.cells[int(k)].sensed for k in chosen])
     sensing = np.hstack([of(u.sensed_position, 2), of(u.sensed_orientation, 1)])
     return Starts(
         poses=one(low, high) - sensing,

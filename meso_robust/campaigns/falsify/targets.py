@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.laboratory.ascent import Score
-from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
+from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, first_tip
 from meso_robust.laboratory.crosscheck import REFUTING
 from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.judging import INSTANTS
@@ -46,7 +46,7 @@ def box_targets(claims: Claims) -> tuple[Target, ...]:
     for k, post in enumerate(claims.posts):
         if post is not None:
             found += [_side(f"move {k + 1}: box", k, post, axis, way) for axis, way in _SIDES]
-    goal, last = ends(claims.setup.goal), len(claims.rules) - 1
+    goal, last = claims.setup.goal.ends, len(claims.rules) - 1
     return (*found, *(_side("goal", last, goal, axis, way) for axis, way in _SIDES))
 
 
