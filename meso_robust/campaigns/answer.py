@@ -88,6 +88,11 @@ def answered(
     replayed
         By the name of a part, what came of trying again what earlier campaigns had kept.
 
+    Returns
+    -------
+    Answer
+        Totals, verdicts and the failures that are written out, part by part.
+
     Raises
     ------
     InputError
@@ -166,7 +171,18 @@ class _Tally:
 
 
 def document(answer: Answer) -> dict[str, Any]:
-    """What is written to ``campaign.json``."""
+    """What is written to ``campaign.json``.
+
+    Parameters
+    ----------
+    answer
+        What a campaign found out.
+
+    Returns
+    -------
+    dict
+        JSON values; numbers finite.
+    """
     campaign = answer.campaign
     return {
         "schema": "meso-robust/campaign-result/1",
@@ -231,7 +247,18 @@ def _part_document(one: PartAnswer) -> dict[str, Any]:
 
 
 def summary(answer: Answer) -> str:
-    """The answer in a few lines."""
+    """The answer as the command line prints it.
+
+    Parameters
+    ----------
+    answer
+        What a campaign found out.
+
+    Returns
+    -------
+    str
+        The verdict, then a line or two a part, and where failures were written.
+    """
     lines = [f"{answer.verdict.upper()}: {answer.campaign.name}"]
     for one in answer.parts:
         lines.append(f"{one.part.name} ({one.part.kind}): {one.told.answer}")

@@ -41,11 +41,6 @@ def badness(player: Player, rows: Floats) -> Floats:
 def search(player: Player, seeds: Floats, rng: np.random.Generator) -> Worst:
     """Look for the worst run in the box of everything uncertain.
 
-    Starts from ``seeds`` and from random corners of the box, keeps the worst few, and goes along the
-    coordinates, first from end to end and then in ever shorter steps; the better of the two ways
-    along every coordinate is also taken for all coordinates at once. Ends early at a run that
-    cannot be carried out.
-
     Parameters
     ----------
     player
@@ -54,6 +49,18 @@ def search(player: Player, seeds: Floats, rng: np.random.Generator) -> Worst:
         (N, D) rows to start from.
     rng
         Source of the corners.
+
+    Returns
+    -------
+    Worst
+        The worst run met, as it is when run by itself. A search finds, it does not prove.
+
+    Notes
+    -----
+    Starts from ``seeds`` and from random corners of the box, keeps the worst few, and goes along the
+    coordinates, first from end to end and then in ever shorter steps; the better of the two ways along
+    every coordinate is also taken for all coordinates at once. Ends early at a run that cannot be
+    carried out, as nothing is worse.
     """
     low, high = limits(player)
     pool = np.concatenate([np.clip(seeds, low, high), corners(low, high, CORNERS, rng)])

@@ -95,7 +95,20 @@ class Claims:
 
 
 def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
-    """What ``chain`` claims of ``rules``: boxes and tubes of the steps up to the last PROVED one."""
+    """What a certified chain claims of a plan's runs.
+
+    Parameters
+    ----------
+    chain
+        The certified steps.
+    rules
+        All moves of the plan.
+
+    Returns
+    -------
+    Claims
+        Boxes and tubes of the steps up to the last PROVED one; of the contacts everything.
+    """
     posts: list[Floats | None] = []
     tubes: list[Floats | None] = []
     for step in chain.steps:
@@ -113,7 +126,18 @@ def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
 
 
 def only_motions(rules: tuple[MoveRule, ...], setup: Setup) -> Claims:
-    """What is claimed of the contacts and the goal only, without boxes."""
+    """What a plan needs in order to work, without any certificate.
+
+    Parameters
+    ----------
+    rules, setup
+        The plan and the task.
+
+    Returns
+    -------
+    Claims
+        Of the contacts and the goal only, without boxes.
+    """
     none = (None,) * len(rules)
     return Claims(rules=rules, setup=setup, posts=none, tubes=none)
 
@@ -225,7 +249,20 @@ def _contacts(rule: MoveRule, move: MoveRun, claims: Claims, slip: float) -> Fla
 
 
 def first_tip(move: MoveRun, half: Floats) -> npt.NDArray[np.int64]:
-    """(N,) which tip of the active probe meets the part first."""
+    """Which tip of the active probe meets the part first, by plain geometry.
+
+    Parameters
+    ----------
+    move
+        One move of N runs.
+    half
+        (2,) half the sides of the part, m.
+
+    Returns
+    -------
+    npt.NDArray
+        (N,) ``UPPER`` or ``LOWER``, in the axes of the move.
+    """
     return _first(move, half)[0]
 
 
@@ -237,8 +274,23 @@ def _first(move: MoveRun, half: Floats) -> tuple[npt.NDArray[np.int64], Floats]:
 
 
 def slips(move: MoveRun, half: Floats) -> Floats:
-    """(N,) how far the first tip to touch is, after the move, from where it met the part, m.
+    """How far the first contact of a move has slipped.
 
+    Parameters
+    ----------
+    move
+        One move of N runs.
+    half
+        (2,) half the sides of the part, m.
+
+    Returns
+    -------
+    Floats
+        (N,) distance, on the part, of the first tip to touch after the move from where it met the
+        part, m.
+
+    Notes
+    -----
     With no more phases than claimed every contact keeps one mode in a phase; the first contact has
     slipped in a phase then exactly if this is not zero.
     """

@@ -41,7 +41,18 @@ class Draws:
 
 
 def nominal(setup: Setup, moves: int) -> Draws:
-    """One run with every error zero and every range at its middle."""
+    """The run without errors.
+
+    Parameters
+    ----------
+    setup, moves
+        The task, and how many moves the plan has.
+
+    Returns
+    -------
+    Draws
+        One run with every error zero and every range at its middle.
+    """
     u = setup.uncertainty
     return Draws(
         start=np.array([setup.start.mid]),
@@ -55,7 +66,20 @@ def nominal(setup: Setup, moves: int) -> Draws:
 
 
 def at_shares(share: Floats, low: Floats, high: Floats) -> Floats:
-    """(N, D) points of the unit cube as points of a box, its ends exactly at 0 and 1."""
+    """Points of the unit cube as points of a box.
+
+    Parameters
+    ----------
+    share
+        (N, D) 0 to 1.
+    low, high
+        (D,) ends of the box.
+
+    Returns
+    -------
+    Floats
+        (N, D) exactly at an end where the share is 0 or 1.
+    """
     # rounding could pass an end by a digit, or miss the upper one
     return np.where(share >= 1.0, high, np.clip(low + share * (high - low), low, high))
 
@@ -72,7 +96,23 @@ def spread(
 
 
 def draw(setup: Setup, moves: int, runs: int, rng: np.random.Generator) -> Draws:
-    """Random runs: the first half uniform over the box, the second half at its corners."""
+    """Random runs.
+
+    Parameters
+    ----------
+    setup, moves
+        The task, and how many moves the plan has.
+    runs
+        How many.
+    rng
+        Source of the numbers.
+
+    Returns
+    -------
+    Draws
+        The first half uniform over the box, the second half at its corners: what fails first, fails at
+        corners.
+    """
     s, u = setup.start, setup.uncertainty
 
     def one(range_: Interval, *shape: int) -> Floats:

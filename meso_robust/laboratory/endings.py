@@ -16,7 +16,7 @@ from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 
 FINE = 4000  # instants at which the stop of a jammed move is looked for
-NEAR = 2.0 * STEP  # gap that counts as touching
+NEAR = 2.0 * STEP  # m; the stepper leaves a gap of up to one step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +34,20 @@ class Ending:
 
 
 def words(outcome: str, touching: Sequence[str]) -> str:
-    """What happened, as a phrase; ``touching`` are the probes that held the part."""
+    """What happened in a run, as a phrase.
+
+    Parameters
+    ----------
+    outcome
+        As in `Ending`.
+    touching
+        Names of the probes that held the part.
+
+    Returns
+    -------
+    str
+        For people; nothing compares it.
+    """
     if outcome == "jam":
         return f"the part jammed at {' and '.join(touching) or 'the probes'}"
     if outcome == "starts inside":
@@ -43,7 +56,20 @@ def words(outcome: str, touching: Sequence[str]) -> str:
 
 
 def ending(player: Player, runs: PlanRun, row: int) -> Ending:
-    """How the run ``row`` ended."""
+    """How one run ended.
+
+    Parameters
+    ----------
+    player, runs
+        What was run, and N runs of it; how far a move got is told best of runs with a recorded path.
+    row
+        Which run.
+
+    Returns
+    -------
+    Ending
+        Why, in which move, how far into it, and which probes held the part.
+    """
     code = int(runs.outcomes[row])
     if code == Outcome.COMPLETED:
         return Ending(outcome="completed", move=None, share=1.0, touching=())

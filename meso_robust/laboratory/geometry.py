@@ -29,16 +29,21 @@ def distances(points: Floats, corners: Floats) -> Floats:
 
 
 def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
-    """(...,) distance of points from a rectangle, negative inside (then to the nearest edge).
+    """Gaps between points and a rectangle.
 
     Parameters
     ----------
     tips
-        (..., 2) points, m.
+        (..., 2) points, m, world frame.
     pose
         (..., 3) of the rectangle, m and rad.
     half
         (2,) half its sides, m.
+
+    Returns
+    -------
+    Floats
+        (...,) distance from the rectangle, m; inside minus the distance to the nearest edge.
     """
     own = in_part(tips, pose)
     beyond = np.abs(own) - half
@@ -47,7 +52,20 @@ def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
 
 
 def in_part(points: Floats, pose: Floats) -> Floats:
-    """(..., 2) points of the world (m) in the axes of a part at ``pose`` (..., 3)."""
+    """Points in the axes of a part.
+
+    Parameters
+    ----------
+    points
+        (..., 2) world frame, m.
+    pose
+        (..., 3) of the part, m and rad.
+
+    Returns
+    -------
+    Floats
+        (..., 2), m.
+    """
     return turned(points - pose[..., :2], pose)
 
 

@@ -20,6 +20,7 @@ EXACT_SLIP = 1e-12  # m; a contact slips by as little if its friction is short b
 STEPPED_SLIP = 0.25  # steps: a step in which a contact closes also slips a little
 HALVINGS = 5  # of the step, for a run that seems to break a claim
 UNFINISHED = (Outcome.SOLVER_FAILURE, Outcome.OUT_OF_RANGE, Outcome.NON_UNIQUE)
+"""Outcomes in which the engine gave up, which says nothing of the plan."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,8 +48,26 @@ class Judged:
 
 
 def judge(player: Feedback, claims: Claims, rows: Floats, step: float = STEP) -> Judged:
-    """Run the plan for every row and hold the runs against the claims.
+    """Run a plan and hold the runs against what is claimed of them.
 
+    Parameters
+    ----------
+    player
+        The plan and its engine.
+    claims
+        What is claimed.
+    rows
+        (N, D) what is uncertain in each run.
+    step
+        Longest probe displacement of a step of the stepper, m.
+
+    Returns
+    -------
+    Judged
+        The runs, and which claims each of them breaks.
+
+    Notes
+    -----
     A run of the stepper that seems to break a claim is repeated at half the step, with the change of
     its own poses as their accuracy, and so on: it breaks the claim if it still does so after
     ``HALVINGS``. Some certified boxes are as tight as rounding allows, and the error of a step leaves

@@ -9,7 +9,17 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.laboratory.draws import spread
-from meso_robust.laboratory.replay import Column, limits, of_a_point, of_a_run
+from meso_robust.laboratory.replay import (
+    FILM,
+    FRICTION,
+    MISALIGNMENT,
+    OF_A_RUN,
+    START,
+    Column,
+    limits,
+    of_a_point,
+    of_a_run,
+)
 from meso_robust.laboratory.running import STEP, Bench, Order, PlanRun, carry_out
 from meso_robust.planning.document import MoveDocument
 from meso_robust.primitives.move import Commands
@@ -17,7 +27,6 @@ from meso_robust.primitives.setup import Setup
 from meso_robust.types import Flags, Floats
 
 DUAL = ("dtp_top", "dtp_bottom")  # two tips of one probe: they share its error
-CONSTANT = 6  # columns that hold for the whole run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,11 +63,11 @@ class OpenLoop:
     def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
         """Run the moves once for every row; the sensed poses of the result are the true ones."""
         bench = _StatedBench(
-            setup=self.setup, friction=rows[:, 3], film_ratio=rows[:, 4], step=step,
+            setup=self.setup, friction=rows[:, FRICTION], film_ratio=rows[:, FILM], step=step,
             moves=self.moves, rows=rows,
         )  # fmt: skip
         rounds = tuple(partial(_as_stated, move) for move in self.moves)
-        return carry_out(rounds, bench, rows[:, :3], record)
+        return carry_out(rounds, bench, rows[:, START], record)
 
 
 def _as_stated(move: MoveDocument, sensed: Floats, going: Flags) -> tuple[Order, ...]:
@@ -86,7 +95,7 @@ class _StatedBench(Bench):
 
     def place(self, k: int, order: Order) -> Floats:
         """(N, P, 2) tips as stated plus the errors, and the pair turned by its misalignment."""
-        move, at = self.moves[k], CONSTANT + 2 * sum(map(len, map(_bodies, self.moves[:k])))
+        move, at = self.moves[k], OF_A_RUN + 2 * sum(map(len, map(_bodies, self.moves[:k])))
         names, bodies = [probe.name for probe in move.probes], _bodies(move)
         errors = self.rows[:, at : at + 2 * len(bodies)].reshape(len(self.rows), -1, 2)
         pair = "dtp" in bodies and set(DUAL) <= set(names)
@@ -97,7 +106,7 @@ class _StatedBench(Bench):
         upper, lower = (order.commands.tips[0, names.index(name)] for name in DUAL)
         half = 0.5 * (upper - lower)
         # a positive angle turns the pair counter-clockwise
-        turn = np.tan(self.rows[:, 5])[:, None] * np.array([-half[1], half[0]])
+        turn = np.tan(self.rows[:, MISALIGNMENT])[:, None] * np.array([-half[1], half[0]])
         signs = dict(zip(DUAL, (1.0, -1.0), strict=True))
         sign = np.array([signs.get(name, 0.0) for name in names])
         return np.asarray(tips + sign[:, None] * turn[:, None])

@@ -243,7 +243,20 @@ class DrawnBench(Bench):
 
 
 def by_rules(rules: Sequence[MoveRule], setup: Setup, misalignment: Floats) -> tuple[Decide, ...]:
-    """Rounds of a plan: each move follows from the pose sensed before it; (N,) misalignment, rad."""
+    """Rounds of a plan whose moves follow from the pose sensed before them.
+
+    Parameters
+    ----------
+    rules, setup
+        The plan and the task.
+    misalignment
+        (N,) of the active probe's two tips in each run, rad.
+
+    Returns
+    -------
+    tuple
+        One round a rule, for `carry_out`.
+    """
     return tuple(partial(_by_rule, rule, setup, misalignment) for rule in rules)
 
 
@@ -295,7 +308,18 @@ def run(
 
 
 def walls(setup: Setup) -> Fixture:
-    """The walls of the task's slot, if it has one."""
+    """The walls of the task's slot.
+
+    Parameters
+    ----------
+    setup
+        The task.
+
+    Returns
+    -------
+    Fixture
+        Empty if the task has no slot.
+    """
     if setup.slot is None:
         return Fixture()
     outline = np.array(setup.slot.outline_um, dtype=np.float64) * UM
@@ -303,12 +327,33 @@ def walls(setup: Setup) -> Fixture:
 
 
 def outline(setup: Setup) -> Floats:
-    """(V, 2) corners of the part, body frame, counter-clockwise, m."""
+    """The part's corners.
+
+    Parameters
+    ----------
+    setup
+        The task.
+
+    Returns
+    -------
+    Floats
+        (V, 2) body frame, counter-clockwise, m.
+    """
     return np.array([[x.mid, y.mid] for x, y in setup.outline.corners])
 
 
 def rectangle(setup: Setup) -> Floats:
-    """(4, 2) corners of a part that must be a rectangle, as :func:`outline` gives them.
+    """The corners of a part that must be a rectangle.
+
+    Parameters
+    ----------
+    setup
+        The task.
+
+    Returns
+    -------
+    Floats
+        (4, 2) as `outline` gives them.
 
     Raises
     ------
@@ -330,6 +375,19 @@ def starts_inside(tips: Floats, poses: Floats, setup: Setup) -> Flags:
 
 
 def excess(poses: Floats, box: PoseBox) -> Floats:
-    """(N, 3) by how much each coordinate lies outside ``box`` (m, m, rad); 0 inside."""
+    """By how much poses lie outside of a box.
+
+    Parameters
+    ----------
+    poses
+        (N, 3), m and rad.
+    box
+        World frame.
+
+    Returns
+    -------
+    Floats
+        (N, 3) of each coordinate, m, m, rad; 0 inside.
+    """
     low, high = box.ends
     return np.maximum(np.maximum(low - poses, poses - high), 0.0)

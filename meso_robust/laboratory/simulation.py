@@ -58,7 +58,18 @@ class Simulated:
 
 
 def player_of(plan: PlanDocument, setup: Setup) -> Feedback | OpenLoop:
-    """A plan as something to be run: its policy if it has one, else its moves as they are."""
+    """A plan as something to be run.
+
+    Parameters
+    ----------
+    plan, setup
+        The plan and its task.
+
+    Returns
+    -------
+    Feedback or OpenLoop
+        Its policy if it has one, else its moves as they are.
+    """
     if plan.policy:
         return Feedback(rules=rules_of(plan), setup=setup)
     return OpenLoop(moves=plan.moves, setup=setup)
@@ -89,6 +100,11 @@ def simulated(
         A run to be replayed, by the engine that made it.
     doing
         Shows what is being done while a stage runs.
+
+    Returns
+    -------
+    Simulated
+        The nominal run, the random ones, and the worst and the witness if they were asked for.
     """
     rng = np.random.default_rng(seed)
     with doing(
@@ -132,10 +148,32 @@ def _worst_first(player: Player, rows: Floats, runs: PlanRun) -> Floats:
 
 
 def order(runs: PlanRun, setup: Setup) -> npt.NDArray[np.int64]:
-    """(N,) indices of runs, those that ended early first, then by falling miss."""
+    """Runs from the worst to the best.
+
+    Parameters
+    ----------
+    runs, setup
+        N runs, and their task.
+
+    Returns
+    -------
+    npt.NDArray
+        (N,) indices: those that ended early first, then by falling miss.
+    """
     return np.argsort(-np.nan_to_num(miss(runs, setup), nan=np.inf), kind="stable")
 
 
 def in_goal(runs: PlanRun, setup: Setup) -> npt.NDArray[np.bool_]:
-    """(N,) whether a run was completed and ended in the goal."""
+    """Which runs do what the plan is for.
+
+    Parameters
+    ----------
+    runs, setup
+        N runs, and their task.
+
+    Returns
+    -------
+    npt.NDArray
+        (N,) whether a run was completed and ended in the goal.
+    """
     return runs.completed & (excess(runs.final, setup.goal) == 0.0).all(axis=1)

@@ -20,7 +20,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
 
-MOST_PUSHES = 3
+MOST_PUSHES = 3  # in a row; effort of the search, no proof rests on it
 ROOM_UM = 100.0  # that a straight part needs to be brought back
 LEAN = 0.35  # rad from upright to a push beyond which it is not tried
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from meso_robust import units
 from meso_robust.primitives.setup import Setup
 
-FULL_UM = 800.0
+FULL_UM = 800.0  # the paper's part is 837 um wide, and such lengths were chosen for it
 
 
 def fine(setup: Setup) -> float:

@@ -21,12 +21,9 @@ from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
 from meso_robust.wording import counted
 
-MOST_MOVES = 8
+MOST_MOVES = 8  # effort of the search: starts that need more are left out
 AROUND_UM = 500.0  # looked at beyond the start, on all sides of the goal
-FINE, COARSE = (
-    2e-6,
-    4e-5,
-)  # m: what is thinner is not worth a cell, in the goal's orientation or not
+FINE, COARSE = 2e-6, 4e-5  # m: thinner is not worth a cell, in the goal's orientation and in others
 MOST_ROOMS = {FINE: 4, COARSE: 2}  # that a move is tried into, the largest
 INSIDE = 1e-9  # m that a proposed cell keeps from where it is expected to fail
 
@@ -64,6 +61,11 @@ def make_policy(
         Half the side of the square around the goal in which starts are looked at, m.
     most_moves
         Starts that need more moves are left out.
+
+    Returns
+    -------
+    Policy
+        Cells of sensed poses, each certified; none if none could be.
     """
     task.rectangle("a feedback policy (--policy)")
     setup = setup_of(task)

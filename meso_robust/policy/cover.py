@@ -18,7 +18,7 @@ Ends = tuple[Floats, Floats]
 Room = tuple[Interval, Interval]
 """A rectangle in x and y, m."""
 
-THIN_ANGLE = 1e-5  # rad
+THIN_ANGLE = 1e-5  # rad: thinner is not worth a cell; proposes only, `covered` has no such limit
 SIDES: tuple[Literal["x", "y", "theta"], ...] = ("x", "y", "theta")
 
 
@@ -75,7 +75,18 @@ def left_over(box: PoseBox, boxes: Ends, thinnest: float) -> PoseBox | None:
 
 
 def ends_of(boxes: Sequence[PoseBox]) -> Ends:
-    """(N, 3) lower and upper ends of boxes."""
+    """Boxes of poses as arrays.
+
+    Parameters
+    ----------
+    boxes
+        World frame.
+
+    Returns
+    -------
+    tuple
+        (N, 3) lower and (N, 3) upper ends, m and rad.
+    """
     low, high = np.array([box.ends for box in boxes]).reshape(-1, 2, 3).swapaxes(0, 1)
     return low, high
 

@@ -13,13 +13,12 @@ from meso_robust.laboratory.crosscheck import REFUTING
 from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.judging import INSTANTS
 from meso_robust.laboratory.meetings import meets, stick_ratio
-from meso_robust.laboratory.replay import Feedback
+from meso_robust.laboratory.replay import FILM, FRICTION, Feedback
 from meso_robust.laboratory.running import MoveRun, PlanRun
 from meso_robust.types import Floats
 
 Measure = Callable[[PlanRun, Floats], Floats]
 
-FRICTION, FILM = 3, 4  # columns of a row
 ANGLES = 5  # orientations between the first and the last of a move at which sticking is asked
 COORDINATES = ("x", "y", "theta")
 TIGHTEST = 1e-9  # m and rad: a box that is tighter is measured as if it were this wide

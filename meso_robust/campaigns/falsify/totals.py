@@ -9,12 +9,11 @@ import numpy as np
 
 from meso_robust.laboratory.claims import Claims, slips
 from meso_robust.laboratory.judging import Judged
+from meso_robust.laboratory.replay import OF_A_RUN
 from meso_robust.types import Floats
 
 Ends = list[list[float]]
 """(2, 3) least and largest pose (m, m, rad)."""
-
-RUN_LEVEL = 6  # columns that hold for the whole run: start, friction, film, misalignment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +101,7 @@ def totals(judged: Judged, claims: Claims, covered: list[list[int]], shares: Flo
         during=during,
         slip=slip,
         covered=covered,
-        corners=_corners(shares[:, :RUN_LEVEL]),
+        corners=_corners(shares[:, :OF_A_RUN]),
     )
 
 
