@@ -24,7 +24,7 @@ from meso_robust.certificates.document import (
 )
 from meso_robust.certificates.margin import Margin, margin
 from meso_robust.laboratory.crosscheck import CrossCheck, confirmed, crosscheck
-from meso_robust.laboratory.running import STARTS_INSIDE, STEP
+from meso_robust.laboratory.running import STARTS_INSIDE, STEP, WOULD_START_INSIDE
 from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.document import PlanDocument, goal_document, plan_document
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
@@ -225,7 +225,7 @@ def _ending(check: CrossCheck, row: int) -> _Ending:
     if code == Outcome.COMPLETED:
         return _Ending("misses_goal", "the last pose misses the goal")
     if code == STARTS_INSIDE:
-        return _Ending("starts_inside", "a probe would start inside the part", move)
+        return _Ending("starts_inside", WOULD_START_INSIDE, move)
     outcome = Outcome(code)
     return _Ending(outcome.name.lower(), f"move {move}: {outcome.message}", move)
 

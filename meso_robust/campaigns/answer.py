@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from meso_robust.campaigns.document import Campaign
@@ -193,28 +193,8 @@ def document(answer: Answer) -> dict[str, Any]:
         "confidence": campaign.confidence,
         "totals_digest": answer.totals_digest,
         "parts": [_part_document(one) for one in answer.parts],
-        "troubles": [
-            {
-                "at": one.at,
-                "part": one.part,
-                "chunk": one.chunk,
-                "attempt": one.attempt,
-                "what": one.what,
-                "given_up": one.given_up,
-            }
-            for one in answer.troubles
-        ],
-        "sessions": [
-            {
-                "began": one.began,
-                "ended": one.ended,
-                "crew": one.crew,
-                "machine": one.machine,
-                "runs": one.runs,
-                "seconds": one.seconds,
-            }
-            for one in answer.sessions
-        ],
+        "troubles": [asdict(one) for one in answer.troubles],
+        "sessions": [asdict(one) for one in answer.sessions],
         "made_with": {"code": code(), **versions()},
     }
 

@@ -9,7 +9,14 @@ import numpy as np
 
 from meso_robust.laboratory.geometry import distances, gaps_to, in_part
 from meso_robust.laboratory.replay import Player
-from meso_robust.laboratory.running import STARTS_INSIDE, STEP, PlanRun, outline, rectangle
+from meso_robust.laboratory.running import (
+    STARTS_INSIDE,
+    STEP,
+    WOULD_START_INSIDE,
+    PlanRun,
+    outline,
+    rectangle,
+)
 from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
@@ -51,7 +58,7 @@ def words(outcome: str, touching: Sequence[str]) -> str:
     if outcome == "jam":
         return f"the part jammed at {' and '.join(touching) or 'the probes'}"
     if outcome == "starts inside":
-        return "a probe would start inside the part"
+        return WOULD_START_INSIDE
     return outcome if outcome == "completed" else f"simulator: {outcome}"
 
 

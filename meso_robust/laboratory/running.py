@@ -28,6 +28,8 @@ _Numbers = TypeVar("_Numbers", Floats, npt.NDArray[np.int8])
 
 STEP = 2e-6  # m, of the probes; its error is measured by a second run at half of it
 STARTS_INSIDE = -1  # a run whose probe would start inside the part is not simulated further
+WOULD_START_INSIDE = "a probe would start inside the part"
+"""The same in words."""
 
 Which = slice | Flags
 """Some of N runs; a slice where it is all of them, because that copies nothing."""
@@ -195,6 +197,35 @@ def _over(pushing: Flags, made: _Numbers, before: _Numbers) -> _Numbers:
     return whole
 
 
+def there_and_back(
+    tips: Floats, travel: Floats, speed: float, reach: float, speed_back: float
+) -> tuple[Floats, Floats]:
+    """The way of tips that back off in the plane, where that matters.
+
+    Parameters
+    ----------
+    tips, travel
+        (N, P, 2) starts and displacements, m.
+    speed, speed_back
+        Of the push and of backing off, m/s.
+    reach
+        How far the tips back off, m: the active ones the way they came, the passive one to its own side.
+
+    Returns
+    -------
+    tuple
+        (N, 3, P, 2) waypoints, m, and (N, 3) their times, s.
+    """
+    far = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
+    # a push of no length takes its time too, and has no direction
+    there = np.where(far > 0.0, far / speed, 1.0)
+    along = (travel[:, 0] / np.where(far > 0.0, far, 1.0)[:, None])[:, None]
+    rests = (travel == 0.0).all(axis=2, keepdims=True)
+    ends = tips + travel
+    waypoints = np.stack([tips, ends, ends + reach * np.where(rests, along, -along)], axis=1)
+    return waypoints, np.stack([np.zeros_like(far), there, there + reach / speed_back], axis=1)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bench:
     """The task's own laboratory: its part on its film, between its walls, pushed by point tips."""
@@ -240,6 +271,11 @@ class DrawnBench(Bench):
         """(N, P, 2) tips as commanded plus the probes' errors."""
         tips = order.commands.tips
         return np.asarray(tips + self.draws.of_tips(k, tips.shape[1]))
+
+
+def why(code: int) -> str:
+    """Why a run ended, in words, from its value in ``PlanRun.outcomes``."""
+    return WOULD_START_INSIDE if code == STARTS_INSIDE else Outcome(code).message
 
 
 def by_rules(rules: Sequence[MoveRule], setup: Setup, misalignment: Floats) -> tuple[Decide, ...]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
-from meso_robust.planning.scale import fine
+from meso_robust.planning.clearance import fine
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.frame import Frame, Heading
 from meso_robust.primitives.move import MoveRule

@@ -17,8 +17,7 @@ import numpy as np
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.motion.two_sided import Grip, enclose_slide
-from meso_robust.planning.clearance import passive_behind_um, rise_of, start_ahead_um
-from meso_robust.planning.scale import fine
+from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step

@@ -14,7 +14,15 @@ from meso_robust.certificates.chain import certify
 from meso_robust.certificates.words import words
 from meso_robust.laboratory.draws import draw
 from meso_robust.laboratory.engines import Pushed, push_all
-from meso_robust.laboratory.running import DrawnBench, Which, by_rules, carry_out, outline, walls
+from meso_robust.laboratory.running import (
+    DrawnBench,
+    Which,
+    by_rules,
+    carry_out,
+    outline,
+    there_and_back,
+    walls,
+)
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.move import Aim, MoveRule
@@ -197,13 +205,8 @@ class _AdheringBench(DrawnBench):
 
     def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
         """There and some way back; the passive tip backs off to its own side."""
-        way = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
-        along = travel[:, 0] / way[:, None]
-        passive = np.all(travel == 0.0, axis=2, keepdims=True)
-        back = np.where(passive, along[:, None], -along[:, None])
         reach = WAY_BACK * 2.0 * self.setup.half_length.mid
-        ends = tips + travel
-        there = way / SPEED
+        waypoints, times = there_and_back(tips, travel, SPEED, reach, WITHDRAWAL)
         effects = Effects()
         if self.pull_um_s > 0.0:
             meniscus = {"pull_um_s": self.pull_um_s, "range_um": 2.0 * self.size}
@@ -211,8 +214,8 @@ class _AdheringBench(DrawnBench):
         push = Push(
             vertices=outline(self.setup),
             poses=poses,
-            waypoints=np.stack([tips, ends, ends + reach * back], axis=1),
-            times=np.column_stack([0.0 * there, there, there + reach / WITHDRAWAL]),
+            waypoints=waypoints,
+            times=times,
             friction=self.friction[runs],
             support=Film.ratio(self.film_ratio[runs]),
             effects=effects,

@@ -30,7 +30,9 @@ from meso_robust.laboratory.running import (
     carry_out,
     excess,
     rectangle,
+    there_and_back,
     walls,
+    why,
 )
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
@@ -176,7 +178,7 @@ def evidence(
     outcomes, done = ran.outcomes, ran.completed
     missed = excess(ran.final, setup.goal)
     clear = done & (missed > np.array(tolerance)).any(axis=1)
-    ended = Counter(_ending(int(code)) for code in outcomes[~done])
+    ended = Counter(why(int(code)) for code in outcomes[~done])
     worst = missed[done].max(axis=0, initial=0.0)
     return Evidence(
         runs=runs,
@@ -240,21 +242,11 @@ def _push(poses: Floats, tips: Floats, travel: Floats, runs: Which, lab: _Labora
 
 
 def _way(tips: Floats, travel: Floats, lab: _Laboratory, *, back: bool) -> tuple[Floats, Floats]:
-    """(N, T, P, 2) waypoints and (N, T) times of a move, and of backing off if tips that leave matter.
-
-    The active tips back off the way they came, the passive one to its own side, at the task's speed.
-    """
+    """(N, T, P, 2) waypoints and (N, T) times of a move, and of backing off if tips that leave matter."""
     speed = lab.task.probe.speed_um_s * units.UM
-    far = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
-    ends = tips + travel
-    waypoints, times = [tips, ends], [np.zeros_like(far), np.where(far > 0.0, far / speed, 1.0)]
-    if back:
-        along = (travel[:, 0] / np.where(far > 0.0, far, 1.0)[:, None])[:, None]
-        rests = (travel == 0.0).all(axis=2, keepdims=True)
-        reach = _BACK * 2.0 * lab.setup.half_length.mid
-        waypoints.append(ends + reach * np.where(rests, along, -along))
-        times.append(times[-1] + reach / speed)
-    return np.stack(waypoints, axis=1), np.stack(times, axis=1)
+    reach = _BACK * 2.0 * lab.setup.half_length.mid
+    waypoints, times = there_and_back(tips, travel, speed, reach, speed)
+    return (waypoints, times) if back else (waypoints[:, :2], times[:, :2])
 
 
 def _rested(poses: Floats, runs: Flags, lab: _Laboratory) -> Floats:
@@ -280,9 +272,3 @@ def _rested(poses: Floats, runs: Flags, lab: _Laboratory) -> Floats:
 def _felt(physics: Physics) -> Effects:
     """What acts on the part, without what is only seen."""
     return Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS})
-
-
-def _ending(code: int) -> str:
-    if code == STARTS_INSIDE:
-        return "a probe would start inside the part"
-    return Outcome(code).message

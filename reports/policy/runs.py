@@ -12,13 +12,13 @@ from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.running import (
-    STARTS_INSIDE,
     STEP,
     Bench,
     Order,
     PlanRun,
     carry_out,
     excess,
+    why,
 )
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.controller import Done, Move, PolicyController
@@ -26,7 +26,6 @@ from meso_robust.policy.cover import ends_of
 from meso_robust.policy.pose import Sensed
 from meso_robust.primitives.move import Commands
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
-from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats
 
 
@@ -139,9 +138,7 @@ def _excess(answers: _Answers, runs: PlanRun) -> Floats:
 
 
 def _why(answers: _Answers, runs: PlanRun, k: int) -> str:
-    code = int(runs.outcomes[k])
-    said = "starts inside the part" if code == STARTS_INSIDE else Outcome(code).message
-    return f"{answers.moves[runs.failed_in[k]][k].rule.action}: {said}"
+    return f"{answers.moves[runs.failed_in[k]][k].rule.action}: {why(int(runs.outcomes[k]))}"
 
 
 class _Answers:

@@ -17,8 +17,8 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.laboratory.draws import draw
 from meso_robust.laboratory.running import run
 from meso_robust.pipeline import make
+from meso_robust.planning.clearance import fine
 from meso_robust.planning.compose import compose, robust_at
-from meso_robust.planning.scale import fine
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.simulator import simulate

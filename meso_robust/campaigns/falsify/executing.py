@@ -17,6 +17,7 @@ from meso_robust.campaigns.falsify.section import Bisection, Bulk, Search, work_
 from meso_robust.campaigns.falsify.targets import failing, scorer
 from meso_robust.campaigns.falsify.threshold import LARGEST, threshold
 from meso_robust.campaigns.falsify.totals import counts, totals
+from meso_robust.campaigns.hardest import hardest, hexadecimal
 from meso_robust.campaigns.kind import Part, Result, Values
 from meso_robust.campaigns.planned import largest_factor
 from meso_robust.certificates.margin import margin
@@ -25,8 +26,6 @@ from meso_robust.laboratory.replay import limits, miss
 from meso_robust.laboratory.running import PlanRun
 from meso_robust.primitives.setup import setup_of
 from meso_robust.types import Floats
-
-HARDEST = 3  # runs kept of a chunk of draws
 
 
 def execute(ready: Ready, part: Part, chunk: int) -> Result:
@@ -72,9 +71,7 @@ def _reached(ready: Ready, runs: PlanRun, rows: Floats) -> dict[str, float | str
 def _hardest(ready: Ready, runs: PlanRun, rows: Floats) -> list[list[Any]]:
     """Completed runs that end farthest from the middle of the goal: tolerances, and the row."""
     away = miss(runs, ready.player.setup)
-    known = np.flatnonzero(~np.isnan(away))
-    hard = known[np.argsort(-away[known], kind="stable")][:HARDEST]
-    return [[float(away[k]), hexadecimal(rows[k])] for k in hard]
+    return [[float(away[k]), hexadecimal(rows[k])] for k in hardest(away)]
 
 
 def _problem(ready: Ready, name: str) -> Problem:
@@ -153,13 +150,3 @@ def finite(value: float) -> float | str | None:
 def value_of(told: float | str | None) -> float:
     """The inverse of :func:`finite`."""
     return -np.inf if told is None else float(told)
-
-
-def hexadecimal(row: Floats) -> list[str]:
-    """Doubles to their last bit."""
-    return [float(value).hex() for value in row]
-
-
-def row_of(text: list[str]) -> Floats:
-    """The inverse of :func:`hexadecimal`."""
-    return np.array([float.fromhex(value) for value in text])

@@ -9,12 +9,12 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.campaigns.coverage import coverage
-from meso_robust.campaigns.falsify.executing import row_of, value_of
+from meso_robust.campaigns.falsify.executing import value_of
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import METHODS
 from meso_robust.campaigns.falsify.targets import COORDINATES, HALF_WIDTHS
 from meso_robust.campaigns.falsify.totals import Totals
-from meso_robust.campaigns.hardest import paths
+from meso_robust.campaigns.hardest import paths, row_of
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table, Values, View
 from meso_robust.laboratory.judging import INSTANTS
 from meso_robust.laboratory.replay import OF_A_RUN
