@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, fields
 
 from meso_robust import units
@@ -26,20 +24,15 @@ from meso_robust.certificates.document import (
 )
 from meso_robust.certificates.margin import Margin, margin
 from meso_robust.laboratory.crosscheck import CrossCheck, confirmed, crosscheck
-from meso_robust.laboratory.running import STARTS_INSIDE, STEP
+from meso_robust.laboratory.running import STARTS_INSIDE, STEP, WOULD_START_INSIDE
 from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.document import PlanDocument, goal_document, plan_document
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.provenance import made_with
 from meso_robust.simulator import Outcome
+from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
 from meso_robust.wording import counted, do, down, worded
-
-Doing = Callable[[str], AbstractContextManager[None]]
-
-
-def _quietly(_: str) -> AbstractContextManager[None]:
-    return nullcontext()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,7 +72,7 @@ class SimulatorContradictsProofError(RuntimeError):
     """A PROVED plan fails in the simulator: one of the two is wrong, and nothing is reported."""
 
 
-def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planned:
+def make(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned:
     """Find a plan and judge it.
 
     Parameters
@@ -103,7 +96,7 @@ def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planne
     return judge(task, found, samples, seed, doing)
 
 
-def make_best(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planned:
+def make_best(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned:
     """Search the design with the widest margin, and judge its plan.
 
     The result's task may have another ``tip_spacing_um``; everything else is as for :func:`make`.
@@ -113,7 +106,7 @@ def make_best(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> P
     return judge(best.task, Found(rules=best.rules, scale=best.factor), samples, seed, doing)
 
 
-def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = _quietly) -> Planned:
+def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = quietly) -> Planned:
     """Certify a plan, search its margin, simulate it.
 
     Parameters
@@ -232,7 +225,7 @@ def _ending(check: CrossCheck, row: int) -> _Ending:
     if code == Outcome.COMPLETED:
         return _Ending("misses_goal", "the last pose misses the goal")
     if code == STARTS_INSIDE:
-        return _Ending("starts_inside", "a probe would start inside the part", move)
+        return _Ending("starts_inside", WOULD_START_INSIDE, move)
     outcome = Outcome(code)
     return _Ending(outcome.name.lower(), f"move {move}: {outcome.message}", move)
 

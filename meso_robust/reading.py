@@ -214,6 +214,14 @@ def first_fault(
         if wrong is not None:
             return f"key {key}.{wrong} is unknown; {like(wrong, [tag])}{keys} lists all keys"
         return f"key {key}.{tag} is missing; {keys} lists all keys"
+    if first["type"] == "union_tag_invalid":
+        tag, expected = first["ctx"]["discriminator"].strip("'"), first["ctx"]["expected_tags"]
+        value = first["input"][tag]
+        advice = like(str(value), expected.replace("'", "").split(", ")) or "correct it; "
+        return (
+            f"key {key}.{tag} = {shown(value)}: must be one of {expected}; {advice}{keys} lists the "
+            "allowed values"
+        )
     rule = first["msg"].removeprefix("Value error, ")
     if first["type"] == "missing":
         return f"key {key} is missing; {keys} lists all keys"

@@ -88,6 +88,29 @@ def test_the_key_that_was_meant_is_told(what: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("kind", "advice"),
+    [
+        ('"proprty"', "did you mean 'property'? "),
+        ('"search"', "correct it; "),
+        ("5", "correct it; "),
+    ],
+)
+def test_a_kind_of_campaign_that_there_is_none_of(kind: str, advice: str, tmp_path: Path) -> None:
+    path = tmp_path / "campaign.toml"
+    path.write_text(CAMPAIGN.replace('"property"', kind), encoding="utf-8")
+
+    with pytest.raises(InputError) as refused:
+        read_campaign(path)
+
+    value = kind.replace('"', "'")
+    kinds = "'blind', 'falsify', 'monte-carlo', 'mutation', 'property'"
+    assert str(refused.value) == (
+        f"{path}: key part[0].kind = {value}: must be one of {kinds}; {advice}"
+        "`meso-robust schema campaign` lists the allowed values"
+    )
+
+
+@pytest.mark.parametrize(
     ("right", "wrong", "key"),
     [("width_um", "widht_um", "part.widht_um"), ("file =", "flie =", "recording[0].flie")],
 )

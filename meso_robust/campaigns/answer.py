@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from meso_robust.campaigns.document import Campaign
@@ -88,6 +88,11 @@ def answered(
     replayed
         By the name of a part, what came of trying again what earlier campaigns had kept.
 
+    Returns
+    -------
+    Answer
+        Totals, verdicts and the failures that are written out, part by part.
+
     Raises
     ------
     InputError
@@ -166,7 +171,18 @@ class _Tally:
 
 
 def document(answer: Answer) -> dict[str, Any]:
-    """What is written to ``campaign.json``."""
+    """What is written to ``campaign.json``.
+
+    Parameters
+    ----------
+    answer
+        What a campaign found out.
+
+    Returns
+    -------
+    dict
+        JSON values; numbers finite.
+    """
     campaign = answer.campaign
     return {
         "schema": "meso-robust/campaign-result/1",
@@ -177,28 +193,8 @@ def document(answer: Answer) -> dict[str, Any]:
         "confidence": campaign.confidence,
         "totals_digest": answer.totals_digest,
         "parts": [_part_document(one) for one in answer.parts],
-        "troubles": [
-            {
-                "at": one.at,
-                "part": one.part,
-                "chunk": one.chunk,
-                "attempt": one.attempt,
-                "what": one.what,
-                "given_up": one.given_up,
-            }
-            for one in answer.troubles
-        ],
-        "sessions": [
-            {
-                "began": one.began,
-                "ended": one.ended,
-                "crew": one.crew,
-                "machine": one.machine,
-                "runs": one.runs,
-                "seconds": one.seconds,
-            }
-            for one in answer.sessions
-        ],
+        "troubles": [asdict(one) for one in answer.troubles],
+        "sessions": [asdict(one) for one in answer.sessions],
         "made_with": {"code": code(), **versions()},
     }
 
@@ -231,7 +227,18 @@ def _part_document(one: PartAnswer) -> dict[str, Any]:
 
 
 def summary(answer: Answer) -> str:
-    """The answer in a few lines."""
+    """The answer as the command line prints it.
+
+    Parameters
+    ----------
+    answer
+        What a campaign found out.
+
+    Returns
+    -------
+    str
+        The verdict, then a line or two a part, and where failures were written.
+    """
     lines = [f"{answer.verdict.upper()}: {answer.campaign.name}"]
     for one in answer.parts:
         lines.append(f"{one.part.name} ({one.part.kind}): {one.told.answer}")

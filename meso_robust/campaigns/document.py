@@ -100,6 +100,11 @@ def read_campaign(path: Path, seed: int | None = None) -> Campaign:
     seed
         Instead of the one in the file.
 
+    Returns
+    -------
+    Campaign
+        Its parts with all that their chunks need: no file is read after this.
+
     Raises
     ------
     InputError

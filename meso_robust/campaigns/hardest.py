@@ -1,4 +1,4 @@
-"""The hardest runs of a part as something to look at."""
+"""The hardest runs of a part: kept to the last bit, and drawn."""
 
 from __future__ import annotations
 
@@ -10,6 +10,25 @@ from meso_robust import units
 from meso_robust.campaigns.kind import Paths
 from meso_robust.laboratory.replay import Player
 from meso_robust.laboratory.running import PlanRun, outline
+from meso_robust.types import Floats, Indices
+
+HARDEST = 3  # runs that are kept of a chunk
+
+
+def hardest(away: Floats) -> Indices:
+    """(HARDEST,) or fewer runs that end farthest from the middle of the goal; NaN (N,) is no end."""
+    known = np.flatnonzero(~np.isnan(away))
+    return known[np.argsort(-away[known], kind="stable")][:HARDEST]
+
+
+def hexadecimal(row: Floats) -> list[str]:
+    """Doubles to their last bit."""
+    return [float(value).hex() for value in row]
+
+
+def row_of(text: Sequence[str]) -> Floats:
+    """The inverse of :func:`hexadecimal`."""
+    return np.array([float.fromhex(value) for value in text])
 
 
 def paths(title: str, player: Player, runs: PlanRun, labels: Sequence[str]) -> Paths:

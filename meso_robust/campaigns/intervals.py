@@ -8,12 +8,28 @@ from scipy.stats import beta
 
 
 def share_interval(hits: int, runs: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Exact (Clopper–Pearson) two-sided interval of a probability, from ``hits`` of ``runs``.
+    """Two-sided interval of a probability, exact: it never covers less than it says.
+
+    Parameters
+    ----------
+    hits, runs
+        Successes, of how many.
+    confidence
+        Probability that the interval covers the truth, at least.
+
+    Returns
+    -------
+    tuple
+        Lower and upper end.
 
     Raises
     ------
     ValueError
         If there is no run, or more hits than runs.
+
+    Notes
+    -----
+    Clopper and Pearson 1934, doi:10.1093/biomet/26.4.404, by quantiles of the beta distribution.
     """
     if not 0 <= hits <= runs or runs == 0:
         raise ValueError(f"hits = {hits}, runs = {runs}: need 0 <= hits <= runs and a run")

@@ -20,7 +20,18 @@ KINDS: Mapping[str, str] = {
 
 @cache
 def kind_of(name: str) -> Kind:
-    """The kind of a name of ``KINDS``."""
+    """A kind of campaign.
+
+    Parameters
+    ----------
+    name
+        One of ``KINDS``.
+
+    Returns
+    -------
+    Kind
+        Its functions; the module is imported on the first call.
+    """
     module, value = KINDS[name].rsplit(".", 1)
     found: Kind = getattr(import_module(f"{__package__}.{module}"), value)
     return found

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from pydantic import Field, FiniteFloat
 
 from meso_robust.campaigns.coverage import BINS, coverage, histogram
-from meso_robust.campaigns.hardest import paths
+from meso_robust.campaigns.hardest import HARDEST, hardest, hexadecimal, paths, row_of
 from meso_robust.campaigns.intervals import ends_told, percent, share_interval
 from meso_robust.campaigns.kind import (
     MOST_FAILURES,
@@ -28,11 +28,12 @@ from meso_robust.campaigns.kind import (
     Verdict,
 )
 from meso_robust.campaigns.planned import GivenPlan, PlanSection, given_plan, plan_of
+from meso_robust.laboratory.draws import at_shares
 from meso_robust.laboratory.endings import ending, words
 from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.judging import UNFINISHED
 from meso_robust.laboratory.replay import Feedback, Player, limits, miss
-from meso_robust.laboratory.running import PlanRun
+from meso_robust.laboratory.running import PlanRun, why
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.laboratory.witness_file import replay_files
 from meso_robust.simulator import Outcome
@@ -44,7 +45,6 @@ OF = {
     "corners": " at corners of the uncertainty box",
 }
 """What the executions are a sample of."""
-HARDEST = 3  # runs that are kept of a chunk, and drawn of a part
 MISSES = 40  # bins of the miss, from 0 to FAR
 FAR = 2.0  # tolerances
 DRAWN = 24  # intervals of each move of a run that is drawn
@@ -97,8 +97,7 @@ def drawn(part: Part, player: Player, chunk: int, size: int) -> Floats:
     share = part.rng(chunk).random((rows, len(low)))
     if part.asked["draws"] == "corners":
         share = np.rint(share)
-    # at an end exactly, which rounding could miss by a digit
-    return np.where(share == 1.0, high, np.clip(low + share * (high - low), low, high))
+    return at_shares(share, low, high)
 
 
 def _execute(ready: _Ready, part: Part, chunk: int) -> Result:
@@ -106,7 +105,7 @@ def _execute(ready: _Ready, part: Part, chunk: int) -> Result:
     rows = drawn(part, player, chunk, ready.size)
     runs = player.run(rows)
     good, away = in_goal(runs, player.setup), miss(runs, player.setup)
-    hard = _hardest(away)
+    hard = hardest(away)
     bad = np.flatnonzero(~good & ~np.isin(runs.outcomes, UNFINISHED))
     return Result(
         runs=len(rows),
@@ -118,19 +117,9 @@ def _execute(ready: _Ready, part: Part, chunk: int) -> Result:
             "outcomes": _outcomes(runs, good),
             "misses": _misses(away),
             "covered": histogram(rows, *limits(player)),
-            "hardest": [[away[row].item().hex(), _hexadecimal(rows[row])] for row in hard],
+            "hardest": [[away[row].item().hex(), hexadecimal(rows[row])] for row in hard],
         },
     )
-
-
-def _hardest(away: Floats) -> npt.NDArray[np.int64]:
-    """Completed runs that end farthest from the middle of the goal."""
-    known = np.flatnonzero(~np.isnan(away))
-    return known[np.argsort(-away[known], kind="stable")][:HARDEST]
-
-
-def _hexadecimal(row: Floats) -> list[str]:
-    return [float(value).hex() for value in row]
 
 
 def _outcomes(runs: PlanRun, good: npt.NDArray[np.bool_]) -> dict[str, int]:
@@ -180,7 +169,7 @@ def _total(part: Part, results: Iterable[Result]) -> Values:
     outcomes: dict[str, int] = {}
     misses = np.zeros(MISSES + 1, dtype=np.int64)
     covered = np.zeros((0, BINS), dtype=np.int64)
-    hardest: list[Any] = []
+    hard: list[Any] = []
     for one in results:
         values = one.values
         runs, good = runs + one.runs, good + values["in_goal"]
@@ -190,8 +179,8 @@ def _total(part: Part, results: Iterable[Result]) -> Values:
         misses += np.array(values["misses"])
         found = np.array(values["covered"])
         covered = covered + found if len(covered) else found
-        hardest = sorted([*hardest, *values["hardest"]], key=lambda h: -float.fromhex(h[0]))
-        hardest = hardest[:HARDEST]
+        hard = sorted([*hard, *values["hardest"]], key=lambda h: -float.fromhex(h[0]))
+        hard = hard[:HARDEST]
     return {
         "executions": runs,
         "in_goal": good,
@@ -199,7 +188,7 @@ def _total(part: Part, results: Iterable[Result]) -> Values:
         "outcomes": dict(sorted(outcomes.items())),
         "misses": misses.tolist(),
         "covered": covered.tolist(),
-        "hardest": hardest,
+        "hardest": hard,
     }
 
 
@@ -253,13 +242,11 @@ def _judged(low: float, high: float, wanted: float | None) -> tuple[Verdict, str
 
 def _endings(totals: Values, runs: int, confidence: float) -> Table:
     """How executions ended, each with its exact interval."""
-    missed = {
-        "0": "completed, the last pose misses the goal",
-        "-1": "a probe would start inside the part",
-    }
     counts = [("in the goal", int(totals["in_goal"]))]
     for code, count in totals["outcomes"].items():
-        counts.append((missed.get(code) or Outcome(int(code)).message, int(count)))
+        missed = int(code) == Outcome.COMPLETED
+        ending = "completed, the last pose misses the goal" if missed else why(int(code))
+        counts.append((ending, int(count)))
     rows = []
     for name, count in counts:
         low, high = share_interval(count, runs, confidence)
@@ -292,7 +279,7 @@ def _pictures(ready: _Ready, totals: Values) -> tuple[Bars | Paths, ...]:
 def _hardest_drawn(ready: _Ready, totals: Values) -> tuple[Paths, ...]:
     if not totals["hardest"]:
         return ()
-    rows = np.array([[float.fromhex(v) for v in row] for _, row in totals["hardest"]])
+    rows = np.array([row_of(row) for _, row in totals["hardest"]])
     runs = ready.player.run(rows, record=DRAWN)
     labels = [f"{float.fromhex(away):.3f} tolerances" for away, _ in totals["hardest"]]
     return (paths("Hardest executions", ready.player, runs, labels),)

@@ -21,7 +21,13 @@ TOLD_BY = ("cli", "reporting", "reproduction")
 
 @cache
 def code() -> str:
-    """SHA-256 over the package's sources and the versions of what it computes with."""
+    """What decides whether results may be added up.
+
+    Returns
+    -------
+    str
+        SHA-256 over the package's sources and the versions of what it computes with.
+    """
     digest = hashlib.sha256(__version__.encode())
     folder = Path(__file__).resolve().parents[1]
     for source in sorted(folder.rglob("*.py")):
@@ -37,7 +43,13 @@ def code() -> str:
 
 @cache
 def versions() -> dict[str, str]:
-    """Versions of Python and of what results are computed with."""
+    """Versions of what results are computed with.
+
+    Returns
+    -------
+    dict
+        By the name of the package; ``python`` too.
+    """
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 

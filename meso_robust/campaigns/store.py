@@ -159,7 +159,7 @@ class Store:
         try:
             yield
         except sqlite3.Error as error:
-            raise InputError(f"{self.path}: {_advice(str(error))}") from error
+            raise InputError(f"{self.path}: {_advice(error)}") from error
 
     def add(self, part: str, chunk: int, text: str, seconds: float, worker: str) -> bool:
         """Keep the result of a chunk; returns when it is on the disk.
@@ -261,16 +261,18 @@ class Store:
         self._db.close()
 
 
-def _advice(error: str) -> str:
+def _advice(error: sqlite3.Error) -> str:
     """What SQLite says, and what to do."""
-    if "locked" in error:
+    # the lowest byte is the primary code; an error that is raised here has none
+    code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF
+    if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
         return "is in use by another campaign that runs; wait for it, or give another --out"
-    if "full" in error or "disk I/O" in error:
+    if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
         return (
             f"cannot be written ({error}); nothing that was done is lost: free some space and give "
             "the same command with --resume"
         )
-    if "unable to open" in error or "readonly" in error:
+    if code in (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY):
         return f"cannot be opened for writing ({error}); give another folder with --out"
     return (
         f"is damaged or not a campaign store ({error}); restore it from a backup, or start over in "

@@ -72,7 +72,18 @@ class _State:
 
 
 def missing(campaign: Campaign, store: Store) -> Iterator[Ticket]:
-    """Chunks that the store does not have, part by part."""
+    """What is left to do.
+
+    Parameters
+    ----------
+    campaign, store
+        What is asked, and what is done already.
+
+    Returns
+    -------
+    Iterator
+        Chunks that the store does not have, part by part.
+    """
     for part in campaign.parts:
         done = store.done(part.name)
         for chunk in range(kind_of(part.kind).count(part)):
@@ -81,16 +92,21 @@ def missing(campaign: Campaign, store: Store) -> Iterator[Ticket]:
 
 
 def carry_out(campaign: Campaign, store: Store, crew: Crew, do: Do = do_chunk) -> Iterator[Step]:
-    """Do what is missing; yields each chunk when it is kept or given up.
+    """Do what is missing.
 
     Parameters
     ----------
     campaign, store
         What is asked, and what is done already.
     crew
-        Executor that runs the chunks.
+        Executor that runs the chunks; closed at the end.
     do
         Does a chunk, given the part's text and the chunk's index.
+
+    Returns
+    -------
+    Iterator
+        A step for each chunk, when it is kept or given up.
 
     Raises
     ------

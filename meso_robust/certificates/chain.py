@@ -61,14 +61,22 @@ class Chain:
 def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> Chain:
     """Certify ``rules`` from every start in ``setup.start``.
 
-    What a move can leave is widened to a decimal grid before the next one starts from it.
-
     Parameters
     ----------
     rules, setup
         The moves in order, the task.
     whole
         False: stop at the first step that is not proved, for a search that asks no more.
+
+    Returns
+    -------
+    Chain
+        The steps as far as the motion could be enclosed.
+
+    Notes
+    -----
+    What a move can leave is widened to a decimal grid before the next one starts from it, so that a
+    checker whose enclosures differ in the last digits can meet the same boxes.
     """
     state: PoseBox | None = setup.start
     steps: list[Step] = []

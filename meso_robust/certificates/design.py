@@ -55,6 +55,11 @@ def design(task: Task, tell: Callable[[str], None] = lambda _: None) -> Design:
     tell
         Called with the progress of the search.
 
+    Returns
+    -------
+    Design
+        The task with the spacing found, its plan and the factor that it bears.
+
     Raises
     ------
     NotApplicableError

@@ -286,9 +286,17 @@ class CertificateDocument(_Model):
 
 
 def sealed(document: CertificateDocument) -> CertificateDocument:
-    """The document with its digest: an accident to any value is found out.
+    """Seal a certificate, so that an accident to any value is found out.
 
-    The digest is that of the JSON without ``digest``, keys sorted, no white space, ASCII.
+    Parameters
+    ----------
+    document
+        The certificate.
+
+    Returns
+    -------
+    CertificateDocument
+        With its digest: SHA-256 of the JSON without ``digest``, keys sorted, no white space, ASCII.
     """
     values = json.loads(document.model_dump_json(by_alias=True))
     del values["digest"]
@@ -297,7 +305,18 @@ def sealed(document: CertificateDocument) -> CertificateDocument:
 
 
 def step_document(step: Step) -> StepDocument:
-    """Write out one certified move."""
+    """Write out one certified move.
+
+    Parameters
+    ----------
+    step
+        The move, and what was proved of it.
+
+    Returns
+    -------
+    StepDocument
+        Boxes exactly and for reading, and its obligations by their stable names.
+    """
     return StepDocument(
         step=step.rule.step,
         primitive=step.rule.primitive,
@@ -331,23 +350,74 @@ def _hex_box(box: Box) -> dict[str, HexPair]:
 
 
 def exact_box(box: PoseBox) -> ExactBox:
-    """The ends of a box as hexadecimal doubles."""
+    """Write out a box of poses.
+
+    Parameters
+    ----------
+    box
+        World frame.
+
+    Returns
+    -------
+    ExactBox
+        Its ends as hexadecimal doubles, m and rad: to the last bit.
+    """
     ends = _hex_box({"x": box.x, "y": box.y, "theta": box.theta})
     return ExactBox(x_m=ends["x"], y_m=ends["y"], theta_rad=ends["theta"])
 
 
 def named(name: Named) -> NamedDocument:
-    """Write out a name."""
+    """Write out a stable name.
+
+    Parameters
+    ----------
+    name
+        An id and its data.
+
+    Returns
+    -------
+    NamedDocument
+        Both as text.
+    """
     return NamedDocument(id=name.id, about=dict(name.about))
 
 
 def name_of(document: NamedDocument) -> Named:
-    """The name that was written out."""
+    """Read a stable name back.
+
+    Parameters
+    ----------
+    document
+        As `named` has written it.
+
+    Returns
+    -------
+    Named
+        The id and its data.
+
+    Raises
+    ------
+    KeyError
+        There is no id of that spelling.
+    """
     return Named(id_of(document.id), document.about)
 
 
 def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
-    """What is claimed, what it rests on, and the inequalities that it was reduced to."""
+    """What is claimed, what it rests on, and the inequalities that it was reduced to.
+
+    Parameters
+    ----------
+    task, chain
+        The task, and the certified steps.
+    moves
+        Of the whole plan, which may be more than the chain reached.
+
+    Returns
+    -------
+    ClaimDocument
+        By stable names, the ranges of everything uncertain exactly.
+    """
     u = setup_of(task).uncertainty
     return ClaimDocument(
         id="ends_in_goal" if task.slot is None else "ends_in_goal_clear_of_walls",
@@ -371,7 +441,24 @@ def reading_document(
     limit: Limit | None = None,
     outcome: str | None = None,
 ) -> ReadingDocument:
-    """The certificate in words."""
+    """A certificate in words, beside what is compared.
+
+    Parameters
+    ----------
+    task, chain, moves
+        As for `claim_document`.
+    undecided
+        What is open, in words.
+    limit
+        What fails first at a larger factor.
+    outcome
+        How the witness of a REFUTED plan fails.
+
+    Returns
+    -------
+    ReadingDocument
+        A sentence for every stable name that the certificate uses.
+    """
     listed = tuple(_obligations(chain))
     return ReadingDocument(
         claim=claim_words(task, moves),
@@ -403,7 +490,20 @@ class Undecided:
 
 
 def undecided_document(chain: Chain, settled_by: Named) -> Undecided | None:
-    """What is not proved first; None if the chain is PROVED."""
+    """What is not proved first.
+
+    Parameters
+    ----------
+    chain
+        The certified steps.
+    settled_by
+        What a user can do about it.
+
+    Returns
+    -------
+    Undecided or None
+        As it is compared, and in words; None if the chain is PROVED.
+    """
     if chain.verdict is Verdict.PROVED:
         return None
     step, name, found = chain.first_open
@@ -430,7 +530,18 @@ def _sides(box: PoseBox | None) -> Box:
 
 
 def margin_document(margin: Margin) -> MarginDocument:
-    """Write out a margin."""
+    """Write out a margin.
+
+    Parameters
+    ----------
+    margin
+        What `meso_robust.certificates.margin.margin` found.
+
+    Returns
+    -------
+    MarginDocument
+        The same values.
+    """
     return MarginDocument(
         factor=margin.factor,
         refused_at=margin.refused,
@@ -447,7 +558,18 @@ def margin_document(margin: Margin) -> MarginDocument:
 
 
 def in_um_deg(values: tuple[float, float, float]) -> tuple[float, float, float]:
-    """(m, m, rad) to (um, um, deg), six digits, rounded up."""
+    """Distances for reading.
+
+    Parameters
+    ----------
+    values
+        (m, m, rad), not negative.
+
+    Returns
+    -------
+    tuple
+        (um, um, deg), six digits, rounded up: a distance is never told smaller than it is.
+    """
     x, y, theta = values
     shown = (units.to_um(x), units.to_um(y), units.to_deg(theta))
     x, y, theta = (float(up(value, 6)) for value in shown)

@@ -142,7 +142,18 @@ _PLAIN: Mapping[Inequality, str] = {
 
 
 def words(name: Named) -> str:
-    """A name as a sentence."""
+    """A stable name as a sentence.
+
+    Parameters
+    ----------
+    name
+        The id of an obligation, a property, a reason or a remedy, and its data.
+
+    Returns
+    -------
+    str
+        For people; nothing compares it.
+    """
     data = {key: _data(key, text) for key, text in name.about.items()}
     why = f" ({TubeStatus[data['status']].message})" if "status" in data else ""
     return _SENTENCES[name.id].format(**data) + why
@@ -173,7 +184,18 @@ def id_of(text: str) -> StrEnum:
 
 
 def inequality_words(inequality: Inequality) -> str:
-    """An inequality in the field's symbols."""
+    """An inequality in the field's symbols.
+
+    Parameters
+    ----------
+    inequality
+        Its stable name.
+
+    Returns
+    -------
+    str
+        What must be positive, and in which of its values.
+    """
     if inequality in _PLAIN:
         return _PLAIN[inequality]
     inputs = ", ".join(condition(*inequality.split(".")).inputs)
@@ -182,7 +204,18 @@ def inequality_words(inequality: Inequality) -> str:
 
 
 def derivation_words(derivation: str | None) -> str:
-    """Where an inequality comes from."""
+    """Where an inequality comes from.
+
+    Parameters
+    ----------
+    derivation
+        File of the derivation; None if there is none.
+
+    Returns
+    -------
+    str
+        The file, or what stands in for it.
+    """
     return derivation or "interval arithmetic on the enclosures above"
 
 
@@ -204,5 +237,16 @@ def claim_words(task: Task, moves: int) -> str:
 
 
 def premise_words(premises: Iterable[Premise] = tuple(Premise)) -> tuple[str, ...]:
-    """Premises, a sentence each."""
+    """Premises, a sentence each.
+
+    Parameters
+    ----------
+    premises
+        Which; all of them if left out.
+
+    Returns
+    -------
+    tuple
+        Their sentences, in the order given.
+    """
     return tuple(PREMISES[one] for one in premises)

@@ -21,8 +21,16 @@ MEANING = {
 def document(task: Task, maps: Sequence[Map]) -> str:
     """All maps of a task as JSON text.
 
-    A cell is its region and four numbers of edges (first and last across, first and last up); the
-    edges are hexadecimal doubles in m or rad, so neighbours share them exactly.
+    Parameters
+    ----------
+    task, maps
+        The task, and its maps.
+
+    Returns
+    -------
+    str
+        A cell is its region and four numbers of edges (first and last across, first and last up); the
+        edges are hexadecimal doubles in m or rad, so neighbours share them exactly.
     """
     body = {
         "schema": SCHEMA,

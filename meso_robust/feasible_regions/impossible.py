@@ -19,7 +19,7 @@ from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.tips import second_tip, tip_of, touch
+from meso_robust.primitives.tips import one_contact, second_tip, tip_of, touch
 
 POINTS_TO_THE_END = 4
 
@@ -38,15 +38,7 @@ def misses(offset: Interval, edge: Edge) -> bool:
 
 def slips(angle: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> bool:
     """Whether one contact cannot push, stick and turn the part to ``side`` at these angles."""
-    u = setup.uncertainty
-    box = {
-        "theta": angle,
-        "d1": edge.depth,
-        "d2": offset,
-        "rho": u.film_ratio,
-        "mu": u.friction,
-        "side": Interval.point(float(side)),
-    }
+    box = one_contact(angle, offset, side, edge, setup)
     return any(
         violated("one_point_sticking", name, box)
         for name in ("friction_margin", "turning", "normal_force")

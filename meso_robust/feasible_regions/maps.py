@@ -256,6 +256,11 @@ def map_of(primitive: Primitive, moves: list[_Move], number: int, count: int = 1
         Of the first of them in the plan.
     count
         The finest cells are 1/count of either side.
+
+    Returns
+    -------
+    Map
+        Cells in which the primitive is certified, impossible, or neither; and where the plan lies.
     """
     move = moves[0]
     at = move.rule.dual.y.offset
@@ -300,7 +305,19 @@ def _rotation_sides(move: _Move) -> tuple[tuple[Axis, Axis], tuple[Interval, Int
 def moves_of(
     steps: tuple[Step, ...], setup: Setup, primitive: Primitive
 ) -> tuple[list[_Move], int]:
-    """The first moves of a certified plan that make up a primitive, and their place from 1.
+    """The moves of a certified plan that make up a primitive.
+
+    Parameters
+    ----------
+    steps, setup
+        The plan's certified steps, and its task.
+    primitive
+        Which; of several the first one, of straightening pushes the last.
+
+    Returns
+    -------
+    tuple
+        The moves, and the number of the first of them, from 1.
 
     Raises
     ------

@@ -8,7 +8,7 @@ import numpy as np
 
 from meso_robust.laboratory.ascent import corners, stepped
 from meso_robust.laboratory.crosscheck import REFUTING
-from meso_robust.laboratory.replay import Player, joined, limits, miss
+from meso_robust.laboratory.replay import Player, limits, miss
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 
@@ -41,11 +41,6 @@ def badness(player: Player, rows: Floats) -> Floats:
 def search(player: Player, seeds: Floats, rng: np.random.Generator) -> Worst:
     """Look for the worst run in the box of everything uncertain.
 
-    Starts from ``seeds`` and from random corners of the box, keeps the worst few, and goes along the
-    coordinates, first from end to end and then in ever shorter steps; the better of the two ways
-    along every coordinate is also taken for all coordinates at once. Ends early at a run that
-    cannot be carried out.
-
     Parameters
     ----------
     player
@@ -54,9 +49,21 @@ def search(player: Player, seeds: Floats, rng: np.random.Generator) -> Worst:
         (N, D) rows to start from.
     rng
         Source of the corners.
+
+    Returns
+    -------
+    Worst
+        The worst run met, as it is when run by itself. A search finds, it does not prove.
+
+    Notes
+    -----
+    Starts from ``seeds`` and from random corners of the box, keeps the worst few, and goes along the
+    coordinates, first from end to end and then in ever shorter steps; the better of the two ways along
+    every coordinate is also taken for all coordinates at once. Ends early at a run that cannot be
+    carried out, as nothing is worse.
     """
     low, high = limits(player)
-    pool = joined([np.clip(seeds, low, high), corners(low, high, CORNERS, rng)])
+    pool = np.concatenate([np.clip(seeds, low, high), corners(low, high, CORNERS, rng)])
     count = len(pool)
     pool, values, more = stepped(
         lambda rows: badness(player, rows), pool, badness(player, pool), (low, high)

@@ -133,7 +133,26 @@ def climb(
     rng: np.random.Generator,
     effort: Effort,
 ) -> Summit:
-    """The highest row found from a pool: coordinate steps, then evolution, then steps again."""
+    """Climb from a pool: coordinate steps, then evolution, then steps again.
+
+    Parameters
+    ----------
+    score
+        What is raised.
+    pool, values
+        (N, D) rows to start from, and their scores (N,).
+    box
+        (D,) lower and (D,) upper ends.
+    rng
+        Source of the evolution's randomness.
+    effort
+        How hard it is tried.
+
+    Returns
+    -------
+    Summit
+        The highest row found.
+    """
     many = 4 * pool.shape[1]
     rows, heights, count = stepped(score, pool, values, box, effort.reaches, effort.elite)
     if effort.generations:
@@ -147,14 +166,46 @@ def climb(
 
 
 def corners(low: Floats, high: Floats, count: int, rng: np.random.Generator) -> Floats:
-    """(count, D) random corners of the box."""
+    """Random corners of a box.
+
+    Parameters
+    ----------
+    low, high
+        (D,) ends of the box.
+    count
+        How many.
+    rng
+        Their source.
+
+    Returns
+    -------
+    Floats
+        (count, D)
+    """
     return np.where(rng.random((count, len(low))) < 0.5, low, high)
 
 
 def shaken(
     seeds: Floats, low: Floats, high: Floats, count: int, rng: np.random.Generator
 ) -> Floats:
-    """(count, D) seeds with some coordinates redrawn, at an end of their range or within it."""
+    """Rows near hard ones: some coordinates redrawn, at an end of their range or within it.
+
+    Parameters
+    ----------
+    seeds
+        (S, D) hard rows.
+    low, high
+        (D,) ends of the box.
+    count
+        How many.
+    rng
+        Their source.
+
+    Returns
+    -------
+    Floats
+        (count, D); of each row 5 %, 20 % or half of the coordinates are redrawn on average.
+    """
     rows = seeds[rng.integers(len(seeds), size=count)]
     share = rng.random(rows.shape)
     share = np.where(rng.random(rows.shape) < 0.5, np.rint(share), share)

@@ -6,7 +6,9 @@ judged from tips and poses alone, by plain geometry, so that both engines are ju
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
@@ -14,17 +16,65 @@ from numba import njit
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain
-from meso_robust.laboratory.endings import gaps_to, in_part
+from meso_robust.laboratory.geometry import gaps_to, in_part
 from meso_robust.laboratory.meetings import arrives, at_share, crosses
 from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats
 
 UPPER, LOWER, PASSIVE = 0, 1, 2  # tips of a move
 PHASES = {"regrasp": 1, "tilt": 2, "straighten": 3}  # free, one tip sticks, both stick
 CONTACT = 1e-9  # m: a gap that counts as contact; both engines keep it to less
+
+
+class ClaimId(StrEnum):
+    """What is claimed: compared, never reworded; its sentence is rendered from ``_SENTENCES``."""
+
+    CARRIED_OUT = "carried_out"
+    STARTS_FREE = "starts_free"
+    CONTACTS = "contacts"
+    RETRACTS = "retracts"
+    ENDS_IN_BOX = "ends_in_box"
+    STAYS_IN_TUBE = "stays_in_tube"
+    REACHES_GOAL = "reaches_goal"
+
+
+_SENTENCES: Mapping[ClaimId, str] = {
+    ClaimId.CARRIED_OUT: "every move can be carried out",
+    ClaimId.STARTS_FREE: "starts free of contact",
+    ClaimId.CONTACTS: "contacts are as claimed",
+    ClaimId.RETRACTS: "probes withdraw clear of the part",
+    ClaimId.ENDS_IN_BOX: "ends in its box",
+    ClaimId.STAYS_IN_TUBE: "stays in its tube",
+    ClaimId.REACHES_GOAL: "the last pose lies in the goal",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """Something that is claimed of every run."""
+
+    id: ClaimId
+    move: int | None = None
+    """From 1; None if it is claimed of the run as a whole."""
+
+    @property
+    def key(self) -> str:
+        """Both as one text, such as ``move_2/ends_in_box``, to sort by."""
+        return self.id if self.move is None else f"move_{self.move}/{self.id}"
+
+    @property
+    def words(self) -> str:
+        """As files and pages state it, such as ``move 2: ends in its box``."""
+        sentence = _SENTENCES[self.id]
+        return sentence if self.move is None else f"move {self.move}: {sentence}"
+
+
+CARRIED_OUT, REACHES_GOAL = Claim(ClaimId.CARRIED_OUT), Claim(ClaimId.REACHES_GOAL)
+OUTCOME = (CARRIED_OUT, REACHES_GOAL)
+"""What counts even where nothing is certified."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,21 +94,28 @@ class Claims:
         return np.asarray(rectangle(self.setup).max(axis=0))
 
 
-def ends(box: PoseBox) -> Floats:
-    """(2, 3) lower and upper ends of a box."""
-    sides = (box.x, box.y, box.theta)
-    return np.array([[side.lo for side in sides], [side.hi for side in sides]])
-
-
 def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
-    """What ``chain`` claims of ``rules``: boxes and tubes of the steps up to the last PROVED one."""
+    """What a certified chain claims of a plan's runs.
+
+    Parameters
+    ----------
+    chain
+        The certified steps.
+    rules
+        All moves of the plan.
+
+    Returns
+    -------
+    Claims
+        Boxes and tubes of the steps up to the last PROVED one; of the contacts everything.
+    """
     posts: list[Floats | None] = []
     tubes: list[Floats | None] = []
     for step in chain.steps:
         if step.verdict is not Verdict.PROVED or step.post is None:
             break
-        posts.append(ends(step.post))
-        tubes.append(np.array([ends(knot.box) for knot in step.tube]))
+        posts.append(step.post.ends)
+        tubes.append(np.array([knot.box.ends for knot in step.tube]))
     rest: list[Floats | None] = [None] * (len(rules) - len(posts))
     return Claims(
         rules=rules,
@@ -69,7 +126,18 @@ def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
 
 
 def only_motions(rules: tuple[MoveRule, ...], setup: Setup) -> Claims:
-    """What is claimed of the contacts and the goal only, without boxes."""
+    """What a plan needs in order to work, without any certificate.
+
+    Parameters
+    ----------
+    rules, setup
+        The plan and the task.
+
+    Returns
+    -------
+    Claims
+        Of the contacts and the goal only, without boxes.
+    """
     none = (None,) * len(rules)
     return Claims(rules=rules, setup=setup, posts=none, tubes=none)
 
@@ -84,7 +152,7 @@ class Accuracy:
     """Per move (N or 1, 3): how far outside a box a pose may lie (m, m, rad)."""
 
 
-def broken(runs: PlanRun, claims: Claims, accuracy: Accuracy) -> dict[str, Flags]:
+def broken(runs: PlanRun, claims: Claims, accuracy: Accuracy) -> dict[Claim, Flags]:
     """Whether a run breaks a claim, for every claim that can be judged.
 
     Parameters
@@ -99,17 +167,17 @@ def broken(runs: PlanRun, claims: Claims, accuracy: Accuracy) -> dict[str, Flags
     Returns
     -------
     dict
-        (N,) flags by the name of the claim, such as ``move 2: ends in its box``. A run that its
-        engine could not finish breaks nothing from the move on in which that happened.
+        (N,) flags by claim. A run that its engine could not finish breaks nothing from the move on
+        in which that happened.
     """
-    found = {"every move can be carried out": np.isin(runs.outcomes, (STARTS_INSIDE, Outcome.JAM))}
+    found = {CARRIED_OUT: np.isin(runs.outcomes, (STARTS_INSIDE, Outcome.JAM))}
     for k, (rule, move) in enumerate(zip(claims.rules, runs.moves, strict=True)):
         begun, done = runs.failed_in >= k, runs.failed_in > k
-        for name, (judged, flags) in _of_a_move(rule, move, claims, k, accuracy).items():
-            which = begun if judged == "begun" else done
-            found[f"move {k + 1}: {name}"] = which & flags
-    missed = outside(runs.final, ends(claims.setup.goal)[None], accuracy.pose[-1])
-    return {**found, "the last pose lies in the goal": runs.completed & missed}
+        for id_, flags in _of_a_move(rule, move, claims, k, accuracy).items():
+            which = begun if id_ is ClaimId.STARTS_FREE else done
+            found[Claim(id_, k + 1)] = which & flags
+    missed = outside(runs.final, claims.setup.goal.ends[None], accuracy.pose[-1])
+    return {**found, REACHES_GOAL: runs.completed & missed}
 
 
 def outside(poses: Floats, boxes: Floats, slack: Floats) -> Flags:
@@ -142,20 +210,20 @@ def _find_outside(poses: Floats, boxes: Floats, slack: Floats, found: Flags) -> 
 
 def _of_a_move(
     rule: MoveRule, move: MoveRun, claims: Claims, k: int, accuracy: Accuracy
-) -> dict[str, tuple[str, Flags]]:
-    """Claims of one move, each with whether it is judged of moves begun or of moves done."""
+) -> dict[ClaimId, Flags]:
+    """(N,) whether a run breaks each claim of one move, if it has got as far as that."""
     half, post, tube = claims.half, claims.posts[k], claims.tubes[k]
     slack = accuracy.pose[k]
     at_start = gaps_to(move.tips, move.before[:, None], half)
     found = {
-        "starts free of contact": ("begun", np.asarray((at_start <= 0.0).any(axis=1))),
-        "contacts are as claimed": ("done", ~_contacts(rule, move, claims, accuracy.slip)),
-        "probes withdraw clear of the part": ("done", _hits_on_withdrawal(move, half)),
+        ClaimId.STARTS_FREE: np.asarray((at_start <= 0.0).any(axis=1)),
+        ClaimId.CONTACTS: ~_contacts(rule, move, claims, accuracy.slip),
+        ClaimId.RETRACTS: _hits_on_withdrawal(move, half),
     }
     if post is not None:
-        found["ends in its box"] = ("done", outside(move.after, post[None], slack))
+        found[ClaimId.ENDS_IN_BOX] = outside(move.after, post[None], slack)
     if tube is not None and move.path.shape[1] > 1:
-        found["stays in its tube"] = ("done", outside(move.path, tube, slack))
+        found[ClaimId.STAYS_IN_TUBE] = outside(move.path, tube, slack)
     return found
 
 
@@ -176,12 +244,25 @@ def _contacts(rule: MoveRule, move: MoveRun, claims: Claims, slip: float) -> Fla
         held = touching[:, pusher] & alone & (first_tip(move, half) == pusher)
     else:
         held = touching[:, UPPER] & touching[:, LOWER]
-    few = True if move.phases is None else move.phases <= PHASES[rule.action]
+    few = move.phases <= PHASES[rule.action]  # of the stepper, which counts none, always
     return np.asarray(held & few & (slips(move, half) <= slip))
 
 
 def first_tip(move: MoveRun, half: Floats) -> npt.NDArray[np.int64]:
-    """(N,) which tip of the active probe meets the part first."""
+    """Which tip of the active probe meets the part first, by plain geometry.
+
+    Parameters
+    ----------
+    move
+        One move of N runs.
+    half
+        (2,) half the sides of the part, m.
+
+    Returns
+    -------
+    npt.NDArray
+        (N,) ``UPPER`` or ``LOWER``, in the axes of the move.
+    """
     return _first(move, half)[0]
 
 
@@ -193,8 +274,23 @@ def _first(move: MoveRun, half: Floats) -> tuple[npt.NDArray[np.int64], Floats]:
 
 
 def slips(move: MoveRun, half: Floats) -> Floats:
-    """(N,) how far the first tip to touch is, after the move, from where it met the part, m.
+    """How far the first contact of a move has slipped.
 
+    Parameters
+    ----------
+    move
+        One move of N runs.
+    half
+        (2,) half the sides of the part, m.
+
+    Returns
+    -------
+    Floats
+        (N,) distance, on the part, of the first tip to touch after the move from where it met the
+        part, m.
+
+    Notes
+    -----
     With no more phases than claimed every contact keeps one mode in a phase; the first contact has
     slipped in a phase then exactly if this is not zero.
     """

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.laboratory.draws import Draws, draw, nominal
+from meso_robust.laboratory.draws import Draws, draw, nominal, some
 from meso_robust.laboratory.running import STARTS_INSIDE, STEP, PlanRun, excess, run
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Outcome
 
 RECORD = 48  # intervals of a recorded path
-CLEAR = 4.0  # times the simulator's error: what counts as missing the goal
-ROUNDING = 1e-12  # m and rad
+CLEAR = 4.0  # times the simulator's error, which is only estimated: what counts as missing the goal
+ROUNDING = 1e-12  # m and rad: what thousands of steps in doubles can add up to
 REFUTING = (STARTS_INSIDE, Outcome.JAM)  # how a run can end that breaks the claim
-COMPARED = 64  # runs that are repeated at half the step
+COMPARED = 64  # runs that are repeated at half the step: enough for an estimate of its error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,7 +66,7 @@ def crosscheck(
     samples: int,
     seed: int,
 ) -> CrossCheck:
-    """Run the plan at the nominal and at ``samples`` random uncertainties.
+    """Run a plan at the nominal and at random uncertainties.
 
     Parameters
     ----------
@@ -76,6 +76,11 @@ def crosscheck(
         Certified box after each move, as far as there is one.
     samples, seed
         How many runs, and the seed of their draws.
+
+    Returns
+    -------
+    CrossCheck
+        The runs, how they ended, and the simulator's own error.
     """
     draws = draw(setup, len(rules), samples, np.random.default_rng(seed))
     sampled = run(rules, setup, draws, record=RECORD)
@@ -100,10 +105,21 @@ def crosscheck(
 
 
 def confirmed(rules: Sequence[MoveRule], setup: Setup, check: CrossCheck) -> bool:
-    """Whether the worst failing run also fails at half the simulation step."""
+    """Whether the worst failing run also fails at half the simulation step.
+
+    Parameters
+    ----------
+    rules, setup, check
+        The plan, the task, and what `crosscheck` found.
+
+    Returns
+    -------
+    bool
+        False as well if no run fails.
+    """
     if check.failure is None:
         return False
-    again = run(rules, setup, _rows(check.draws, np.array([check.failure])), step=0.5 * STEP)
+    again = run(rules, setup, some(check.draws, np.array([check.failure])), step=0.5 * STEP)
     missed = excess(again.final, setup.goal)[0]
     if not again.completed[0]:
         return bool(again.outcomes[0] in REFUTING)
@@ -124,17 +140,11 @@ def _largest(values: npt.NDArray[np.float64]) -> tuple[float, float, float]:
 def _step_error(
     rules: Sequence[MoveRule], setup: Setup, draws: Draws, sampled: PlanRun
 ) -> tuple[float, float, float]:
-    some = np.arange(min(COMPARED, len(draws.start)))
-    finer = run(rules, setup, _rows(draws, some), step=0.5 * STEP)
-    both = finer.completed & sampled.completed[some]
+    first = np.arange(min(COMPARED, len(draws.start)))
+    finer = run(rules, setup, some(draws, first), step=0.5 * STEP)
+    both = finer.completed & sampled.completed[first]
     changes = [
-        np.abs(fine.after - coarse.after[some])[both]
+        np.abs(fine.after - coarse.after[first])[both]
         for fine, coarse in zip(finer.moves, sampled.moves, strict=True)
     ]
     return _largest(np.concatenate(changes))
-
-
-def _rows(draws: Draws, rows: npt.NDArray[np.int64]) -> Draws:
-    return replace(
-        draws, **{field.name: getattr(draws, field.name)[rows] for field in fields(draws)}
-    )

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
 from meso_robust.bounds import Interval
 from meso_robust.primitives.setup import Setup
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
+
+_Runs = TypeVar("_Runs", bound=Any)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,9 +34,25 @@ class Draws:
     single: Floats
     """(N, M, 2) error of the passive probe."""
 
+    def of_tips(self, k: int, tips: int) -> Floats:
+        """(N, P, 2) errors of 2 or 3 tips in move ``k``: those of the active probe share one."""
+        dual = self.dual[:, k]
+        return np.stack([dual, dual, self.single[:, k]][:tips], axis=1)
+
 
 def nominal(setup: Setup, moves: int) -> Draws:
-    """One run with every error zero and every range at its middle."""
+    """The run without errors.
+
+    Parameters
+    ----------
+    setup, moves
+        The task, and how many moves the plan has.
+
+    Returns
+    -------
+    Draws
+        One run with every error zero and every range at its middle.
+    """
     u = setup.uncertainty
     return Draws(
         start=np.array([setup.start.mid]),
@@ -46,17 +65,59 @@ def nominal(setup: Setup, moves: int) -> Draws:
     )
 
 
+def at_shares(share: Floats, low: Floats, high: Floats) -> Floats:
+    """Points of the unit cube as points of a box.
+
+    Parameters
+    ----------
+    share
+        (N, D) 0 to 1.
+    low, high
+        (D,) ends of the box.
+
+    Returns
+    -------
+    Floats
+        (N, D) exactly at an end where the share is 0 or 1.
+    """
+    # rounding could pass an end by a digit, or miss the upper one
+    return np.where(share >= 1.0, high, np.clip(low + share * (high - low), low, high))
+
+
+def spread(
+    low: Floats | float, high: Floats | float, shape: tuple[int, ...], rng: np.random.Generator
+) -> Floats:
+    """(N, ...) numbers of N runs in a box: the first half uniform, the second half at its corners."""
+    share = rng.random(shape)
+    corners = np.arange(shape[0]) >= (shape[0] + 1) // 2
+    share[corners] = np.rint(share[corners])
+    # rounding could pass an end by a digit
+    return np.clip(low + share * (high - low), low, high)
+
+
 def draw(setup: Setup, moves: int, runs: int, rng: np.random.Generator) -> Draws:
-    """Random runs: the first half uniform over the box, the second half at its corners."""
-    u = setup.uncertainty
-    corners = np.arange(runs) >= (runs + 1) // 2
+    """Random runs.
+
+    Parameters
+    ----------
+    setup, moves
+        The task, and how many moves the plan has.
+    runs
+        How many.
+    rng
+        Source of the numbers.
+
+    Returns
+    -------
+    Draws
+        The first half uniform over the box, the second half at its corners: what fails first, fails at
+        corners.
+    """
+    s, u = setup.start, setup.uncertainty
 
     def one(range_: Interval, *shape: int) -> Floats:
-        share = rng.random((runs, *shape))
-        share[corners] = np.rint(share[corners])
-        return np.clip(range_.lo + share * (range_.hi - range_.lo), range_.lo, range_.hi)
+        return spread(range_.lo, range_.hi, (runs, *shape), rng)
 
-    s = setup.start
     sensing = np.concatenate(
         [one(u.sensed_position, moves, 2), one(u.sensed_orientation, moves, 1)], axis=2
     )
@@ -71,3 +132,8 @@ def draw(setup: Setup, moves: int, runs: int, rng: np.random.Generator) -> Draws
         dual=one(u.probe_position, moves, 2),
         single=one(u.probe_position, moves, 2),
     )
+
+
+def some(values: _Runs, rows: Ints) -> _Runs:
+    """Some of N runs: of a dataclass all of whose fields are arrays with a row for each."""
+    return replace(values, **{f.name: getattr(values, f.name)[rows] for f in fields(values)})

@@ -7,16 +7,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.laboratory.polygon import distances
+from meso_robust.laboratory.geometry import distances, gaps_to, in_part
 from meso_robust.laboratory.replay import Player
-from meso_robust.laboratory.running import STARTS_INSIDE, STEP, PlanRun, outline, rectangle
+from meso_robust.laboratory.running import (
+    STARTS_INSIDE,
+    STEP,
+    WOULD_START_INSIDE,
+    PlanRun,
+    outline,
+    rectangle,
+)
 from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 
 FINE = 4000  # instants at which the stop of a jammed move is looked for
-NEAR = 2.0 * STEP  # gap that counts as touching
+NEAR = 2.0 * STEP  # m; the stepper leaves a gap of up to one step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,16 +41,42 @@ class Ending:
 
 
 def words(outcome: str, touching: Sequence[str]) -> str:
-    """What happened, as a phrase; ``touching`` are the probes that held the part."""
+    """What happened in a run, as a phrase.
+
+    Parameters
+    ----------
+    outcome
+        As in `Ending`.
+    touching
+        Names of the probes that held the part.
+
+    Returns
+    -------
+    str
+        For people; nothing compares it.
+    """
     if outcome == "jam":
         return f"the part jammed at {' and '.join(touching) or 'the probes'}"
     if outcome == "starts inside":
-        return "a probe would start inside the part"
+        return WOULD_START_INSIDE
     return outcome if outcome == "completed" else f"simulator: {outcome}"
 
 
 def ending(player: Player, runs: PlanRun, row: int) -> Ending:
-    """How the run ``row`` ended."""
+    """How one run ended.
+
+    Parameters
+    ----------
+    player, runs
+        What was run, and N runs of it; how far a move got is told best of runs with a recorded path.
+    row
+        Which run.
+
+    Returns
+    -------
+    Ending
+        Why, in which move, how far into it, and which probes held the part.
+    """
     code = int(runs.outcomes[row])
     if code == Outcome.COMPLETED:
         return Ending(outcome="completed", move=None, share=1.0, touching=())
@@ -83,33 +116,3 @@ def _last_motion(path: Floats) -> float:
     """Part of the move at the last recorded pose that is not yet the final one."""
     moving = np.flatnonzero((path != path[-1]).any(axis=1))
     return float(moving[-1] / (len(path) - 1)) if moving.size and len(path) > 1 else 0.0
-
-
-def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
-    """(...,) distance of points from a rectangle, negative inside (then to the nearest edge).
-
-    Parameters
-    ----------
-    tips
-        (..., 2) points, m.
-    pose
-        (..., 3) of the rectangle, m and rad.
-    half
-        (2,) half its sides, m.
-    """
-    own = in_part(tips, pose)
-    beyond = np.abs(own) - half
-    outside = np.hypot(np.maximum(beyond[..., 0], 0.0), np.maximum(beyond[..., 1], 0.0))
-    return np.asarray(outside + np.minimum(np.maximum(beyond[..., 0], beyond[..., 1]), 0.0))
-
-
-def in_part(points: Floats, pose: Floats) -> Floats:
-    """(..., 2) points of the world (m) in the axes of a part at ``pose`` (..., 3)."""
-    return turned(points - pose[..., :2], pose)
-
-
-def turned(vectors: Floats, pose: Floats) -> Floats:
-    """(..., 2) vectors of the world in the axes of a part at ``pose`` (..., 3)."""
-    c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x + s * y, c * y - s * x], axis=-1)

@@ -14,7 +14,7 @@ from meso_robust.types import Floats
 
 Engine = Literal["stepper", "events"]
 
-NOT_RECORDED = -1
+NOT_RECORDED = -1  # no contact mode and no number of phases is negative
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,6 +46,11 @@ def push_all(push: Push, engine: Engine, record: int = 0) -> Pushed:
         ``stepper`` (time steps, a complementarity problem each) or ``events`` (event-driven).
     record
         Intervals of the path to keep; 0 keeps none.
+
+    Returns
+    -------
+    Pushed
+        The same of either engine.
     """
     runs, probes = len(push.poses), push.waypoints.shape[2]
     if engine == "stepper":

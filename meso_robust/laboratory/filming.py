@@ -126,7 +126,18 @@ def film_plan(
 
 
 def recorded_part(part: Part | PolygonPart) -> Rectangle | Polygon:
-    """The part of a task as a recording set tells it."""
+    """The part of a task as a recording set states it.
+
+    Parameters
+    ----------
+    part
+        The task's, um.
+
+    Returns
+    -------
+    Rectangle or Polygon
+        The same, m.
+    """
     if isinstance(part, PolygonPart):
         return Polygon(corners=1e-6 * np.array(part.polygon_um))
     return Rectangle(length=1e-6 * part.length_um, width=1e-6 * part.width_um)

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.laboratory.claims import Accuracy, Claims, broken
+from meso_robust.laboratory.claims import Accuracy, Claim, Claims, broken
+from meso_robust.laboratory.draws import some
 from meso_robust.laboratory.replay import Feedback
-from meso_robust.laboratory.running import STEP, MoveRun, PlanRun
+from meso_robust.laboratory.running import STEP, PlanRun
 from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats
 
@@ -19,6 +20,7 @@ EXACT_SLIP = 1e-12  # m; a contact slips by as little if its friction is short b
 STEPPED_SLIP = 0.25  # steps: a step in which a contact closes also slips a little
 HALVINGS = 5  # of the step, for a run that seems to break a claim
 UNFINISHED = (Outcome.SOLVER_FAILURE, Outcome.OUT_OF_RANGE, Outcome.NON_UNIQUE)
+"""Outcomes in which the engine gave up, which says nothing of the plan."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,8 +28,8 @@ class Judged:
     """N runs, and the claims that they break."""
 
     runs: PlanRun
-    broken: dict[str, Flags]
-    """(N,) by the name of the claim; see ``claims.broken``."""
+    broken: dict[Claim, Flags]
+    """(N,) by claim; see ``claims.broken``."""
     repeated: int
     """Runs of the stepper that were repeated at half the step before they were judged."""
     stuck: Flags
@@ -46,8 +48,26 @@ class Judged:
 
 
 def judge(player: Feedback, claims: Claims, rows: Floats, step: float = STEP) -> Judged:
-    """Run the plan for every row and hold the runs against the claims.
+    """Run a plan and hold the runs against what is claimed of them.
 
+    Parameters
+    ----------
+    player
+        The plan and its engine.
+    claims
+        What is claimed.
+    rows
+        (N, D) what is uncertain in each run.
+    step
+        Longest probe displacement of a step of the stepper, m.
+
+    Returns
+    -------
+    Judged
+        The runs, and which claims each of them breaks.
+
+    Notes
+    -----
     A run of the stepper that seems to break a claim is repeated at half the step, with the change of
     its own poses as their accuracy, and so on: it breaks the claim if it still does so after
     ``HALVINGS``. Some certified boxes are as tight as rounding allows, and the error of a step leaves
@@ -73,9 +93,9 @@ def judge(player: Feedback, claims: Claims, rows: Floats, step: float = STEP) ->
         fine = player.run(rows[suspects], record=INSTANTS, step=step)
         accuracy = Accuracy(slip=STEPPED_SLIP * step, pose=_changes(coarse, fine))
         again = broken(fine, claims, accuracy)
-        flags = {name: np.zeros(len(rows), dtype=bool) for name in again}
-        for name, one in again.items():
-            flags[name][suspects] = one
+        flags = {claim: np.zeros(len(rows), dtype=bool) for claim in again}
+        for claim, breaks in again.items():
+            flags[claim][suspects] = breaks
         stuck[suspects] = np.isin(fine.outcomes, UNFINISHED)
         left = np.logical_or.reduce(list(again.values()))
         suspects, coarse = suspects[left], _of(fine, np.flatnonzero(left))
@@ -92,13 +112,8 @@ def _changes(coarse: PlanRun, fine: PlanRun) -> tuple[Floats, ...]:
 
 def _of(runs: PlanRun, rows: npt.NDArray[np.int64]) -> PlanRun:
     """Some of the runs."""
-
-    def cut(move: MoveRun) -> MoveRun:
-        names = ("before", "sensed", "tips", "travel", "path", "modes", "after")
-        return replace(move, **{name: getattr(move, name)[rows] for name in names})
-
     return PlanRun(
-        moves=tuple(cut(move) for move in runs.moves),
+        moves=tuple(some(move, rows) for move in runs.moves),
         outcomes=runs.outcomes[rows],
         failed_in=runs.failed_in[rows],
     )

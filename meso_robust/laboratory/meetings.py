@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.laboratory.endings import in_part, turned
+from meso_robust.laboratory.geometry import in_part, turned
 from meso_robust.types import Flags, Floats
 
 
@@ -74,11 +74,29 @@ def crosses(tip: Floats, way: Floats, pose: Floats, half: Floats, within: float)
 def stick_ratio(
     point: Floats, normal: Floats, way: Floats, pose: Floats, film_ratio: Floats
 ) -> Floats:
-    """(N,) friction over normal force of one contact that sticks while its tip goes along ``way``.
+    """Friction over normal force of one contact that sticks while its tip moves.
 
-    The film drags with ``F = v`` and the moment ``film_ratio * omega``; the contact at ``point``
-    (part's axes) moves with the tip, so that ``F + (q . F / film_ratio) q = u`` with ``q`` the
-    point turned by 90 deg. Infinite where the tip would have to pull.
+    Parameters
+    ----------
+    point, normal
+        (N, 2) contact and inward normal of its edge, part's axes, m.
+    way
+        (N, 2) displacement of the tip, world frame, m; its length does not matter.
+    pose
+        (N, 3) of the part, m and rad.
+    film_ratio
+        (N,) rho, m^2.
+
+    Returns
+    -------
+    Floats
+        (N,) infinite where the tip would have to pull.
+
+    Notes
+    -----
+    The film drags with ``F = v`` and the moment ``film_ratio * omega``; the contact moves with the tip,
+    so that ``F + (q . F / film_ratio) q = u`` with ``q`` the point turned by 90 deg: eq. (5) of the
+    paper, derived anew.
     """
     u = turned(way / np.linalg.norm(way, axis=1, keepdims=True), pose)
     q = np.stack([-point[:, 1], point[:, 0]], axis=1)

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.laboratory.replay import Column, of_a_point, of_a_run
-from meso_robust.laboratory.running import (
-    STARTS_INSIDE,
-    STEP,
-    MoveRun,
-    PlanRun,
-    outline,
-    starts_inside,
+from meso_robust.laboratory.draws import spread
+from meso_robust.laboratory.replay import (
+    FILM,
+    FRICTION,
+    MISALIGNMENT,
+    OF_A_RUN,
+    START,
+    Column,
+    limits,
+    of_a_point,
+    of_a_run,
 )
+from meso_robust.laboratory.running import STEP, Bench, Order, PlanRun, carry_out
 from meso_robust.planning.document import MoveDocument
+from meso_robust.primitives.move import Commands
 from meso_robust.primitives.setup import Setup
-from meso_robust.simulator import Outcome, Push, PushResult, simulate
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 DUAL = ("dtp_top", "dtp_bottom")  # two tips of one probe: they share its error
-CONSTANT = 6  # columns that hold for the whole run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,11 +35,6 @@ class OpenLoop:
 
     moves: tuple[MoveDocument, ...]
     setup: Setup
-
-    @property
-    def kind(self) -> str:
-        """How the plan is run."""
-        return "open_loop"
 
     @property
     def primitives(self) -> tuple[str, ...]:
@@ -59,33 +57,59 @@ class OpenLoop:
 
     def draw(self, runs: int, rng: np.random.Generator) -> Floats:
         """(N, D) random rows: the first half uniform over the box, the second half at corners."""
-        low = np.array([column.low for column in self.columns])
-        high = np.array([column.high for column in self.columns])
-        share = rng.random((runs, len(low)))
-        corners = np.arange(runs) >= (runs + 1) // 2
-        share[corners] = np.rint(share[corners])
-        return np.clip(low + share * (high - low), low, high)
+        low, high = limits(self)
+        return spread(low, high, (runs, len(low)), rng)
 
     def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
         """Run the moves once for every row; the sensed poses of the result are the true ones."""
-        poses = rows[:, :3].copy()
-        outcomes = np.full(len(rows), Outcome.COMPLETED, dtype=np.int8)
-        failed_in = np.full(len(rows), len(self.moves))
-        done, at = [], CONSTANT
-        for k, move in enumerate(self.moves):
-            width = 2 * len(_bodies(move))
-            errors = rows[:, at : at + width].reshape(len(rows), -1, 2)
-            at += width
-            tips, travel = _commands(move, errors, rows[:, 5])
-            alive = outcomes == Outcome.COMPLETED
-            inside = alive & starts_inside(tips, poses, self.setup)
-            outcomes[inside], failed_in[inside] = STARTS_INSIDE, k
-            alive &= ~inside
-            one = _move(self.setup, rows, (poses, tips, travel), alive, outcomes, (record, step))
-            failed_in[alive & (outcomes != Outcome.COMPLETED)] = k
-            poses = one.after
-            done.append(one)
-        return PlanRun(moves=tuple(done), outcomes=outcomes, failed_in=failed_in)
+        bench = _StatedBench(
+            setup=self.setup, friction=rows[:, FRICTION], film_ratio=rows[:, FILM], step=step,
+            moves=self.moves, rows=rows,
+        )  # fmt: skip
+        rounds = tuple(partial(_as_stated, move) for move in self.moves)
+        return carry_out(rounds, bench, rows[:, START], record)
+
+
+def _as_stated(move: MoveDocument, sensed: Floats, going: Flags) -> tuple[Order, ...]:
+    """The move whatever is sensed."""
+    shape = (len(going), len(move.probes), 2)
+    starts = np.array([probe.start_um for probe in move.probes]) * units.UM
+    ways = [(0.0, 0.0) if probe.passive else move.travel_um for probe in move.probes]
+    commands = Commands(
+        tips=np.broadcast_to(starts, shape),
+        travel=np.broadcast_to(np.array(ways) * units.UM, shape),
+    )
+    return (Order(runs=going, commands=commands),)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _StatedBench(Bench):
+    """The task's laboratory where each probe of each move has an error of its own."""
+
+    moves: tuple[MoveDocument, ...]
+    rows: Floats
+
+    def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
+        """Nothing looks at what is sensed."""
+        return poses
+
+    def place(self, k: int, order: Order) -> Floats:
+        """(N, P, 2) tips as stated plus the errors, and the pair turned by its misalignment."""
+        move, at = self.moves[k], OF_A_RUN + 2 * sum(map(len, map(_bodies, self.moves[:k])))
+        names, bodies = [probe.name for probe in move.probes], _bodies(move)
+        errors = self.rows[:, at : at + 2 * len(bodies)].reshape(len(self.rows), -1, 2)
+        pair = "dtp" in bodies and set(DUAL) <= set(names)
+        at_body = [bodies.index("dtp" if pair and name in DUAL else name) for name in names]
+        tips = order.commands.tips + errors[:, at_body]
+        if not pair:
+            return tips
+        upper, lower = (order.commands.tips[0, names.index(name)] for name in DUAL)
+        half = 0.5 * (upper - lower)
+        # a positive angle turns the pair counter-clockwise
+        turn = np.tan(self.rows[:, MISALIGNMENT])[:, None] * np.array([-half[1], half[0]])
+        signs = dict(zip(DUAL, (1.0, -1.0), strict=True))
+        sign = np.array([signs.get(name, 0.0) for name in names])
+        return np.asarray(tips + sign[:, None] * turn[:, None])
 
 
 def _bodies(move: MoveDocument) -> tuple[str, ...]:
@@ -93,75 +117,3 @@ def _bodies(move: MoveDocument) -> tuple[str, ...]:
     names = [probe.name for probe in move.probes]
     both = set(DUAL) <= set(names)
     return tuple(dict.fromkeys("dtp" if both and name in DUAL else name for name in names))
-
-
-def _commands(move: MoveDocument, errors: Floats, misalignment: Floats) -> tuple[Floats, Floats]:
-    """(N, P, 2) true tips at the start and their travel: as stated plus the probes' errors."""
-    starts = {probe.name: np.array(probe.start_um) * units.UM for probe in move.probes}
-    bodies = _bodies(move)
-    ahead = np.zeros(2)
-    if "dtp" in bodies and set(DUAL) <= set(starts):
-        half = 0.5 * (starts[DUAL[0]] - starts[DUAL[1]])
-        ahead = np.array([-half[1], half[0]])  # a positive angle turns the pair counter-clockwise
-    turn = np.tan(misalignment)[:, None] * ahead
-    tips, travel = [], []
-    for probe in move.probes:
-        shared = probe.name in DUAL and probe.name not in bodies
-        body = bodies.index("dtp" if shared else probe.name)
-        sign = 0.0 if not shared else 1.0 if probe.name == DUAL[0] else -1.0
-        tips.append(starts[probe.name] + errors[:, body] + sign * turn)
-        way = np.zeros(2) if probe.passive else np.array(move.travel_um) * units.UM
-        travel.append(np.broadcast_to(way, (len(errors), 2)))
-    return np.stack(tips, axis=1), np.stack(travel, axis=1)
-
-
-def _move(
-    setup: Setup,
-    rows: Floats,
-    geometry: tuple[Floats, Floats, Floats],
-    alive: npt.NDArray[np.bool_],
-    outcomes: npt.NDArray[np.int8],
-    resolution: tuple[int, float],
-) -> MoveRun:
-    """One move of the runs that are still alive; writes their outcomes."""
-    poses, tips, travel = geometry
-    record, step = resolution
-    after, path = poses.copy(), np.repeat(poses[:, None], record + 1, axis=1)
-    modes = np.zeros((*path.shape[:2], tips.shape[1]), dtype=np.int8)
-    if alive.any():
-        result = _push(setup, rows[alive], (poses[alive], tips[alive], travel[alive]), record, step)
-        after[alive], outcomes[alive] = result.poses, result.outcomes
-        if record:
-            path[alive], modes[alive] = result.path, result.modes
-    return MoveRun(
-        before=poses,
-        sensed=poses,
-        tips=tips,
-        travel=travel,
-        path=path,
-        modes=modes,
-        after=after,
-    )
-
-
-def _push(
-    setup: Setup,
-    rows: Floats,
-    geometry: tuple[Floats, Floats, Floats],
-    record: int,
-    step: float,
-) -> PushResult:
-    """The only place that calls the simulator."""
-    poses, tips, travel = geometry
-    return simulate(
-        Push.straight(
-            vertices=outline(setup),
-            poses=poses,
-            tips=tips,
-            travel=travel,
-            friction=rows[:, 3],
-            film_ratio=rows[:, 4],
-            step=step,
-        ),
-        record=record,
-    )

@@ -7,7 +7,6 @@ which is which.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -21,6 +20,11 @@ from meso_robust.planning.document import names_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup
 from meso_robust.types import Floats
+
+START, FRICTION, FILM, MISALIGNMENT = slice(3), 3, 4, 5
+"""Columns of a row that hold for the whole run; see `of_a_run`."""
+OF_A_RUN = 6
+"""How many those are; what belongs to single moves comes after them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,10 +46,6 @@ class Player(Protocol):
         """The task."""
 
     @property
-    def kind(self) -> str:
-        """``feedback`` or ``open_loop``."""
-
-    @property
     def primitives(self) -> tuple[str, ...]:
         """Name of each move's primitive."""
 
@@ -65,12 +65,34 @@ class Player(Protocol):
 
 
 def nominal_row(player: Player) -> Floats:
-    """(1, D) every error zero and every range at its middle."""
+    """The run without errors as a row.
+
+    Parameters
+    ----------
+    player
+        The plan.
+
+    Returns
+    -------
+    Floats
+        (1, D) every error zero and every range at its middle.
+    """
     return np.array([[column.mid for column in player.columns]])
 
 
 def limits(player: Player) -> tuple[Floats, Floats]:
-    """(D,) lower and (D,) upper ends of everything uncertain."""
+    """The box of everything uncertain.
+
+    Parameters
+    ----------
+    player
+        The plan.
+
+    Returns
+    -------
+    tuple
+        (D,) lower and (D,) upper ends, SI.
+    """
     columns = player.columns
     return np.array([c.low for c in columns]), np.array([c.high for c in columns])
 
@@ -106,11 +128,6 @@ class Feedback:
     setup: Setup
     engine: Engine = "stepper"
     """Which engine of the simulator makes the moves."""
-
-    @property
-    def kind(self) -> str:
-        """How the plan is run."""
-        return "feedback"
 
     @property
     def primitives(self) -> tuple[str, ...]:
@@ -161,8 +178,8 @@ class Feedback:
         sensing = np.zeros((runs, moves, 3))
         dual, single = np.zeros((runs, moves, 2)), np.zeros((runs, moves, 2))
         # the first pose is sensed as the task states it
-        sensing[:, 0] = np.array(self.setup.start.mid) - rows[:, :3]
-        at = 6
+        sensing[:, 0] = np.array(self.setup.start.mid) - rows[:, START]
+        at = OF_A_RUN
         for k, rule in enumerate(self.rules):
             targets = [sensing[:, k]] if k > 0 else []
             targets += [dual[:, k]] + ([] if rule.single is None else [single[:, k]])
@@ -170,10 +187,10 @@ class Feedback:
                 target[:] = rows[:, at : at + target.shape[1]]
                 at += target.shape[1]
         return Draws(
-            start=rows[:, :3].copy(),
-            friction=rows[:, 3].copy(),
-            film_ratio=rows[:, 4].copy(),
-            misalignment=rows[:, 5].copy(),
+            start=rows[:, START].copy(),
+            friction=rows[:, FRICTION].copy(),
+            film_ratio=rows[:, FILM].copy(),
+            misalignment=rows[:, MISALIGNMENT].copy(),
             sensing=sensing,
             dual=dual,
             single=single,
@@ -181,17 +198,19 @@ class Feedback:
 
 
 def miss(runs: PlanRun, setup: Setup) -> Floats:
-    """(N,) distance of the last pose from the goal's middle in tolerances; within 1 is a hit.
+    """How far runs end from the middle of the goal.
 
-    The largest of the three coordinates counts. NaN for a run that ended early.
+    Parameters
+    ----------
+    runs, setup
+        N runs, and their task.
+
+    Returns
+    -------
+    Floats
+        (N,) largest of the three coordinates' distances in tolerances; within 1 is a hit, and NaN is a
+        run that ended early.
     """
-    goal = setup.goal
-    low = np.array([goal.x.lo, goal.y.lo, goal.theta.lo])
-    high = np.array([goal.x.hi, goal.y.hi, goal.theta.hi])
+    low, high = setup.goal.ends
     away = np.abs(runs.final - 0.5 * (low + high)) / (0.5 * (high - low))
     return np.where(runs.completed, away.max(axis=1), np.nan)
-
-
-def joined(parts: Sequence[Floats]) -> Floats:
-    """Rows of several sources under each other."""
-    return np.concatenate(parts, axis=0)

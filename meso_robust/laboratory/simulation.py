@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,11 +15,10 @@ from meso_robust.laboratory.witness import Witness
 from meso_robust.planning.document import PlanDocument
 from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.setup import Setup, setup_of
+from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
 from meso_robust.types import Floats
 from meso_robust.wording import counted
-
-Doing = Callable[[str], AbstractContextManager[None]]
 
 RECORD = 96  # intervals of each move that are kept of every run
 SEEDS = 32  # worst samples that the adversary starts from
@@ -61,14 +58,21 @@ class Simulated:
 
 
 def player_of(plan: PlanDocument, setup: Setup) -> Feedback | OpenLoop:
-    """A plan as something to be run: its policy if it has one, else its moves as they are."""
+    """A plan as something to be run.
+
+    Parameters
+    ----------
+    plan, setup
+        The plan and its task.
+
+    Returns
+    -------
+    Feedback or OpenLoop
+        Its policy if it has one, else its moves as they are.
+    """
     if plan.policy:
         return Feedback(rules=rules_of(plan), setup=setup)
     return OpenLoop(moves=plan.moves, setup=setup)
-
-
-def _quietly(_: str) -> AbstractContextManager[None]:
-    return nullcontext()
 
 
 def simulated(
@@ -80,7 +84,7 @@ def simulated(
     seed: int,
     adversarial: bool = False,
     witness: Witness | None = None,
-    doing: Doing = _quietly,
+    doing: Doing = quietly,
 ) -> Simulated:
     """Run a plan.
 
@@ -96,6 +100,11 @@ def simulated(
         A run to be replayed, by the engine that made it.
     doing
         Shows what is being done while a stage runs.
+
+    Returns
+    -------
+    Simulated
+        The nominal run, the random ones, and the worst and the witness if they were asked for.
     """
     rng = np.random.default_rng(seed)
     with doing(
@@ -139,10 +148,32 @@ def _worst_first(player: Player, rows: Floats, runs: PlanRun) -> Floats:
 
 
 def order(runs: PlanRun, setup: Setup) -> npt.NDArray[np.int64]:
-    """(N,) indices of runs, those that ended early first, then by falling miss."""
+    """Runs from the worst to the best.
+
+    Parameters
+    ----------
+    runs, setup
+        N runs, and their task.
+
+    Returns
+    -------
+    npt.NDArray
+        (N,) indices: those that ended early first, then by falling miss.
+    """
     return np.argsort(-np.nan_to_num(miss(runs, setup), nan=np.inf), kind="stable")
 
 
 def in_goal(runs: PlanRun, setup: Setup) -> npt.NDArray[np.bool_]:
-    """(N,) whether a run was completed and ended in the goal."""
+    """Which runs do what the plan is for.
+
+    Parameters
+    ----------
+    runs, setup
+        N runs, and their task.
+
+    Returns
+    -------
+    npt.NDArray
+        (N,) whether a run was completed and ended in the goal.
+    """
     return runs.completed & (excess(runs.final, setup.goal) == 0.0).all(axis=1)

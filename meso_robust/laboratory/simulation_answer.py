@@ -25,11 +25,22 @@ from meso_robust.planning.document import goal_document
 from meso_robust.types import Floats
 from meso_robust.wording import counted, up
 
-PACKAGES = ("meso-robust", "numba", "numpy")
+PACKAGES = ("meso-robust", "numba", "numpy")  # those that bear on the digits of a run
 
 
 def document(found: Simulated) -> SimulationDocument:
-    """What is written to ``simulation.json``."""
+    """What is written to ``simulation.json``.
+
+    Parameters
+    ----------
+    found
+        All that was simulated.
+
+    Returns
+    -------
+    SimulationDocument
+        How every run ended, um and deg.
+    """
     player = found.player
     names = tuple(f"sample {row}" for row in range(len(found.rows)))
     runs = _runs(player, found.sampled, names)
@@ -61,7 +72,18 @@ def document(found: Simulated) -> SimulationDocument:
 
 
 def summary(answer: SimulationDocument) -> str:
-    """The answer in a few lines."""
+    """The answer as the command line prints it.
+
+    Parameters
+    ----------
+    answer
+        What is written to ``simulation.json``.
+
+    Returns
+    -------
+    str
+        A few lines.
+    """
     sampled = answer.sampled
     worst = "" if sampled.largest_miss is None else f"; worst {_away(sampled.largest_miss)}"
     lines = [

@@ -19,11 +19,19 @@ EVERY = 4  # of the recorded instants, which lie close enough for the animation'
 
 
 def trajectories(found: Simulated) -> str:
-    """The text of ``trajectories.csv``.
+    """Where the part and the probe tips were, run by run.
 
-    One line a recorded instant: run, move (from 1), part of the move (0 to 1), pose of the part in
-    um and deg, x and y of every probe tip in um. A cell is empty where a probe has no part in the
-    move. A run that ended early has the lines up to its end.
+    Parameters
+    ----------
+    found
+        All that was simulated.
+
+    Returns
+    -------
+    str
+        The text of ``trajectories.csv``. One line a recorded instant: run, move (from 1), part of the
+        move (0 to 1), pose of the part in um and deg, x and y of every probe tip in um. A cell is empty
+        where a probe has no part in the move. A run that ended early has the lines up to its end.
     """
     names = probe_names(found.player)
     buffer = io.StringIO()
@@ -40,7 +48,18 @@ def trajectories(found: Simulated) -> str:
 
 
 def probe_names(player: Player) -> tuple[str, ...]:
-    """Names of all probes of a plan, in the order they come."""
+    """Names of all probes of a plan.
+
+    Parameters
+    ----------
+    player
+        The plan.
+
+    Returns
+    -------
+    tuple
+        Each once, in the order in which they come.
+    """
     return tuple(dict.fromkeys(name for names in player.probes for name in names))
 
 

@@ -63,6 +63,11 @@ def read_witness(path: Path, task: Task, plan: PlanDocument, player: Player) -> 
     task, plan, player
         What it must be about.
 
+    Returns
+    -------
+    Witness
+        The run, to the last bit, and the engine that made it.
+
     Raises
     ------
     InputError
@@ -126,7 +131,7 @@ def _of_a_certificate(
 
 
 def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floats:
-    """(1, D) the run of a witness.
+    """The run of a certificate's witness.
 
     Parameters
     ----------
@@ -134,6 +139,11 @@ def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floa
         The witness, and the plan it belongs to.
     source
         Names the certificate in messages.
+
+    Returns
+    -------
+    Floats
+        (1, D) in the order of the player's columns, SI.
 
     Raises
     ------

@@ -17,41 +17,6 @@ from meso_robust.toml_files import toml_text
 from meso_robust.types import Floats
 
 
-def witness_file(
-    plan: PlanDocument,
-    player: Player,
-    row: Floats,
-    factor: float,
-    engine: Engine,
-    breaks: Sequence[str],
-) -> str:
-    """The text of ``witness.json``.
-
-    Parameters
-    ----------
-    plan, player
-        The plan, and the same made ready to be run.
-    row
-        (D,) what is uncertain, in the order of ``player.columns``.
-    factor
-        Of all uncertainties.
-    engine
-        That made the run.
-    breaks
-        What it breaks.
-    """
-    values = zip(player.columns, row, strict=True)
-    written = WitnessFile(
-        task_hash=plan.task_hash,
-        plan_hash=plan.hash,
-        factor=factor,
-        engine=engine,
-        breaks=tuple(breaks),
-        row={column.name: float(value).hex() for column, value in values},
-    )
-    return written.model_dump_json(by_alias=True, indent=2) + "\n"
-
-
 def replay_files(
     task: Task,
     plan: PlanDocument,
@@ -62,11 +27,38 @@ def replay_files(
     engine: Engine,
     breaks: Sequence[str],
 ) -> dict[str, str]:
-    """``task.toml``, ``plan.json`` and ``witness.json``: all that replaying a run takes."""
+    """Everything that replaying a run takes.
+
+    Parameters
+    ----------
+    task, plan, player
+        The task, the plan, and the same made ready to be run.
+    row
+        (D,) what is uncertain, in the order of ``player.columns``, SI.
+    factor
+        Of all uncertainties.
+    engine
+        That made the run.
+    breaks
+        What it breaks, in words.
+
+    Returns
+    -------
+    dict
+        Contents of ``task.toml``, ``plan.json`` and ``witness.json``.
+    """
+    witness = WitnessFile(
+        task_hash=plan.task_hash,
+        plan_hash=plan.hash,
+        factor=factor,
+        engine=engine,
+        breaks=tuple(breaks),
+        row={c.name: float(value).hex() for c, value in zip(player.columns, row, strict=True)},
+    )
     return {
         "task.toml": toml_text(task.model_dump(mode="json", by_alias=True, exclude_none=True)),
         "plan.json": plan.model_dump_json(by_alias=True, indent=2) + "\n",
-        "witness.json": witness_file(plan, player, row, factor, engine, breaks),
+        "witness.json": witness.model_dump_json(by_alias=True, indent=2) + "\n",
     }
 
 

@@ -53,7 +53,12 @@ def parse_witness(text: str, source: str) -> WitnessFile | None:
 
 
 def check_form(path: Path) -> None:
-    """Refuse a file that is neither a witness nor a certificate.
+    """Refuse a file that is neither a witness nor a certificate, before anything is run.
+
+    Parameters
+    ----------
+    path
+        The file.
 
     Raises
     ------

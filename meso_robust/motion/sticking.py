@@ -9,26 +9,86 @@ from meso_robust.conditions import condition
 
 
 def contact_offset(angle: Interval, depth: Interval, rise: Interval) -> Interval:
-    """Where on the edge a tip touches that is ``rise`` above the centre (d2), m."""
+    """Where on the edge a tip touches.
+
+    Parameters
+    ----------
+    angle
+        Of the edge, rad; pi/2 stands upright to the push.
+    depth
+        Distance of the edge from the centre (d1), m.
+    rise
+        Height of the tip above the centre, across the push, m.
+
+    Returns
+    -------
+    Interval
+        Distance from the foot of the centre along the edge (d2), enclosed, m.
+    """
     box = {"theta": angle, "d1": depth, "rise": rise}
     return enclose(condition("sticking_motion", "contact_offset"), box)[0]
 
 
 def contact_reach(angle: Interval, depth: Interval, rise: Interval) -> Interval:
-    """How far right of the centre such a tip touches, m."""
+    """How far ahead of the centre a tip touches.
+
+    Parameters
+    ----------
+    angle
+        Of the edge, rad; pi/2 stands upright to the push.
+    depth
+        Distance of the edge from the centre (d1), m.
+    rise
+        Height of the tip above the centre, across the push, m.
+
+    Returns
+    -------
+    Interval
+        x of the contact minus that of the centre, axes of the move, enclosed, m.
+    """
     box = {"theta": angle, "d1": depth, "rise": rise}
     return enclose(condition("sticking_motion", "contact_reach"), box)[0]
 
 
 def arm(angle: Interval, depth: Interval, offset: Interval) -> tuple[Interval, Interval]:
-    """Contact point minus centre, world axes, m."""
+    """Where a contact lies.
+
+    Parameters
+    ----------
+    angle
+        Of the edge, rad; pi/2 stands upright to the push.
+    depth
+        Distance of the edge from the centre (d1), m.
+    offset
+        Of the contact along the edge (d2), m.
+
+    Returns
+    -------
+    tuple
+        x and y of the contact minus those of the centre, axes of the move, enclosed, m.
+    """
     box = {"theta": angle, "d1": depth, "d2": offset}
     x, y = enclose(condition("sticking_motion", "arm"), box)
     return x, y
 
 
 def lift(start: Interval, end: Interval, depth: Interval, offset: Interval) -> Interval:
-    """Rise of the centre while the part turns from ``start`` to ``end`` about the contact, m."""
+    """Rise of the centre while the part turns about a sticking contact.
+
+    Parameters
+    ----------
+    start, end
+        Angles of the edge before and after, rad.
+    depth
+        Distance of the edge from the centre (d1), m.
+    offset
+        Of the contact along the edge (d2), m.
+
+    Returns
+    -------
+    Interval
+        Across the push, enclosed, m.
+    """
     box = {"theta_start": start, "theta_end": end, "d1": depth, "d2": offset}
     return enclose(condition("sticking_motion", "lift"), box)[0]
 
@@ -36,10 +96,26 @@ def lift(start: Interval, end: Interval, depth: Interval, offset: Interval) -> I
 def travel_monotone(
     path: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
 ) -> bool:
-    """Whether the travel for a turn along ``path`` is proved to be monotone in the offset.
+    """Whether the travel for a turn is proved to be monotone in the offset.
 
-    That the part turns to ``side`` all along is proved as well: without it the bounds below do not
-    hold.
+    Parameters
+    ----------
+    path
+        All angles of the edge during the turn, rad.
+    side
+        1 for counter-clockwise, -1 for clockwise.
+    depth
+        Distance of the edge from the centre (d1), m.
+    offset
+        Of the contact along the edge (d2), m.
+    ratio
+        rho of the film, m^2.
+
+    Returns
+    -------
+    bool
+        True is a proof, False is none. That the part turns to ``side`` all along is proved as well:
+        without it the bounds on the travel do not hold.
     """
     box = {
         "theta": path,
@@ -69,11 +145,30 @@ def _travel(start: float, end: float, depth: Interval, offset: float, ratio: flo
 def longest_travel(
     start: Interval, end: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
 ) -> float:
-    """Upper bound of the travel that turns the part from any ``start`` to any ``end``, m.
+    """Upper bound of the travel that turns the part from any start to any end.
 
-    The travel is an integral of F/lever over the turn: it grows with the turn and with rho, and
-    where :func:`travel_monotone` holds it falls with the offset (``side`` = 1) or rises with it
-    (-1), so the bound is attained at one corner.
+    Parameters
+    ----------
+    start, end
+        Angles of the edge before and after, rad.
+    side
+        1 for counter-clockwise, -1 for clockwise.
+    depth
+        Distance of the edge from the centre (d1), m.
+    offset
+        Of the contact along the edge (d2), m.
+    ratio
+        rho of the film, m^2.
+
+    Returns
+    -------
+    float
+        m; a bound only where `travel_monotone` holds.
+
+    Notes
+    -----
+    The travel is an integral of F/lever over the turn: it grows with the turn and with rho, and it falls
+    with the offset (``side`` = 1) or rises with it (-1), so the bound is attained at one corner.
     """
     if side > 0:
         return _travel(start.lo, end.hi, depth, offset.lo, ratio.hi).hi
@@ -83,7 +178,18 @@ def longest_travel(
 def shortest_travel(
     start: Interval, end: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
 ) -> float:
-    """Lower bound of the same, m; 0 if a start may lie at an end."""
+    """Lower bound of the travel that turns the part from any start to any end.
+
+    Parameters
+    ----------
+    start, end, side, depth, offset, ratio
+        As for `longest_travel`.
+
+    Returns
+    -------
+    float
+        m; 0 if a start may lie at an end. A bound only where `travel_monotone` holds.
+    """
     if side > 0:
         first, last, near = start.hi, end.lo, offset.hi
     else:
@@ -101,10 +207,26 @@ def turned(
     offset: Interval,
     ratio: Interval,
 ) -> Interval:
-    """Enclose the angle after ``travel`` in sticking contact (monotone in the same sense).
+    """Enclose the angle after a travel in sticking contact.
 
-    A candidate end is a bound as soon as reaching it is proved to need more (less) travel than
-    there can be; the closed form is only evaluated, never inverted.
+    Parameters
+    ----------
+    start
+        Angle of the edge at the touch, rad.
+    travel
+        From the touch on, m.
+    side, depth, offset, ratio
+        As for `longest_travel`.
+
+    Returns
+    -------
+    Interval
+        rad; infinite on the far side if no bound is found. It holds where `travel_monotone` does.
+
+    Notes
+    -----
+    A candidate end is a bound as soon as reaching it is proved to need more (less) travel than there can
+    be; the closed form is only evaluated, never inverted.
     """
     if side > 0:
         far = _first_beyond(start.hi, side, travel.hi, depth, offset.hi, ratio.lo)

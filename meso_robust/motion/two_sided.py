@@ -298,6 +298,11 @@ def enclose_slide(
     coarse
         Factor on the step in h, which is 1/``STEPS`` of the part's width.
 
+    Returns
+    -------
+    SlideTube
+        Bounds of the slide at every h, how far they could be grown, and what they leave in hand.
+
     Raises
     ------
     ValueError

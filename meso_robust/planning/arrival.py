@@ -13,14 +13,14 @@ from dataclasses import dataclass, replace
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
-from meso_robust.planning.scale import fine
+from meso_robust.planning.clearance import fine
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.frame import Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
 
-MOST_PUSHES = 3
+MOST_PUSHES = 3  # in a row; effort of the search, no proof rests on it
 ROOM_UM = 100.0  # that a straight part needs to be brought back
 LEAN = 0.35  # rad from upright to a push beyond which it is not tried
 

@@ -1,4 +1,7 @@
-"""How far from the part the probes must start, so that they are free of contact at every pose."""
+"""How far from the part the probes must start, so that they are free of contact at every pose.
+
+Lengths of the planner suit a part of a millimetre; for a smaller part they are smaller, see `fine`.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,16 @@ from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
-from meso_robust.planning.scale import fine
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import HALF
 
+FULL_UM = 800.0  # the paper's part is 837 um wide, and such lengths were chosen for it
 AIR_UM = 6.0  # on top of what the bounds demand
+
+
+def fine(setup: Setup) -> float:
+    """Factor on such a length: 1 for a part that is at least ``FULL_UM`` wide, less in proportion."""
+    return min(1.0, units.to_um(setup.outline.width) / FULL_UM)
 
 
 def start_ahead_um(rises: tuple[tuple[int, Interval], ...], pre: PoseBox, setup: Setup) -> float:

@@ -24,8 +24,8 @@ from meso_robust.task import Task
 
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs less room in x
 LARGEST_GAIN = 11e-6  # m, of one Y-translation (Table III)
-SMALLEST_GAIN = 2e-6  # m
-MOST_Y_TRANSLATIONS = 2
+SMALLEST_GAIN = 2e-6  # m; effort of the search, no proof rests on it
+MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
@@ -61,10 +61,18 @@ class Found:
 
 
 def compose(task: Task) -> Found:
-    """Find a plan for ``task``.
+    """Find a plan for a task.
 
-    If there is none for the task's uncertainties, one for smaller ones is returned, to be certified
-    as far as it goes and to tell what would settle the rest.
+    Parameters
+    ----------
+    task
+        What is wanted.
+
+    Returns
+    -------
+    Found
+        A plan for the task's uncertainties; if there is none, one for smaller ones, to be certified as
+        far as it goes and to say what would settle the rest.
 
     Raises
     ------
@@ -100,7 +108,17 @@ def compose(task: Task) -> Found:
 
 
 def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
-    """A plan that is robust when all uncertainties are scaled by ``scale``, if one is found.
+    """Find a plan that is robust when all uncertainties are scaled.
+
+    Parameters
+    ----------
+    task, scale
+        What is wanted, and the factor on its uncertainties.
+
+    Returns
+    -------
+    tuple or None
+        Its moves; None if none is found.
 
     Raises
     ------

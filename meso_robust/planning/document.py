@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -42,6 +42,11 @@ def plan_document(
         (3,) pose sensed before each move of the nominal run, m and rad.
     posts
         Certified box after each move, None where there is none.
+
+    Returns
+    -------
+    PlanDocument
+        The policy, and its moves for the nominal run in um.
     """
     return PlanDocument(
         task=task.name,
@@ -94,7 +99,18 @@ def _move(task: Task, rule: MoveRule, pose: Floats, post: PoseBox | None) -> Mov
 
 
 def names_of(rule: MoveRule) -> tuple[str, ...]:
-    """Names of a move's tips in the order of ``MoveRule.commands``: upper, lower, passive."""
+    """Names of a move's tips.
+
+    Parameters
+    ----------
+    rule
+        The move.
+
+    Returns
+    -------
+    tuple
+        In the order of ``MoveRule.commands``: upper, lower, passive.
+    """
     right, left, single = NAMES
     pair = (left, right) if rule.frame.mirrored else (right, left)
     return pair if rule.single is None else (*pair, single)
@@ -106,23 +122,46 @@ def _um(point: Floats) -> Pair:
 
 
 def box_document(box: PoseBox) -> BoxDocument:
-    """A box in um and deg, rounded outward to a thousandth."""
-    return BoxDocument(
-        x_um=_outward(units.to_um(box.x.lo), units.to_um(box.x.hi)),
-        y_um=_outward(units.to_um(box.y.lo), units.to_um(box.y.hi)),
-        theta_deg=_outward(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
-    )
+    """A box as it is read.
+
+    Parameters
+    ----------
+    box
+        World frame.
+
+    Returns
+    -------
+    BoxDocument
+        um and deg, rounded outward to a thousandth, for reading: no proof looks at it.
+    """
+    return _box(box, _outward)
 
 
 def goal_document(box: PoseBox) -> BoxDocument:
-    """A goal in um and deg, rounded to a thousandth for reading."""
+    """A goal as it is read.
+
+    Parameters
+    ----------
+    box
+        World frame.
+
+    Returns
+    -------
+    BoxDocument
+        um and deg, rounded inward to a thousandth, for reading: no proof looks at it.
+    """
+    return _box(box, _inward)
+
+
+def _box(box: PoseBox, rounded: Callable[[float, float], Pair]) -> BoxDocument:
     return BoxDocument(
-        x_um=_inward(units.to_um(box.x.lo), units.to_um(box.x.hi)),
-        y_um=_inward(units.to_um(box.y.lo), units.to_um(box.y.hi)),
-        theta_deg=_inward(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
+        x_um=rounded(units.to_um(box.x.lo), units.to_um(box.x.hi)),
+        y_um=rounded(units.to_um(box.y.lo), units.to_um(box.y.hi)),
+        theta_deg=rounded(units.to_deg(box.theta.lo), units.to_deg(box.theta.hi)),
     )
 
 
+# 1e-6 of a thousandth: an end that the change of units has moved by a digit keeps its thousandth
 def _inward(low: float, high: float) -> Pair:
     return float(np.ceil(low * 1e3 - 1e-6) / 1e3), float(np.floor(high * 1e3 + 1e-6) / 1e3)
 

@@ -28,13 +28,16 @@ KINDS: tuple[tuple[Action, int], ...] = (
 def inferred(plan: PlanDocument, task: Task, setup: Setup) -> tuple[MoveRule, ...]:
     """Rules that command exactly the moves of an open-loop plan.
 
-    Of the motions that a move can be, the first one that is proved from all poses before it is
-    taken, and the first one at all if none is.
-
     Parameters
     ----------
     plan, task, setup
         A plan without a policy, and its task.
+
+    Returns
+    -------
+    tuple
+        A rule a move: of the motions that it can be, the first one that is proved from all poses before
+        it, and the first one at all if none is.
 
     Raises
     ------

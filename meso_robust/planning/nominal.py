@@ -13,7 +13,24 @@ from meso_robust.primitives.setup import PoseBox, Setup
 
 
 def sticks(start: float, end: float, offset: float, depth: float, setup: Setup) -> bool:
-    """Whether the contact at ``offset`` (m) sticks at both ends of a turn (rad)."""
+    """Whether a contact sticks at both ends of a turn, at the middle of all ranges.
+
+    Parameters
+    ----------
+    start, end
+        Angles of the edge, rad.
+    offset
+        Of the contact along the edge (d2), m.
+    depth
+        Distance of the edge from the centre (d1), m.
+    setup
+        The task.
+
+    Returns
+    -------
+    bool
+        No proof; see the module's text.
+    """
     u = setup.uncertainty
     margin = condition("one_point_sticking", "friction_margin").function
     values = [
@@ -23,7 +40,20 @@ def sticks(start: float, end: float, offset: float, depth: float, setup: Setup) 
 
 
 def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
-    """Whether a t^2 push with the pair's middle ``middle`` (m) above the centre would work."""
+    """Whether a t^2 push would work, at the middle of all ranges.
+
+    Parameters
+    ----------
+    middle
+        Height of the pair's middle above the centre, m.
+    pre, setup
+        All poses before the push, and the task, in its axes.
+
+    Returns
+    -------
+    bool
+        No proof; see the module's text.
+    """
     edge = setup.edge(pre.theta.mid)
     depth = edge.depth.mid
     start, end = edge.angle(pre.theta).mid, HALF_PI.mid + setup.uncertainty.misalignment.mid

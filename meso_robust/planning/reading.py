@@ -17,12 +17,12 @@ from meso_robust.task import Task
 from meso_robust.wording import counted
 
 LARGEST_UM = 1e6  # as for the coordinates of a task: catches a slip of the unit
-MOST_MOVES = 1000
+MOST_MOVES = 1000  # of a file that may come from anybody; plans have a handful
 MOST_PROBES = 6  # of one move, as many as the simulator takes
 
 
 def read_plan(path: Path, task: Task) -> PlanDocument:
-    """Read a plan and check that it was made for ``task``.
+    """Read a plan and check that it was made for a task.
 
     Parameters
     ----------
@@ -30,6 +30,11 @@ def read_plan(path: Path, task: Task) -> PlanDocument:
         The file.
     task
         What the plan must have been made for.
+
+    Returns
+    -------
+    PlanDocument
+        Every value within its rule.
 
     Raises
     ------
@@ -41,7 +46,27 @@ def read_plan(path: Path, task: Task) -> PlanDocument:
 
 
 def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
-    """The same for a text; ``source`` names it in messages."""
+    """Read the text of a plan and check that it was made for a task.
+
+    Parameters
+    ----------
+    text
+        JSON.
+    source
+        Names it in messages.
+    task
+        What the plan must have been made for.
+
+    Returns
+    -------
+    PlanDocument
+        Every value within its rule.
+
+    Raises
+    ------
+    InputError
+        A value breaks a rule, or the plan was made for another task.
+    """
     plan = _parse(text, source)
     if plan.task_hash != task.hash:
         raise InputError(
@@ -55,7 +80,17 @@ def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
 
 
 def read_text(path: Path) -> str:
-    """Text of a JSON file in UTF-8, refused if a key is given twice in one place.
+    """Text of a JSON file in UTF-8.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    str
+        JSON that gives no key twice in one place.
 
     Raises
     ------
@@ -68,7 +103,22 @@ def read_text(path: Path) -> str:
 
 
 def first_of(error: ValidationError, model: type[BaseModel], document: str) -> str:
-    """The first thing that is wrong: key, value and rule."""
+    """The first thing that is wrong with a document.
+
+    Parameters
+    ----------
+    error
+        Everything that is wrong.
+    model
+        What it was checked against.
+    document
+        Its name for ``meso-robust schema``.
+
+    Returns
+    -------
+    str
+        Key, value, rule and advice.
+    """
     keys = f"`meso-robust schema {document}`"
     return first_fault(error, model, whole=document, keys=keys)
 
@@ -108,14 +158,40 @@ def _wrong(plan: PlanDocument) -> Iterator[str]:
 
 
 def wrong_rules(rules: Sequence[RuleDocument], key: str) -> Iterator[str]:
-    """What is wrong with rules beyond their types: key (below ``key``), value and rule."""
+    """What is wrong with rules beyond their types.
+
+    Parameters
+    ----------
+    rules
+        The moves of a policy.
+    key
+        Below which they stand in their file.
+
+    Returns
+    -------
+    Iterator
+        Key, value and rule of each fault.
+    """
     for k, rule in enumerate(rules):
         yield from _wrong_numbers(rule.model_dump(), f"{key}.{k}")
         yield from _wrong_rule(rule, f"{key}.{k}")
 
 
 def wrong_headings(rules: Sequence[RuleDocument], task: Task, key: str) -> Iterator[str]:
-    """Which rules (below ``key``) push in a direction that the task has no probe for."""
+    """Which rules push in a direction that the task has no probe for.
+
+    Parameters
+    ----------
+    rules, task
+        The moves of a policy, and its task.
+    key
+        Below which they stand in their file.
+
+    Returns
+    -------
+    Iterator
+        Key, value and rule of each fault.
+    """
     stated = task.probe.headings
     for k, rule in enumerate(rules):
         if stated is not None and rule.heading not in stated:

@@ -17,8 +17,7 @@ import numpy as np
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.motion.two_sided import Grip, enclose_slide
-from meso_robust.planning.clearance import passive_behind_um, rise_of, start_ahead_um
-from meso_robust.planning.scale import fine
+from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step
@@ -30,7 +29,7 @@ SCOUT = 4.0  # how much coarser than the certificate the scouting tube is
 APPROACH_UM = 60.0  # what the push by the active tip alone may take
 SHORTER_UM = 15.0  # from one push that is tried to the next
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
-MOST_TRIALS = 6
+MOST_TRIALS = 6  # ends of the push; effort of the search, no proof rests on it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +55,18 @@ Finish = Callable[[PoseBox], E | None]
 
 
 def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
-    """The robust rotation and the push to the goal after it, if any."""
+    """The robust rotation and the push to the goal after it.
+
+    Parameters
+    ----------
+    pre, setup
+        All poses before the rotation, and the task, in its axes.
+
+    Returns
+    -------
+    tuple or None
+        Both moves, certified; None if none is found.
+    """
     return rotate_and_finish(pre, setup, lambda state: to_goal(state, setup))
 
 

@@ -8,7 +8,18 @@ from meso_robust.primitives.move import Aim, Anchor, MoveRule, Point
 
 
 def rules_of(plan: PlanDocument) -> tuple[MoveRule, ...]:
-    """The policy of a plan as rules; empty for an open-loop plan."""
+    """The policy of a plan file as rules.
+
+    Parameters
+    ----------
+    plan
+        As read.
+
+    Returns
+    -------
+    tuple
+        Its moves; empty for an open-loop plan.
+    """
     return tuple(_rule(rule) for rule in plan.policy)
 
 

@@ -43,7 +43,22 @@ def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
 def upright(
     pre: PoseBox, setup: Setup, *, step: int, primitive: str, tilt: Turn | None = None
 ) -> Step | None:
-    """The robust t^2 push from ``pre`` that travels no further than both tips need to touch."""
+    """The robust t^2 push that travels no further than both tips need to touch.
+
+    Parameters
+    ----------
+    pre, setup
+        All poses before the push, and the task, in its axes.
+    step, primitive
+        What the move is called.
+    tilt
+        The turn just before it, if there is one: what it leaves of y hangs on the orientation.
+
+    Returns
+    -------
+    Step or None
+        The move, certified; None if none is found.
+    """
 
     def attempt(middle: float) -> tuple[float, MoveRule] | None:
         far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)

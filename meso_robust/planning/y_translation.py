@@ -21,7 +21,22 @@ LARGEST_TILT = 0.5  # rad
 
 
 def y_translation(pre: PoseBox, setup: Setup, gain: float, step: int) -> tuple[Step, Step] | None:
-    """The robust tilt and straightening that move the part by about ``gain`` (m) in y, if any."""
+    """The robust tilt and straightening that move the part across the push.
+
+    Parameters
+    ----------
+    pre, setup
+        All poses before them, and the task, in its axes.
+    gain
+        In y, about, m.
+    step
+        Of the paper's algorithm.
+
+    Returns
+    -------
+    tuple or None
+        Both moves, certified; None if none is found.
+    """
     side = 1 if gain > 0.0 else -1
     back = GUESSED_BACK * setup.edge(pre.theta.mid).depth.mid
     found = None

@@ -6,8 +6,7 @@ can be sensed in it, and all poses that can be sensed afterwards lie in cells wi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from meso_robust import units
@@ -18,23 +17,15 @@ from meso_robust.policy.cover import Ends, Room, ends_of, left_over, rooms
 from meso_robust.policy.proof import certified
 from meso_robust.primitives.frame import HEADINGS, Heading
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
 from meso_robust.wording import counted
 
-Doing = Callable[[str], AbstractContextManager[None]]
-
-MOST_MOVES = 8
+MOST_MOVES = 8  # effort of the search: starts that need more are left out
 AROUND_UM = 500.0  # looked at beyond the start, on all sides of the goal
-FINE, COARSE = (
-    2e-6,
-    4e-5,
-)  # m: what is thinner is not worth a cell, in the goal's orientation or not
+FINE, COARSE = 2e-6, 4e-5  # m: thinner is not worth a cell, in the goal's orientation and in others
 MOST_ROOMS = {FINE: 4, COARSE: 2}  # that a move is tried into, the largest
 INSIDE = 1e-9  # m that a proposed cell keeps from where it is expected to fail
-
-
-def _quietly(_: str) -> AbstractContextManager[None]:
-    return nullcontext()
 
 
 def reach_of(task: Task) -> float:
@@ -46,7 +37,7 @@ def reach_of(task: Task) -> float:
 
 def make_policy(
     task: Task,
-    doing: Doing = _quietly,
+    doing: Doing = quietly,
     *,
     headings: Sequence[Heading] | None = None,
     quarters: Sequence[int] = QUARTERS,
@@ -70,6 +61,11 @@ def make_policy(
         Half the side of the square around the goal in which starts are looked at, m.
     most_moves
         Starts that need more moves are left out.
+
+    Returns
+    -------
+    Policy
+        Cells of sensed poses, each certified; none if none could be.
     """
     task.rectangle("a feedback policy (--policy)")
     setup = setup_of(task)

@@ -45,10 +45,6 @@ class Policy:
         """N: bound of the moves from anywhere in the region."""
         return max((cell.moves for cell in self.cells), default=0)
 
-    def cell_of(self, sensed: PoseBox) -> Cell | None:
-        """The first cell that holds a sensed pose (enclosed), if any."""
-        return next((cell for cell in self.cells if reads(cell.sensed, sensed)), None)
-
 
 def widened(box: PoseBox, position: Interval, angle: Interval) -> PoseBox:
     """All poses that differ from one in ``box`` by errors in these ranges."""

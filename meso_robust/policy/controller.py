@@ -88,6 +88,18 @@ class Controller(Protocol):
 def controller_of(path: Path, task: Task) -> Controller:
     """The controller for a plan or policy file, proved again.
 
+    Parameters
+    ----------
+    path
+        The file.
+    task
+        What it must have been made for.
+
+    Returns
+    -------
+    Controller
+        What answers sensed poses.
+
     Raises
     ------
     InputError
@@ -107,14 +119,36 @@ def controller_of(path: Path, task: Task) -> Controller:
 
 
 def commanded(move: Move, task: Task) -> MoveDocument:
-    """What the hardware does."""
+    """What the hardware does.
+
+    Parameters
+    ----------
+    move, task
+        What was answered, and the task.
+
+    Returns
+    -------
+    MoveDocument
+        Places of the tips and their travel, um, world frame.
+    """
     box = move.sensed
     pose = np.array([box.x.mid, box.y.mid, box.theta.mid])
     return plan_document(task, [move.rule], [pose], [move.expect]).moves[0]
 
 
 def rehearsed(controller: Controller) -> list[Reply]:
-    """Answers to some poses, with the controller as before afterwards."""
+    """Answers to a likely pose, so that the first real one is as quick as the rest.
+
+    Parameters
+    ----------
+    controller
+        It is left as before.
+
+    Returns
+    -------
+    list
+        The answers.
+    """
     rehearsal = copy.copy(controller)
     pose = rehearsal.likely
     return [rehearsal.answer(pose), rehearsal.answer(pose)]
@@ -172,7 +206,7 @@ class PolicyController:
         return None
 
     def _cell(self, box: PoseBox) -> Cell | None:
-        (low,), (high,) = ends_of([box])
+        low, high = box.ends
         slack = 1e-9  # wider than what `reads` allows for
         near = ((self._low <= high + slack) & (low - slack <= self._high)).all(axis=1)
         cells = (self._policy.cells[int(k)] for k in np.flatnonzero(near))

@@ -18,7 +18,7 @@ Ends = tuple[Floats, Floats]
 Room = tuple[Interval, Interval]
 """A rectangle in x and y, m."""
 
-THIN_ANGLE = 1e-5  # rad
+THIN_ANGLE = 1e-5  # rad: thinner is not worth a cell; proposes only, `covered` has no such limit
 SIDES: tuple[Literal["x", "y", "theta"], ...] = ("x", "y", "theta")
 
 
@@ -62,7 +62,7 @@ def left_over(box: PoseBox, boxes: Ends, thinnest: float) -> PoseBox | None:
     Parts thinner than ``thinnest`` (m) or ``THIN_ANGLE`` do not count: this proposes, it does not
     prove.
     """
-    low, high = ends_of([box])
+    low, high = box.ends[:, None]
     met = ((boxes[0] < high) & (low < boxes[1])).all(axis=1)
     lows, highs = boxes[0][met], boxes[1][met]
     shared = np.minimum(highs, high) - np.maximum(lows, low)
@@ -75,10 +75,20 @@ def left_over(box: PoseBox, boxes: Ends, thinnest: float) -> PoseBox | None:
 
 
 def ends_of(boxes: Sequence[PoseBox]) -> Ends:
-    """(N, 3) lower and upper ends of boxes."""
-    low = [(box.x.lo, box.y.lo, box.theta.lo) for box in boxes]
-    high = [(box.x.hi, box.y.hi, box.theta.hi) for box in boxes]
-    return np.array(low).reshape(-1, 3), np.array(high).reshape(-1, 3)
+    """Boxes of poses as arrays.
+
+    Parameters
+    ----------
+    boxes
+        World frame.
+
+    Returns
+    -------
+    tuple
+        (N, 3) lower and (N, 3) upper ends, m and rad.
+    """
+    low, high = np.array([box.ends for box in boxes]).reshape(-1, 2, 3).swapaxes(0, 1)
+    return low, high
 
 
 def _cut(

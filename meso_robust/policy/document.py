@@ -114,7 +114,18 @@ class PolicyDocument(_Model):
 
 
 def policy_document(policy: Policy) -> PolicyDocument:
-    """Write out a policy."""
+    """Write out a policy.
+
+    Parameters
+    ----------
+    policy
+        Certified cells.
+
+    Returns
+    -------
+    PolicyDocument
+        Boxes exactly and for reading; each rule once, named by cells.
+    """
     task, rest = policy.task, policy.rest
     rules = list(dict.fromkeys(cell.rule for cell in policy.cells))
     number = {rule: k for k, rule in enumerate(rules)}

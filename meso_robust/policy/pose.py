@@ -15,7 +15,7 @@ from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.policy.cover import ends_of
 from meso_robust.primitives.setup import PoseBox
-from meso_robust.reading import like
+from meso_robust.reading import each_once, like
 from meso_robust.types import Floats
 
 KEYS = ("x_um", "y_um", "theta_deg")
@@ -54,6 +54,16 @@ class Sensed:
 def parse(line: str) -> Sensed:
     """Read a line ``{"x_um": ..., "y_um": ..., "theta_deg": ...}``.
 
+    Parameters
+    ----------
+    line
+        As the laboratory sent it.
+
+    Returns
+    -------
+    Sensed
+        The pose, number for number.
+
     Raises
     ------
     PoseError
@@ -62,7 +72,7 @@ def parse(line: str) -> Sensed:
     if not line.strip():
         raise PoseError(f"a blank line is not a pose; send {_example()}")
     try:
-        value = json.loads(line, object_pairs_hook=_each_once)
+        value = json.loads(line, object_pairs_hook=each_once)
     except (ValueError, RecursionError) as error:
         raise PoseError(f"not a JSON object ({error}); send {_example()}") from error
     if not isinstance(value, dict):
@@ -74,14 +84,6 @@ def parse(line: str) -> Sensed:
         if key not in value:
             raise PoseError(f"key {key} is missing; send {_example()}")
     return Sensed(**{key: _number(key, value[key]) for key in KEYS})
-
-
-def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    names = [name for name, _ in pairs]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise ValueError(f"key {twice} is given twice")
-    return dict(pairs)
 
 
 def _number(key: str, value: Any) -> float:

@@ -38,7 +38,18 @@ class Region:
 
 
 def region_of(policy: Policy) -> tuple[Region, ...]:
-    """The certified starts, by the quarter turn that the part stands near."""
+    """The certified starts of a policy.
+
+    Parameters
+    ----------
+    policy
+        Its cells.
+
+    Returns
+    -------
+    tuple
+        One region for each quarter turn that the part stands near, by rising angle.
+    """
     goal = setup_of(policy.task).goal.theta.mid
     groups: dict[int, list[Cell]] = {}
     for cell in policy.cells:
@@ -51,7 +62,7 @@ def region_of(policy: Policy) -> tuple[Region, ...]:
 def _region(near: float, cells: tuple[Cell, ...]) -> Region:
     extent = _hull(cell.sensed for cell in cells)
     lows, highs = ends_of([cell.sensed for cell in cells])
-    (low,), (high,) = ends_of([extent])
+    low, high = extent.ends
     poses = np.random.default_rng(0).uniform(low, high, (SAMPLES, 3))
     held = np.zeros(SAMPLES, dtype=bool)
     for one_low, one_high in zip(lows, highs, strict=True):
@@ -76,13 +87,34 @@ class Slice:
 
 
 def sensed_start(task: Task) -> PoseBox:
-    """The start as the task states it."""
+    """The start as a task states it.
+
+    Parameters
+    ----------
+    task
+        The task.
+
+    Returns
+    -------
+    PoseBox
+        One sensed pose, enclosed, m and rad.
+    """
     x, y, theta = task.start.x_um, task.start.y_um, task.start.theta_deg
     return PoseBox(x=metres(x), y=metres(y), theta=radians(theta))
 
 
 def tube(policy: Policy, start: PoseBox) -> tuple[Slice, ...]:
-    """The certified tube of all runs that start with a pose sensed in ``start``, move by move.
+    """The certified tube of all runs that start with a sensed pose, move by move.
+
+    Parameters
+    ----------
+    policy, start
+        The policy, and the poses that are sensed at the start.
+
+    Returns
+    -------
+    tuple
+        Where the part can be after 0, 1, 2 ... moves.
 
     Raises
     ------

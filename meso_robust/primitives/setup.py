@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 
+import numpy as np
+
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.errors import InputError
 from meso_robust.primitives.outline import Edge, Outline, Rectangle, outline_of
 from meso_robust.task import Slot, Task
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +40,12 @@ class PoseBox:
     def mid(self) -> tuple[float, float, float]:
         """A pose near the middle."""
         return self.x.mid, self.y.mid, self.theta.mid
+
+    @property
+    def ends(self) -> Floats:
+        """(2, 3) lower and upper ends, m, m, rad."""
+        sides = (self.x, self.y, self.theta)
+        return np.array([[side.lo for side in sides], [side.hi for side in sides]])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meso_robust.bounds import Interval
+from meso_robust.bounds import Box, Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.conditions import values
 from meso_robust.motion import sticking
@@ -167,19 +167,23 @@ def on_edge(which: Which, offset: Interval, edge: Edge) -> Obligation:
     return require_order(name, Inequality.WITHIN_EDGE, margin, box)
 
 
+def one_contact(path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> Box:
+    """What eq. (5) depends on while one contact turns the part to ``side`` along ``path``, SI."""
+    return {
+        "theta": path,
+        "d1": edge.depth,
+        "d2": offset,
+        "rho": setup.uncertainty.film_ratio,
+        "mu": setup.uncertainty.friction,
+        "side": Interval.point(float(side)),
+    }
+
+
 def sticks(
     which: Which, path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup
 ) -> tuple[Obligation, ...]:
     """One contact alone pushes, sticks, turns the part to ``side``, and allows no other motion."""
-    u = setup.uncertainty
-    box = {
-        "theta": path,
-        "d1": edge.depth,
-        "d2": offset,
-        "rho": u.film_ratio,
-        "mu": u.friction,
-        "side": Interval.point(float(side)),
-    }
+    box = one_contact(path, offset, side, edge, setup)
     wanted = (
         (about(ObligationId.TIP_PUSHES, tip=which), Inequality.NORMAL_FORCE),
         (about(ObligationId.TIP_STICKS, tip=which), Inequality.FRICTION_MARGIN),

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
@@ -23,10 +20,9 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.canvas import INK
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import FRAME
+from meso_robust.stages import Doing
 from meso_robust.task import Task
 from meso_robust.types import Floats
-
-Doing = Callable[[str], AbstractContextManager[None]]
 
 # Okabe and Ito's blue and vermilion: told apart by all kinds of colour vision, and in grey by tone.
 LOOK = {

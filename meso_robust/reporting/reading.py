@@ -11,8 +11,7 @@ import numpy.typing as npt
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain
 from meso_robust.laboratory.crosscheck import CrossCheck
-from meso_robust.laboratory.running import STARTS_INSIDE
-from meso_robust.simulator import Outcome
+from meso_robust.laboratory.running import why
 
 MOST_POINTS = 1000  # of one scatter; more would only make the page slow
 
@@ -63,9 +62,7 @@ def thinned(poses: npt.NDArray[np.float64], most: int = MOST_POINTS) -> npt.NDAr
 
 def ending(code: int) -> str:
     """Why a run ended, as a short phrase."""
-    if code == STARTS_INSIDE:
-        return "a probe would start inside the part"
-    return Outcome(code).message.split(":")[0].split(";")[0]
+    return why(code).split(":")[0].split(";")[0]
 
 
 def endings(check: CrossCheck) -> tuple[tuple[str, str, int], ...]:

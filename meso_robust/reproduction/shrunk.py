@@ -12,13 +12,22 @@ import numpy as np
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.certificates.words import words
-from meso_robust.laboratory.draws import Draws, draw
-from meso_robust.laboratory.endings import gaps_to
-from meso_robust.laboratory.running import excess, rectangle
+from meso_robust.laboratory.draws import draw
+from meso_robust.laboratory.engines import Pushed, push_all
+from meso_robust.laboratory.running import (
+    DrawnBench,
+    Which,
+    by_rules,
+    carry_out,
+    outline,
+    there_and_back,
+    walls,
+)
+from meso_robust.laboratory.simulation import in_goal
 from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.simulator import Effects, Film, Outcome, Push, simulate
+from meso_robust.simulator import Effects, Film, Push
 from meso_robust.task import Task
 from meso_robust.types import Flags, Floats
 from meso_robust.units import UM
@@ -27,6 +36,7 @@ Errors = Literal["scaled", "camera stays", "camera and probe stay"]
 
 STEP = 2e-6  # m, of the probes at full size
 TIME_STEP = 0.02  # s, at full size
+SPEED = 75.0 * UM  # m/s of a push; Section V, the middle one of three
 WITHDRAWAL = 1.7e-3  # m/s; the manipulator's fastest, Section IV
 WAY_BACK = 0.25  # of the part's length
 LEAST, LARGEST, HALVINGS = 0.02, 8.0, 9  # of the factor on all uncertainties
@@ -174,54 +184,43 @@ def adhering(
         Draws of all uncertainties.
     """
     draws = draw(setup, len(rules), runs, np.random.default_rng(seed))
-    poses: Floats = draws.start.copy()
-    alive: Flags = np.ones(runs, dtype=np.bool_)
-    half = rectangle(setup).max(axis=0)
-    for k, rule in enumerate(rules):
-        seen = poses + draws.sensing[:, k]
-        commands = rule.commands(seen, setup.spacing.mid, draws.misalignment)
-        errors = (draws.dual[:, k], draws.dual[:, k], draws.single[:, k])
-        tips = commands.tips + np.stack(errors[: commands.tips.shape[1]], axis=1)
-        inside = np.any(gaps_to(tips, poses[:, None], half) <= 0.0, axis=1)
-        alive[inside] = False
-        if not alive.any():
-            break
-        push = _push(setup, size, draws, alive, (poses, tips, commands.travel), pull_um_s)
-        taken = simulate(push)
-        poses[alive] = taken.poses
-        alive[alive] = taken.outcomes == Outcome.COMPLETED
-    return np.asarray(alive & (excess(poses, setup.goal) == 0.0).all(axis=1))
-
-
-def _push(
-    setup: Setup,
-    size: float,
-    draws: Draws,
-    alive: Flags,
-    geometry: tuple[Floats, Floats, Floats],
-    pull_um_s: float,
-) -> Push:
-    """There and some way back; the passive tip backs off to its own side."""
-    poses, tips, travel = (part[alive] for part in geometry)
-    way = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
-    along = travel[:, 0] / way[:, None]
-    passive = np.all(travel == 0.0, axis=2, keepdims=True)
-    back = np.where(passive, along[:, None], -along[:, None])
-    reach = WAY_BACK * 2.0 * setup.half_length.mid
-    ends = tips + travel
-    there = way / (75.0 * UM)
-    effects = Effects()
-    if pull_um_s > 0.0:
-        meniscus = {"pull_um_s": pull_um_s, "range_um": 2.0 * size}
-        effects = Effects({"tip_adhesion": meniscus})
-    return Push(
-        vertices=rectangle(setup),
-        poses=poses,
-        waypoints=np.stack([tips, ends, ends + reach * back], axis=1),
-        times=np.column_stack([0.0 * there, there, there + reach / WITHDRAWAL]),
-        friction=draws.friction[alive],
-        support=Film.ratio(draws.film_ratio[alive]),
-        effects=effects,
-        step=STEP * size,
-        time_step=TIME_STEP * size,
+    bench = _AdheringBench(
+        setup=setup,
+        friction=draws.friction,
+        film_ratio=draws.film_ratio,
+        draws=draws,
+        size=size,
+        pull_um_s=pull_um_s,
     )
+    done = carry_out(by_rules(rules, setup, draws.misalignment), bench, draws.start)
+    return in_goal(done, setup)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _AdheringBench(DrawnBench):
+    """The task's laboratory at another size, with tips that pull at the part they touch."""
+
+    size: float
+    pull_um_s: float
+
+    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
+        """There and some way back; the passive tip backs off to its own side."""
+        reach = WAY_BACK * 2.0 * self.setup.half_length.mid
+        waypoints, times = there_and_back(tips, travel, SPEED, reach, WITHDRAWAL)
+        effects = Effects()
+        if self.pull_um_s > 0.0:
+            meniscus = {"pull_um_s": self.pull_um_s, "range_um": 2.0 * self.size}
+            effects = Effects({"tip_adhesion": meniscus})
+        push = Push(
+            vertices=outline(self.setup),
+            poses=poses,
+            waypoints=waypoints,
+            times=times,
+            friction=self.friction[runs],
+            support=Film.ratio(self.film_ratio[runs]),
+            effects=effects,
+            fixture=walls(self.setup),
+            step=STEP * self.size,
+            time_step=TIME_STEP * self.size,
+        )
+        return push_all(push, self.engine, record)

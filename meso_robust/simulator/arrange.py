@@ -18,12 +18,10 @@ from meso_robust.simulator.scene import Scene
 from meso_robust.simulator.support import NODE_SLOTS
 from meso_robust.simulator.support_models import Tables
 from meso_robust.simulator.tables import (
-    CONTACT,
     DEPTH,
     FIRST,
     FRICTION,
     LAST,
-    MAX_CONTACTS,
     OBSTACLE,
     RADIUS,
     X,
@@ -71,9 +69,6 @@ class Outputs(NamedTuple):
     """(N,)"""
     record: Floats
     """(N, R, 5 + 5 P) table of `record`, its times on entry."""
-    ended: Floats
-    """(N, C, CONTACT + 1) contacts of the step in which each run ended, and their obstacle (−1 for
-    none); or no runs, where that is not wanted."""
 
 
 @inner
@@ -102,30 +97,8 @@ def case_of(i: int, inputs: Inputs) -> Case:
     )
 
 
-def prepare(
-    push: Push, instants: Floats | None = None, *, unique: bool = False
-) -> tuple[Inputs, Outputs]:
-    """Arrange a push for the kernels.
-
-    Parameters
-    ----------
-    push
-        The move.
-    instants
-        (1|N, R) times of the record, s; none without it.
-    unique
-        Whether to look for a second motion in every step.
-
-    Returns
-    -------
-    tuple
-        What the kernels read and what they fill.
-    """
-    return inputs_of(push, unique), outputs_of(push, instants)
-
-
 def inputs_of(push: Push, unique: bool) -> Inputs:
-    """What the kernels read; see `prepare`. The push must have runs."""
+    """What the kernels read of a push that has runs; ``unique``: look for a second motion too."""
     table, tables = push.effects.table, push.support.tables()
     outline = outlines(push.vertices, table)
     edges, obstacles = _obstacles(push)
@@ -144,7 +117,7 @@ def inputs_of(push: Push, unique: bool) -> Inputs:
 
 
 def outputs_of(push: Push, instants: Floats | None) -> Outputs:
-    """What the kernels fill; see `prepare`."""
+    """What the kernels fill; ``instants`` (1|N, R) are the times of the record, s."""
     runs, probes = len(push.poses), push.waypoints.shape[2]
     times = np.zeros((1, 0)) if instants is None else instants
     record = np.zeros((runs, times.shape[1], PROBES + PER_PROBE * probes))
@@ -154,7 +127,6 @@ def outputs_of(push: Push, instants: Floats | None) -> Outputs:
         np.zeros(runs, dtype=np.int8),
         np.zeros(runs),
         record,
-        np.zeros((0, MAX_CONTACTS, CONTACT + 1)),
     )
 
 

@@ -11,7 +11,7 @@ from typing import TypeAlias, cast
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import fingerprint, inner, threads
+from meso_robust.kernels import fingerprint, threads
 from meso_robust.simulator.arrange import Inputs, Outputs, case_of, inputs_of, outputs_of
 from meso_robust.simulator.case import new_state
 from meso_robust.simulator.geometry import tracked_of_reference
@@ -28,22 +28,13 @@ from meso_robust.simulator.record import (
     TIP,
 )
 from meso_robust.simulator.stepping import run
-from meso_robust.simulator.tables import CONTACT, COUNT, MAX_CONTACTS, WHO, Work, workspace
+from meso_robust.simulator.tables import MAX_CONTACTS, workspace
 from meso_robust.types import Floats
 
 _CHUNKS = 4  # pieces of a batch for each core
 
 Kernel: TypeAlias = Callable[[Inputs, int, int, Outputs], None]
 """A batch kernel: inputs, first run, last run (exclusive) and outputs."""
-
-
-@inner
-def _keep_contacts(work: Work, ended: Floats) -> None:
-    """Copy the contacts of the step in which a run ended."""
-    for c in range(work.contacts.shape[0]):
-        for k in range(CONTACT):
-            ended[c, k] = work.contacts[c, k]
-        ended[c, CONTACT] = work.marks[c, WHO] if c < work.step[COUNT] else -1.0
 
 
 def _compiled() -> Kernel:
@@ -61,8 +52,6 @@ def _compiled() -> Kernel:
             outcome, depth = run(case, state, work, outputs.poses[i], outputs.record[i])
             outputs.outcomes[i] = outcome
             outputs.max_penetration[i] = depth
-            if outputs.ended.shape[0] > 0:
-                _keep_contacts(work, outputs.ended[i])
 
     return cast(Kernel, kernel)
 

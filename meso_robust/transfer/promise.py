@@ -11,8 +11,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -41,6 +40,7 @@ from meso_robust.pipeline import Planned, SimulatorContradictsProofError, judge
 from meso_robust.planning.compose import IN_HAND, Found, compose, robust_at
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Named, Reason, about
+from meso_robust.stages import Doing
 from meso_robust.task import Task
 from meso_robust.transfer.assumption_check import BREAKS, Standing, remedy, standings
 from meso_robust.transfer.changing import Changed, changed, check_part
@@ -52,8 +52,6 @@ MOST_RUNS = 200
 """Runs under the model's own physics; some of them are slow."""
 _ROUNDS = 4  # of budgets that are tried
 _WIDENED = (1.0, 2.0)  # times the part's uncertainty, added to the errors that the planner sees
-
-Doing = Callable[[str], AbstractContextManager[None]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

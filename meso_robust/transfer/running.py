@@ -10,16 +10,30 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.models import Physics
 from meso_robust.laboratory.draws import Draws, draw
-from meso_robust.laboratory.running import STARTS_INSIDE, STEP, excess, rectangle, walls
+from meso_robust.laboratory.engines import Pushed, push_all
+from meso_robust.laboratory.geometry import in_part
+from meso_robust.laboratory.running import (
+    STARTS_INSIDE,
+    STEP,
+    Order,
+    PlanRun,
+    Which,
+    by_rules,
+    carry_out,
+    excess,
+    rectangle,
+    there_and_back,
+    walls,
+    why,
+)
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Effects, Outcome, Point, Push, Round, simulate
@@ -28,7 +42,7 @@ from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
 from meso_robust.simulator.observation import observe
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.task import Task
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 from meso_robust.wording import up
 
 HANDLING_S = 10.0
@@ -57,7 +71,7 @@ class Evidence:
     seed: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False)
 class _Laboratory:
     """N laboratories that the model allows."""
 
@@ -67,6 +81,8 @@ class _Laboratory:
     task: Task
     setup: Setup
     draws: Draws
+    clock: float = 0.0
+    """s since the start; drifting probes and cameras go by it from move to move."""
 
     @property
     def tip(self) -> Round | Point:
@@ -74,19 +90,52 @@ class _Laboratory:
         radius = 0.0 if self.document.probe is None else self.document.probe.tip_radius_um
         return Round(units.UM * radius) if radius > 0.0 else Point()
 
-    def physics(self, rows: npt.NDArray[np.int64]) -> Physics:
+    def physics(self, runs: Which = slice(None)) -> Physics:
         """The physics of some."""
-        return self.document.made().physics(self.values[rows])
+        return self.document.made().physics(self.values[runs])
 
-    def seen(self, poses: Floats, time: float) -> Floats:
-        """(N, 3) where the tracker has parts that are at rest at ``poses``."""
-        table = self.physics(np.arange(len(poses))).effects.table
+    def seen(self, poses: Floats) -> Floats:
+        """(N, 3) where the tracker now has parts that are at rest at ``poses``."""
+        table = self.physics().effects.table
         tracked = tracked_of_reference(poses, table)
         nothing = np.zeros((len(poses), 1, 1, 2))
         shown, _ = observe(
-            np.array([time]), tracked[:, None], nothing, table, probes_seen_by_camera=False
+            np.array([self.clock]), tracked[:, None], nothing, table, probes_seen_by_camera=False
         )
         return shown[:, 0]
+
+    def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
+        """(N, 3) what the tracker says, with the task's own errors."""
+        return self.seen(poses) + self.draws.sensing[:, k]
+
+    def place(self, k: int, order: Order) -> Floats:
+        """(N, P, 2) tips as commanded, with the probes' errors and how far their mount has drifted."""
+        tips = order.commands.tips
+        drift = self.physics().effects.values.get("probe_drift", {})
+        along = np.zeros((len(tips), 2))
+        for axis, key in enumerate(("x_um_s", "y_um_s")):
+            along[:, axis] = self.clock * units.UM * np.asarray(drift.get(key, 0.0))
+        return np.asarray(tips + self.draws.of_tips(k, tips.shape[1]) + along[:, None])
+
+    def blocked(self, tips: Floats, poses: Floats) -> Flags:
+        """(N,) whether a tip would be lowered onto the part."""
+        corners, table = rectangle(self.setup), self.physics().effects.table
+        radius = radii(np.array([self.tip.radius]), table)
+        half = 0.5 * np.ptp(corners, axis=0) * stretch(corners, table) + radius
+        own = in_part(tips, poses[:, None])
+        return np.asarray((np.abs(own) < half[:, None]).all(axis=2).any(axis=1))
+
+    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
+        """The move, and what the stage does to the parts until the next one."""
+        push = _push(poses, tips, travel, runs, self)
+        pushed = push_all(push, "stepper", record)
+        self.clock += float(push.times[:, -1].max()) + HANDLING_S
+        done = pushed.outcomes == Outcome.COMPLETED
+        rests = np.zeros(len(self.values), dtype=np.bool_)
+        rests[runs] = done
+        ends = pushed.poses.copy()
+        ends[done] = _rested(ends[done], rests, self)
+        return replace(pushed, poses=ends)
 
 
 def evidence(
@@ -125,11 +174,11 @@ def evidence(
         setup=setup,
         draws=draw(setup, len(rules), runs, rng),
     )
-    poses, outcomes = _run(rules, lab)
-    done = outcomes == Outcome.COMPLETED
-    missed = excess(poses, setup.goal)
+    ran = _run(rules, lab)
+    outcomes, done = ran.outcomes, ran.completed
+    missed = excess(ran.final, setup.goal)
     clear = done & (missed > np.array(tolerance)).any(axis=1)
-    ended = Counter(_ending(int(code)) for code in outcomes[~done])
+    ended = Counter(why(int(code)) for code in outcomes[~done])
     worst = missed[done].max(axis=0, initial=0.0)
     return Evidence(
         runs=runs,
@@ -159,24 +208,9 @@ def _values(document: ModelDocument, runs: int, rng: np.random.Generator) -> Flo
     return np.where(model.valid(values)[:, None], values, best)
 
 
-def _run(rules: Sequence[MoveRule], lab: _Laboratory) -> tuple[Floats, npt.NDArray[np.int8]]:
-    """Final poses (N, 3), and outcomes (N,), of the whole plan."""
-    poses, clock = _start(lab), 0.0
-    outcomes = np.full(len(poses), Outcome.COMPLETED, dtype=np.int8)
-    for k, rule in enumerate(rules):
-        tips, travel = _commands(rule, poses, k, clock, lab)
-        alive = outcomes == Outcome.COMPLETED
-        inside = alive & _inside(tips, poses, lab)
-        outcomes[inside] = STARTS_INSIDE
-        rows = np.flatnonzero(alive & ~inside)
-        if not rows.size:
-            break
-        push = _push(poses[rows], tips[rows], travel[rows], rows, lab)
-        found = simulate(push)
-        poses[rows], outcomes[rows] = found.poses, found.outcomes
-        clock += float(push.times[:, -1].max()) + HANDLING_S
-        _rest(poses, np.flatnonzero(outcomes == Outcome.COMPLETED), lab)
-    return poses, outcomes
+def _run(rules: Sequence[MoveRule], lab: _Laboratory) -> PlanRun:
+    rounds = by_rules(rules, lab.setup, lab.draws.misalignment)
+    return carry_out(rounds, lab, _start(lab))
 
 
 def _start(lab: _Laboratory) -> Floats:
@@ -184,43 +218,13 @@ def _start(lab: _Laboratory) -> Floats:
     wanted = lab.draws.start
     true = wanted.copy()
     for _ in range(_FIXED_POINT):
-        true = true - (lab.seen(true, 0.0) - wanted)
+        true = true - (lab.seen(true) - wanted)
     return true
 
 
-def _commands(
-    rule: MoveRule, poses: Floats, k: int, clock: float, lab: _Laboratory
-) -> tuple[Floats, Floats]:
-    """(N, P, 2) true tips at the start of a move, and their travel."""
-    draws = lab.draws
-    sensed = lab.seen(poses, clock) + draws.sensing[:, k]
-    commanded = rule.commands(sensed, lab.setup.spacing.mid, draws.misalignment)
-    errors = [draws.dual[:, k], draws.dual[:, k], draws.single[:, k]][: commanded.tips.shape[1]]
-    drift = lab.physics(np.arange(len(poses))).effects.values.get("probe_drift", {})
-    along = np.zeros((len(poses), 2))
-    for axis, key in enumerate(("x_um_s", "y_um_s")):
-        along[:, axis] = clock * units.UM * np.asarray(drift.get(key, 0.0))
-    return commanded.tips + np.stack(errors, axis=1) + along[:, None], commanded.travel
-
-
-def _inside(tips: Floats, poses: Floats, lab: _Laboratory) -> npt.NDArray[np.bool_]:
-    """(N,) whether a tip would be lowered onto the part."""
-    corners = rectangle(lab.setup)
-    table = lab.physics(np.arange(len(poses))).effects.table
-    radius = radii(np.array([lab.tip.radius]), table)
-    half = 0.5 * np.ptp(corners, axis=0) * stretch(corners, table) + radius
-    offset = tips - poses[:, None, :2]
-    c, s = np.cos(poses[:, None, 2]), np.sin(poses[:, None, 2])
-    x, y = offset[..., 0], offset[..., 1]
-    own = np.stack([c * x + s * y, c * y - s * x], axis=-1)
-    return np.asarray((np.abs(own) < half[:, None]).all(axis=2).any(axis=1))
-
-
-def _push(
-    poses: Floats, tips: Floats, travel: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory
-) -> Push:
-    physics = lab.physics(rows)
-    felt = Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS})
+def _push(poses: Floats, tips: Floats, travel: Floats, runs: Which, lab: _Laboratory) -> Push:
+    physics = lab.physics(runs)
+    felt = _felt(physics)
     pulled = felt.is_on(*PULL_SLOTS)
     waypoints, times = _way(tips, travel, lab, back=pulled)
     return Push(
@@ -238,44 +242,33 @@ def _push(
 
 
 def _way(tips: Floats, travel: Floats, lab: _Laboratory, *, back: bool) -> tuple[Floats, Floats]:
-    """(N, T, P, 2) waypoints and (N, T) times of a move, and of backing off if tips that leave matter.
-
-    The active tips back off the way they came, the passive one to its own side, at the task's speed.
-    """
+    """(N, T, P, 2) waypoints and (N, T) times of a move, and of backing off if tips that leave matter."""
     speed = lab.task.probe.speed_um_s * units.UM
-    far = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
-    ends = tips + travel
-    waypoints, times = [tips, ends], [np.zeros_like(far), np.where(far > 0.0, far / speed, 1.0)]
-    if back:
-        along = (travel[:, 0] / np.where(far > 0.0, far, 1.0)[:, None])[:, None]
-        rests = (travel == 0.0).all(axis=2, keepdims=True)
-        reach = _BACK * 2.0 * lab.setup.half_length.mid
-        waypoints.append(ends + reach * np.where(rests, along, -along))
-        times.append(times[-1] + reach / speed)
-    return np.stack(waypoints, axis=1), np.stack(times, axis=1)
+    reach = _BACK * 2.0 * lab.setup.half_length.mid
+    waypoints, times = there_and_back(tips, travel, speed, reach, speed)
+    return (waypoints, times) if back else (waypoints[:, :2], times[:, :2])
 
 
-def _rest(poses: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory) -> None:
-    """What the stage does to parts that nothing touches, until the next move."""
-    if not rows.size or not lab.physics(rows).effects.is_on(*FORCE_SLOTS):
-        return
-    physics = lab.physics(rows)
-    far = poses[rows, None, :2] + _FAR
+def _rested(poses: Floats, runs: Flags, lab: _Laboratory) -> Floats:
+    """(n, 3) where the stage takes the parts of some runs, which nothing touches, by the next move."""
+    physics = lab.physics(runs)
+    if not runs.any() or not physics.effects.is_on(*FORCE_SLOTS):
+        return poses
+    far = poses[:, None, :2] + _FAR
     waiting = Push(
         vertices=rectangle(lab.setup),
-        poses=poses[rows],
+        poses=poses,
         waypoints=np.stack([far, far], axis=1),
         times=np.array([[0.0, HANDLING_S]]),
         friction=physics.friction,
         support=physics.support,
-        effects=Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS}),
+        effects=_felt(physics),
         fixture=walls(lab.setup),
         step=STEP,
     )
-    poses[rows] = simulate(waiting).poses
+    return simulate(waiting).poses
 
 
-def _ending(code: int) -> str:
-    if code == STARTS_INSIDE:
-        return "a probe would start inside the part"
-    return Outcome(code).message
+def _felt(physics: Physics) -> Effects:
+    """What acts on the part, without what is only seen."""
+    return Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS})

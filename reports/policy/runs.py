@@ -10,15 +10,23 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.bounds import Interval
-from meso_robust.laboratory.engines import Engine, push_all
-from meso_robust.laboratory.running import STEP, excess, rectangle
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.running import (
+    STEP,
+    Bench,
+    Order,
+    PlanRun,
+    carry_out,
+    excess,
+    why,
+)
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.controller import Done, Move, PolicyController
+from meso_robust.policy.cover import ends_of
 from meso_robust.policy.pose import Sensed
-from meso_robust.primitives.setup import PoseBox, setup_of
-from meso_robust.simulator import Outcome, Push
-
-Floats = npt.NDArray[np.float64]
+from meso_robust.primitives.move import Commands
+from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.types import Flags, Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -72,9 +80,7 @@ def draw_starts(policy: Policy, runs: int, rng: np.random.Generator) -> Starts:
     def of(range_: Interval, *shape: int) -> Floats:
         return one(np.full((runs, *shape), range_.lo), np.full((runs, *shape), range_.hi))
 
-    boxes = [policy.cells[int(k)].sensed for k in chosen]
-    low = np.array([[b.x.lo, b.y.lo, b.theta.lo] for b in boxes])
-    high = np.array([[b.x.hi, b.y.hi, b.theta.hi] for b in boxes])
+    low, high = ends_of([policy.cells[int(k)].sensed for k in chosen])
     sensing = np.hstack([of(u.sensed_position, 2), of(u.sensed_orientation, 1)])
     return Starts(
         poses=one(low, high) - sensing,
@@ -94,112 +100,119 @@ def run_policy(
     step: float = STEP,
 ) -> PolicyRuns:
     """Run the policy from every start, through the controller that a laboratory would use."""
-    return _Campaign(policy, starts, rng, engine, step).run()
+    setup = setup_of(policy.task)
+    bench = _PolicyBench(
+        setup=setup,
+        friction=starts.friction,
+        film_ratio=starts.film_ratio,
+        engine=engine,
+        step=step,
+        starts=starts,
+        rng=rng,
+    )
+    answers = _Answers(policy, setup, starts)
+    # one round more than moves: the pose sensed in it gets a `done`
+    runs = carry_out([answers.orders] * (policy.moves + 1), bench, starts.poses)
+    ended = np.flatnonzero(~runs.completed)
+    return PolicyRuns(
+        moves=np.sum(
+            [np.isin(np.arange(len(answers.done)), list(m)) for m in answers.moves], axis=0
+        ),
+        done=answers.done,
+        in_goal=answers.done & (excess(runs.final, setup.goal) == 0.0).all(axis=1),
+        promised=answers.promised,
+        excess=_excess(answers, runs),
+        why=(*answers.why, *(_why(answers, runs, int(k)) for k in ended)),
+    )
 
 
-class _Campaign:
-    """N runs side by side."""
+def _excess(answers: _Answers, runs: PlanRun) -> Floats:
+    """(3,) largest distance outside of what the completed moves were answered to end in."""
+    found = np.zeros(3)
+    for at, (answered, made) in enumerate(zip(answers.moves, runs.moves, strict=True)):
+        for k, move in answered.items():
+            if runs.failed_in[k] > at:
+                pose = made.after[k] + _full_turns(made.after[k], move.expect)
+                found = np.maximum(found, excess(pose[None], move.expect)[0])
+    return found
 
-    def __init__(
-        self, policy: Policy, starts: Starts, rng: np.random.Generator, engine: Engine, step: float
-    ) -> None:
-        self.setup, self.starts, self.rng = setup_of(policy.task), starts, rng
-        self.engine, self.step, self.policy = engine, step, policy
-        runs = len(starts.poses)
+
+def _why(answers: _Answers, runs: PlanRun, k: int) -> str:
+    return f"{answers.moves[runs.failed_in[k]][k].rule.action}: {why(int(runs.outcomes[k]))}"
+
+
+class _Answers:
+    """What the controller that a laboratory would use answers to each of N runs."""
+
+    def __init__(self, policy: Policy, setup: Setup, starts: Starts) -> None:
+        self.setup, self.starts = setup, starts
         first = PolicyController(policy)
-        self.controllers = [copy.copy(first) for _ in range(runs)]
-        self.poses = starts.poses.copy()
-        self.alive = np.ones(runs, dtype=bool)
-        self.done = np.zeros(runs, dtype=bool)
-        self.moves = np.zeros(runs, dtype=np.int64)
-        self.promised = np.zeros(runs, dtype=np.int64)
-        self.excess = np.zeros(3)
+        self.controllers = [copy.copy(first) for _ in range(len(starts.poses))]
+        self.done = np.zeros(len(starts.poses), dtype=bool)
+        self.promised = np.zeros(len(starts.poses), dtype=np.int64)
         self.why: list[str] = []
+        self.moves: list[dict[int, Move]] = []
+        """By run, of each order."""
 
-    def run(self) -> PolicyRuns:
-        """All moves of all runs."""
-        for made in range(self.policy.moves + 1):
-            pairs = self._asked(made)
-            for probes in (2, 3):
-                some = {k: m for k, m in pairs.items() if 2 + (m.rule.single is not None) == probes}
-                if some:
-                    self._push(some)
-        goal = excess(self.poses, self.setup.goal).max(axis=1) == 0.0
-        return PolicyRuns(
-            moves=self.moves,
-            done=self.done,
-            in_goal=self.done & goal,
-            promised=self.promised,
-            excess=self.excess,
-            why=tuple(self.why),
-        )
-
-    def _asked(self, made: int) -> dict[int, Move]:
-        """What the policy answers to the runs that go on."""
-        found = {}
-        for k in np.flatnonzero(self.alive):
-            sensed = self.poses[k] + (self.starts.sensing[k] if made == 0 else self._error())
-            x, y, theta = (float(value) for value in sensed)
+    def orders(self, sensed: Floats, going: Flags) -> tuple[Order, ...]:
+        """The next moves of the runs that go on, apart for two tips and for three."""
+        answered: dict[int, dict[int, Move]] = {2: {}, 3: {}}
+        for k in map(int, np.flatnonzero(going)):
+            x, y, theta = (float(value) for value in sensed[k])
             reply = self.controllers[k].answer(
                 Sensed(x_um=units.to_um(x), y_um=units.to_um(y), theta_deg=units.to_deg(theta))
             )
             if isinstance(reply, Move):
-                found[int(k)] = reply
-                if made == 0:
-                    self.promised[k] = self.controllers[k].to_go
-                continue
-            self.alive[k] = False
-            if isinstance(reply, Done):
+                answered[2 + (reply.rule.single is not None)][k] = reply
+                self.promised[k] = self.promised[k] or self.controllers[k].to_go
+            elif isinstance(reply, Done):
                 self.done[k] = True
             else:
                 self.why.append(reply.why)
-        return found
+        groups = {tips: moves for tips, moves in answered.items() if moves}
+        self.moves += groups.values()
+        return tuple(self._order(tips, moves) for tips, moves in groups.items())
 
-    def _error(self) -> Floats:
-        u = self.setup.uncertainty
+    def _order(self, probes: int, moves: dict[int, Move]) -> Order:
+        tips = np.full((len(self.done), probes, 2), np.nan)
+        travel, runs = tips.copy(), np.zeros(len(self.done), dtype=bool)
+        for k, move in moves.items():
+            commanded = move.rule.commands(
+                np.array([move.sensed.mid]),
+                self.setup.spacing.mid,
+                self.starts.misalignment[k : k + 1],
+            )
+            runs[k], tips[k], travel[k] = True, commanded.tips[0], commanded.travel[0]
+        return Order(runs=runs, commands=Commands(tips=tips, travel=travel))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _PolicyBench(Bench):
+    """The task's laboratory with errors that are drawn as they come, as nobody knows how many moves."""
+
+    starts: Starts
+    rng: np.random.Generator
+
+    def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
+        """(N, 3) poses with an error, drawn for the runs that go on."""
+        if k == 0:
+            return poses + self.starts.sensing
+        u, sensed = self.setup.uncertainty, poses.copy()
         reach = np.array([u.sensed_position.hi, u.sensed_position.hi, u.sensed_orientation.hi])
-        share = self.rng.uniform(-1.0, 1.0, 3)
-        return np.asarray(reach * (np.sign(share) if self.rng.random() < 0.5 else share))
+        for row in np.flatnonzero(going):
+            share = self.rng.uniform(-1.0, 1.0, 3)
+            sensed[row] += reach * (np.sign(share) if self.rng.random() < 0.5 else share)
+        return sensed
 
-    def _push(self, some: dict[int, Move]) -> None:
-        """One move of some runs, all with as many probes."""
-        rows = np.array(list(some))
-        tips, travel = zip(*(self._commands(k, move) for k, move in some.items()), strict=True)
-        pushed = push_all(
-            Push.straight(
-                vertices=rectangle(self.setup),
-                poses=self.poses[rows],
-                tips=np.array(tips),
-                travel=np.array(travel),
-                friction=self.starts.friction[rows],
-                film_ratio=self.starts.film_ratio[rows],
-                step=self.step,
-            ),
-            self.engine,
-        )
-        self.poses[rows] = pushed.poses
-        self.moves[rows] += 1
-        for row, move, outcome in zip(rows, some.values(), pushed.outcomes, strict=True):
-            if outcome != Outcome.COMPLETED:
-                self.alive[row] = False
-                self.why.append(f"{move.rule.action}: {Outcome(outcome).message}")
-            else:
-                turns = _full_turns(self.poses[row], move.expect)
-                outside = excess((self.poses[row] + turns)[None], move.expect)[0]
-                self.excess = np.maximum(self.excess, outside)
-
-    def _commands(self, k: int, move: Move) -> tuple[Floats, Floats]:
-        """True tips and their travel: as commanded plus the probes' errors."""
-        pose = np.array(move.sensed.mid)
-        commanded = move.rule.commands(
-            pose[None], self.setup.spacing.mid, self.starts.misalignment[k : k + 1]
-        )
-        reach = self.setup.uncertainty.probe_position.hi
-        dual, single = self.rng.uniform(-reach, reach, (2, 2))
-        if self.rng.random() < 0.5:
-            dual, single = reach * np.sign(dual), reach * np.sign(single)
-        errors = np.array([dual, dual, single])[: commanded.tips.shape[1]]
-        return commanded.tips[0] + errors, commanded.travel[0]
+    def place(self, k: int, order: Order) -> Floats:
+        """(N, P, 2) tips as commanded plus the probes' errors; two tips of one probe share theirs."""
+        tips, reach = order.commands.tips.copy(), self.setup.uncertainty.probe_position.hi
+        for row in np.flatnonzero(order.runs):
+            error = self.rng.uniform(-reach, reach, (2, 2))
+            if self.rng.random() < 0.5:
+                error = reach * np.sign(error)
+            tips[row] += error[[0, 0, 1]][: tips.shape[1]]
+        return tips
 
 
 def _full_turns(pose: Floats, box: PoseBox) -> Floats:

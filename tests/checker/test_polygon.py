@@ -19,7 +19,7 @@ from meso_robust.checker import outline as own
 from meso_robust.checker.inputs import given
 from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.checker.walls import apart
-from meso_robust.laboratory.polygon import distances
+from meso_robust.laboratory.geometry import distances
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.names import Inequality

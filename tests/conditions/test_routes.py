@@ -16,7 +16,6 @@ from hypothesis import given, settings, strategies as st
 
 from meso_robust.bounds import Bounded, enclose
 from meso_robust.campaigns.property.laws.routes import (
-    MOST_ARGUMENTS,
     NAMES,
     Routes,
     Sample,
@@ -30,6 +29,8 @@ from meso_robust.campaigns.property.laws.routes import (
 from meso_robust.types import Floats
 from tests.conditions.functions import with_a_changed_sign
 from tests.strategies import REPEATABLE
+
+MOST_ARGUMENTS = 8  # of a formula
 
 every_function = pytest.mark.parametrize(("module", "name"), NAMES, ids=map(".".join, NAMES))
 share = st.floats(0.0, 1.0)

@@ -11,16 +11,10 @@ import numpy as np
 import pytest
 
 from meso_robust.bounds import HALF_PI, Interval
-from meso_robust.conditions import values
+from meso_robust.conditions import condition, values
 from meso_robust.errors import NotApplicableError
 from meso_robust.feasible_regions import Map, Region, admissible_offsets, map_of, moves_of
 from meso_robust.feasible_regions.document import document
-from meso_robust.planning.motion_search import (
-    STICKING_TURN,
-    Choice,
-    at_all_corners,
-    robust_motion,
-)
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.reporting.admissible import map_figure
 from tests.motion.sticking_reference import after
@@ -191,24 +185,24 @@ def test_offsets_end_where_the_friction_of_the_worst_corner_ends() -> None:
     assert any(height - 1e-9 <= piece.lo <= height + 3 * UM for piece in beyond)
 
 
-def test_what_the_sampled_search_finds_is_not_impossible(tilt: Map) -> None:
-    """Section IX-D as written along the edge, at every angle of the map."""
+def test_a_push_that_works_at_all_corners_is_not_impossible(tilt: Map) -> None:
+    """Section IX-D as written: samples along the edge, tried at the extremes of all that is uncertain."""
     found = 0
     for angle in np.radians(np.arange(80.0, 104.0, 3.0)):
-        uncertain = {
-            "theta": Interval.point(float(angle)),
-            "d1": Interval.point(D1),
-            "rho": Interval(0.95 * RHO, 1.05 * RHO),
-            "mu": Interval(*MU),
-            "side": Interval.point(1.0),
-        }
-        choice = Choice(name="d2", low=SPACING - 300 * UM, high=HALF, control=OFF)
-        robust = robust_motion(STICKING_TURN, [choice], uncertain, at_all_corners)
-        if robust is not None:
-            rise = robust.inputs["d2"] * math.sin(angle) - D1 * math.cos(angle)
-            found += 1
-            assert tilt.paving.at(rise, float(angle)) != {Region.IMPOSSIBLE}
-    assert found >= 3
+        for d2 in np.linspace(SPACING - 300 * UM, HALF, 33):
+            sides = ((d2 - OFF, d2 + OFF), (0.95 * RHO, 1.05 * RHO), MU)
+            offset, ratio, mu = np.array(list(itertools.product(*sides))).T
+            known = {"theta": angle, "d1": D1, "d2": offset, "rho": ratio, "mu": mu, "side": 1.0}
+            margins = [
+                np.array(values("one_point_sticking", name)(**{k: known[k] for k in asked}))
+                for name in ("normal_force", "friction_margin", "turning")
+                for asked in [condition("one_point_sticking", name).inputs]
+            ]
+            if all((margin > 0.0).all() for margin in margins):
+                found += 1
+                rise = float(d2 * math.sin(angle) - D1 * math.cos(angle))
+                assert tilt.paving.at(rise, float(angle)) != {Region.IMPOSSIBLE}
+    assert found >= 30
 
 
 def test_offsets_of_a_rotation_are_refused() -> None:

@@ -10,8 +10,17 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from meso_robust.laboratory.claims import CONTACT, Accuracy, broken, only_motions, outside
-from meso_robust.laboratory.endings import gaps_to
+from meso_robust.laboratory.claims import (
+    CONTACT,
+    REACHES_GOAL,
+    Accuracy,
+    Claim,
+    ClaimId,
+    broken,
+    only_motions,
+    outside,
+)
+from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.meetings import crosses, meets, stick_ratio
 from meso_robust.laboratory.replay import nominal_row
 from meso_robust.laboratory.running import PlanRun
@@ -30,10 +39,10 @@ def at_end(**changes: Any) -> PlanRun:
     return replace(runs, moves=tuple(moves))
 
 
-def judged_by_hand(runs: PlanRun) -> set[str]:
+def judged_by_hand(runs: PlanRun) -> set[Claim]:
     accuracy = Accuracy(slip=1e-9, pose=(np.full((1, 3), 1e-12),) * 4)
     found = broken(runs, only_motions(paper_player().rules, paper_player().setup), accuracy)
-    return {name for name, flags in found.items() if flags.any()}
+    return {claim for claim, flags in found.items() if flags.any()}
 
 
 def test_every_contact_claim_is_judged() -> None:
@@ -41,7 +50,7 @@ def test_every_contact_claim_is_judged() -> None:
     assert judged_by_hand(at_end()) == set()
 
     off_both = move.after + np.array([-1e-6, 0.0, 0.0])
-    assert judged_by_hand(at_end(after=off_both)) == {"move 2: contacts are as claimed"}
+    assert judged_by_hand(at_end(after=off_both)) == {Claim(ClaimId.CONTACTS, 2)}
     for held, turn in ((0, -1e-5), (1, 1e-5)):  # about one of the tips: the other one is off then
         tip = (move.tips + move.travel)[0, held]
         arm = move.after[0, :2] - tip
@@ -49,15 +58,15 @@ def test_every_contact_claim_is_judged() -> None:
         turned[0, 2] = move.after[0, 2] + turn
         gaps = gaps_to((move.tips + move.travel)[0], turned[0], HALF)
         assert np.abs(gaps).min() < CONTACT < np.abs(gaps).max()
-        assert judged_by_hand(at_end(after=turned)) == {"move 2: contacts are as claimed"}
+        assert judged_by_hand(at_end(after=turned)) == {Claim(ClaimId.CONTACTS, 2)}
     slipped = move.after + np.array(
         [0.0, 1e-7, 0.0]
     )  # along the upright edge, both tips still on it
-    assert judged_by_hand(at_end(after=slipped)) == {"move 2: contacts are as claimed"}
+    assert judged_by_hand(at_end(after=slipped)) == {Claim(ClaimId.CONTACTS, 2)}
     one_more = np.array([4])
-    assert judged_by_hand(at_end(phases=one_more)) == {"move 2: contacts are as claimed"}
+    assert judged_by_hand(at_end(phases=one_more)) == {Claim(ClaimId.CONTACTS, 2)}
     inside = move.tips + np.array([-70e-6, 0.0])
-    assert "move 2: starts free of contact" in judged_by_hand(at_end(tips=inside))
+    assert Claim(ClaimId.STARTS_FREE, 2) in judged_by_hand(at_end(tips=inside))
 
 
 def test_a_probe_that_cannot_withdraw_is_noticed() -> None:
@@ -65,7 +74,7 @@ def test_a_probe_that_cannot_withdraw_is_noticed() -> None:
     move = exactly().run(nominal_row(exactly())).moves[1]
     beyond = move.travel + np.array([-2.0 * HALF[1], 0.0])
 
-    assert "move 2: probes withdraw clear of the part" in judged_by_hand(at_end(travel=beyond))
+    assert Claim(ClaimId.RETRACTS, 2) in judged_by_hand(at_end(travel=beyond))
 
 
 def test_a_tip_meets_a_rectangle_where_it_does_by_hand() -> None:
@@ -113,3 +122,14 @@ def test_outside_of_all_boxes_and_of_none() -> None:
 
     assert outside(poses, boxes, exact).tolist() == [False, False, True, True, True]
     assert outside(poses, boxes, slack).tolist() == [False, False, True, True, False]
+
+
+def test_a_claim_has_a_key_that_stays_and_words_that_files_hold() -> None:
+    box = Claim(ClaimId.ENDS_IN_BOX, 2)
+
+    assert (box.key, box.words) == ("move_2/ends_in_box", "move 2: ends in its box")
+    assert (REACHES_GOAL.key, REACHES_GOAL.words) == (
+        "reaches_goal",
+        "the last pose lies in the goal",
+    )
+    assert len({Claim(id_).words for id_ in ClaimId}) == len(ClaimId)

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.laboratory.ascent import corners
-from meso_robust.laboratory.claims import Claims
-from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.claims import CARRIED_OUT, REACHES_GOAL, Claim, ClaimId, Claims
+from meso_robust.laboratory.engines import NOT_RECORDED, Engine
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Feedback, limits, nominal_row
 from meso_robust.laboratory.running import STEP, PlanRun
@@ -31,8 +31,8 @@ JUST_OUTSIDE = """
 """
 
 
-def broken_names(found: Judged) -> set[str]:
-    return {name for name, flags in found.broken.items() if flags.any()}
+def broken_claims(found: Judged) -> set[Claim]:
+    return {claim for claim, flags in found.broken.items() if flags.any()}
 
 
 def found_with(claims: Claims, engine: Engine = "events") -> Judged:
@@ -46,7 +46,7 @@ def test_no_corner_breaks_a_proved_claim_by_the_stepper() -> None:
 
     found = judge(paper_player(), paper_claims(), rows)
 
-    assert not broken_names(found)
+    assert not broken_claims(found)
     assert found.repeated > 0  # a step's error leaves the tightest boxes, half a step's less so
 
 
@@ -70,9 +70,9 @@ def test_both_engines_make_the_same_executions() -> None:
         assert np.abs(move.after - same.after)[:, 2].max() < 1e-5
         assert np.ptp(move.after[:, 0]) > 1e-6
     # free, one contact, both: what the stepper's own record of modes shows as well
-    phases = [set() if m.phases is None else {int(n) for n in m.phases} for m in one.moves]
+    phases = [{int(n) for n in move.phases} for move in one.moves]
     assert phases == [{2}, {3}, {5}, {3}]
-    assert all(move.phases is None for move in other.moves)
+    assert all((move.phases == NOT_RECORDED).all() for move in other.moves)
     recorded = paper_player().run(rows, record=200).moves[1].modes
     assert {int(k) for k in recorded[:, -1].ravel()} == {1}
 
@@ -87,7 +87,7 @@ def test_boxes_that_are_too_small_are_left(engine: Engine) -> None:
 
     found = found_with(replace(claims, posts=posts), engine)
 
-    assert broken_names(found) == {f"move {k}: ends in its box" for k in (1, 2, 3, 4)}
+    assert broken_claims(found) == {Claim(ClaimId.ENDS_IN_BOX, k) for k in (1, 2, 3, 4)}
 
 
 @pytest.mark.parametrize("engine", ["events", "stepper"])
@@ -97,7 +97,7 @@ def test_tubes_that_are_too_small_are_left(engine: Engine) -> None:
 
     found = found_with(replace(claims, tubes=tubes), engine)
 
-    assert broken_names(found) == {f"move {k}: stays in its tube" for k in (1, 2, 3, 4)}
+    assert broken_claims(found) == {Claim(ClaimId.STAYS_IN_TUBE, k) for k in (1, 2, 3, 4)}
 
 
 def test_slices_missing_from_a_tube_are_noticed() -> None:
@@ -106,7 +106,9 @@ def test_slices_missing_from_a_tube_are_noticed() -> None:
     assert whole is not None
     for gone in ([len(whole) - 1], [17, 18, 19]):  # two instants lie less than two slices apart
         tubes = (*claims.tubes[:2], np.delete(whole, gone, axis=0), claims.tubes[3])
-        assert "move 3: stays in its tube" in broken_names(found_with(replace(claims, tubes=tubes)))
+        assert Claim(ClaimId.STAYS_IN_TUBE, 3) in broken_claims(
+            found_with(replace(claims, tubes=tubes))
+        )
 
 
 def test_a_goal_that_is_too_small_is_missed() -> None:
@@ -114,7 +116,7 @@ def test_a_goal_that_is_too_small_is_missed() -> None:
 
     found = found_with(replace(paper_claims(), setup=setup))
 
-    assert broken_names(found) == {"the last pose lies in the goal"}
+    assert broken_claims(found) == {REACHES_GOAL}
 
 
 def test_friction_that_is_too_low_slips_and_too_high_jams() -> None:
@@ -123,8 +125,8 @@ def test_friction_that_is_too_low_slips_and_too_high_jams() -> None:
 
     judged = judge(player, paper_claims(), rows)
 
-    assert judged.broken["move 4: contacts are as claimed"].tolist() == [True, False]
-    assert judged.broken["every move can be carried out"].tolist() == [False, True]
+    assert judged.broken[Claim(ClaimId.CONTACTS, 4)].tolist() == [True, False]
+    assert judged.broken[CARRIED_OUT].tolist() == [False, True]
     assert judged.runs.failed_in.tolist() == [4, 2]
 
 

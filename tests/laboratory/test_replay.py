@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,8 @@ import pytest
 
 from meso_robust.laboratory.adversary import badness, search
 from meso_robust.laboratory.draws import draw, nominal
-from meso_robust.laboratory.endings import ending, gaps_to
+from meso_robust.laboratory.endings import ending
+from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.open_loop import OpenLoop
 from meso_robust.laboratory.replay import Feedback, limits, miss, nominal_row
 from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, excess, run
@@ -20,6 +22,8 @@ from meso_robust.planning.document import MoveDocument, PlanDocument, ProbeDocum
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Outcome
+from meso_robust.task import load_task
+from meso_robust.tasks import SLOT
 from tests.conftest import paper_task
 from tests.laboratory.paper import paper_player
 
@@ -126,6 +130,17 @@ def test_open_loop_pushes_in_any_direction() -> None:
     assert np.array_equal(done.moves[0].travel[0, 2], [0.0, 0.0])
     assert done.moves[0].path.shape == (1, 5, 3)
     assert done.moves[0].modes[0, -1].tolist() == [1, 1, 0]  # both stick, the third is aside
+
+
+def test_open_loop_push_ends_at_the_wall_beside_a_slot() -> None:
+    """A part that stands upright is wider than the slot: it stops with half its width to the wall."""
+    tips = [("dtp_top", (3830.0, 290.0), False), ("dtp_bottom", (3830.0, -290.0), False)]
+    player = replace(stated(*tips, travel=(-4000.0, 0.0)), setup=setup_of(load_task(SLOT)))
+
+    done = player.run(nominal_row(player))
+
+    assert done.outcomes[0] == Outcome.JAM
+    assert done.final[0] * SCALE == pytest.approx([300.0 + 418.5, -9.2, 90.0], abs=2.0)
 
 
 def test_open_loop_probes_miss_by_their_own_errors() -> None:

@@ -7,10 +7,19 @@ import math
 import numpy as np
 
 from meso_robust.laboratory.draws import Draws, draw, nominal
-from meso_robust.laboratory.running import STARTS_INSIDE, excess, run
-from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
+from meso_robust.laboratory.engines import Pushed
+from meso_robust.laboratory.running import (
+    STARTS_INSIDE,
+    Order,
+    Which,
+    carry_out,
+    excess,
+    run,
+)
+from meso_robust.primitives.move import Commands, MoveRule, Point, from_part, in_world
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Outcome
+from meso_robust.types import Flags, Floats
 from tests.conftest import paper_task
 
 
@@ -117,3 +126,66 @@ def test_excess_is_the_distance_outside() -> None:
 
 def _two_moves() -> Draws:
     return nominal(setup(), 2)
+
+
+class Toy:
+    """Parts are carried along with the first tip; a part right of x = 10 m jams."""
+
+    def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
+        return poses + 0.25
+
+    def place(self, k: int, order: Order) -> Floats:
+        return order.commands.tips + 0.5
+
+    def blocked(self, tips: Floats, poses: Floats) -> Flags:
+        near = np.abs(tips - poses[:, None, :2]) < 0.1
+        return np.any(np.all(near, axis=2), axis=1)
+
+    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
+        after = poses + np.append(travel[:, 0], np.zeros((len(poses), 1)), axis=1)
+        jams = after[:, 0] > 10.0
+        none = np.zeros((len(poses), 0, 0))
+        outcomes = np.where(jams, Outcome.JAM, Outcome.COMPLETED).astype(np.int8)
+        phases = np.ones(len(poses), dtype=np.int64)
+        return Pushed(poses=after, outcomes=outcomes, path=none, modes=none, phases=phases)  # type: ignore[arg-type]
+
+
+def test_the_loop_pushes_whom_it_is_told_to_and_a_run_without_an_order_is_over() -> None:
+    """Runs 0 and 1 in one group, 2 and 3 in another; then all but 0, but 3 has jammed by then."""
+    asked: list[tuple[list[float], list[bool]]] = []
+
+    def order(which: tuple[int, ...], travel: float, probes: int) -> Order:
+        shape = (4, probes, 2)
+        commands = Commands(tips=np.full(shape, 5.0), travel=np.full(shape, travel))
+        return Order(runs=np.isin(np.arange(4), which), commands=commands)
+
+    def first(sensed: Floats, going: Flags) -> tuple[Order, ...]:
+        asked.append((sensed[:, 0].tolist(), going.tolist()))
+        return order((0, 1), 1.0, 2), order((2, 3), 3.0, 3)
+
+    def second(sensed: Floats, going: Flags) -> tuple[Order, ...]:
+        asked.append((sensed[:, 0].tolist(), going.tolist()))
+        return (order((1, 2), 0.5, 2),)
+
+    def third(sensed: Floats, going: Flags) -> tuple[Order, ...]:
+        asked.append((sensed[:, 0].tolist(), going.tolist()))
+        return ()
+
+    start = np.array([[0.0, 0.0, 0.0], [4.5, 0.0, 0.0], [2.5, 2.5, 0.0], [8.0, 0.0, 0.0]])
+    done = carry_out([first, second, third], Toy(), start)
+
+    # the tips start at 5.5 m: run 2 lies there after its first move, and so cannot begin its second
+    assert done.outcomes.tolist() == [
+        Outcome.COMPLETED,
+        Outcome.COMPLETED,
+        STARTS_INSIDE,
+        Outcome.JAM,
+    ]
+    assert done.failed_in.tolist() == [3, 3, 2, 1]
+    assert done.final[:, 0].tolist() == [1.0, 6.0, 5.5, 11.0]
+    assert [len(move.tips[0]) for move in done.moves] == [2, 3, 2]
+    assert asked == [
+        ([0.25, 4.75, 2.75, 8.25], [True] * 4),
+        ([1.25, 5.75, 5.75, 11.25], [True, True, True, False]),
+        ([1.25, 6.25, 5.75, 11.25], [False, True, False, False]),
+    ]

@@ -57,7 +57,7 @@ def test_the_moves_to_go_fall_whatever_is_sensed(small_policy: Policy) -> None:
     low, high = ends_of([cell.sensed for cell in small_policy.cells])
     for cell in small_policy.cells:
         after = sensed_poses(cell.post, setup)
-        (a,), (b,) = ends_of([after])
+        a, b = after.ends
         poses = rng.choice([0.0, 0.5, 1.0], (8, 3)) * (b - a) + a
         for pose in poses:
             held = ((low <= pose) & (pose <= high)).all(axis=1)

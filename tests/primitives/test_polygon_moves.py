@@ -10,9 +10,9 @@ import pytest
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
-from meso_robust.laboratory.claims import ends, outside
+from meso_robust.laboratory.claims import outside
 from meso_robust.laboratory.draws import draw
-from meso_robust.laboratory.polygon import distances
+from meso_robust.laboratory.geometry import distances
 from meso_robust.laboratory.running import outline, run
 from meso_robust.motion import sticking
 from meso_robust.planning.compose import compose
@@ -50,10 +50,10 @@ def test_every_simulated_run_keeps_to_tube_box_and_contacts(name: str) -> None:
     runs = run(rules, chain.setup, draws, record=24, engine="events")
     assert runs.completed.all()
     for step, move in zip(chain.steps, runs.moves, strict=True):
-        tube = np.array([ends(knot.box) for knot in step.tube])
+        tube = np.array([knot.box.ends for knot in step.tube])
         assert step.post is not None
         assert not outside(move.path, tube, ROUNDING).any()
-        assert not outside(move.after, ends(step.post)[None], ROUNDING).any()
+        assert not outside(move.after, step.post.ends[None], ROUNDING).any()
         assert move.phases is not None
         assert (move.phases <= PHASES[step.rule.action]).all()  # a slip would be one more
 
@@ -65,7 +65,7 @@ def test_the_boxes_are_not_much_larger_than_what_happens(name: str) -> None:
     runs = run(rules, chain.setup, draws, engine="events")
     for step, move in zip(chain.steps, runs.moves, strict=True):
         assert step.post is not None
-        low, high = ends(step.post)
+        low, high = step.post.ends
         assert (np.ptp(move.after, axis=0) > 0.2 * (high - low)).all()
 
 
@@ -196,7 +196,7 @@ def test_a_rectangle_told_as_a_polygon_moves_the_same() -> None:
         assert first.post is not None
         assert second.post is not None
         assert first.verdict is second.verdict is Verdict.PROVED
-        near = ends(first.post) - ends(second.post)
+        near = first.post.ends - second.post.ends
         assert np.abs(near).max() < 1.1e-9  # one step of the grid on which boxes are told
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator import Fixture, Point, Push
-from meso_robust.simulator.arrange import case_of, prepare
+from meso_robust.simulator.arrange import case_of, inputs_of
 from meso_robust.simulator.scene import find_contacts
 from meso_robust.simulator.tables import (
     ACTIVE,
@@ -115,7 +115,7 @@ def contacts_at(
     tuple
         (k, 7) rows of gap, normal, point, displacement of the obstacle, body frame; (k,) obstacles.
     """
-    case = case_of(0, prepare(push)[0])
+    case = case_of(0, inputs_of(push, unique=False))
     obstacles, probes = case.obstacles.copy(), len(push.shapes)
     obstacles[:probes, X : X + 2] = tips
     obstacles[:probes, MOVE_X : MOVE_X + 2] = way

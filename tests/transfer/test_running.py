@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meso_robust.laboratory.draws import draw
-from meso_robust.laboratory.running import STARTS_INSIDE, run
+from meso_robust.laboratory.running import STARTS_INSIDE, by_rules, run
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.transfer import running
@@ -42,31 +42,32 @@ def test_without_effects_it_is_the_monte_carlo_run() -> None:
     lab = laboratory(model())
     draws = replace(lab.draws, film_ratio=lab.values[:, 0], friction=lab.values[:, 1])
 
-    poses, outcomes = running._run(rules(), lab)
+    ran = running._run(rules(), lab)
 
-    assert np.all(outcomes == 0)
-    np.testing.assert_allclose(poses, run(rules(), lab.setup, draws).final, rtol=0, atol=1e-12)
+    assert np.all(ran.outcomes == 0)
+    np.testing.assert_allclose(ran.final, run(rules(), lab.setup, draws).final, rtol=0, atol=1e-12)
 
 
 def test_a_part_that_nothing_touches_is_carried_on_between_moves() -> None:
     """At 1 um/s for the 10 s of handling after each move, on top of what happens in it."""
     force = {"body_force.x_um_s": (0.0, 0.0), "body_force.y_um_s": (1.0, 1.0)}
     lab = laboratory(model(force))
-    poses = np.zeros((RUNS, 3))
+    which = np.isin(np.arange(RUNS), (1, 4))
 
-    running._rest(poses, np.array([1, 4]), lab)
+    poses = running._rested(np.zeros((2, 3)), which, lab)
 
-    np.testing.assert_allclose(poses[[1, 4]], [[0.0, 10e-6, 0.0]] * 2, rtol=0, atol=1e-10)
-    assert not np.any(poses[[0, 2, 3, 5]])
+    np.testing.assert_allclose(poses, [[0.0, 10e-6, 0.0]] * 2, rtol=0, atol=1e-10)
 
 
 def test_a_mount_that_drifts_has_drifted_by_the_time_of_a_move() -> None:
     drift = {"probe_drift.x_um_s": (0.1, 0.1), "probe_drift.y_um_s": (-0.2, -0.2)}
     lab = laboratory(model(drift))
-    poses = lab.draws.start
+    (order,) = by_rules(rules(), lab.setup, lab.draws.misalignment)[0](
+        lab.draws.start, np.ones(RUNS, dtype=np.bool_)
+    )
 
-    first, _ = running._commands(rules()[0], poses, 0, 0.0, lab)
-    later, _ = running._commands(rules()[0], poses, 0, 30.0, lab)
+    first, lab.clock = lab.place(0, order), 30.0
+    later = lab.place(0, order)
 
     expected = np.broadcast_to([3e-6, -6e-6], first.shape)
     np.testing.assert_allclose(later - first, expected, rtol=0, atol=1e-12)
@@ -85,7 +86,7 @@ def test_an_offset_of_the_tracker_is_an_error_of_sensing_that_turns_with_the_par
     """The same runs by the plain simulation, whose sensing errors are given the offset."""
     document = model({"reference_offset.x_um": (1.5, 1.5), "reference_offset.y_um": (-1.0, -1.0)})
     lab = laboratory(document)
-    poses, _ = running._run(rules(), lab)
+    poses = running._run(rules(), lab).final
 
     draws = replace(lab.draws, film_ratio=lab.values[:, 0], friction=lab.values[:, 1])
     start, sensing = draws.start.copy(), draws.sensing.copy()
@@ -118,7 +119,7 @@ def test_a_part_much_larger_than_planned_for_meets_the_probe() -> None:
     large = {"part_geometry.x_um": (60.0, 60.0), "part_geometry.y_um": (60.0, 60.0)}
     document = model(large)
 
-    _, outcomes = running._run(rules(), laboratory(document))
+    outcomes = running._run(rules(), laboratory(document)).outcomes
     found = evidence(rules(), paper_task(), document, RUNS, 0, EXACT)
 
     assert np.all(outcomes == STARTS_INSIDE)

@@ -17,8 +17,8 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.laboratory.draws import draw
 from meso_robust.laboratory.running import run
 from meso_robust.pipeline import make
+from meso_robust.planning.clearance import fine
 from meso_robust.planning.compose import compose, robust_at
-from meso_robust.planning.scale import fine
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.simulator import simulate
@@ -123,12 +123,12 @@ def laboratory(model: ModelDocument, runs: int = 1) -> running._Laboratory:
 def test_two_tips_drag_the_part_along_until_both_menisci_break(pull: float) -> None:
     """By hand: the part follows at 2 p while the gap opens at v - 2 p to r = 2 um."""
     lab = laboratory(adhering(pull))
-    rows, poses = np.array([0]), np.array([[0.0, 0.0, 0.5 * math.pi]])
+    poses = np.array([[0.0, 0.0, 0.5 * math.pi]])
     tips = np.array([[[90.0, 50.0], [90.0, -50.0]]]) * UM
     travel = np.broadcast_to([-20.0 * UM, 0.0], tips.shape)
 
-    left = running._push(poses, tips, travel, rows, laboratory(adhering(0.0)))
-    held = running._push(poses, tips, travel, rows, lab)
+    left = running._push(poses, tips, travel, slice(None), laboratory(adhering(0.0)))
+    held = running._push(poses, tips, travel, slice(None), lab)
     free, drawn = simulate(left).poses[0], simulate(held).poses[0]
 
     # pushed by 20 um less the way to the edge, 90 - 155.4 / 2

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.laboratory.ascent import Score, Summit
+from meso_robust.laboratory.draws import at_shares
 from meso_robust.types import Floats
 
 
@@ -26,8 +27,7 @@ class Problem:
 
     def rows(self, shares: Floats) -> Floats:
         """(N, D) points of the unit cube as points of the box, ends to ends."""
-        inside = np.clip(self.low + shares * (self.high - self.low), self.low, self.high)
-        return np.where(shares >= 1.0, self.high, inside)
+        return at_shares(shares, self.low, self.high)
 
     def shares(self, rows: Floats) -> Floats:
         """(N, D) points of the box as points of the unit cube, ends to ends."""

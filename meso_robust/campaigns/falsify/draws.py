@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from meso_robust.laboratory.ascent import shaken
+from meso_robust.laboratory.draws import at_shares
 from meso_robust.types import Floats
 
 Spread = Literal["uniform", "corners", "mixed"]
@@ -32,6 +33,4 @@ def drawn(
     low, high = box
     if how == "adversarial":
         return shaken(np.clip(seeds, low, high), low, high, runs, rng)
-    share = shares_of(how, (runs, len(low)), rng)
-    inside = np.clip(low + share * (high - low), low, high)
-    return np.where(share == 1.0, high, inside)
+    return at_shares(shares_of(how, (runs, len(low)), rng), low, high)

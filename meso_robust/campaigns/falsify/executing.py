@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -16,8 +15,9 @@ from meso_robust.campaigns.falsify.methods import SEARCHES
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import Bisection, Bulk, Search, work_of
 from meso_robust.campaigns.falsify.targets import failing, scorer
-from meso_robust.campaigns.falsify.threshold import LARGEST, Wanted, any_motion, misses, threshold
-from meso_robust.campaigns.falsify.totals import totals
+from meso_robust.campaigns.falsify.threshold import LARGEST, threshold
+from meso_robust.campaigns.falsify.totals import counts, totals
+from meso_robust.campaigns.hardest import hardest, hexadecimal
 from meso_robust.campaigns.kind import Part, Result, Values
 from meso_robust.campaigns.planned import largest_factor
 from meso_robust.certificates.margin import margin
@@ -26,12 +26,6 @@ from meso_robust.laboratory.replay import limits, miss
 from meso_robust.laboratory.running import PlanRun
 from meso_robust.primitives.setup import setup_of
 from meso_robust.types import Floats
-
-HARDEST = 3  # runs kept of a chunk of draws
-WANTED_CLAIMS: Mapping[str, Wanted] = {
-    "any claim about the motion": any_motion,
-    "carried out and in the goal": misses,
-}
 
 
 def execute(ready: Ready, part: Part, chunk: int) -> Result:
@@ -77,9 +71,7 @@ def _reached(ready: Ready, runs: PlanRun, rows: Floats) -> dict[str, float | str
 def _hardest(ready: Ready, runs: PlanRun, rows: Floats) -> list[list[Any]]:
     """Completed runs that end farthest from the middle of the goal: tolerances, and the row."""
     away = miss(runs, ready.player.setup)
-    known = np.flatnonzero(~np.isnan(away))
-    hard = known[np.argsort(-away[known], kind="stable")][:HARDEST]
-    return [[float(away[k]), hexadecimal(rows[k])] for k in hard]
+    return [[float(away[k]), hexadecimal(rows[k])] for k in hardest(away)]
 
 
 def _problem(ready: Ready, name: str) -> Problem:
@@ -106,7 +98,7 @@ def _search(ready: Ready, work: Search, rng: np.random.Generator, budget: int) -
             "highest": finite(summit.value),
             "row": hexadecimal(summit.row),
             "evaluations": summit.evaluations,
-            "broken": {name: int(flags.sum()) for name, flags in judged.broken.items()},
+            "broken": counts(judged),
             "unfinished": int(judged.unfinished.sum()),
             "rare": None if rare is None else _rare(rare),
             "hardest": _hardest(ready, judged.runs, rows),
@@ -127,7 +119,7 @@ def _threshold(ready: Ready, work: Bisection, seed: int) -> Result:
     found = threshold(
         replace(player, engine="events"),
         lambda factor: setup_of(task, factor),
-        WANTED_CLAIMS[work.wanted],
+        work.wanted,
         seed=seed,
         largest=min(LARGEST, largest_factor(task)),
     )
@@ -138,11 +130,11 @@ def _threshold(ready: Ready, work: Bisection, seed: int) -> Result:
         failures=(),
         values={
             "does": "threshold",
-            "wanted": work.wanted,
+            "wanted": work.wanted.value,
             "certified": margin(player.rules, task).factor,
             "holds": found.holds,
             "breaks": None if at is None else at.factor,
-            "claims": [] if at is None else list(at.claims),
+            "claims": [] if at is None else [claim.words for claim in at.claims],
             "row": [] if at is None else hexadecimal(at.row),
         },
     )
@@ -158,13 +150,3 @@ def finite(value: float) -> float | str | None:
 def value_of(told: float | str | None) -> float:
     """The inverse of :func:`finite`."""
     return -np.inf if told is None else float(told)
-
-
-def hexadecimal(row: Floats) -> list[str]:
-    """Doubles to their last bit."""
-    return [float(value).hex() for value in row]
-
-
-def row_of(text: list[str]) -> Floats:
-    """The inverse of :func:`hexadecimal`."""
-    return np.array([float.fromhex(value) for value in text])

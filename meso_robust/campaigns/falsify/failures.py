@@ -7,6 +7,7 @@ import numpy as np
 from meso_robust.campaigns.falsify.minimising import minimal
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.kind import MOST_FAILURES, Failure
+from meso_robust.laboratory.claims import Claim
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Column, nominal_row
 from meso_robust.laboratory.witness_file import replay_files
@@ -27,17 +28,21 @@ def failures(ready: Ready, judged: Judged, rows: Floats, how: str) -> tuple[Fail
     how
         What found them, in words.
     """
-    firsts = [(name, np.flatnonzero(flags)) for name, flags in judged.broken.items()]
-    ranked = sorted((rank, name, row) for name, hit in firsts for rank, row in enumerate(hit[:3]))
-    return tuple(_failure(ready, name, rows[row], how) for _, name, row in ranked[:MOST_FAILURES])
+    hits = [
+        (rank, claim, row)
+        for claim, flags in judged.broken.items()
+        for rank, row in enumerate(np.flatnonzero(flags)[:MOST_FAILURES])
+    ]
+    ranked = sorted(hits, key=lambda hit: (hit[0], hit[1].key, hit[2]))
+    return tuple(_failure(ready, claim, rows[row], how) for _, claim, row in ranked[:MOST_FAILURES])
 
 
-def _failure(ready: Ready, claim: str, row: Floats, how: str) -> Failure:
+def _failure(ready: Ready, claim: Claim, row: Floats, how: str) -> Failure:
     small = smallest(ready, claim, row)
     engine, factor = ready.player.engine, ready.plan.factor
     return Failure(
-        what=claim,
-        detail=f"{claim}: broken at {_told(ready, small)}; found by {how}, {engine}, all "
+        what=claim.words,
+        detail=f"{claim.words}: broken at {_told(ready, small)}; found by {how}, {engine}, all "
         f"uncertainties times {factor:g}",
         files=replay_files(
             ready.plan.task,
@@ -46,12 +51,12 @@ def _failure(ready: Ready, claim: str, row: Floats, how: str) -> Failure:
             small,
             factor=factor,
             engine=engine,
-            breaks=(claim,),
+            breaks=(claim.words,),
         ),
     )
 
 
-def smallest(ready: Ready, claim: str, row: Floats) -> Floats:
+def smallest(ready: Ready, claim: Claim, row: Floats) -> Floats:
     """(D,) the row made minimal for one claim; the row itself if that does not fail by itself.
 
     The steps of a batch depend on its longest travel, so a stepped run by itself may differ in the

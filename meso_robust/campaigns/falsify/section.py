@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from enum import Enum
 from typing import Annotated, Literal, get_args
 
 from pydantic import Field
@@ -11,6 +12,7 @@ from pydantic import Field
 from meso_robust.campaigns.falsify.draws import Draw
 from meso_robust.campaigns.kind import Part
 from meso_robust.campaigns.planned import PlanSection
+from meso_robust.laboratory.claims import OUTCOME, Claim
 
 SearchName = Literal["climb", "corner-walk", "face-walk", "cma-es", "splitting"]
 Method = Literal[  # one list, so that a message about a wrong one names them all
@@ -28,10 +30,18 @@ Method = Literal[  # one list, so that a message about a wrong one names them al
 
 DRAWS: tuple[Draw, ...] = get_args(Draw)
 METHODS: tuple[Method, ...] = get_args(Method)
-WANTED = ("any claim about the motion", "carried out and in the goal")
-"""What a threshold may be asked for: the uncertainty at which this is first broken."""
-
 EVENTS_CHUNK, STEPPER_CHUNK = 20_000, 1_000
+
+
+class Wanted(Enum):
+    """What a threshold is about: the uncertainty at which this is first broken, in words."""
+
+    ANY_MOTION = "any claim about the motion"
+    OUTCOME = "carried out and in the goal"
+
+    def counts(self, claim: Claim) -> bool:
+        """Whether a broken claim counts."""
+        return self is Wanted.ANY_MOTION or claim in OUTCOME
 
 
 class FalsifySection(PlanSection):
@@ -74,7 +84,7 @@ class Search:
 class Bisection:
     """A chunk that is the search of one threshold."""
 
-    wanted: str
+    wanted: Wanted
 
 
 Work = Bulk | Search | Bisection
@@ -129,4 +139,4 @@ def _searches(asked: FalsifySection, part: Part) -> list[Search]:
 
 
 def _bisections(asked: FalsifySection) -> list[Bisection]:
-    return [Bisection(wanted=name) for name in WANTED] if "threshold" in asked.methods else []
+    return [Bisection(wanted=wanted) for wanted in Wanted] if "threshold" in asked.methods else []

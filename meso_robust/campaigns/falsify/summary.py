@@ -10,7 +10,7 @@ from meso_robust.campaigns.falsify.totals import Totals, added
 from meso_robust.campaigns.falsify.views import corners_met, highest, pooled, views
 from meso_robust.campaigns.intervals import percent, share_interval
 from meso_robust.campaigns.kind import Part, Told, Values, Verdict
-from meso_robust.wording import up
+from meso_robust.wording import do, up
 
 Figures = tuple[tuple[str, str], ...]
 Counts = dict[str, int]
@@ -58,14 +58,18 @@ def _answer(ready: Ready, totals: Values, drawn: Totals, searches: Counts) -> st
     count = searches.get("searches", 0)
     if not drawn.runs and not count:
         return "Nothing was executed to break a claim."
+    executions = f"{drawn.runs:,} execution{'s' * (drawn.runs != 1)}"
+    ends = f"{count:,} search{'es' * (count != 1)}"
     of_what = "" if ready.certified else NOT_CERTIFIED.format(ready.plan.factor)
     if drawn.failed or searches.get("failed", 0):
         names = [name for name, n in added(drawn.broken, totals["broken"]).items() if n]
-        counts = [(drawn.failed, drawn.runs, "executions")] if drawn.runs else []
-        counts += [(searches["failed"], count, "searches")] if count else []
-        told = " and ".join(f"{failed:,} of {tried:,} {of}" for failed, tried, of in counts)
-        return f"{told} break a claim: {', '.join(names)}.{of_what}"
-    tried = f"{drawn.runs:,} execution{'s' * (drawn.runs != 1)} and {count:,} search{'es' * (count != 1)}"
+        counts = [(drawn.failed, executions)] if drawn.runs else []
+        counts += [(searches["failed"], ends)] if count else []
+        told = " and ".join(f"{failed:,} of {of}" for failed, of in counts)
+        subjects = sum(failed for failed, _ in counts) if len(counts) == 1 else len(counts)
+        breaks = do(subjects, "break")
+        return f"{told} {breaks} a claim: {', '.join(names)}.{of_what}"
+    tried = f"{executions} and {ends}"
     unfinished = drawn.unfinished + searches.get("unfinished", 0)
     if unfinished:
         tried += f", {unfinished:,} of which the engine could not finish"

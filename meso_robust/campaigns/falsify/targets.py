@@ -8,18 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.laboratory.ascent import Score
-from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, ends, first_tip
+from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, first_tip
 from meso_robust.laboratory.crosscheck import REFUTING
-from meso_robust.laboratory.endings import gaps_to
+from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.judging import INSTANTS
 from meso_robust.laboratory.meetings import meets, stick_ratio
-from meso_robust.laboratory.replay import Feedback
+from meso_robust.laboratory.replay import FILM, FRICTION, Feedback
 from meso_robust.laboratory.running import MoveRun, PlanRun
 from meso_robust.types import Floats
 
 Measure = Callable[[PlanRun, Floats], Floats]
 
-FRICTION, FILM = 3, 4  # columns of a row
 ANGLES = 5  # orientations between the first and the last of a move at which sticking is asked
 COORDINATES = ("x", "y", "theta")
 TIGHTEST = 1e-9  # m and rad: a box that is tighter is measured as if it were this wide
@@ -46,7 +45,7 @@ def box_targets(claims: Claims) -> tuple[Target, ...]:
     for k, post in enumerate(claims.posts):
         if post is not None:
             found += [_side(f"move {k + 1}: box", k, post, axis, way) for axis, way in _SIDES]
-    goal, last = ends(claims.setup.goal), len(claims.rules) - 1
+    goal, last = claims.setup.goal.ends, len(claims.rules) - 1
     return (*found, *(_side("goal", last, goal, axis, way) for axis, way in _SIDES))
 
 

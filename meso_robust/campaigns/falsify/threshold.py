@@ -7,15 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from meso_robust.campaigns.falsify.section import Wanted
 from meso_robust.campaigns.falsify.targets import Target, all_targets, failing
 from meso_robust.laboratory.ascent import Effort, Summit, climb, corners, shaken
-from meso_robust.laboratory.claims import only_motions
+from meso_robust.laboratory.claims import Claim, only_motions
 from meso_robust.laboratory.judging import judge
 from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.primitives.setup import Setup
 from meso_robust.types import Floats
-
-Wanted = Callable[[str], bool]
 
 # what fails first fails at corners
 STEPS = Effort(corners=1500, reaches=(1.0, 1.0, 0.3), elite=3, generations=0)
@@ -63,7 +62,7 @@ class Breaking:
     """A run that breaks a claim at some factor."""
 
     factor: float
-    claims: tuple[str, ...]
+    claims: tuple[Claim, ...]
     row: Floats
     """(D,)"""
 
@@ -77,16 +76,6 @@ class Threshold:
     breaking: Breaking | None
     """What it found at the smallest factor at which it found something; None if at none."""
     executions: int
-
-
-def any_motion(_: str) -> bool:
-    """Every claim."""
-    return True
-
-
-def misses(name: str) -> bool:
-    """Only claims about the outcome: the plan is carried out and ends in the goal."""
-    return name in ("every move can be carried out", "the last pose lies in the goal")
 
 
 def breaking_at(
@@ -107,13 +96,13 @@ def breaking_at(
     rows = np.concatenate([worst, around, corners(low, high, effort.corners, rng)])
     count = effort.corners + sum(reach.summit.evaluations for reach in reached) + len(rows)
     judged = judge(player, claims, rows)
-    flags = {name: f for name, f in judged.broken.items() if wanted(name)}
+    flags = {claim: f for claim, f in judged.broken.items() if wanted.counts(claim)}
     hit = np.flatnonzero(np.logical_or.reduce(list(flags.values())))
     if not hit.size:
         return None, count
     row = int(hit[0])
-    names = tuple(name for name, f in flags.items() if f[row])
-    return Breaking(factor=factor, claims=names, row=rows[row]), count
+    broken = tuple(claim for claim, f in flags.items() if f[row])
+    return Breaking(factor=factor, claims=broken, row=rows[row]), count
 
 
 def threshold(
@@ -135,7 +124,7 @@ def threshold(
     scaled
         The task with its uncertainties scaled by a factor.
     wanted
-        Which claims count, by name.
+        Which claims count.
     seed, effort
         Of the adversary.
     largest, resolution

@@ -9,12 +9,11 @@ import numpy as np
 
 from meso_robust.laboratory.claims import Claims, slips
 from meso_robust.laboratory.judging import Judged
+from meso_robust.laboratory.replay import OF_A_RUN
 from meso_robust.types import Floats
 
 Ends = list[list[float]]
 """(2, 3) least and largest pose (m, m, rad)."""
-
-RUN_LEVEL = 6  # columns that hold for the whole run: start, friction, film, misalignment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +28,7 @@ class Totals:
     repeated: int = 0
     """Runs of the stepper that were repeated at smaller steps."""
     broken: dict[str, int] = field(default_factory=dict)
-    """Runs that break a claim, by its name; zero too."""
+    """Runs that break a claim, by its words; zero too."""
     after: list[Ends | None] = field(default_factory=list)
     """(M,) extremes of the poses after each move; None if no run came to its end."""
     during: list[Ends | None] = field(default_factory=list)
@@ -97,13 +96,18 @@ def totals(judged: Judged, claims: Claims, covered: list[list[int]], shares: Flo
         failed=int(judged.any_broken.sum()),
         unfinished=int(judged.unfinished.sum()),
         repeated=judged.repeated,
-        broken={name: int(flags.sum()) for name, flags in judged.broken.items()},
+        broken=counts(judged),
         after=after,
         during=during,
         slip=slip,
         covered=covered,
-        corners=_corners(shares[:, :RUN_LEVEL]),
+        corners=_corners(shares[:, :OF_A_RUN]),
     )
+
+
+def counts(judged: Judged) -> dict[str, int]:
+    """Runs that break each claim, by its words: this is what files hold."""
+    return {claim.words: int(flags.sum()) for claim, flags in judged.broken.items()}
 
 
 def _ends(poses: Floats) -> Ends | None:

@@ -9,14 +9,15 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.campaigns.coverage import coverage
-from meso_robust.campaigns.falsify.executing import row_of, value_of
+from meso_robust.campaigns.falsify.executing import value_of
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import METHODS
 from meso_robust.campaigns.falsify.targets import COORDINATES, HALF_WIDTHS
-from meso_robust.campaigns.falsify.totals import RUN_LEVEL, Totals
-from meso_robust.campaigns.hardest import paths
+from meso_robust.campaigns.falsify.totals import Totals
+from meso_robust.campaigns.hardest import paths, row_of
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table, Values, View
 from meso_robust.laboratory.judging import INSTANTS
+from meso_robust.laboratory.replay import OF_A_RUN
 from meso_robust.types import Floats
 from meso_robust.wording import down, up, up_to
 
@@ -269,4 +270,4 @@ def _coverage(ready: Ready, drawn: Totals) -> Coverage | None:
 
 def corners_met(drawn: Totals) -> str:
     """Share of the corners of start, friction, film and misalignment that draws met."""
-    return f"{drawn.corners.bit_count()} of {2**RUN_LEVEL}"
+    return f"{drawn.corners.bit_count()} of {2**OF_A_RUN}"

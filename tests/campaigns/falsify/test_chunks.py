@@ -19,10 +19,10 @@ from meso_robust.campaigns.falsify.methods import SEARCHES
 from meso_robust.campaigns.falsify.section import (
     DRAWS,
     METHODS,
-    WANTED,
     Bisection,
     Bulk,
     Search,
+    Wanted,
     work_of,
 )
 from meso_robust.campaigns.falsify.totals import Totals
@@ -62,7 +62,7 @@ def test_chunks_cover_what_was_asked_exactly_once() -> None:
     assert set(searches.values()) == {1}
     assert len(searches) == 5 * 2 * len(targets)
     assert {one.target for one in searches} == set(targets)
-    assert [one.wanted for one in works if isinstance(one, Bisection)] == list(WANTED)
+    assert [one.wanted for one in works if isinstance(one, Bisection)] == list(Wanted)
     with pytest.raises(IndexError):
         work_of(part, len(works))
 
@@ -79,7 +79,7 @@ def test_what_is_not_asked_for_is_not_done() -> None:
 
     assert [work_of(only, k) for k in range(FALSIFY.count(only))] == [
         Bulk(method="mixed", runs=10),
-        *(Bisection(wanted=name) for name in WANTED),
+        *(Bisection(wanted=wanted) for wanted in Wanted),
     ]
     assert FALSIFY.count(none) == len(none.given["targets"])
     assert work_of(none, 0) == Search(method="cma-es", target=none.given["targets"][0], restart=0)

@@ -16,6 +16,7 @@ from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import Search, work_of
 from meso_robust.campaigns.falsify.views import pooled
 from meso_robust.campaigns.kind import MOST_FAILURES, Failure, Part, Result
+from meso_robust.laboratory.claims import CARRIED_OUT
 from meso_robust.laboratory.judging import judge
 from meso_robust.laboratory.replay import limits, nominal_row
 from meso_robust.laboratory.witness_file import WitnessFile, row_of
@@ -170,13 +171,15 @@ def test_at_half_as_much_more_uncertainty_claims_are_broken_by_small_witnesses()
         row = read_back(ready, failure)
         off = np.flatnonzero(row[0] != middle)
         assert 1 <= off.size <= 6
-        assert judge(ready.player, ready.claims, row).broken[failure.what][0]
+        found_again = judge(ready.player, ready.claims, row).broken
+        (claim,) = [claim for claim in found_again if claim.words == failure.what]
+        assert found_again[claim][0]
         # not one of them is to spare, nor can one be a thousandth nearer to its middle
         less = np.repeat(row, 2 * off.size, axis=0)
         less[np.arange(off.size), off] = middle[off]
         near = off.size + np.arange(off.size)
         less[near, off] = middle[off] + 0.999 * (row[0, off] - middle[off])
-        kept = judge(ready.player, ready.claims, less).broken[failure.what]
+        kept = judge(ready.player, ready.claims, less).broken[claim]
         assert not kept[: off.size].any()
         assert not kept[off.size :].all()
 
@@ -192,7 +195,7 @@ def test_a_jam_takes_three_coordinates_and_the_friction_of_the_closed_form() -> 
     row[where] = high[where] * [1.0, -1.0, 1.0]
     row[names.index("start x_m")] = high[0]  # of no use to a jam
 
-    small = smallest(ready, "every move can be carried out", row)
+    small = smallest(ready, CARRIED_OUT, row)
 
     middle = nominal_row(ready.player)[0]
     assert [names[k] for k in np.flatnonzero(small != middle)] == off

@@ -13,7 +13,7 @@ import pytest
 from meso_robust.campaigns.encoding import canonical
 from meso_robust.campaigns.falsify.adding import total
 from meso_robust.campaigns.falsify.executing import execute
-from meso_robust.campaigns.falsify.section import WANTED
+from meso_robust.campaigns.falsify.section import Wanted
 from meso_robust.campaigns.falsify.summary import tell
 from meso_robust.campaigns.falsify.views import pooled
 from meso_robust.campaigns.kind import Bars, Coverage, Part, Paths, Result, Table, Told
@@ -141,10 +141,10 @@ def test_a_broken_claim_is_told_first_and_counted() -> None:
     assert 0 < broken < 200
     assert of.verdict == "broken"
     assert of.answer == (
-        f"{broken} of 200 executions and 1 of 1 searches break a claim: move 2: ends in its box."
+        f"{broken} of 200 executions and 1 of 1 search break a claim: move 2: ends in its box."
     )
     alone = tell(part, total(part, results[2:]))
-    assert (alone.verdict, alone.answer.split(" break")[0]) == ("broken", "1 of 1 searches")
+    assert (alone.verdict, alone.answer.split(" a claim")[0]) == ("broken", "1 of 1 search breaks")
     row = next(row for row in table(of, "Claims") if row["Claim"] == "move 2: ends in its box")
     assert row["Broken in draws"] == f"{broken} of 200"
     assert row["Broken where a search ended"] == "1 of 1"
@@ -170,7 +170,7 @@ def test_failures_beyond_the_certified_uncertainty_are_measured_and_within_it_br
         failing = replace(result, values={**result.values, "totals": wrong})
         of = tell(part, total(part, [failing]))
         assert of.verdict == verdict
-        assert "of 50 executions break a claim: " in of.answer
+        assert "of 50 executions break" in of.answer
         assert name in of.answer
 
 
@@ -182,7 +182,7 @@ def test_thresholds_and_rare_failures_have_their_tables() -> None:
         failures=(),
         values={
             "does": "threshold",
-            "wanted": WANTED[0],
+            "wanted": Wanted.ANY_MOTION.value,
             "certified": 1.1875,
             "holds": 1.2,
             "breaks": 1.2125,

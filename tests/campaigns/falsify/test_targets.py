@@ -15,7 +15,7 @@ from meso_robust.campaigns.falsify.targets import (
     scorer,
     tube_targets,
 )
-from meso_robust.laboratory.claims import slips
+from meso_robust.laboratory.claims import Claim, ClaimId, slips
 from meso_robust.laboratory.engines import push_all
 from meso_robust.laboratory.judging import INSTANTS, judge
 from meso_robust.laboratory.replay import limits, nominal_row
@@ -62,7 +62,7 @@ def test_a_box_is_left_exactly_where_its_target_is_above_one() -> None:
     low = with_side(ready, 1, 1, 0, float(np.median(y)))
 
     score = scorer(low.player, low.target("move 2: box, y low"))(rows)
-    judged = judge(low.player, low.claims, rows).broken["move 2: ends in its box"]
+    judged = judge(low.player, low.claims, rows).broken[Claim(ClaimId.ENDS_IN_BOX, 2)]
 
     assert np.array_equal(score > 1.0, judged)
     assert judged.sum() == 30
@@ -81,7 +81,7 @@ def test_a_tube_is_left_exactly_where_its_target_is_above_one() -> None:
         target = moved.target(f"move {k + 1}: tube")
         assert target.record == INSTANTS
         left = scorer(moved.player, target)(rows) > 1.0
-        assert np.array_equal(left, judged.broken[f"move {k + 1}: stays in its tube"])
+        assert np.array_equal(left, judged.broken[Claim(ClaimId.STAYS_IN_TUBE, k + 1)])
         assert 0 < left.sum() < 60
 
 

@@ -7,17 +7,16 @@ import pytest
 
 from meso_robust.campaigns.falsify import executing, threshold as module
 from meso_robust.campaigns.falsify.kind import FALSIFY
-from meso_robust.campaigns.falsify.section import WANTED
+from meso_robust.campaigns.falsify.section import Wanted
 from meso_robust.campaigns.falsify.threshold import (
     Breaking,
     Threshold,
-    any_motion,
     attack,
     breaking_at,
-    misses,
     threshold,
 )
 from meso_robust.laboratory.ascent import Effort
+from meso_robust.laboratory.claims import CARRIED_OUT, Claim, ClaimId
 from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.primitives.setup import setup_of
 from tests.campaigns.falsify.parts import paper_ready, part_of
@@ -30,16 +29,16 @@ QUICK = Effort(corners=200, reaches=(1.0,), elite=2, generations=0)
 def test_what_fails_first_beyond_the_certified_margin() -> None:
     """Certified up to 1.20; contacts slip from 1.21 on, the part jams only from 1.35 on."""
     rng = np.random.default_rng(0)
-    assert breaking_at(exactly(1.2), 1.2, any_motion, rng, QUICK)[0] is None
-    slip, _ = breaking_at(exactly(1.24), 1.24, any_motion, rng, QUICK)
+    assert breaking_at(exactly(1.2), 1.2, Wanted.ANY_MOTION, rng, QUICK)[0] is None
+    slip, _ = breaking_at(exactly(1.24), 1.24, Wanted.ANY_MOTION, rng, QUICK)
     assert slip is not None
-    assert slip.claims == ("move 4: contacts are as claimed",)
+    assert slip.claims == (Claim(ClaimId.CONTACTS, 4),)
     corners_only = Effort(corners=400, reaches=(), elite=2, generations=0)
-    assert breaking_at(exactly(1.3), 1.3, any_motion, rng, corners_only)[0] is not None
-    assert breaking_at(exactly(1.3), 1.3, misses, rng, corners_only)[0] is None
-    jam, executions = breaking_at(exactly(1.45), 1.45, misses, rng, QUICK)
+    assert breaking_at(exactly(1.3), 1.3, Wanted.ANY_MOTION, rng, corners_only)[0] is not None
+    assert breaking_at(exactly(1.3), 1.3, Wanted.OUTCOME, rng, corners_only)[0] is None
+    jam, executions = breaking_at(exactly(1.45), 1.45, Wanted.OUTCOME, rng, QUICK)
     assert jam is not None
-    assert jam.claims == ("every move can be carried out",)
+    assert jam.claims == (CARRIED_OUT,)
     low, high = limits(exactly(1.45))
     assert (jam.row >= low).all()
     assert (jam.row <= high).all()
@@ -52,11 +51,11 @@ def test_threshold_is_bracketed(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(player: Feedback, factor: float, *_: object) -> tuple[Breaking | None, int]:
         width = player.setup.uncertainty.friction.width
         assert width == pytest.approx(0.06 * factor)
-        breaking = Breaking(factor=factor, claims=("made up",), row=np.zeros(1))
+        breaking = Breaking(factor=factor, claims=(CARRIED_OUT,), row=np.zeros(1))
         return (breaking if factor >= 1.37 else None), 10
 
     monkeypatch.setattr(module, "breaking_at", fails)
-    found = threshold(exactly(), lambda f: setup_of(paper_task(), f), misses)
+    found = threshold(exactly(), lambda f: setup_of(paper_task(), f), Wanted.OUTCOME)
 
     assert found.breaking is not None
     assert found.holds < 1.37 <= found.breaking.factor <= found.holds * 1.003
@@ -72,7 +71,7 @@ def test_a_threshold_as_a_chunk(monkeypatch: pytest.MonkeyPatch) -> None:
         assert largest == 3.0  # the paper's friction would bear eleven times
         asked.append((player.engine, seed))
         row = np.array([0.25, -1.0])
-        breaking = Breaking(factor=1.5, claims=("made up",), row=row)
+        breaking = Breaking(factor=1.5, claims=(CARRIED_OUT,), row=row)
         return Threshold(holds=1.25, breaking=breaking, executions=123)
 
     monkeypatch.setattr(executing, "threshold", coarse)
@@ -82,10 +81,14 @@ def test_a_threshold_as_a_chunk(monkeypatch: pytest.MonkeyPatch) -> None:
 
     assert asked == [("events", 7)]
     assert (found.runs, found.failed, found.failures) == (123, 0, ())
-    assert found.values["wanted"] == WANTED[1]
+    assert found.values["wanted"] == Wanted.OUTCOME.value
     # of the paper's plan; see reports/paper_task
     assert found.values["certified"] == pytest.approx(1.2, abs=0.02)
-    assert [found.values[k] for k in ("holds", "breaks", "claims")] == [1.25, 1.5, ["made up"]]
+    assert [found.values[k] for k in ("holds", "breaks", "claims")] == [
+        1.25,
+        1.5,
+        [CARRIED_OUT.words],
+    ]
     assert found.values["row"] == ["0x1.0000000000000p-2", "-0x1.0000000000000p+0"]
 
 

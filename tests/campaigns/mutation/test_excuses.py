@@ -22,6 +22,7 @@ from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.campaigns.mutation.sampled import least
 from meso_robust.laboratory.draws import nominal
+from meso_robust.laboratory.engines import NOT_RECORDED
 from meso_robust.laboratory.running import MoveRun
 from meso_robust.primitives.setup import setup_of
 from tests.checker.test_walls import slot_task
@@ -175,6 +176,7 @@ def moved(path: Any, tips: Any, travel: Any, modes: Any) -> MoveRun:
         travel=np.array([travel], dtype=np.float64),
         path=poses,
         modes=np.array([modes], dtype=np.int8),
+        phases=np.array([NOT_RECORDED]),
         after=poses[:, -1],
     )
 

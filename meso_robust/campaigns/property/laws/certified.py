@@ -20,7 +20,7 @@ from meso_robust.campaigns.property.laws.variants import (
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.laboratory.ascent import corners, shaken
-from meso_robust.laboratory.claims import claims_of, only_motions
+from meso_robust.laboratory.claims import OUTCOME, Claim, claims_of, only_motions
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.laboratory.simulation import order
@@ -33,7 +33,6 @@ from meso_robust.types import Floats
 ROWS = 96
 """Runs of a batch: half of them uniform, half at corners; as many again around the worst of them."""
 WORST = 6
-OUTCOME = ("every move can be carried out", "the last pose lies in the goal")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,22 +67,21 @@ def _kept(task: Task, rules: Rules, chain: Chain, seed: int) -> Verdict:
     player = _player(task, rules)
     rows = _worst(player, seed)
     judged = judge(player, claims, rows)
-    starts = tuple(f"move {k + 1}: " for k in range(proved))
-    wanted = [name for name in judged.broken if name.startswith(starts)]
-    if chain.verdict is Proved.PROVED:
-        wanted = list(judged.broken)
+    wanted = list(judged.broken)
+    if chain.verdict is not Proved.PROVED:
+        wanted = [claim for claim in wanted if claim.move is not None and claim.move <= proved]
     return _breach(task, player, rows, judged, wanted)
 
 
 def _breach(
-    task: Task, player: Feedback, rows: Floats, judged: Judged, wanted: Sequence[str]
+    task: Task, player: Feedback, rows: Floats, judged: Judged, wanted: Sequence[Claim]
 ) -> Verdict:
     """The first row that breaks a wanted claim, with the files that replay it."""
-    hit = [name for name in wanted if judged.broken[name].any()]
+    hit = [claim for claim in wanted if judged.broken[claim].any()]
     if not hit:
         return Silence("a run could not be finished") if judged.unfinished.any() else None
     row = int(np.flatnonzero(judged.broken[hit[0]])[0])
-    breaks = tuple(name for name in wanted if judged.broken[name][row])
+    breaks = tuple(claim.words for claim in wanted if judged.broken[claim][row])
     return Breach(
         what=f"certified, but broken by a run: {breaks[0]}",
         detail=f"the run breaks {', '.join(breaks)}",
@@ -111,7 +109,7 @@ def _failing(batch: Batch) -> Verdict:
     rng = np.random.default_rng(batch.seed)
     rows = np.concatenate([corners(*limits(player), ROWS, rng), _worst(player, batch.seed)])
     judged = judge(player, only_motions(rules, player.setup), rows)
-    if not any(judged.broken[name].any() for name in OUTCOME):
+    if not any(judged.broken[claim].any() for claim in OUTCOME):
         return Silence("no run fails")
     if certify(rules, player.setup).verdict is not Proved.PROVED:
         return None

@@ -50,8 +50,6 @@ _RANGES = {
 }
 RANGES = {name: ends for ends, names in _RANGES.items() for name in names.split()}
 """Where an argument lies, in SI units; a new one needs an entry."""
-MOST_ARGUMENTS = 8
-"""Of a formula."""
 
 
 def at_shares(names: tuple[str, ...], shares: Floats) -> dict[str, Floats]:
