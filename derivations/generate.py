@@ -31,12 +31,14 @@ SOURCES = (
     "t2_motion",
     "two_sided_rotation",
     "rotation_existence",
+    "round_tips",
     "final_orientation",
     "sampling",
     "y_translation",
     "final_pose",
     "symmetries",
     "polygon_edge",
+    "drag_tensor",
     "printed_numbers",
 )
 """Derivation files, in the order in which a reader of the paper meets their claims."""
