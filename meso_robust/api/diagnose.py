@@ -11,7 +11,7 @@ from meso_robust.api.call import call
 from meso_robust.api.inputs import StrPath, at_least, keep_apart, path_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import Recordings, name_of, set_of
-from meso_robust.diagnosis import answer, diagnose as diagnosing, model_file, pictures
+from meso_robust.diagnosis import answer, diagnose as diagnosing, pictures
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import FILE, DiagnosisDocument
 from meso_robust.files import write_all
@@ -75,7 +75,7 @@ class Diagnosed:
     @property
     def model_toml(self) -> str:
         """The extended model, for ``plan(..., model=...)``."""
-        return model_file.model_toml(self.diagnosis, __version__)
+        return answer.model_toml(self.diagnosis, __version__)
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name."""

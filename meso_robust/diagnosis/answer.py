@@ -1,4 +1,4 @@
-"""A diagnosis as the document ``diagnosis.json``."""
+"""A diagnosis as documents: ``diagnosis.json``, and ``model.toml`` of the best model."""
 
 from __future__ import annotations
 
@@ -13,14 +13,25 @@ from meso_robust.diagnosis.candidates import Candidate, why_not
 from meso_robust.diagnosis.control import SAME
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
-from meso_robust.diagnosis.intervals import Interval, intervals
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.rejection import Rejection
+from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, intervals
 from meso_robust.diagnosis.trials import tried
 from meso_robust.diagnosis.validation import Errors, improvement
+from meso_robust.identification.answer import sections
+from meso_robust.identification.document import (
+    MinimumSection,
+    ModelDocument,
+    NotIdentifiableSection,
+    ParameterSection,
+    RecordingSection,
+)
 from meso_robust.identification.usable import warnings_of
+from meso_robust.identification.verdict import verdict
 from meso_robust.recordings import read_set
-from meso_robust.simulator.catalogue import CATALOGUE, stage_of
+from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
+from meso_robust.toml_files import toml_of
+from meso_robust.types import Floats
 
 UM, DEG = 1e6, 180.0 / np.pi
 VISCOSITY = "film_viscosity"
@@ -157,7 +168,7 @@ def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:
 
 
 def _value(one: Interval) -> dict[str, object]:
-    return {"value": one.value, "low": one.low, "high": one.high, "unit": one.unit}
+    return {**one.shown, "unit": one.parameter.unit}
 
 
 def _mismatch(found: Diagnosis) -> dict[str, object]:
@@ -233,7 +244,7 @@ def _effects(best: Candidate, answers: tuple[Candidate, ...]) -> tuple[dict[str,
 
 
 def _fixed(effect: str, key: str, value: float) -> dict[str, object]:
-    unit = next(one.unit for one in CATALOGUE[effect].parameters if one.key == key)
+    unit = parameter_of("effects", effect, key).unit
     return {"value": value, "low": value, "high": value, "unit": unit}
 
 
@@ -310,4 +321,99 @@ def _each(before: Errors, after: Errors, which: str) -> tuple[dict[str, object],
             "extended_um": UM * float(after.metres[k]),
         }
         for k, file in enumerate(before.prepared.files)
+    )
+
+
+def model_toml(found: Diagnosis, version: str) -> str:
+    """Text of ``model.toml``: the extended model, or the plain one where nothing was added.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    version
+        Of this package.
+
+    Returns
+    -------
+    str
+        TOML, see `ModelDocument`.
+    """
+    return toml_of(_model_document(found, version))
+
+
+def _model_document(found: Diagnosis, version: str) -> ModelDocument:
+    plain, best = sections(found.split.training, found.baseline.found, version), found.best
+    plain["diagnosis"] = found.verdict
+    if best is None or found.retrained is None:
+        made = ModelDocument.model_validate(plain)
+        return made.model_copy(update={"verdict": verdict(made)})
+    known = intervals_of(best)
+    shown = {one.key: one.shown["value"] for one in known}
+    held = {
+        f"{trial.effect}.{key}": value
+        for trial in best.refit.trials
+        for key, value in trial.held.items()
+    }
+    # the quality is of the plain fit and goes with it
+    return ModelDocument.model_validate(
+        plain
+        | {
+            "model": best.refit.model.name,
+            "interval": "curvature",
+            "confidence": CONFIDENCE,
+            "parameters": {one.key: _section(one) for one in known},
+            "held": {**plain["held"], **held},
+            "not_identifiable": _unknown(known),
+            "quality": None,
+            "minima": (_minimum(found.retrained, float(best.refit.fits.chi2[0]), shown),),
+            "recording": _recordings(found.retrained),
+        }
+    )
+
+
+def _section(one: Interval) -> ParameterSection:
+    return ParameterSection(**one.shown, open_low=one.open_low, open_high=one.open_high)
+
+
+def _unknown(known: tuple[Interval, ...]) -> tuple[NotIdentifiableSection, ...]:
+    """Numbers without a bound, and the scale of the drag, which no motion shows."""
+    listed = {
+        one.key: "the recordings give no bound on one side"
+        for one in known
+        if one.open_low or one.open_high
+    }
+    listed[VISCOSITY] = "no motion depends on the scale of the drag"
+    return tuple(NotIdentifiableSection(name=name, why=why) for name, why in listed.items())
+
+
+def _minimum(errors: Errors, chi2: float, shown: dict[str, float]) -> MinimumSection:
+    x, y, theta = np.sqrt(np.mean(_rms(errors) ** 2, axis=0)).tolist()
+    return MinimumSection(
+        cost=chi2,
+        x_um=UM * x,
+        y_um=UM * y,
+        theta_deg=DEG * theta,
+        found=0,  # the search began at a linear estimate, not at a random start
+        parameters=shown,
+    )
+
+
+def _rms(errors: Errors) -> Floats:
+    """(R, 3) root mean squares of seen less predicted, m and rad."""
+    return np.sqrt(np.nanmean((errors.prepared.seen - errors.poses) ** 2, axis=1))
+
+
+def _recordings(errors: Errors) -> tuple[RecordingSection, ...]:
+    rms, frames = _rms(errors).tolist(), errors.prepared.counts.max(axis=1)
+    return tuple(
+        RecordingSection(
+            file=file,
+            frames=int(frames[k]),
+            x_um=UM * rms[k][0],
+            y_um=UM * rms[k][1],
+            theta_deg=DEG * rms[k][2],
+            outcome=errors.outcomes[k],
+        )
+        for k, file in enumerate(errors.prepared.files)
     )

@@ -105,9 +105,7 @@ def with_inputs(model: Model) -> Inputs:
         model=extended,
         base=base,
         names=(*extended.keys, *TIPS),
-        units=np.array(
-            [*[1.0 if p.log else p.scale / p.to_si for p in parameters], 1.0, 1.0, 1.0, 1.0]
-        ),
+        units=np.array([*[1.0 if p.log else p.shown(p.scale) for p in parameters], *[1.0] * 4]),
         free=_columns([*kinds, *tips], _FREE),
         shared=_columns([*kinds, *tips], _SHARED),
         spans=np.array([_span(kind, k < base) for k, kind in enumerate(kinds)])[None],

@@ -11,7 +11,7 @@ from meso_robust.diagnosis.tangent import Tangent
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import Model, with_effects
-from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.catalogue import CATALOGUE, values_in_si
 from meso_robust.types import Floats
 
 _FLAT = 1e-6  # σ: a change this small is rounding
@@ -54,8 +54,8 @@ def start_of(trial: Trial, sizes: Floats) -> Floats:
     """(p,) values in SI of the numbers of a trial, with sizes (k,) in units of their changes."""
     shown = dict(zip(trial.sizes, np.multiply(list(trial.sizes.values()), sizes), strict=True))
     shown |= {key: trial.shape[key] for key in trial.free}
-    to_si = {one.key: one.to_si for one in CATALOGUE[trial.effect].parameters}
-    return np.array([shown[key] * to_si[key] for key in trial.scales])
+    values = values_in_si({trial.effect: shown})[trial.effect]
+    return np.array([values[key] for key in trial.scales])
 
 
 def within(model: Model, values: Floats) -> Floats:

@@ -114,7 +114,7 @@ def found_open(
             continue
         parameter = model.parameters[model.keys.index(profile.key)]
         unit = f" {parameter.unit}" if parameter.unit else ""
-        low, high = profile.low / parameter.to_si, profile.high / parameter.to_si
+        low, high = parameter.shown(profile.low), parameter.shown(profile.high)
         known = {
             (True, True): "no bound at all",
             (True, False): f"only an upper bound, {high:.4g}{unit}",

@@ -25,8 +25,8 @@ def doubts(model: Model, values: Floats) -> tuple[str, ...]:
 def _doubt(one: Parameter, value: float) -> str:
     if one.unseen:
         return ""
-    shown = f"warning: {one.key} = {value / one.to_si:.6g}"
-    low, high = one.low / one.to_si, one.high / one.to_si
+    shown = f"warning: {one.key} = {one.shown(value):.6g}"
+    low, high = one.shown(one.low), one.shown(one.high)
     end = _end(one, value)
     if end:
         return (
@@ -34,7 +34,7 @@ def _doubt(one: Parameter, value: float) -> str:
             "has not found the part's value; check units, outline and tips, or fit another model"
         )
     if one.likely is not None and not one.likely[0] <= value <= one.likely[1]:
-        least, most = (bound / one.to_si for bound in one.likely)
+        least, most = (one.shown(bound) for bound in one.likely)
         return (
             f"{shown}: implausible; {one.why_likely}, {least:.4g} to {most:.4g}; check units, outline "
             "and tips"

@@ -22,7 +22,7 @@ from meso_robust.laboratory.draws import Draws, draw
 from meso_robust.laboratory.running import STARTS_INSIDE, STEP, excess, rectangle, walls
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.simulator import Effects, Outcome, Point, Push, Round, simulate
+from meso_robust.simulator import Outcome, Point, Push, Round, simulate
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
 from meso_robust.simulator.observation import observe
@@ -199,7 +199,7 @@ def _commands(
     drift = lab.physics(np.arange(len(poses))).effects.values.get("probe_drift", {})
     along = np.zeros((len(poses), 2))
     for axis, key in enumerate(("x_um_s", "y_um_s")):
-        along[:, axis] = clock * units.UM * np.asarray(drift.get(key, 0.0))
+        along[:, axis] = clock * np.asarray(drift.get(key, 0.0))
     return commanded.tips + np.stack(errors, axis=1) + along[:, None], commanded.travel
 
 
@@ -220,7 +220,7 @@ def _push(
     poses: Floats, tips: Floats, travel: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory
 ) -> Push:
     physics = lab.physics(rows)
-    felt = Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS})
+    felt = physics.effects.without(_MECHANICS)
     pulled = felt.is_on(*PULL_SLOTS)
     waypoints, times = _way(tips, travel, lab, back=pulled)
     return Push(
@@ -268,7 +268,7 @@ def _rest(poses: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory) -> None:
         times=np.array([[0.0, HANDLING_S]]),
         friction=physics.friction,
         support=physics.support,
-        effects=Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS}),
+        effects=physics.effects.without(_MECHANICS),
         fixture=walls(lab.setup),
         step=STEP,
     )

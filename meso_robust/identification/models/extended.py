@@ -9,8 +9,7 @@ import numpy as np
 
 from meso_robust.identification.models.model import Model, Parameter, Physics
 from meso_robust.simulator import Effects
-from meso_robust.simulator.catalogue import CATALOGUE
-from meso_robust.simulator.stage import Parameter as EffectParameter
+from meso_robust.simulator.catalogue import parameter_of, values_in_si
 from meso_robust.types import Floats
 
 Scales = Mapping[str, Mapping[str, float]]
@@ -38,7 +37,7 @@ def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> M
         _parameter(effect, key, scale) for effect, of in scales.items() for key, scale in of.items()
     )
     columns = [(effect, key) for effect, of in scales.items() for key in of]
-    held = fixed or {}
+    held = values_in_si(fixed or {})
     base = len(model.parameters)
 
     def physics(values: Floats) -> Physics:
@@ -48,10 +47,9 @@ def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> M
         }
         for effect, of in held.items():
             given.setdefault(effect, {}).update(of)
-        shown = values[:, base:] / np.array([parameter.to_si for parameter in added])
-        for column, (effect, key) in enumerate(columns):
-            given.setdefault(effect, {})[key] = shown[:, column]
-        return replace(plain, effects=Effects(given))
+        for column, (effect, key) in enumerate(columns, start=base):
+            given.setdefault(effect, {})[key] = values[:, column]
+        return replace(plain, effects=Effects.in_si(given))
 
     def draw(rng: np.random.Generator, count: int) -> Floats:
         spread = np.array([[parameter.scale for parameter in added]])
@@ -78,30 +76,9 @@ def off(model: Model, values: Floats, extended: Model) -> Floats:
 
 
 def _parameter(effect: str, key: str, scale: float) -> Parameter:
-    known = _known(effect, key)
+    parameter = parameter_of("scales", effect, key)
     if not 0.0 < scale < np.inf:
         raise ValueError(
             f"scales.{effect}.{key}: {scale}; must be positive and finite; give a typical change"
         )
-    # one part in 1e9 inside, so that rounding of the unit does not leave the catalogue's range
-    low, high = known.low * known.to_si, known.high * known.to_si
-    return Parameter(
-        key=f"{effect}.{key}",
-        unit=known.unit,
-        to_si=known.to_si,
-        low=low + 1e-9 * abs(low) if np.isfinite(low) else low,
-        high=high - 1e-9 * abs(high) if np.isfinite(high) else high,
-        scale=scale * known.to_si,
-        meaning=known.meaning,
-    )
-
-
-def _known(effect: str, key: str) -> EffectParameter:
-    if effect not in CATALOGUE:
-        raise ValueError(
-            f"scales: effect {effect!r} is not in the catalogue; use one of {', '.join(CATALOGUE)}"
-        )
-    found = {parameter.key: parameter for parameter in CATALOGUE[effect].parameters}
-    if key not in found:
-        raise ValueError(f"scales.{effect}: {key!r} is unknown; use {', '.join(found)}")
-    return found[key]
+    return replace(parameter, key=f"{effect}.{key}", scale=scale * parameter.to_si)

@@ -8,38 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.simulator import Effects
+from meso_robust.simulator.stage import Parameter as Parameter
 from meso_robust.simulator.support_models import Support
 from meso_robust.types import Flags, Floats
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter:
-    """One number of a model.
-
-    Searches run in coordinates of about unit size: ``value / scale``, or ``log(value / scale)``.
-    """
-
-    key: str
-    """Name with its unit, such as ``rho_um2``; of an effect, ``effect.key``."""
-    unit: str
-    """Unit for display, such as ``µm²``; empty for a plain number."""
-    to_si: float
-    """Factor from the unit to SI."""
-    low: float
-    """Least admissible value, SI."""
-    high: float
-    """Largest admissible value, SI."""
-    scale: float
-    """A typical change, SI; of a logarithmic parameter, a typical value."""
-    meaning: str
-    log: bool = False
-    """Whether the parameter is positive and counts by ratio."""
-    likely: tuple[float, float] | None = None
-    """Least and largest value, SI, that a part can have; None where every admissible one may be."""
-    why_likely: str = ""
-    """Why it has no other."""
-    unseen: str = ""
-    """Why no motion can show the parameter; empty for one that is fitted."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -113,9 +84,9 @@ class Model:
         plain = np.where(log, np.exp(np.where(log, np.clip(coordinates, -50.0, 50.0), 0.0)), 0.0)
         return np.where(log, plain, coordinates) * self._of("scale")
 
-    def displayed(self, values: Floats) -> Floats:
-        """Values (..., n) in SI in the units of the parameters' names."""
-        return values / self._of("to_si")
+    def shown(self, values: Floats) -> list[float]:
+        """Values (n,) in SI in the units of the parameters' names."""
+        return [p.shown(value) for p, value in zip(self.parameters, values.tolist(), strict=True)]
 
     def _of(self, field: str) -> Floats:
         return np.array([getattr(parameter, field) for parameter in self.parameters], dtype=float)
