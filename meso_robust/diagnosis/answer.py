@@ -10,7 +10,8 @@ import numpy as np
 
 from meso_robust import __version__
 from meso_robust.diagnosis.candidates import Candidate, why_not
-from meso_robust.diagnosis.control import SAME
+from meso_robust.diagnosis.controls import SAME
+from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.next_push import next_experiment
@@ -52,9 +53,9 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
     remarks
         What else to keep in mind about the recordings.
     """
-    best = found.best
+    best, noise, checked = found.best, found.baseline.noise, found.checked
     answers = found.naming.answers if found.naming else ()
-    unseen = [one for one in found.visible if not one.seen]
+    unseen = [one for one in found.detected.visible if not one.seen]
     # by a mapping, because `schema` is the name of a method of pydantic's models
     return DiagnosisDocument.model_validate(
         {
@@ -63,10 +64,10 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             "why": _why(found),
             "baseline": {"model": found.baseline.model.name, "parameters": _baseline(found)},
             "noise": {
-                "position_sigma_um": UM * float(found.noise.sigma[0]),
-                "orientation_sigma_deg": DEG * float(found.noise.sigma[2]),
-                "correlation": found.noise.correlation,
-                "source": found.noise.source,
+                "position_sigma_um": UM * float(noise.sigma[0]),
+                "orientation_sigma_deg": DEG * float(noise.sigma[2]),
+                "correlation": noise.correlation,
+                "source": noise.source,
             },
             "training": found.baseline.prepared.files,
             "mismatch": _mismatch(found),
@@ -84,10 +85,12 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             ),
             "candidates": _candidates(found),
             **_located(found),
-            "catch_all_sigma": found.catch_all,
-            "decoys": found.decoys.count if found.decoys else 0,
-            "decoy_share": found.decoys.share if found.decoys else None,
-            "control": {**asdict(found.control), "within_sigma": SAME} if found.control else None,
+            "catch_all_sigma": found.accepted.catch_all if found.accepted else None,
+            "decoys": checked.decoys.count if checked.decoys else 0,
+            "decoy_share": checked.decoys.share if checked.decoys else None,
+            "control": {**asdict(checked.control), "within_sigma": SAME}
+            if checked.control
+            else None,
             "held_out": _held_out(found),
             "next_experiment": next_experiment(found),
             "provenance": {
@@ -121,30 +124,30 @@ def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, 
 
 def _ended(found: Diagnosis) -> tuple[str, ...]:
     """What to know of the errors: pushes that failed in the simulator, and nothing held out."""
-    each = {"plain": (found.trained, found.before), "extended": (found.retrained, found.after)}
     failed = tuple(
         f"{file}: its push ends in {outcome} with the {which} model"
-        for which, errors in each.items()
-        for one in errors
+        for which, worth in (("plain", found.plain), ("extended", found.extended))
+        if worth is not None
+        for one in (worth.training, worth.held_out)
         if one is not None
         for file, outcome in zip(one.prepared.files, one.outcomes, strict=True)
         if outcome != "completed"
     )
-    if found.before is None:
+    if found.plain.held_out is None:
         return (*failed, "too few recordings to hold any out: errors are those of the fit")
     return failed
 
 
 def _why(found: Diagnosis) -> str:
-    detection, best = found.detection, found.best
-    if found.naming is None:
+    detection, best = found.detected.detection, found.best
+    if found.accepted is None:
         return (
             f"nothing beyond the refitted model is supported: the largest of {len(detection.tests)} "
             f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
         )
-    answers = found.naming.answers
+    answers = found.accepted.naming.answers
     if best is None or not answers:
-        return _why_unknown(best, found.catch_all)
+        return _why_unknown(best, found.accepted.catch_all)
     names = " + ".join(best.effects)
     if len(answers) == 1:
         return f"{names} leaves nothing that the detector sees (p = {answers[0].p_value:.2g})"
@@ -172,9 +175,7 @@ def _value(one: Interval) -> dict[str, object]:
 
 
 def _mismatch(found: Diagnosis) -> dict[str, object]:
-    from meso_robust.diagnosis.detect import ALARM
-
-    detection = found.detection
+    detection = found.detected.detection
     return {
         "detected": detection.detected,
         "p_value": detection.p_value,
@@ -195,7 +196,7 @@ def _located(found: Diagnosis) -> dict[str, object]:
     where = found.located
     if where is None:
         return {}
-    predicted = {(p.invariance, p.first, p.second): p.sigma for p in found.predicted_pairs}
+    predicted = {(p.invariance, p.first, p.second): p.sigma for p in found.checked.pairs}
     return {
         "channels": tuple(
             {"channel": one.channel, "share": one.share, "sigma": one.sigma}
@@ -279,34 +280,32 @@ def _rejection(why: Rejection | None) -> dict[str, object]:
 
 
 def _held_out(found: Diagnosis) -> dict[str, Any]:
-    before, after = found.before, found.after
-    if before is None:
-        before, after = found.trained, found.retrained
-    later = after or before
+    before = found.plain.judged
+    later = found.extended.judged if found.extended else before
+    unseen = found.plain.held_out is not None
     low, high = improvement(before, later, found.seed)
     section: dict[str, Any] = {
-        "recordings": before.prepared.files if found.before is not None else (),
+        "recordings": before.prepared.files if unseen else (),
         "baseline_sigma": before.whole,
         "extended_sigma": later.whole,
-        "noise_floor_sigma": found.noise.floor,
-        "repeatability_sigma": found.noise.repeatability,
+        "noise_floor_sigma": found.baseline.noise.floor,
+        "repeatability_sigma": found.baseline.noise.repeatability,
         "baseline_um": UM * before.whole_metres,
         "extended_um": UM * later.whole_metres,
         "improvement_low": low,
         "improvement_high": high,
-        "black_box_sigma": found.black_box,
-        "each": _each(before, later, "held_out") if found.before is not None else (),
+        "black_box_sigma": found.checked.black_box,
+        "each": _each(before, later, "held_out") if unseen else (),
     }
-    beyond = found.extrapolation
+    beyond = found.checked.extrapolation
     if beyond is None:
         return section
-    last = beyond.after or beyond.before
     return section | {
         "extrapolation": beyond.what,
         "extrapolation_recordings": beyond.files,
         "extrapolation_baseline_sigma": beyond.before.whole,
-        "extrapolation_extended_sigma": last.whole,
-        "each": (*section["each"], *_each(beyond.before, last, "extrapolation")),
+        "extrapolation_extended_sigma": beyond.after.whole,
+        "each": (*section["each"], *_each(beyond.before, beyond.after, "extrapolation")),
     }
 
 
@@ -345,7 +344,7 @@ def model_toml(found: Diagnosis, version: str) -> str:
 def _model_document(found: Diagnosis, version: str) -> ModelDocument:
     plain, best = sections(found.split.training, found.baseline.found, version), found.best
     plain["diagnosis"] = found.verdict
-    if best is None or found.retrained is None:
+    if best is None or found.extended is None:
         made = ModelDocument.model_validate(plain)
         return made.model_copy(update={"verdict": verdict(made)})
     known = intervals_of(best)
@@ -366,8 +365,8 @@ def _model_document(found: Diagnosis, version: str) -> ModelDocument:
             "held": {**plain["held"], **held},
             "not_identifiable": _unknown(known),
             "quality": None,
-            "minima": (_minimum(found.retrained, float(best.refit.fits.chi2[0]), shown),),
-            "recording": _recordings(found.retrained),
+            "minima": (_minimum(found.extended.training, float(best.refit.fits.chi2[0]), shown),),
+            "recording": _recordings(found.extended.training),
         }
     )
 

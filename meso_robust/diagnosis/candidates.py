@@ -82,6 +82,11 @@ class Naming:
     best: Candidate | None
     candidates: tuple[Candidate, ...]
 
+    @property
+    def chosen(self) -> Candidate | None:
+        """The set that the recordings are predicted with: the first answer, or else the best."""
+        return self.answers[0] if self.answers else self.best
+
 
 def why_not(one: Candidate, naming: Naming) -> Rejection | None:
     """Why a set of the competition is no answer; None if it is one."""

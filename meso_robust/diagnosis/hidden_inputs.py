@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.diagnosis.document import Channel
-from meso_robust.identification.models.extended import with_effects
-from meso_robust.identification.models.model import Model, Parameter
+from meso_robust.identification.models.model import Model, Parameter, with_effects
 from meso_robust.simulator import Effects
 from meso_robust.simulator.environment import FLOW_SLOTS
 from meso_robust.simulator.support import FILM_SLOTS, THINNING

@@ -19,8 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import chi2 as chi2_law
 
-from meso_robust.diagnosis.runs import FEWEST, Run, from_start, longer, runs_of
-from meso_robust.diagnosis.single_pushes import SINGLES, offered
+from meso_robust.diagnosis.runs import FEWEST, SINGLES, Run, from_start, longer, offered, runs_of
 from meso_robust.diagnosis.symmetries import Symmetry, gyration, symmetries
 from meso_robust.identification.models.model import centroid
 from meso_robust.identification.prepared import Prepared

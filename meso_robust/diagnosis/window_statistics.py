@@ -9,8 +9,8 @@ import numpy as np
 from meso_robust.diagnosis.document import Channel
 from meso_robust.diagnosis.hidden_inputs import CHANNELS, Inputs, Solved, solved
 from meso_robust.diagnosis.tangent import basis, whitened
-from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.prepared import Prepared
+from meso_robust.identification.problem import Fits, Settings
 from meso_robust.types import Flags, Floats
 
 _SHORTEST = 1e-3  # σ: least length of a ramp of one σ a second

@@ -23,10 +23,9 @@ from meso_robust.diagnosis.window_statistics import (
     statistics_of,
     surprise,
 )
-from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare
-from meso_robust.identification.problem import Problem
+from meso_robust.identification.problem import Fits, Problem, Settings
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats

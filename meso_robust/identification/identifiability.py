@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.errors import InputError
-from meso_robust.identification.fitted import Fits
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
+from meso_robust.identification.problem import Fits
 from meso_robust.identification.profiles import Profile
 from meso_robust.types import Floats
 from meso_robust.wording import counted

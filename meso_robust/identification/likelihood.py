@@ -16,11 +16,15 @@ from dataclasses import fields
 
 import numpy as np
 
-from meso_robust.identification.bordered_normal_equations import Arrow
-from meso_robust.identification.fitted import Fits as Fits, Fitted as Fitted, Settings as Settings
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
-from meso_robust.identification.problem import Problem
+from meso_robust.identification.problem import (
+    Arrow,
+    Fits as Fits,
+    Fitted as Fitted,
+    Problem,
+    Settings as Settings,
+)
 from meso_robust.types import Flags as Bools, Floats, Ints
 
 _GOOD = 0.3  # share of the expected fall of χ² that shows that derivatives still do

@@ -5,8 +5,7 @@ import pytest
 
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import MODELS, three_point, viscous, with_effects
-from meso_robust.identification.models.extended import off
-from meso_robust.identification.models.model import about_reference, centroid
+from meso_robust.identification.models.model import about_reference, centroid, off
 from meso_robust.identification.prepared import prepare
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import ThreePoints
