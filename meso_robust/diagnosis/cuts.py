@@ -140,14 +140,14 @@ def sliced(prepared: Prepared, cuts: tuple[Cut, ...]) -> Prepared:
         waypoints=np.stack(paths),
         times=np.stack([_padded(times, wide) for times, _ in legs]),
         instants=np.stack([_padded(clock, frames) for clock in clocks]),
-        seen=sliced_poses(prepared.seen, cuts),
+        seen=_sliced_poses(prepared.seen, cuts),
         starts=np.stack([prepared.seen[cut.recording, cut.first] for cut in cuts]),
         correction=np.zeros((len(cuts), frames, 3)),
         notes=(),
     )
 
 
-def sliced_poses(poses: Floats, cuts: tuple[Cut, ...]) -> Floats:
+def _sliced_poses(poses: Floats, cuts: tuple[Cut, ...]) -> Floats:
     """(W, T', 3) poses (R, T, 3) of the windows, padded with NaN."""
     frames = max(cut.last - cut.first for cut in cuts)
     pieces = np.full((len(cuts), frames, 3), np.nan)

@@ -13,8 +13,8 @@ import numpy as np
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.covariates import Covariate, scanned
 from meso_robust.diagnosis.document import Channel, Component
+from meso_robust.diagnosis.hidden_inputs import ChannelTotal
 from meso_robust.diagnosis.invariances import Pair, compared, pairs
-from meso_robust.diagnosis.window_statistics import ChannelTotal
 from meso_robust.diagnosis.windows import Window, Windows, windowed
 from meso_robust.recordings import RecordingSet
 from meso_robust.types import Floats

@@ -13,15 +13,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.diagnosis.cuts import Cut, cuts_of, sliced, sliced_poses
+from meso_robust.diagnosis.cuts import Cut, cuts_of, sliced
 from meso_robust.diagnosis.document import Channel, PhaseName
-from meso_robust.diagnosis.hidden_inputs import CHANNELS, TIP_OFFSET, Inputs, with_inputs
-from meso_robust.diagnosis.window_statistics import (
+from meso_robust.diagnosis.hidden_inputs import (
+    CHANNELS,
+    TIP_OFFSET,
     ChannelTotal,
     Statistics,
     channel_totals,
     statistics_of,
     surprise,
+    with_inputs,
 )
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare
@@ -43,39 +45,26 @@ class Window:
     ----------
     recording, start_s, end_s, phase
         As in `Cut`.
-    chi2, freedom, components
-        Misfit, see `Statistics`.
+    components
+        (3,) misfit along x, y and θ, see `Statistics`.
     sigma
         The misfit in standard deviations of chance.
     channel
         Stage whose hidden input explains it best, for the inputs that it takes.
-    gains, ranks
-        (C,) by channel.
-    inputs
-        Values of the inputs that the window tells, by name, in the units of the names.
-    slack, slack_sigma
-        (3,) m/s and rad/s, stage frame.
     """
 
     recording: int
     start_s: float
     end_s: float
     phase: PhaseName
-    chi2: float
-    freedom: int
     components: Floats
     sigma: float
     channel: Channel
-    gains: Floats
-    ranks: Floats
-    inputs: dict[str, float]
-    slack: Floats
-    slack_sigma: Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Windows:
-    """All windows of a set, and what is needed to look at other data of the same commands.
+    """All windows of a set, and what they say.
 
     Attributes
     ----------
@@ -93,11 +82,6 @@ class Windows:
     prepared: Prepared
     poses: Floats
     found: Statistics
-    _problem: Problem
-    _inputs: Inputs
-    _fits: Fits
-    _jacobian: Floats
-    _correlation: float
 
     def __len__(self) -> int:
         """Number of windows."""
@@ -108,27 +92,12 @@ class Windows:
         """One by one."""
         return tuple(self._window(w) for w in range(len(self)))
 
-    def statistics(self, seen: Floats) -> Statistics:
-        """What other data (R, T, 3) of the same commands would say, such as a simulated null.
-
-        Starts are refitted with the available derivatives, which costs some milliseconds.
-        """
-        cut = sliced_poses(seen, self.cuts)
-        cut = np.where(np.isfinite(self.prepared.seen), cut, np.nan)
-        other = replace(self.prepared, seen=cut, starts=_first(cut))
-        settings = replace(self._problem.settings, offset=other.tip_offset)
-        problem = replace(self._problem, prepared=other, settings=settings)
-        fits = _settled(problem, self._fits.values, self._jacobian)
-        return statistics_of(self._inputs, other, fits, self._jacobian, settings, self._correlation)
-
-    def totals(self, found: Statistics | None = None) -> tuple[ChannelTotal, ...]:
-        """By channel, of the recordings or of other statistics, in the order of `CHANNELS`."""
-        return channel_totals(self.found if found is None else found)
+    def totals(self) -> tuple[ChannelTotal, ...]:
+        """By channel, in the order of `CHANNELS`."""
+        return channel_totals(self.found)
 
     def _window(self, w: int) -> Window:
         cut, found = self.cuts[w], self.found
-        names, shown = self._inputs.names, found.inputs[w] * self._inputs.units
-        effects = range(self._inputs.base, len(shown))
         cost = np.log(max(found.freedom[w], np.e))
         paid = (found.gains[w] - cost * found.ranks[w])[: len(CHANNELS)]
         return Window(
@@ -136,16 +105,9 @@ class Windows:
             start_s=cut.start_s,
             end_s=cut.end_s,
             phase=cut.phase,
-            chi2=float(found.chi2[w]),
-            freedom=int(found.freedom[w]),
             components=found.components[w],
             sigma=float(np.maximum(surprise(found.chi2[w], found.freedom[w]), 0.0)),
             channel=CHANNELS[int(np.argmax(paid))],
-            gains=found.gains[w],
-            ranks=found.ranks[w],
-            inputs={names[k]: float(shown[k]) for k in effects if np.isfinite(shown[k])},
-            slack=found.slack[w],
-            slack_sigma=found.slack_sigma[w],
         )
 
 
@@ -171,8 +133,7 @@ def windowed(
     correlation
         φ of the noise of neighbouring frames.
     prepared
-        The recordings as prepared for the model; prepared here by default. Other data are given to
-        `Windows.statistics` in its layout.
+        The recordings as prepared for the model; prepared here by default.
 
     Raises
     ------
@@ -204,18 +165,7 @@ def windowed(
         prepared=problem.prepared,
         poses=_middle(problem.prepared, fits, settings.sigma),
         found=found,
-        _problem=problem,
-        _inputs=inputs,
-        _fits=fits,
-        _jacobian=jacobian,
-        _correlation=correlation,
     )
-
-
-def _first(seen: Floats) -> Floats:
-    """(W, 3) first whole pose of each window (W, T, 3)."""
-    whole = np.all(np.isfinite(seen), axis=2)
-    return np.asarray(seen[np.arange(len(seen)), np.argmax(whole, axis=1)])
 
 
 def _middle(prepared: Prepared, fits: Fits, sigma: Floats) -> Floats:
@@ -228,22 +178,16 @@ def _middle(prepared: Prepared, fits: Fits, sigma: Floats) -> Floats:
     return np.stack(rows)
 
 
-def _settled(problem: Problem, values: Floats, jacobian: Floats | None = None) -> Fits:
-    """The starts of all windows fitted, each window going down by itself.
-
-    Old derivatives (W, 3 T, n + d) may be given; without, they are computed in every round.
-    """
+def _settled(problem: Problem, values: Floats) -> Fits:
+    """The starts of all windows fitted, each window going down by itself."""
     shape, n = (1, len(problem.prepared.files)), len(problem.model.parameters)
     starts = np.broadcast_to(problem.prepared.starts, (*shape, 3))
     fits = problem.at(values, starts, np.zeros((*shape, 4)))
     none = np.zeros((1, n), dtype=bool)
     for _ in range(_ROUNDS):
-        slopes = jacobian
-        if slopes is None:
-            slopes = problem.jacobian(fits, np.ones((1, n)), none)[0]
-        known = (
-            7 if problem.prepared.tip_offset else 3
-        )  # commanded tips are where they are said to be
+        slopes = problem.jacobian(fits, np.ones((1, n)), none)[0]
+        # commanded tips are where they are said to be
+        known = 7 if problem.prepared.tip_offset else 3
         fits = _lower(problem, fits, slopes[..., n : n + known])
     return fits
 

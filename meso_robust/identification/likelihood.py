@@ -78,18 +78,6 @@ def fit(
     return _Descent(problem, present, np.broadcast_to(free, values.shape), jacobian).run()
 
 
-def evaluated(
-    prepared: Prepared,
-    model: Model,
-    settings: Settings,
-    values: Floats,
-    starts: Floats,
-    offsets: Floats,
-) -> Fits:
-    """χ² and residuals of B vectors (B, n) with given starts (B, R, 3) and offsets (B, R, 4)."""
-    return Problem(prepared, model, settings).at(values, starts, offsets)
-
-
 class _Descent:
     """B fits on their way down."""
 

@@ -19,7 +19,6 @@ from pathlib import Path
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import (
-    CertificateDocument,
     LimitDocument,
     MarginDocument,
     Undecided,
@@ -255,8 +254,7 @@ def _judged(planned: Planned, found: _Found, document: ModelDocument, task: Task
         # the failing run has errors that the effects may well not make
         reading = plain.reading.model_copy(update={"outcome": None})
         update |= {"verdict": "UNKNOWN", "witness": None, "reading": reading}
-    certificate = CertificateDocument.model_validate(plain.model_copy(update=update).model_dump())
-    return replace(planned, chain=chain, certificate=sealed(certificate))
+    return replace(planned, chain=chain, certificate=sealed(plain.model_copy(update=update)))
 
 
 def _unknown(planned: Planned, chain: Chain, undecided: Undecided | None) -> dict[str, object]:

@@ -11,7 +11,7 @@ from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.controls import catch_all, left
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.window_statistics import Statistics
+from meso_robust.diagnosis.hidden_inputs import Statistics
 from meso_robust.diagnosis.windows import windowed
 from tests.diagnosis.conftest import renamed, small_set
 from tests.diagnosis.test_windows import hidden
@@ -30,8 +30,6 @@ def statistics(chi2: list[float], freedom: list[float], gain: float, rank: float
         components=none,
         gains=gains,
         ranks=ranks,
-        inputs=none,
-        errors=none,
         slack=none,
         slack_sigma=none,
         shared_gains=gains[0],
