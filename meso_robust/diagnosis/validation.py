@@ -217,9 +217,7 @@ def _errors(
         at=at,
         poses=poses,
         prepared=prepared,
-        outcomes=tuple(
-            Outcome(int(code)).name.lower().replace("_", " ") for code in fits.outcomes[0]
-        ),
+        outcomes=tuple(Outcome(int(code)).word for code in fits.outcomes[0]),
     )
 
 

@@ -220,7 +220,7 @@ def _recordings(found: Identification) -> tuple[RecordingSection, ...]:
             x_um=float(1e6 * rms[r, 0]),
             y_um=float(1e6 * rms[r, 1]),
             theta_deg=float(np.degrees(rms[r, 2])),
-            outcome=Outcome(int(found.prediction.outcomes[0, r])).name.lower().replace("_", " "),
+            outcome=Outcome(int(found.prediction.outcomes[0, r])).word,
         )
         for r, file in enumerate(found.prepared.files)
     )
