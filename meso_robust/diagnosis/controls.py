@@ -18,13 +18,12 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.cuts import tips_of
 from meso_robust.diagnosis.detect import Span
 from meso_robust.diagnosis.hidden_inputs import Statistics
 from meso_robust.diagnosis.signatures import estimate
 from meso_robust.diagnosis.tangent import Tangent
 from meso_robust.diagnosis.validation import Errors
-from meso_robust.diagnosis.windows import windowed
+from meso_robust.diagnosis.windows import tips_of, windowed
 from meso_robust.identification.prepared import Prepared
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.contact import gaps

@@ -9,7 +9,7 @@ another start would explain.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,7 @@ _SPEEDS = (1.0 / 3.0, 1.0, 3.0)  # of the recordings' typical one
 _POSES = 3
 _WAIT = 1.0  # s, before and after
 _RATE = 30.0  # frames a second
+_GAP, _TRAVEL, _BACK = 0.03, 0.35, 0.07  # lengths over that of the part
 _FINALISTS = 12  # pushes of which the part of the start is worked out
 
 
@@ -61,7 +62,7 @@ def next_experiment(found: Diagnosis) -> dict[str, object]:
 def _telling(found: Diagnosis, first: Candidate, second: Candidate) -> dict[str, object]:
     """The push on which the two best answers differ most, if they do on any."""
     names = [" + ".join(one.effects) for one in (first, second)]
-    rival = best_push(
+    best = best_push(
         found.baseline.prepared,
         (
             (first.refit.model, first.refit.fits.values[0]),
@@ -70,19 +71,16 @@ def _telling(found: Diagnosis, first: Candidate, second: Candidate) -> dict[str,
         found.baseline.noise.sigma,
         found.baseline.noise.correlation,
     )
-    if rival is not None and rival.sigma >= ALIKE:
-        why = (
-            f"to tell {names[0]} from {names[1]}, which would differ by {rival.sigma:.2g} σ on "
-            f"this push"
-        )
-        return {"why": why, "push": _push(rival)}
+    if best is not None and best.sigma >= ALIKE:
+        why = f"to tell {names[0]} from {names[1]}, which would differ by {best.sigma:.2g} σ on this push"
+        return {"why": why, "push": _push(best)}
     effect = next((e for e in first.effects if e not in second.effects), first.effects[0])
-    if rival is None:
+    if best is None:
         why = f"to tell {names[0]} from {names[1]}; no push could be simulated under both"
     else:
         why = (
             f"no push on this stage tells {names[0]} from {names[1]}: of those simulated none makes "
-            f"a difference of more than {max(rival.sigma, 0.01):.2g} σ"
+            f"a difference of more than {max(best.sigma, 0.01):.2g} σ"
         )
     return {"why": why, "push": {"what": tried(effect).shown_by}}
 
@@ -102,12 +100,9 @@ def _push(one: Rival) -> dict[str, object]:
     }
 
 
-_GAP, _TRAVEL, _BACK = 0.03, 0.35, 0.07  # lengths over that of the part
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rival:
-    """A push and by how much two models differ on it.
+class PushPlan:
+    """A push that two models may differ on.
 
     Attributes
     ----------
@@ -118,8 +113,6 @@ class Rival:
         m/s, and m from the first contact on.
     start
         x, y in m and θ in rad of the part.
-    sigma
-        Difference of the models.
     """
 
     edge: int
@@ -128,7 +121,19 @@ class Rival:
     speed: float
     travel: float
     start: tuple[float, float, float]
-    sigma: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rival(PushPlan):
+    """A push, and by how much two models differ on it.
+
+    Attributes
+    ----------
+    sigma
+        The difference in σ of all frames together.
+    """
+
+    sigma: float
 
 
 Two = tuple[tuple[Model, Floats], tuple[Model, Floats]]
@@ -160,23 +165,25 @@ def best_push(prepared: Prepared, two: Two, sigma: Floats, correlation: float) -
         return None
     left = _beyond_start(prepared, final, two, sigma, correlation)
     best = int(np.argmax(left))
-    return replace(final[best], sigma=float(left[best])) if left[best] >= 0.0 else None
+    return Rival(**asdict(final[best]), sigma=float(left[best])) if left[best] >= 0.0 else None
 
 
-def rivals(prepared: Prepared) -> list[Rival]:
+def rivals(prepared: Prepared) -> list[PushPlan]:
     """All pushes to choose from, those of one start next to each other."""
     sides = np.roll(prepared.outline, -1, axis=0) - prepared.outline
     longest = np.argsort(-np.hypot(*sides.T), kind="stable")[:_EDGES]
     speed, travel = typical_speed(prepared), _TRAVEL * prepared.length
     return [
-        Rival(edge=edge, place=place, slant=slant, speed=speed * times, travel=travel, start=start)
+        PushPlan(
+            edge=edge, place=place, slant=slant, speed=speed * times, travel=travel, start=start
+        )
         for start, edge, place, slant, times in itertools.product(
             _spread(prepared), sorted(longest.tolist()), _PLACES, _SLANTS, _SPEEDS
         )
     ]
 
 
-def arranged(prepared: Prepared, pushes: list[Rival]) -> Prepared:
+def arranged(prepared: Prepared, pushes: list[PushPlan]) -> Prepared:
     """The pushes as recordings for the simulator, with nothing seen."""
     ways = [_way(prepared, one) for one in pushes]
     times = np.stack([clock for clock, _ in ways])
@@ -197,7 +204,7 @@ def arranged(prepared: Prepared, pushes: list[Rival]) -> Prepared:
     )
 
 
-def _way(prepared: Prepared, one: Rival) -> tuple[Floats, Floats]:
+def _way(prepared: Prepared, one: PushPlan) -> tuple[Floats, Floats]:
     """(6,) s and (6, 2) m of the tip: wait, approach and push, draw back, wait."""
     corners = prepared.outline
     first, last = corners[one.edge], corners[(one.edge + 1) % len(corners)]
@@ -244,7 +251,7 @@ def _poses(setting: Prepared, one: tuple[Model, Floats], starts: Floats | None =
     return np.where(ended[..., None, None], found.poses, np.inf)
 
 
-def _difference(prepared: Prepared, pushes: list[Rival], two: Two, sigma: Floats) -> Floats:
+def _difference(prepared: Prepared, pushes: list[PushPlan], two: Two, sigma: Floats) -> Floats:
     """(R, T, 3) of the two models in σ; NaN where a run of either fails."""
     setting = arranged(prepared, pushes)
     first, second = (_poses(setting, one)[0] for one in two)
@@ -256,7 +263,7 @@ def _difference(prepared: Prepared, pushes: list[Rival], two: Two, sigma: Floats
 
 
 def _beyond_start(
-    prepared: Prepared, pushes: list[Rival], two: Two, sigma: Floats, correlation: float
+    prepared: Prepared, pushes: list[PushPlan], two: Two, sigma: Floats, correlation: float
 ) -> Floats:
     """(R,) the differences in white noise, less what another start would explain; −1 of failed runs."""
     setting = arranged(prepared, pushes)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.diagnosis.cuts import frames_of
+from meso_robust.diagnosis.windows import frames_of
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.recordings.contact import gaps
