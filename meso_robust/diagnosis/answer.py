@@ -52,6 +52,11 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
         Of this package.
     remarks
         What else to keep in mind about the recordings.
+
+    Returns
+    -------
+    DiagnosisDocument
+        The content of ``diagnosis.json``, in µm and degrees.
     """
     best, noise, checked = found.best, found.baseline.noise, found.checked
     answers = found.naming.answers if found.naming else ()
@@ -110,6 +115,18 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
 
 def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, Any]:
     """``diagnosis.json`` of the recording set in a folder, as a plain dictionary.
+
+    Parameters
+    ----------
+    folder
+        Of the recording set.
+    quick, seed
+        As in `diagnose`.
+
+    Returns
+    -------
+    dict
+        As JSON has it.
 
     Raises
     ------

@@ -66,6 +66,16 @@ def sections(
 
     A mapping, because `schema` is the name of a method of pydantic's models; and because a diagnosis
     puts the sections of its extended model in the place of the plain one's.
+
+    Parameters
+    ----------
+    recordings, found, version, remarks
+        As in `document`.
+
+    Returns
+    -------
+    dict
+        Values and sections of a `ModelDocument`, to be validated.
     """
     model, likelihood = found.model, found.fitted is not None
     shown = model.shown(found.best)
@@ -97,7 +107,18 @@ def sections(
 
 
 def set_hash(recordings: RecordingSet) -> str:
-    """SHA-256 of the values of a recording set."""
+    """SHA-256 of the values of a recording set.
+
+    Parameters
+    ----------
+    recordings
+        Values in SI, as read: files that differ in layout only have one hash.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
     digest = hashlib.sha256()
     sensor = recordings.sensor
     sigmas = (sensor.position_sigma, sensor.orientation_sigma)
@@ -112,7 +133,18 @@ def set_hash(recordings: RecordingSet) -> str:
 
 
 def summary(document: ModelDocument) -> str:
-    """The answer in a few lines: parameters with their intervals, misfit, what is not known."""
+    """The answer in a few lines: parameters with their intervals, misfit, what is not known.
+
+    Parameters
+    ----------
+    document
+        What was found.
+
+    Returns
+    -------
+    str
+        Lines; interval ends are rounded outward to six digits.
+    """
     how: str = document.interval
     if document.confidence is not None:
         how = f"{document.confidence:.0%} intervals by {how}"
@@ -138,7 +170,18 @@ def summary(document: ModelDocument) -> str:
 
 
 def noise_words(sensor: SensorSection) -> str:
-    """The noise of x and y that was assumed, told apart, and where it is from."""
+    """The noise of x and y that was assumed, told apart, and where it is from.
+
+    Parameters
+    ----------
+    sensor
+        Section of the document; µm.
+
+    Returns
+    -------
+    str
+        A clause without a full stop.
+    """
     words = in_words(sensor.position_sigma_um, sensor.position_repeatability_um, 1.0, "µm")
     return f"{words} ({sensor.position_source})"
 

@@ -174,6 +174,16 @@ def experiment_files(
 
     Arguments are those of `experiment_document`.
 
+    Parameters
+    ----------
+    experiment, found, model
+        As in `experiment_document`.
+
+    Returns
+    -------
+    Mapping
+        Texts by the name of their file.
+
     Raises
     ------
     InputError

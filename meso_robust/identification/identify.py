@@ -131,6 +131,11 @@ def identify(
     told
         Told of progress.
 
+    Returns
+    -------
+    Identification
+        The minima with the best first, intervals, and what the recordings do not determine.
+
     Raises
     ------
     InputError
@@ -162,6 +167,11 @@ class _Job:
 
 def check_model(name: str) -> None:
     """Refuse a name that no plain model has.
+
+    Parameters
+    ----------
+    name
+        As a user gives it.
 
     Raises
     ------

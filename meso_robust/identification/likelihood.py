@@ -61,6 +61,11 @@ def fit(
     jacobian
         (1|B, R, 3 T, n + d) derivatives to begin with, of a fit near by; computed by default.
 
+    Returns
+    -------
+    Fitted
+        B fits, each with its derivatives and the information about its parameters.
+
     Raises
     ------
     ValueError

@@ -177,6 +177,11 @@ def prepare(
     most_frames
         Most frames of each recording to compare with, evenly chosen; all by default.
 
+    Returns
+    -------
+    Prepared
+        R recordings in SI, padded to the longest.
+
     Raises
     ------
     InputError

@@ -84,6 +84,20 @@ def score(prepared: Prepared, model: Model, values: Floats, workers: int | None 
     """F, f and their axes for vectors (K, n) in SI, each recording from its first pose as seen.
 
     Vectors outside the constraints cost infinitely much and are not simulated, as in the paper.
+
+    Parameters
+    ----------
+    prepared, model
+        R recordings and a model of n parameters.
+    values
+        (K, n) in SI.
+    workers
+        Threads; all cores by default.
+
+    Returns
+    -------
+    Scores
+        F is infinite for vectors that were not simulated and for runs that did not complete.
     """
     valid = model.valid(values)
     shape = (len(values), len(prepared.files))

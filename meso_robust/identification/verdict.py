@@ -30,7 +30,19 @@ _AT_THE_END = 1e-3  # of the range, of its logarithm if the parameter counts by 
 
 
 def verdict(document: ModelDocument) -> FitWord:
-    """The word for a fitted model."""
+    """The word for a fitted model.
+
+    Parameters
+    ----------
+    document
+        The fitted model.
+
+    Returns
+    -------
+    FitWord
+        See `ModelDocument.verdict`; χ² rejects before bounds are looked at, because intervals of a
+        rejected model mean nothing.
+    """
     quality = document.quality
     if quality is not None and quality.rejected:
         return "FIT REJECTED"
@@ -43,7 +55,18 @@ def verdict(document: ModelDocument) -> FitWord:
 
 
 def meaning(document: ModelDocument) -> str:
-    """The grounds of the word in a sentence, with what to do; empty if there is nothing to add."""
+    """The grounds of the word in a sentence, with what to do; empty if there is nothing to add.
+
+    Parameters
+    ----------
+    document
+        The fitted model.
+
+    Returns
+    -------
+    str
+        One or two sentences.
+    """
     word, quality = verdict(document), document.quality
     if word == "FIT REJECTED" and quality is not None:
         return (
@@ -63,7 +86,18 @@ def meaning(document: ModelDocument) -> str:
 
 
 def p_words(p_value: float) -> str:
-    """A probability of χ²; never zero."""
+    """A probability of χ²; never zero.
+
+    Parameters
+    ----------
+    p_value
+        0 … 1; a χ² that is far out has one that underflows to 0.
+
+    Returns
+    -------
+    str
+        ``p = …`` or ``p < …``.
+    """
     return f"p < {_LEAST_P:g}" if p_value < _LEAST_P else f"p = {p_value:.2g}"
 
 
@@ -79,6 +113,11 @@ def doubts(model: Model, values: Floats) -> tuple[str, ...]:
     ----------
     model, values
         The fitted model, and its (n,) parameters in SI.
+
+    Returns
+    -------
+    tuple of str
+        None where every value is plausible and within its range.
     """
     lines = (_doubt(p, float(v)) for p, v in zip(model.parameters, values, strict=True))
     return tuple(line for line in lines if line)

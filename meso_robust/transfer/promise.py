@@ -98,6 +98,18 @@ class _Found:
 def read(path: Path, task: Task) -> ModelDocument:
     """Read a model that the promise can be made from.
 
+    Parameters
+    ----------
+    path
+        Of a ``model.toml``.
+    task
+        The task that it is for.
+
+    Returns
+    -------
+    ModelDocument
+        Checked against the task's part.
+
     Raises
     ------
     InputError
@@ -131,6 +143,12 @@ def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing:
         The model, of the task's part; see `read`.
     samples, seed, doing
         As for `job.make`.
+
+    Returns
+    -------
+    Promise
+        PROVED only if every premise survives, the plan is certified for every size of the part, and it
+        keeps the budget of the bounds.
 
     Raises
     ------

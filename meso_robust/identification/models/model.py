@@ -102,7 +102,18 @@ def characteristic_length(outline: Floats) -> float:
 
 
 def centroid(outline: Floats) -> Floats:
-    """(2,) centroid of the area of an outline (V, 2): where an even film or mass has its centre."""
+    """(2,) centroid of the area of an outline (V, 2): where an even film or mass has its centre.
+
+    Parameters
+    ----------
+    outline
+        (V, 2) corners of a simple polygon, m.
+
+    Returns
+    -------
+    ndarray
+        (2,) m, in the axes of the corners.
+    """
     x, y = outline.T
     cross = x * np.roll(y, -1) - y * np.roll(x, -1)
     ends = outline + np.roll(outline, -1, axis=0)
@@ -138,6 +149,12 @@ def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> M
         under the name ``effect.parameter``.
     fixed
         ``{effect: {parameter: value}}`` in the units of the catalogue, held.
+
+    Returns
+    -------
+    Model
+        Its parameters are those of ``model``, then those of the effects in the order of ``scales``; its
+        values are in SI as any model's.
 
     Raises
     ------
