@@ -17,10 +17,13 @@ from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.validation import Errors, Split, Worth, worth
 from meso_robust.recordings import RecordingSet
 
-_WORSE = 5.0  # nats by which held-out recordings refute an answer
-_NEAR = 1.2  # times what free hidden inputs leave, that an answer may leave on held-out recordings
-_PARTS = 3  # sets that may explain a part of a mismatch that none explains
-_CHANCE = 0.001  # that pushes differ so from what an answer has them do, of all that are compared
+# by which held-out recordings must prefer a rival to refute an answer
+_REFUTED_NATS = 5.0
+# times what free hidden inputs leave, that an answer may leave of most recordings
+_ABOVE_FLOOR = 1.2
+_PARTIAL_SETS = 3  # sets that may explain a part of a mismatch that none explains
+# chance, for all pairs together, of so large a difference from what an answer predicts
+_INVARIANCE_ALPHA = 0.001
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -101,7 +104,7 @@ def accepted(
         ),
     )
     if not found.answers and held_out is not None:
-        some = found.candidates[:_PARTS]
+        some = found.candidates[:_PARTIAL_SETS]
         worths |= {
             one.effects: worth(baseline, one.refit, held_out)
             for one in some
@@ -169,7 +172,9 @@ def _refuted(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> R
     behind = max(_likelihood(told.errors[names]) for names in rivals) - _likelihood(
         told.errors[one.effects]
     )
-    return Rejection(ground=Ground.HELD_OUT_WORSE, amount=behind) if behind > _WORSE else None
+    if behind <= _REFUTED_NATS:
+        return None
+    return Rejection(ground=Ground.HELD_OUT_WORSE, amount=behind)
 
 
 def _idle(one: Candidate, told: Witnesses) -> Rejection | None:
@@ -188,7 +193,7 @@ def _far(one: Candidate, told: Witnesses) -> Rejection | None:
     a friction that was known well enough elsewhere.
     """
     left = float(np.median(told.errors[one.effects].sigma))
-    if left <= _NEAR * told.reach:
+    if left <= _ABOVE_FLOOR * told.reach:
         return None
     return Rejection(ground=Ground.ABOVE_FLOOR, amount=left, limit=told.reach)
 
@@ -197,7 +202,7 @@ def _unlike(one: Candidate, told: Witnesses) -> Rejection | None:
     """An invariance that the set does not break as the recordings do."""
     predicted = told.pairs.get(one.effects, ())
     chances = [_chance(seen, own) for seen, own in zip(told.seen, predicted, strict=True)]
-    if not chances or min(chances) * len(chances) >= _CHANCE:
+    if not chances or min(chances) * len(chances) >= _INVARIANCE_ALPHA:
         return None
     pair = predicted[int(np.argmin(chances))]
     return Rejection(

@@ -142,7 +142,7 @@ def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing:
     document
         The model, of the task's part; see `read`.
     samples, seed, doing
-        As for `job.make`.
+        As for `pipeline.make`.
 
     Returns
     -------
