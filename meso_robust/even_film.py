@@ -9,15 +9,17 @@ wrong unit is a proof about another part, so both differences are said.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from meso_robust.corners import Corner
 from meso_robust.task import PolygonPart, Task
 
+RATIO = "uncertainty.film_ratio_um2"
+"""Key of the task."""
 _SEEN = 0.05
-"""um: an origin nearer to the centroid is at it, as far as it can be written."""
+"""um: an origin nearer to the centroid is at it: corners are written to a tenth."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +64,21 @@ def even_film(corners: Sequence[Corner]) -> EvenFilm:
     return EvenFilm((float(x), float(y)), float(ratio), float(far))
 
 
-def remarks(task: Task) -> tuple[str, ...]:
-    """What differs from an even film under the part: the origin of a polygon, the ratio of drags."""
+def remarks(task: Task, fitted: Collection[str] = ()) -> tuple[str, ...]:
+    """What differs from an even film under the part: the origin of a polygon, the ratio of drags.
+
+    Parameters
+    ----------
+    task
+        As it is planned for.
+    fitted
+        Keys of the task whose values are a fitted model's, not the user's, such as `RATIO`.
+
+    Returns
+    -------
+    tuple of str
+        A line each, with what to do about it.
+    """
     even = even_film(_corners(task))
     said = []
     distance = math.hypot(*even.centre_um)
@@ -83,10 +98,16 @@ def remarks(task: Task) -> tuple[str, ...]:
             if ratio * (1.0 - share) > even.largest_um2
             else ""
         )
+        advice = (
+            "the value is the fitted model's: compare the outline of the recordings with the part, and "
+            "let `meso-robust diagnose` say what the model leaves out"
+            if RATIO in fitted
+            else "`meso-robust identify` measures it"
+        )
         said.append(
-            f"uncertainty.film_ratio_um2 = {ratio:.6g} +- {known.film_ratio_percent:g} %: "
+            f"{RATIO} = {ratio:.6g} +- {known.film_ratio_percent:g} %: "
             f"{ratio / even.ratio_um2:.3g} x that of an even film under this outline, "
-            f"{even.ratio_um2:.6g} um^2{never}; `meso-robust identify` measures it"
+            f"{even.ratio_um2:.6g} um^2{never}; {advice}"
         )
     return tuple(said)
 

@@ -11,7 +11,7 @@ from meso_robust.api.call import call
 from meso_robust.api.inputs import StrPath, at_least, keep_apart, path_of
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import Recordings, name_of, set_of
-from meso_robust.diagnosis import answer, diagnose as diagnosing, model_file, pictures
+from meso_robust.diagnosis import answer, diagnose as diagnosing, evidence
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import FILE, DiagnosisDocument
 from meso_robust.files import write_all
@@ -70,22 +70,22 @@ class Diagnosed:
     def _repr_html_(self) -> str:
         from meso_robust.reporting.cards import diagnosed_card
 
-        return diagnosed_card(self.document, pictures.evidence(self.diagnosis), str(self))
+        return diagnosed_card(self.document, evidence.evidence(self.diagnosis), str(self))
 
     @property
     def model_toml(self) -> str:
         """The extended model, for ``plan(..., model=...)``."""
-        return model_file.model_toml(self.diagnosis, __version__)
+        return answer.model_toml(self.diagnosis, __version__)
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name."""
         from meso_robust.reporting import diagnosis as page
 
-        evidence = pictures.evidence(self.diagnosis)
+        drawn = evidence.evidence(self.diagnosis)
         return {
             FILE: self.document.model_dump_json(by_alias=True, indent=2) + "\n",
             "model.toml": self.model_toml,
-            "report.html": page.diagnosis_report(self.document, evidence, name_of(self.source)),
+            "report.html": page.diagnosis_report(self.document, drawn, name_of(self.source)),
         }
 
     @call

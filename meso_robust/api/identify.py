@@ -21,10 +21,9 @@ from meso_robust.identification.document import FitWord, ModelDocument
 from meso_robust.identification.experiment import Bench, Experiment, standard_tests as tests_of
 from meso_robust.identification.experiment_document import experiment_files
 from meso_robust.identification.identify import Identification, check_model
-from meso_robust.identification.plausible import doubts
 from meso_robust.identification.rollout import Setting
 from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
-from meso_robust.identification.verdict import NEGATIVE_WORDS, verdict
+from meso_robust.identification.verdict import NEGATIVE_WORDS, doubts, verdict
 from meso_robust.laboratory.filming import recorded_part
 from meso_robust.recordings import RecordingSet, read_set
 from meso_robust.task import Task

@@ -89,7 +89,7 @@ class Planned:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What the stated part and film differ in from an even film; not part of the verdict."""
-        return remarks(self.task)
+        return remarks(self.task, () if self.promise is None else self.promise.changed.keys)
 
     def __str__(self) -> str:
         """The answer in a few lines, as the command line prints it."""

@@ -8,14 +8,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import chi2 as chi2_law
 
+from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.controls import catch_all
 from meso_robust.diagnosis.invariances import Pair
+from meso_robust.diagnosis.localisation import Located, predicted_pairs
 from meso_robust.diagnosis.rejection import Ground, Rejection
-from meso_robust.diagnosis.validation import Errors
+from meso_robust.diagnosis.validation import Errors, Split, Worth, worth
+from meso_robust.recordings import RecordingSet
 
-_WORSE = 5.0  # nats by which held-out recordings refute an answer
-_NEAR = 1.2  # times what free hidden inputs leave, that an answer may leave on held-out recordings
-_CHANCE = 0.001  # that pushes differ so from what an answer has them do, of all that are compared
+# by which held-out recordings must prefer a rival to refute an answer
+_REFUTED_NATS = 5.0
+# times what free hidden inputs leave, that an answer may leave of most recordings
+_ABOVE_FLOOR = 1.2
+_PARTIAL_SETS = 3  # sets that may explain a part of a mismatch that none explains
+# chance, for all pairs together, of so large a difference from what an answer predicts
+_INVARIANCE_ALPHA = 0.001
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,6 +49,90 @@ class Witnesses:
     reach: float
     seen: Sequence[Pair] = ()
     pairs: Mapping[tuple[str, ...], Sequence[Pair]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Accepted:
+    """The outcome of the competition after all witnesses were heard.
+
+    Attributes
+    ----------
+    naming
+        The answers that are left; without any, the part of the mismatch that is explained.
+    catch_all
+        Error in σ that free hidden inputs leave; None where no window has enough frames.
+    worths
+        Errors of the sets that were asked, by their effects.
+    """
+
+    naming: Naming
+    catch_all: float | None
+    worths: Mapping[tuple[str, ...], Worth]
+
+
+def accepted(
+    naming: Naming, where: Located, baseline: Baseline, plain: Worth, recordings: Split
+) -> Accepted:
+    """Hear what speaks against the answers of a competition.
+
+    Parameters
+    ----------
+    naming
+        Outcome of the competition.
+    where
+        Where the mismatch is.
+    baseline, plain
+        The plain model, and its errors.
+    recordings
+        Of the fit, and held out.
+    """
+    held_out = recordings.held_out
+    floor = _floor(baseline, plain, recordings)
+    worths = {one.effects: worth(baseline, one.refit, held_out) for one in _asked(naming, held_out)}
+    answers = [one.effects for one in naming.answers]
+    found = judged(
+        naming,
+        Witnesses(
+            errors={(): plain.judged} | {names: one.judged for names, one in worths.items()},
+            unseen=held_out is not None,
+            reach=max(baseline.noise.floor, floor or 0.0),
+            seen=where.pairs,
+            pairs={
+                names: predicted_pairs(baseline, where.pairs, worths[names].training.poses)
+                for names in answers
+            },
+        ),
+    )
+    if not found.answers and held_out is not None:
+        some = found.candidates[:_PARTIAL_SETS]
+        worths |= {
+            one.effects: worth(baseline, one.refit, held_out)
+            for one in some
+            if one.effects not in worths
+        }
+        found = partial(found, plain.judged, tuple(worths[one.effects].judged for one in some))
+    best = found.best
+    if best is not None and best.effects not in worths:
+        worths[best.effects] = worth(baseline, best.refit, held_out)
+    return Accepted(naming=found, catch_all=floor, worths=worths)
+
+
+def _asked(naming: Naming, held_out: RecordingSet | None) -> tuple[Candidate, ...]:
+    """The answers; and the sets they contain, where recordings that no fit has seen can tell them."""
+    if held_out is None:
+        return naming.answers
+    return tuple(
+        one
+        for one in naming.candidates
+        if any(set(one.effects) <= set(answer.effects) for answer in naming.answers)
+    )
+
+
+def _floor(baseline: Baseline, plain: Worth, recordings: Split) -> float | None:
+    """What any law could reach on held-out recordings; on those of the fit where none are."""
+    if recordings.held_out is None or plain.held_out is None:
+        return catch_all(recordings.training, baseline.prepared, baseline)
+    return catch_all(recordings.held_out, plain.held_out.prepared, baseline)
 
 
 def judged(naming: Naming, told: Witnesses) -> Naming:
@@ -80,7 +172,9 @@ def _refuted(one: Candidate, answers: Sequence[Candidate], told: Witnesses) -> R
     behind = max(_likelihood(told.errors[names]) for names in rivals) - _likelihood(
         told.errors[one.effects]
     )
-    return Rejection(ground=Ground.HELD_OUT_WORSE, amount=behind) if behind > _WORSE else None
+    if behind <= _REFUTED_NATS:
+        return None
+    return Rejection(ground=Ground.HELD_OUT_WORSE, amount=behind)
 
 
 def _idle(one: Candidate, told: Witnesses) -> Rejection | None:
@@ -99,7 +193,7 @@ def _far(one: Candidate, told: Witnesses) -> Rejection | None:
     a friction that was known well enough elsewhere.
     """
     left = float(np.median(told.errors[one.effects].sigma))
-    if left <= _NEAR * told.reach:
+    if left <= _ABOVE_FLOOR * told.reach:
         return None
     return Rejection(ground=Ground.ABOVE_FLOOR, amount=left, limit=told.reach)
 
@@ -108,7 +202,7 @@ def _unlike(one: Candidate, told: Witnesses) -> Rejection | None:
     """An invariance that the set does not break as the recordings do."""
     predicted = told.pairs.get(one.effects, ())
     chances = [_chance(seen, own) for seen, own in zip(told.seen, predicted, strict=True)]
-    if not chances or min(chances) * len(chances) >= _CHANCE:
+    if not chances or min(chances) * len(chances) >= _INVARIANCE_ALPHA:
         return None
     pair = predicted[int(np.argmin(chances))]
     return Rejection(

@@ -1,4 +1,4 @@
-"""A diagnosis as the document ``diagnosis.json``."""
+"""A diagnosis as documents: ``diagnosis.json``, and ``model.toml`` of the best model."""
 
 from __future__ import annotations
 
@@ -10,17 +10,29 @@ import numpy as np
 
 from meso_robust import __version__
 from meso_robust.diagnosis.candidates import Candidate, why_not
-from meso_robust.diagnosis.control import SAME
+from meso_robust.diagnosis.controls import SAME
+from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
-from meso_robust.diagnosis.intervals import Interval, intervals
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.rejection import Rejection
+from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, intervals
 from meso_robust.diagnosis.trials import tried
 from meso_robust.diagnosis.validation import Errors, improvement
+from meso_robust.identification.answer import sections
+from meso_robust.identification.document import (
+    MinimumSection,
+    ModelDocument,
+    NotIdentifiableSection,
+    ParameterSection,
+    RecordingSection,
+)
 from meso_robust.identification.usable import warnings_of
+from meso_robust.identification.verdict import verdict
 from meso_robust.recordings import read_set
-from meso_robust.simulator.catalogue import CATALOGUE, stage_of
+from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
+from meso_robust.toml_files import toml_of
+from meso_robust.types import Floats
 
 UM, DEG = 1e6, 180.0 / np.pi
 VISCOSITY = "film_viscosity"
@@ -40,10 +52,15 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
         Of this package.
     remarks
         What else to keep in mind about the recordings.
+
+    Returns
+    -------
+    DiagnosisDocument
+        The content of ``diagnosis.json``, in µm and degrees.
     """
-    best = found.best
+    best, noise, checked = found.best, found.baseline.noise, found.checked
     answers = found.naming.answers if found.naming else ()
-    unseen = [one for one in found.visible if not one.seen]
+    unseen = [one for one in found.detected.visible if not one.seen]
     # by a mapping, because `schema` is the name of a method of pydantic's models
     return DiagnosisDocument.model_validate(
         {
@@ -52,10 +69,10 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             "why": _why(found),
             "baseline": {"model": found.baseline.model.name, "parameters": _baseline(found)},
             "noise": {
-                "position_sigma_um": UM * float(found.noise.sigma[0]),
-                "orientation_sigma_deg": DEG * float(found.noise.sigma[2]),
-                "correlation": found.noise.correlation,
-                "source": found.noise.source,
+                "position_sigma_um": UM * float(noise.sigma[0]),
+                "orientation_sigma_deg": DEG * float(noise.sigma[2]),
+                "correlation": noise.correlation,
+                "source": noise.source,
             },
             "training": found.baseline.prepared.files,
             "mismatch": _mismatch(found),
@@ -73,10 +90,12 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             ),
             "candidates": _candidates(found),
             **_located(found),
-            "catch_all_sigma": found.catch_all,
-            "decoys": found.decoys.count if found.decoys else 0,
-            "decoy_share": found.decoys.share if found.decoys else None,
-            "control": {**asdict(found.control), "within_sigma": SAME} if found.control else None,
+            "catch_all_sigma": found.accepted.catch_all if found.accepted else None,
+            "decoys": checked.decoys.count if checked.decoys else 0,
+            "decoy_share": checked.decoys.share if checked.decoys else None,
+            "control": {**asdict(checked.control), "within_sigma": SAME}
+            if checked.control
+            else None,
             "held_out": _held_out(found),
             "next_experiment": next_experiment(found),
             "provenance": {
@@ -97,6 +116,18 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
 def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, Any]:
     """``diagnosis.json`` of the recording set in a folder, as a plain dictionary.
 
+    Parameters
+    ----------
+    folder
+        Of the recording set.
+    quick, seed
+        As in `diagnose`.
+
+    Returns
+    -------
+    dict
+        As JSON has it.
+
     Raises
     ------
     InputError
@@ -110,30 +141,30 @@ def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, 
 
 def _ended(found: Diagnosis) -> tuple[str, ...]:
     """What to know of the errors: pushes that failed in the simulator, and nothing held out."""
-    each = {"plain": (found.trained, found.before), "extended": (found.retrained, found.after)}
     failed = tuple(
         f"{file}: its push ends in {outcome} with the {which} model"
-        for which, errors in each.items()
-        for one in errors
+        for which, worth in (("plain", found.plain), ("extended", found.extended))
+        if worth is not None
+        for one in (worth.training, worth.held_out)
         if one is not None
         for file, outcome in zip(one.prepared.files, one.outcomes, strict=True)
         if outcome != "completed"
     )
-    if found.before is None:
+    if found.plain.held_out is None:
         return (*failed, "too few recordings to hold any out: errors are those of the fit")
     return failed
 
 
 def _why(found: Diagnosis) -> str:
-    detection, best = found.detection, found.best
-    if found.naming is None:
+    detection, best = found.detected.detection, found.best
+    if found.accepted is None:
         return (
             f"nothing beyond the refitted model is supported: the largest of {len(detection.tests)} "
             f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
         )
-    answers = found.naming.answers
+    answers = found.accepted.naming.answers
     if best is None or not answers:
-        return _why_unknown(best, found.catch_all)
+        return _why_unknown(best, found.accepted.catch_all)
     names = " + ".join(best.effects)
     if len(answers) == 1:
         return f"{names} leaves nothing that the detector sees (p = {answers[0].p_value:.2g})"
@@ -157,13 +188,11 @@ def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:
 
 
 def _value(one: Interval) -> dict[str, object]:
-    return {"value": one.value, "low": one.low, "high": one.high, "unit": one.unit}
+    return {**one.shown, "unit": one.parameter.unit}
 
 
 def _mismatch(found: Diagnosis) -> dict[str, object]:
-    from meso_robust.diagnosis.detect import ALARM
-
-    detection = found.detection
+    detection = found.detected.detection
     return {
         "detected": detection.detected,
         "p_value": detection.p_value,
@@ -184,7 +213,7 @@ def _located(found: Diagnosis) -> dict[str, object]:
     where = found.located
     if where is None:
         return {}
-    predicted = {(p.invariance, p.first, p.second): p.sigma for p in found.predicted_pairs}
+    predicted = {(p.invariance, p.first, p.second): p.sigma for p in found.checked.pairs}
     return {
         "channels": tuple(
             {"channel": one.channel, "share": one.share, "sigma": one.sigma}
@@ -233,7 +262,7 @@ def _effects(best: Candidate, answers: tuple[Candidate, ...]) -> tuple[dict[str,
 
 
 def _fixed(effect: str, key: str, value: float) -> dict[str, object]:
-    unit = next(one.unit for one in CATALOGUE[effect].parameters if one.key == key)
+    unit = parameter_of("effects", effect, key).unit
     return {"value": value, "low": value, "high": value, "unit": unit}
 
 
@@ -268,34 +297,32 @@ def _rejection(why: Rejection | None) -> dict[str, object]:
 
 
 def _held_out(found: Diagnosis) -> dict[str, Any]:
-    before, after = found.before, found.after
-    if before is None:
-        before, after = found.trained, found.retrained
-    later = after or before
+    before = found.plain.judged
+    later = found.extended.judged if found.extended else before
+    unseen = found.plain.held_out is not None
     low, high = improvement(before, later, found.seed)
     section: dict[str, Any] = {
-        "recordings": before.prepared.files if found.before is not None else (),
+        "recordings": before.prepared.files if unseen else (),
         "baseline_sigma": before.whole,
         "extended_sigma": later.whole,
-        "noise_floor_sigma": found.noise.floor,
-        "repeatability_sigma": found.noise.repeatability,
+        "noise_floor_sigma": found.baseline.noise.floor,
+        "repeatability_sigma": found.baseline.noise.repeatability,
         "baseline_um": UM * before.whole_metres,
         "extended_um": UM * later.whole_metres,
         "improvement_low": low,
         "improvement_high": high,
-        "black_box_sigma": found.black_box,
-        "each": _each(before, later, "held_out") if found.before is not None else (),
+        "black_box_sigma": found.checked.black_box,
+        "each": _each(before, later, "held_out") if unseen else (),
     }
-    beyond = found.extrapolation
+    beyond = found.checked.extrapolation
     if beyond is None:
         return section
-    last = beyond.after or beyond.before
     return section | {
         "extrapolation": beyond.what,
         "extrapolation_recordings": beyond.files,
         "extrapolation_baseline_sigma": beyond.before.whole,
-        "extrapolation_extended_sigma": last.whole,
-        "each": (*section["each"], *_each(beyond.before, last, "extrapolation")),
+        "extrapolation_extended_sigma": beyond.after.whole,
+        "each": (*section["each"], *_each(beyond.before, beyond.after, "extrapolation")),
     }
 
 
@@ -310,4 +337,99 @@ def _each(before: Errors, after: Errors, which: str) -> tuple[dict[str, object],
             "extended_um": UM * float(after.metres[k]),
         }
         for k, file in enumerate(before.prepared.files)
+    )
+
+
+def model_toml(found: Diagnosis, version: str) -> str:
+    """Text of ``model.toml``: the extended model, or the plain one where nothing was added.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    version
+        Of this package.
+
+    Returns
+    -------
+    str
+        TOML, see `ModelDocument`.
+    """
+    return toml_of(_model_document(found, version))
+
+
+def _model_document(found: Diagnosis, version: str) -> ModelDocument:
+    plain, best = sections(found.split.training, found.baseline.found, version), found.best
+    plain["diagnosis"] = found.verdict
+    if best is None or found.extended is None:
+        made = ModelDocument.model_validate(plain)
+        return made.model_copy(update={"verdict": verdict(made)})
+    known = intervals_of(best)
+    shown = {one.key: one.shown["value"] for one in known}
+    held = {
+        f"{trial.effect}.{key}": value
+        for trial in best.refit.trials
+        for key, value in trial.held.items()
+    }
+    # the quality is of the plain fit and goes with it
+    return ModelDocument.model_validate(
+        plain
+        | {
+            "model": best.refit.model.name,
+            "interval": "curvature",
+            "confidence": CONFIDENCE,
+            "parameters": {one.key: _section(one) for one in known},
+            "held": {**plain["held"], **held},
+            "not_identifiable": _unknown(known),
+            "quality": None,
+            "minima": (_minimum(found.extended.training, float(best.refit.fits.chi2[0]), shown),),
+            "recording": _recordings(found.extended.training),
+        }
+    )
+
+
+def _section(one: Interval) -> ParameterSection:
+    return ParameterSection(**one.shown, open_low=one.open_low, open_high=one.open_high)
+
+
+def _unknown(known: tuple[Interval, ...]) -> tuple[NotIdentifiableSection, ...]:
+    """Numbers without a bound, and the scale of the drag, which no motion shows."""
+    listed = {
+        one.key: "the recordings give no bound on one side"
+        for one in known
+        if one.open_low or one.open_high
+    }
+    listed[VISCOSITY] = "no motion depends on the scale of the drag"
+    return tuple(NotIdentifiableSection(name=name, why=why) for name, why in listed.items())
+
+
+def _minimum(errors: Errors, chi2: float, shown: dict[str, float]) -> MinimumSection:
+    x, y, theta = np.sqrt(np.mean(_rms(errors) ** 2, axis=0)).tolist()
+    return MinimumSection(
+        cost=chi2,
+        x_um=UM * x,
+        y_um=UM * y,
+        theta_deg=DEG * theta,
+        found=0,  # the search began at a linear estimate, not at a random start
+        parameters=shown,
+    )
+
+
+def _rms(errors: Errors) -> Floats:
+    """(R, 3) root mean squares of seen less predicted, m and rad."""
+    return np.sqrt(np.nanmean((errors.prepared.seen - errors.poses) ** 2, axis=1))
+
+
+def _recordings(errors: Errors) -> tuple[RecordingSection, ...]:
+    rms, frames = _rms(errors).tolist(), errors.prepared.counts.max(axis=1)
+    return tuple(
+        RecordingSection(
+            file=file,
+            frames=int(frames[k]),
+            x_um=UM * rms[k][0],
+            y_um=UM * rms[k][1],
+            theta_deg=DEG * rms[k][2],
+            outcome=errors.outcomes[k],
+        )
+        for k, file in enumerate(errors.prepared.files)
     )

@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from meso_robust.diagnosis.noise import Noise, weighed
 from meso_robust.diagnosis.tangent import Tangent, tangent
-from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.identify import Identification, identify
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare
+from meso_robust.identification.problem import Fits, Settings
 from meso_robust.recordings import RecordingSet
 from meso_robust.types import Floats
 

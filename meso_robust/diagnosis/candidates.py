@@ -10,13 +10,17 @@ from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.simulator.catalogue import CATALOGUE
 
-_PRIOR = np.log(len(CATALOGUE))  # nats that each further effect of a set costs
-_DOUBT = 0.05  # of the probability may be outside the set that is given
-_TRUST = 0.005  # of what the best set explains: how well scores can be known
-_MORE = 2.0  # nats by which another set must be better to count as such
-_SAME = 4.0  # σ, root of the sum of squares: motions that no recording here tells apart
-_BEHIND = 5.0  # nats behind a set that is not enough, at which an adequate one is so by chance
-_SLIGHT = 40.0  # nats, as of 9 σ, that every effect of a set must explain
+_PRIOR_NATS = np.log(len(CATALOGUE))  # of each further effect: one of the catalogue was picked
+# of the probability may be outside the answers
+_UNCLAIMED_SHARE = 0.05
+# of what the best set explains: how well a simulator of finite steps knows scores
+_SCORE_SHARE = 0.005
+_SUPERSET_NATS = 2.0  # by which a larger set must be better than a part of it
+_SAME_MOTION_SIGMA = 4.0  # of all frames together, up to which no recording tells two motions apart
+# behind a set that is not enough, at which an adequate one is so by chance
+_BY_CHANCE_NATS = 5.0
+# that every effect of a set must explain, ½ (9 σ)²: less is what any law could explain
+_MEMBER_NATS = 40.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,7 +64,7 @@ class Candidate:
     @property
     def score(self) -> float:
         """Log evidence with the prior of a set of this size."""
-        return self.refit.gain - _PRIOR * len(self.refit.trials) - self.choices
+        return self.refit.gain - _PRIOR_NATS * len(self.refit.trials) - self.choices
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,6 +86,11 @@ class Naming:
     best: Candidate | None
     candidates: tuple[Candidate, ...]
 
+    @property
+    def chosen(self) -> Candidate | None:
+        """The set that the recordings are predicted with: the first answer, or else the best."""
+        return self.answers[0] if self.answers else self.best
+
 
 def why_not(one: Candidate, naming: Naming) -> Rejection | None:
     """Why a set of the competition is no answer; None if it is one."""
@@ -90,7 +99,7 @@ def why_not(one: Candidate, naming: Naming) -> Rejection | None:
     if one.rejected:
         return one.rejected
     if one.adequate:
-        return Rejection(ground=Ground.IMPROBABLE, amount=100 * _DOUBT)
+        return Rejection(ground=Ground.IMPROBABLE, amount=100 * _UNCLAIMED_SHARE)
     ahead = max(naming.candidates, key=lambda other: other.score)
     return Rejection(ground=Ground.FAR_BEHIND, names=ahead.effects, amount=ahead.score - one.score)
 
@@ -104,14 +113,14 @@ def supported(one: Candidate, field: list[Candidate]) -> Candidate:
     if not one.adequate or one.rejected:
         return one
     top = max((o for o in field if not o.duplicate), key=lambda o: o.score)
-    if one.score < top.score - _BEHIND * max(1.0, _TRUST * top.score):
+    if one.score < top.score - _BY_CHANCE_NATS * max(1.0, _SCORE_SHARE * top.score):
         ahead = top.score - one.score
         return replace(
             one, rejected=Rejection(ground=Ground.OUTSCORED, names=top.effects, amount=ahead)
         )
     parts = [o.score for o in field if set(o.effects) < set(one.effects)]
     explained = one.score - max(parts, default=0.0)
-    if len(one.effects) > 1 and explained < max(_SLIGHT, _TRUST * one.score):
+    if len(one.effects) > 1 and explained < max(_MEMBER_NATS, _SCORE_SHARE * one.score):
         return replace(one, rejected=Rejection(ground=Ground.SLIGHT_MEMBER, amount=explained))
     return one
 
@@ -137,7 +146,7 @@ def with_probabilities(field: list[Candidate]) -> list[Candidate]:
     """
     scores = np.array([one.score for one in field])
     top = max(0.0, float(scores.max(initial=0.0)))
-    doubt = max(1.0, _TRUST * top)
+    doubt = max(1.0, _SCORE_SHARE * top)
     weights = np.exp((scores - top) / doubt)
     total = float(weights.sum() + np.exp(-top / doubt))
     return ranked(
@@ -158,7 +167,7 @@ def without_duplicates(field: list[Candidate]) -> list[Candidate]:
             if not other.rejected
             and other.refit.numbers < one.refit.numbers
             and one.score < other.score
-            and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME
+            and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME_MOTION_SIGMA
         ]
         if same and not one.rejected:
             one = replace(one, rejected=Rejection(ground=Ground.SAME_MOTION, names=same[0].effects))
@@ -185,7 +194,7 @@ def answers_of(field: list[Candidate]) -> tuple[Candidate, ...]:
     for one in ranked(able):
         given.append(one)
         sum_of += one.probability
-        if sum_of >= (1.0 - _DOUBT) * total:
+        if sum_of >= (1.0 - _UNCLAIMED_SHARE) * total:
             break
     return tuple(given)
 
@@ -198,7 +207,7 @@ def pruned(field: list[Candidate]) -> list[Candidate]:
         smaller = [
             other
             for other in answers
-            if set(other.effects) < set(one.effects) and other.score > one.score - _MORE
+            if set(other.effects) < set(one.effects) and other.score > one.score - _SUPERSET_NATS
         ]
         if smaller and not one.rejected:
             one = replace(

@@ -10,19 +10,29 @@ The idea of many local tests and one global, calibrated one: N. Anau Montel, J. 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import chi2, norm
 
-from meso_robust.diagnosis.signatures import Signature
+from meso_robust.diagnosis.baseline import Baseline, Told
+from meso_robust.diagnosis.nulls import null_rows
+from meso_robust.diagnosis.signatures import Signature, Visibility, signatures, visibilities
+from meso_robust.diagnosis.store import Store
 from meso_robust.diagnosis.tangent import Tangent
+from meso_robust.diagnosis.trials import trials
+from meso_robust.identification.prepared import Prepared
+from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.phases import phases
 from meso_robust.types import Floats
 
 ALARM = 0.005
 """p-value up to which a mismatch is stated."""
 _SMALL = 1e-3  # of a signature: less is left of it by the refit, and it is no test
 _DEEP = 1e-300  # probability below which quantiles are not taken
+_PIECES = 3  # of a contact
+_FEWEST = 3  # frames of a span
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,6 +145,64 @@ class Detector:
         )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Detected:
+    """The fitted plain model, what its recordings can show, and whether they contradict it.
+
+    Attributes
+    ----------
+    baseline
+        The fit.
+    nulls
+        (B, R, M) white residuals of sets simulated without a mismatch.
+    signatures
+        What each effect would change.
+    spans
+        Frames that the tests look at.
+    detection
+        Whether there is a mismatch.
+    visible
+        What these recordings could show.
+    """
+
+    baseline: Baseline
+    nulls: Floats
+    signatures: list[Signature]
+    spans: tuple[Span, ...]
+    detection: Detection
+    visible: tuple[Visibility, ...]
+
+
+def detected(
+    training: RecordingSet, baseline: Baseline, count: int, seed: int, told: Told, store: Store
+) -> Detected:
+    """Ask whether recordings contradict the plain model that was fitted to them.
+
+    Parameters
+    ----------
+    training, baseline
+        The recordings and the fit.
+    count, seed
+        Simulated sets without a mismatch, and their seed.
+    told, store
+        A callback for progress, and where the simulated sets are kept.
+    """
+    told("simulating recordings without a mismatch", 0, 1)
+    nulls = store.kept("nulls", lambda: {"rows": null_rows(baseline, count, seed)})["rows"]
+    told("simulating every effect", 0, 1)
+    marks = signatures(baseline, trials(baseline.prepared))
+    spans = spans_of(training, baseline.prepared)
+    tests = detector(baseline.tangent, marks, spans, baseline.prepared.files)
+    return Detected(
+        baseline=baseline,
+        nulls=nulls,
+        signatures=marks,
+        spans=spans,
+        detection=tests.detection(baseline.rows, nulls),
+        visible=visibilities(baseline.tangent, marks),
+    )
+
+
 def detector(
     at: Tangent, signatures: list[Signature], spans: tuple[Span, ...], files: tuple[str, ...]
 ) -> Detector:
@@ -184,3 +252,36 @@ def _left_one_out(nulls: Floats) -> Floats:
     variance = (squares - nulls**2) / (count - 1) - middle**2
     spread = np.sqrt(np.maximum(variance * (count - 1) / (count - 2), 1e-18))
     return np.asarray((nulls - middle) / spread)
+
+
+def spans_of(recordings: RecordingSet, prepared: Prepared) -> tuple[Span, ...]:
+    """Spans of all recordings, in order; the contact is cut into three.
+
+    Parameters
+    ----------
+    recordings, prepared
+        The same recordings.
+    """
+    found = []
+    for row, recording in enumerate(recordings.recordings):
+        frames = int(np.max(np.flatnonzero(np.isfinite(prepared.seen[row]).any(axis=1)))) + 1
+        clock = prepared.instants[row, :frames]
+        for phase in phases(recordings, recording):
+            pieces = _PIECES if phase.name == "contact" else 1
+            ends = np.linspace(phase.start, phase.end, pieces + 1)
+            cuts = np.searchsorted(clock, ends - 1e-9)
+            if phase.end >= clock[-1]:
+                cuts[-1] = frames
+            found += [
+                Span(
+                    recording=row,
+                    phase=phase.name,
+                    first=int(first),
+                    last=int(last),
+                    start=float(clock[first]),
+                    end=float(clock[last - 1]),
+                )
+                for first, last in itertools.pairwise(cuts)
+                if last - first >= _FEWEST
+            ]
+    return tuple(found)

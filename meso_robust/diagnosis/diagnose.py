@@ -1,45 +1,68 @@
-"""The whole diagnosis: refit, detect, locate, name, show."""
+"""The whole diagnosis: refit, detect, locate, select, accept, check.
+
+Each step makes one part from the parts before it: `Baseline` → `Detected` → `Located` → `Naming` →
+`Accepted` → `Checked`; a `Diagnosis` is all of them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from meso_robust import __version__
-from meso_robust.diagnosis.acceptance import Witnesses, judged, partial
-from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
-from meso_robust.diagnosis.black_box import black_box
+from meso_robust.diagnosis.acceptance import Accepted, accepted
+from meso_robust.diagnosis.baseline import Baseline, Told, fitted_baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
-from meso_robust.diagnosis.control import Control, control
-from meso_robust.diagnosis.detect import Detection, Detector, Span, detector
-from meso_robust.diagnosis.error_floor import catch_all
-from meso_robust.diagnosis.identifiable import Visibility, visibilities
+from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, decoys
+from meso_robust.diagnosis.detect import Detected, detected, spans_of
 from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.localisation import Located, located, predicted_pairs
 from meso_robust.diagnosis.model_selection import Contest
-from meso_robust.diagnosis.noise import Noise, noise_of, with_noise
-from meso_robust.diagnosis.nulls import null_rows
-from meso_robust.diagnosis.placebo_tests import Decoys, decoys
+from meso_robust.diagnosis.noise import noise_of, with_noise
 from meso_robust.diagnosis.refit import Refit
-from meso_robust.diagnosis.signatures import Signature, signatures
-from meso_robust.diagnosis.spans import spans_of
-from meso_robust.diagnosis.split import Split, split
 from meso_robust.diagnosis.store import Store
-from meso_robust.diagnosis.trials import trials
-from meso_robust.diagnosis.validation import Errors, Extrapolation, errors, extrapolated, trained
+from meso_robust.diagnosis.validation import (
+    Extrapolation,
+    Split,
+    Worth,
+    extrapolated,
+    split,
+    worth,
+)
 from meso_robust.identification.answer import set_hash
-from meso_robust.identification.plausible import doubts
+from meso_robust.identification.verdict import doubts
 from meso_robust.recordings import RecordingSet
 
-Told = Callable[[str, int, int], None]
-"""Called with what is being done, how much of it is done, and of how much."""
-
 NULLS = {True: 199, False: 399}
-"""Simulated sets without a mismatch of a quick and of a full diagnosis."""
-_PARTS = 3  # sets that may explain a part of a mismatch that none explains
+"""Simulated sets without a mismatch of a quick and of a full diagnosis: they bound the p-value from
+below, by 0.005 and 0.0025."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Checked:
+    """What would speak against the best extended model; all empty where nothing was added.
+
+    Attributes
+    ----------
+    pairs
+        The invariances of `Located` as the model has them, of the recordings of the fit.
+    extrapolation
+        Errors on a kind of push that was left out of the fits; None of a quick diagnosis.
+    black_box
+        Error in σ on held-out recordings of a regression of equal size.
+    control
+        Errors where both models predict the same.
+    decoys
+        How signatures that do not belong where they are put did.
+    """
+
+    pairs: tuple[Pair, ...] = ()
+    extrapolation: Extrapolation | None = None
+    black_box: float | None = None
+    control: Control | None = None
+    decoys: Decoys | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,64 +75,46 @@ class Diagnosis:
         All, with the noise stated.
     sha256
         Of the recordings as given.
-    split, noise, baseline, spans, signatures
-        What the tests stand on.
-    detection
-        Whether there is a mismatch.
-    visible
-        What these recordings could show.
-    located
-        Where the mismatch is; None where there is none.
-    predicted_pairs
-        The same pairs as the best extended model has them.
-    naming
-        Outcome of the competition; None where nothing is to be explained.
-    before, after
-        Errors on the held-out recordings of the plain and of the best extended model.
-    trained, retrained
-        Likewise on the recordings of the fit.
-    extrapolation
-        Errors on a kind of push that was left out of the fits; None of a quick diagnosis.
+    split
+        Which are fitted, and which are held out.
     quick, seed
         As asked.
-    black_box, catch_all
-        Errors in σ on held-out recordings of a regression of equal size, and with free hidden inputs.
-    control
-        Errors where both models predict the same.
-    decoys
-        How signatures that do not belong where they are put did.
+    detected
+        The fitted plain model, and whether there is a mismatch.
+    located, accepted
+        Where the mismatch is, and what explains it; None where there is none.
+    plain, extended
+        Errors of the plain model, and of the best extended one; None where nothing was added.
+    checked
+        What would speak against the extended model.
     """
 
     recordings: RecordingSet
     sha256: str
     split: Split
-    noise: Noise
-    baseline: Baseline
-    spans: tuple[Span, ...]
-    signatures: list[Signature]
-    detection: Detection
-    visible: tuple[Visibility, ...]
-    located: Located | None
-    predicted_pairs: tuple[Pair, ...]
-    naming: Naming | None
-    before: Errors | None
-    after: Errors | None
-    trained: Errors
-    retrained: Errors | None
-    extrapolation: Extrapolation | None
     quick: bool
     seed: int
-    black_box: float | None = None
-    catch_all: float | None = None
-    control: Control | None = None
-    decoys: Decoys | None = None
+    detected: Detected
+    located: Located | None
+    accepted: Accepted | None
+    plain: Worth
+    extended: Worth | None
+    checked: Checked
+
+    @property
+    def baseline(self) -> Baseline:
+        """The fitted plain model."""
+        return self.detected.baseline
+
+    @property
+    def naming(self) -> Naming | None:
+        """Outcome of the competition; None where nothing is to be explained."""
+        return self.accepted.naming if self.accepted else None
 
     @property
     def best(self) -> Candidate | None:
         """The set of effects of the extended model."""
-        if self.naming is None:
-            return None
-        return self.naming.answers[0] if self.naming.answers else self.naming.best
+        return self.naming.chosen if self.naming else None
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -150,6 +155,11 @@ def diagnose(
     told
         Told of progress.
 
+    Returns
+    -------
+    Diagnosis
+        Whole; its documents are made by `answer`.
+
     Raises
     ------
     InputError
@@ -161,138 +171,59 @@ def diagnose(
     recordings = with_noise(recordings, noise)
     parts = split(recordings, seed)
     baseline = fitted_baseline(parts.training, noise, model, quick=quick, seed=seed, told=told)
-    told("simulating recordings without a mismatch", 0, 1)
-    nulls = kept.kept("nulls", lambda: {"rows": null_rows(baseline, NULLS[quick], seed)})["rows"]
-    told("simulating every effect", 0, 1)
-    marks = signatures(baseline, trials(baseline.prepared))
-    spans = spans_of(parts.training, baseline.prepared)
-    tests: Detector = detector(baseline.tangent, marks, spans, baseline.prepared.files)
-    detection = tests.detection(baseline.rows, nulls)
+    tests = detected(parts.training, baseline, NULLS[quick], seed, told, kept)
     where, naming = None, None
-    if detection.detected:
+    if tests.detection.detected:
         told("looking where it is", 0, 1)
         where = located(parts.training, baseline, seed)
-        naming = Contest(baseline, marks, spans, nulls, quick, told, kept).named()
+        contest = Contest(baseline, tests.signatures, tests.spans, tests.nulls, quick, told, kept)
+        naming = contest.named()
     told("comparing with recordings that were held out", 0, 1)
-    return _shown(
-        Diagnosis(
-            recordings=recordings,
-            sha256=sha256,
-            split=parts,
-            noise=baseline.noise,
-            baseline=baseline,
-            spans=spans,
-            signatures=marks,
-            detection=detection,
-            visible=visibilities(baseline.tangent, marks),
-            located=where,
-            predicted_pairs=(),
-            naming=naming,
-            before=None,
-            after=None,
-            trained=trained(baseline, None),
-            retrained=None,
-            extrapolation=None,
-            quick=quick,
-            seed=seed,
-        )
+    plain = worth(baseline, None, parts.held_out)
+    answer, extended, checks = None, None, Checked()
+    if where is not None and naming is not None:
+        answer = accepted(naming, where, baseline, plain, parts)
+        best = answer.naming.chosen
+        if best is not None:
+            extended = answer.worths[best.effects]
+            pairs = predicted_pairs(baseline, where.pairs, extended.training.poses)
+            beyond = None if quick else extrapolated(parts.training, baseline, best.refit)
+            checks = _checked(tests, parts, plain, extended, best.refit, pairs, beyond, seed)
+    return Diagnosis(
+        recordings=recordings,
+        sha256=sha256,
+        split=parts,
+        quick=quick,
+        seed=seed,
+        detected=tests,
+        located=where,
+        accepted=answer,
+        plain=plain,
+        extended=extended,
+        checked=checks,
     )
-
-
-def _shown(found: Diagnosis) -> Diagnosis:
-    """The diagnosis with what the models are worth on recordings that were held out."""
-    held_out, baseline = found.split.held_out, found.baseline
-    before = _on(held_out, baseline, None) if held_out else None
-    if found.naming is not None:
-        found = _judged(replace(found, catch_all=_catch_all(found, before)), before)
-    best = found.best
-    if best is None:
-        return replace(found, before=before)
-    after = _on(held_out, baseline, best) if held_out else None
-    retrained = trained(baseline, best.refit)
-    refit = best.refit
-    found = _checked(found, best.refit, before, after, retrained)
-    return replace(
-        found,
-        before=before,
-        after=after,
-        retrained=retrained,
-        predicted_pairs=_pairs(found, retrained),
-        extrapolation=None
-        if found.quick
-        else extrapolated(found.split.training, baseline, refit.model, refit.fits.values[0]),
-    )
-
-
-def _judged(found: Diagnosis, before: Errors | None) -> Diagnosis:
-    """The diagnosis with the answers that are left, or else the part that is explained."""
-    naming, baseline, held_out = found.naming, found.baseline, found.split.held_out
-    if naming is None:
-        return found
-    refits = [trained(baseline, one.refit) for one in naming.answers]
-    errors: dict[tuple[str, ...], Errors] = {(): before or found.trained}
-    if held_out is None:
-        errors |= {one.effects: own for one, own in zip(naming.answers, refits, strict=True)}
-    else:
-        errors |= {one.effects: _on(held_out, baseline, one) for one in _asked_of(naming)}
-    told = Witnesses(
-        errors=errors,
-        unseen=held_out is not None,
-        reach=max(found.noise.floor, found.catch_all or 0.0),
-        seen=found.located.pairs if found.located else (),
-        pairs={
-            one.effects: _pairs(found, own) for one, own in zip(naming.answers, refits, strict=True)
-        },
-    )
-    naming = judged(naming, told)
-    if not naming.answers and held_out is not None and before is not None:
-        some = naming.candidates[:_PARTS]
-        naming = partial(naming, before, tuple(_on(held_out, baseline, one) for one in some))
-    return replace(found, naming=naming)
-
-
-def _asked_of(naming: Naming) -> tuple[Candidate, ...]:
-    """The answers, and the sets they contain."""
-    return tuple(
-        one
-        for one in naming.candidates
-        if any(set(one.effects) <= set(answer.effects) for answer in naming.answers)
-    )
-
-
-def _pairs(found: Diagnosis, model: Errors) -> tuple[Pair, ...]:
-    """The invariances as a model has them, of the recordings of the fit."""
-    if found.located is None:
-        return ()
-    return predicted_pairs(found.baseline, found.located.pairs, model.poses)
-
-
-def _catch_all(found: Diagnosis, before: Errors | None) -> float | None:
-    """What any law could reach on held-out recordings; on those of the fit where none are."""
-    held_out, parts = found.split.held_out, found.split
-    if held_out is None or before is None:
-        return catch_all(parts.training, found.baseline.prepared, found.baseline)
-    return catch_all(held_out, before.prepared, found.baseline)
 
 
 def _checked(
-    found: Diagnosis, refit: Refit, before: Errors | None, after: Errors | None, retrained: Errors
-) -> Diagnosis:
-    """The diagnosis with what would speak against the name of the best set."""
-    baseline, held_out = found.baseline, found.split.held_out
-    pairs = [(found.spans, found.trained, retrained)]
-    if held_out and before is not None and after is not None:
-        pairs.append((spans_of(held_out, before.prepared), before, after))
-    columns = [one.columns for one in found.signatures if one.trial in refit.trials]
-    return replace(
-        found,
-        black_box=None if before is None else black_box(found.trained, before, refit.numbers),
-        control=control(pairs, baseline.settings.sigma),
-        decoys=decoys(baseline.tangent, baseline.rows, np.concatenate(columns), found.seed),
+    tests: Detected,
+    parts: Split,
+    plain: Worth,
+    extended: Worth,
+    refit: Refit,
+    pairs: tuple[Pair, ...],
+    beyond: Extrapolation | None,
+    seed: int,
+) -> Checked:
+    """What would speak against an extended model."""
+    baseline, before, after = tests.baseline, plain.held_out, extended.held_out
+    groups = [(tests.spans, plain.training, extended.training)]
+    if parts.held_out and before and after:
+        groups.append((spans_of(parts.held_out, before.prepared), before, after))
+    columns = [one.columns for one in tests.signatures if one.trial in refit.trials]
+    return Checked(
+        pairs=pairs,
+        extrapolation=beyond,
+        black_box=black_box(plain.training, before, refit.numbers) if before else None,
+        control=control(groups, baseline.settings.sigma),
+        decoys=decoys(baseline.tangent, baseline.rows, np.concatenate(columns), seed),
     )
-
-
-def _on(recordings: RecordingSet, baseline: Baseline, best: Candidate | None) -> Errors:
-    if best is None:
-        return errors(recordings, baseline.model, baseline.fits.values[0], baseline)
-    return errors(recordings, best.refit.model, best.refit.fits.values[0], baseline)

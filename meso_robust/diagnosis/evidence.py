@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from meso_robust.types import Floats
+
+if TYPE_CHECKING:  # a page is drawn without the machinery that makes a diagnosis
+    from meso_robust.diagnosis.diagnose import Diagnosis
+    from meso_robust.diagnosis.validation import Errors
+    from meso_robust.identification.prepared import Prepared
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,3 +69,69 @@ class Evidence:
 
 def _refuse(name: str, found: tuple[int, ...], shape: tuple[int | str, ...]) -> None:
     raise ValueError(f"{name}: has the shape {found}; must be {shape}, as instants have it")
+
+
+def evidence(found: Diagnosis) -> Evidence:
+    """Recorded and predicted motion of all recordings, those of the fit first.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+
+    Returns
+    -------
+    Evidence
+        Padded to the longest recording.
+    """
+    plain, extended, beyond = found.plain, found.extended, found.checked.extrapolation
+    before = [one for one in (plain.training, plain.held_out) if one is not None]
+    after = [one for one in (extended.training, extended.held_out) if one] if extended else []
+    frames = max(one.poses.shape[1] for one in before)
+    prepared = [one.prepared for one in before]
+    return Evidence(
+        files=tuple(file for one in prepared for file in one.files),
+        outline=prepared[0].outline,
+        tip_radius=found.recordings.tip_radius,
+        instants=np.concatenate([_clock(one.instants, frames) for one in prepared]),
+        seen=np.concatenate([_padded(one.seen, frames) for one in prepared]),
+        tips=np.concatenate([_padded(_tips(one), frames) for one in prepared]),
+        baseline=_poses(before, frames),
+        extended=_poses(after, frames) if len(after) == len(before) else None,
+        sigma=found.baseline.noise.sigma,
+        held_out=plain.held_out.prepared.files if plain.held_out else (),
+        extrapolation=beyond.files if beyond else (),
+        null_statistics=found.detected.detection.null_statistics,
+        statistic=found.detected.detection.statistic,
+    )
+
+
+def _poses(errors: list[Errors], frames: int) -> Floats:
+    return np.concatenate([_padded(one.poses, frames) for one in errors])
+
+
+def _padded(values: Floats, frames: int) -> Floats:
+    """(R, frames, …) with NaN after the end of (R, T, …)."""
+    wide = np.full((len(values), frames, *values.shape[2:]), np.nan)
+    wide[:, : values.shape[1]] = values
+    return wide
+
+
+def _clock(instants: Floats, frames: int) -> Floats:
+    """(R, frames) with the end repeated."""
+    return np.pad(instants, ((0, 0), (0, frames - instants.shape[1])), mode="edge")
+
+
+def _tips(prepared: Prepared) -> Floats:
+    """(R, T, P, 2) m; NaN for a probe that is parked because a recording has none."""
+    count, _, probes, _ = prepared.waypoints.shape
+    tips = np.empty((count, prepared.instants.shape[1], probes, 2))
+    for r in range(count):
+        for p in range(probes):
+            for axis in range(2):
+                tips[r, :, p, axis] = np.interp(
+                    prepared.instants[r], prepared.times[r], prepared.waypoints[r, :, p, axis]
+                )
+    away = np.all(np.abs(tips + prepared.parked) < 1e-9, axis=-1)
+    tips[away] = np.nan
+    return tips

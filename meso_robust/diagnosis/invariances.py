@@ -13,19 +13,19 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 from scipy.stats import chi2 as chi2_law
 
-from meso_robust.diagnosis.runs import FEWEST, Run, from_start, longer, runs_of
-from meso_robust.diagnosis.single_pushes import SINGLES, offered
-from meso_robust.diagnosis.symmetries import Symmetry, gyration, symmetries
+from meso_robust.diagnosis.runs import FEWEST, SINGLES, Run, from_start, longer, offered, runs_of
 from meso_robust.identification.models.model import centroid
 from meso_robust.identification.prepared import Prepared
 from meso_robust.types import Floats
 
+_SAME = 1e-6  # of the size: how well corners must fall on corners
 _ALIKE = 5e-6  # m: contacts and paths that are farther apart are not the same push
 _SHORTEST = 80e-6  # m: of a common way
 _GRID = 10e-6  # m: between places where two paths are compared
@@ -37,8 +37,68 @@ _DEGREE = 3  # of the polynomial in the way of the tip that a motion is smoothed
 _SHARE = 0.3  # of the largest sensitivity to the place, that is never relied on to vanish
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Symmetry:
+    """``x → A x + t`` in the frame of the part, with an orthogonal A (2, 2) and t (2,) in m."""
+
+    matrix: Floats
+    offset: Floats
+    kind: Literal["same", "turn", "mirror"]
+
+    def of_points(self, points: Floats) -> Floats:
+        """Images of points (…, 2)."""
+        return np.asarray(points @ self.matrix.T + self.offset)
+
+    def of_motion(self, motion: Floats) -> Floats:
+        """Image of a motion (3,): displacement of the reference point, and angle.
+
+        A mirrored part turns the other way; the reference point need not be the centre.
+        """
+        angle = motion[2] * np.linalg.det(self.matrix)
+        cos, sin = np.cos(angle), np.sin(angle)
+        turned = np.array([[cos, -sin], [sin, cos]]) @ self.offset
+        moved = self.matrix @ motion[:2] + self.offset - turned
+        return np.array([*moved, angle])
+
+
+def symmetries(outline: Floats) -> tuple[Symmetry, ...]:
+    """All symmetries of an outline (V, 2), the identity first."""
+    centre, count = centroid(outline), len(outline)
+    away = outline - centre
+    size = float(np.hypot(*away.T).max())
+    found = []
+    for mirrored in (False, True):
+        corners = away[::-1] * [1.0, -1.0] if mirrored else away
+        for shift in range(count):
+            image = np.roll(corners, -shift, axis=0)
+            angle = _angle(image[0], away[0])
+            cos, sin = np.cos(angle), np.sin(angle)
+            matrix = np.array([[cos, -sin], [sin, cos]])
+            if np.abs(image @ matrix.T - away).max() > _SAME * size:
+                continue
+            matrix = matrix @ np.diag([1.0, -1.0]) if mirrored else matrix
+            same = not mirrored and abs(angle) < 1e-9
+            kind: Literal["same", "turn", "mirror"] = "mirror" if mirrored else "turn"
+            found.append(Symmetry(matrix, centre - matrix @ centre, "same" if same else kind))
+    return tuple(sorted(found, key=lambda one: one.kind != "same"))
+
+
+def gyration(outline: Floats) -> float:
+    """Radius of gyration in m of the area of an outline (V, 2) about its centroid."""
+    x, y = (outline - centroid(outline)).T
+    across = x * np.roll(y, -1) - np.roll(x, -1) * y
+    squares = sum(c * c + c * np.roll(c, -1) + np.roll(c, -1) ** 2 for c in (x, y))
+    return float(np.sqrt(across @ squares / (6.0 * across.sum())))
+
+
+def _angle(start: Floats, end: Floats) -> float:
+    """Angle from a direction (2,) to another, −π … π."""
+    cross = start[0] * end[1] - start[1] * end[0]
+    return float(np.arctan2(cross, start @ end))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Pair:
+class Expected:
     """Two pushes that should coincide, or one that should keep to something (first = second).
 
     Attributes
@@ -50,13 +110,9 @@ class Pair:
         as the tip leaves), ``onset`` (gap of a tip in contact) and ``metric`` (its change).
     first, second
         Files.
-    difference, tolerance
-        (3,) x, y in m and θ in rad in the frame of the first part at its start, and the standard
-        deviation that noise and unequal starts explain; of a gap in x only.
-    sigma
-        Length of the difference in such deviations.
-    p_value
-        Probability of a longer one by chance.
+    tolerance
+        (3,) standard deviation that noise and unequal starts explain of a difference in x, y (m) and
+        θ (rad), in the frame of the first part at its start; zero where the test says nothing.
     way
         Travel of the tip at which motions are compared, m; zero for single pushes.
     symmetry
@@ -66,32 +122,37 @@ class Pair:
     invariance: str
     first: str
     second: str
-    difference: Floats
     tolerance: Floats
-    sigma: float
-    p_value: float
     way: float
     symmetry: Symmetry
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Family:
-    """All tests of one invariance.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pair(Expected):
+    """What should coincide, and by how much it does not.
 
     Attributes
     ----------
-    invariance
-        As in `Pair`.
-    p_value
-        Of the least probable of its `count` tests, corrected for their number (Šidák).
-    count, worst
-        Number of tests, and index of the least probable one among all pairs.
+    difference
+        (3,) x, y in m and θ in rad, as `tolerance`; of a gap in x only.
     """
 
-    invariance: str
-    p_value: float
-    count: int
-    worst: int
+    difference: Floats
+
+    @property
+    def sigma(self) -> float:
+        """Length of the difference in standard deviations."""
+        return float(np.sqrt(self._squares.sum()))
+
+    @property
+    def p_value(self) -> float:
+        """Probability of a longer one by chance."""
+        return float(chi2_law.sf(self._squares.sum(), len(self._squares)))
+
+    @property
+    def _squares(self) -> Floats:
+        used = self.tolerance > 0.0
+        return np.asarray((self.difference[used] / self.tolerance[used]) ** 2)
 
 
 def pairs(prepared: Prepared, sigma: Floats, correlation: float = 0.0) -> tuple[Pair, ...]:
@@ -112,9 +173,9 @@ def pairs(prepared: Prepared, sigma: Floats, correlation: float = 0.0) -> tuple[
     known = symmetries(prepared.outline)
     for first, second in itertools.combinations(runs, 2):
         for symmetry in known:
-            pair = _coinciding(prepared, first, second, symmetry, noise)
-            if pair is not None:
-                found.append(_measured(prepared, pair, first, second, poses))
+            expected = _coinciding(prepared, first, second, symmetry, noise)
+            if expected is not None:
+                found.append(_measured(prepared, expected, first, second, poses))
     return tuple(found)
 
 
@@ -137,39 +198,24 @@ def compared(
     )
 
 
-def families(found: Sequence[Pair]) -> tuple[Family, ...]:
-    """By invariance, the least probable first."""
-    each = []
-    for name in dict.fromkeys(pair.invariance for pair in found):
-        of = [k for k, pair in enumerate(found) if pair.invariance == name]
-        worst = min(of, key=lambda k: found[k].p_value)
-        corrected = -np.expm1(len(of) * np.log1p(-min(found[worst].p_value, 1.0 - 1e-16)))
-        each.append(Family(invariance=name, p_value=float(corrected), count=len(of), worst=worst))
-    return tuple(sorted(each, key=lambda one: one.p_value))
-
-
-def _measured(prepared: Prepared, pair: Pair, first: Run, second: Run, poses: Floats) -> Pair:
-    """A pair with the difference that some poses show."""
-    if pair.invariance in SINGLES:
-        test = SINGLES[pair.invariance]
+def _measured(
+    prepared: Prepared, expected: Expected, first: Run, second: Run, poses: Floats
+) -> Pair:
+    """With the difference that some poses show."""
+    if expected.invariance in SINGLES:
+        test = SINGLES[expected.invariance]
         difference = test(prepared, first, poses[first.recording], np.ones(3))[0]
     else:
-        one = _moved(prepared, first, poses[first.recording], pair.way)
-        other = _moved(prepared, second, poses[second.recording], pair.way)
-        difference = one - pair.symmetry.of_motion(other)
-    used = pair.tolerance > 0.0
-    square = float(np.sum((difference[used] / pair.tolerance[used]) ** 2))
-    return replace(
-        pair,
-        difference=difference,
-        sigma=float(np.sqrt(square)),
-        p_value=float(chi2_law.sf(square, int(used.sum()))),
-    )
+        one = _moved(prepared, first, poses[first.recording], expected.way)
+        other = _moved(prepared, second, poses[second.recording], expected.way)
+        difference = one - expected.symmetry.of_motion(other)
+    same = {field.name: getattr(expected, field.name) for field in fields(Expected)}
+    return Pair(**same, difference=difference)
 
 
 def _coinciding(
     prepared: Prepared, first: Run, second: Run, symmetry: Symmetry, noise: Floats
-) -> Pair | None:
+) -> Expected | None:
     """The pair with its tolerance, if the second push is the symmetric image of the first."""
     if first.tip != second.tip:
         return None
@@ -192,14 +238,11 @@ def _coinciding(
     tolerance = _tolerance(prepared, first, second, way, apart, last, noise)
     if tolerance is None:
         return None
-    return Pair(
+    return Expected(
         invariance="+".join(names) or "repeat",
         first=first.file,
         second=second.file,
-        difference=np.zeros(3),
         tolerance=tolerance,
-        sigma=0.0,
-        p_value=1.0,
         way=way,
         symmetry=symmetry,
     )
@@ -289,15 +332,12 @@ def _single(prepared: Prepared, run: Run, name: str, noise: Floats) -> Pair | No
     if not offered(prepared, run, name, noise):
         return None
     poses = prepared.seen[run.recording]
-    pair = Pair(
+    expected = Expected(
         invariance=name,
         first=run.file,
         second=run.file,
-        difference=np.zeros(3),
         tolerance=SINGLES[name](prepared, run, poses, noise)[1],
-        sigma=0.0,
-        p_value=1.0,
         way=0.0,
         symmetry=symmetries(prepared.outline)[0],
     )
-    return _measured(prepared, pair, run, run, prepared.seen)
+    return _measured(prepared, expected, run, run, prepared.seen)

@@ -34,17 +34,18 @@ from meso_robust.types import Floats
 
 Told = Callable[[str, int, int], None]
 
-_FORMS = 2  # forms of an effect that are refitted
-_BEAM = {True: 2, False: 3}  # sets that a further effect is added to, if quick and if not
-_ADDED = {True: 3, False: 5}  # effects that are added to each, those that promise most
-_FAR = 25.0  # nats behind the best, at which a set is not built on
-_LARGEST = {True: 2, False: 3}  # effects of a set
-_CLOSE = {
-    True: 0.2,
-    False: 0.5,
-}  # of the gain of the best, behind it, up to which a search is taken to its end
-_BEYOND = 10.0  # times the sizes that a signature was made with, where nothing is linear any more
-_HOPELESS = 0.5  # of the best gain so far, that a linear estimate must reach in a quick search
+_REFITTED_FORMS = 2  # of an effect, those that promise most
+_EXTENDED_SETS = {True: 2, False: 3}  # that a further effect is added to, if quick and if not
+_ADDED_EFFECTS = {True: 3, False: 5}  # that are added to each, those that promise most
+_LARGEST_SET = {True: 2, False: 3}  # effects of a set, if quick and if not
+# behind the best, beyond which a set is neither refined nor asked: e²⁵ times less likely
+_EXAMINED_NATS = 25.0
+# of the best gain, behind it, within which a rough fit is taken to its end
+_REFINED_SHARE = {True: 0.2, False: 0.5}
+# times the sizes that a signature was made with, beyond which nothing is linear any more
+_LINEAR_SIZES = 10.0
+# of the best gain so far, that a linear estimate must reach in a quick search
+_PROMISING_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,7 +84,7 @@ class Contest:
     def named(self) -> Naming:
         """Let the sets compete."""
         field = self._singles()
-        for _ in range(_LARGEST[self.quick] - 1):
+        for _ in range(_LARGEST_SET[self.quick] - 1):
             field = self._judged(field)
             if answers_of(field):
                 break
@@ -102,7 +103,7 @@ class Contest:
         for done, form in enumerate(chosen):
             self.told("naming", done, len(chosen))
             best = max((fit.gain for fit in fits), default=0.0)
-            if self.quick and form.linear and form.gain <= _HOPELESS * best - _FAR:
+            if self.quick and form.linear and form.gain <= _PROMISING_SHARE * best - _EXAMINED_NATS:
                 continue
             fits += self._tried((form.signature,), None)
         return self._refined(best_of_each(fits))
@@ -128,7 +129,7 @@ class Contest:
     def _refined(self, fits: list[Refit]) -> list[Candidate]:
         """Candidates; those that may win have their searches taken to the end."""
         best = max((one.gain for one in fits), default=0.0)
-        close = best - max(_FAR, _CLOSE[self.quick] * best)
+        close = best - max(_EXAMINED_NATS, _REFINED_SHARE[self.quick] * best)
         return ranked(
             [
                 Candidate(
@@ -152,20 +153,22 @@ class Contest:
             if not np.any(left):
                 continue
             sizes, fall = estimate(evidence, left, one.one_sided)
-            linear = bool(one.trial.sizes) and float(np.abs(sizes).max(initial=0.0)) < _BEYOND
+            linear = bool(one.trial.sizes) and float(np.abs(sizes).max(initial=0.0)) < _LINEAR_SIZES
             form = Form(gain=0.5 * fall, signature=one, linear=linear)
             promised.setdefault(one.trial.effect, []).append(form)
         return [form for own in promised.values() for form in self._first(own)]
 
     def _first(self, own: list[Form]) -> list[Form]:
         """Of the forms of an effect, those that are refitted."""
-        most = 1 if self.quick and own[0].signature.trial.sizes else _FORMS
+        most = 1 if self.quick and own[0].signature.trial.sizes else _REFITTED_FORMS
         return sorted(own, key=lambda form: -form.gain)[:most]
 
     def _extended(self, field: list[Candidate]) -> list[Candidate]:
         """Sets with one effect more, built on the best of the largest ones."""
         size = max(len(one.refit.trials) for one in field)
-        bases = [one for one in field if len(one.refit.trials) == size][: _BEAM[self.quick]]
+        bases = [one for one in field if len(one.refit.trials) == size][
+            : _EXTENDED_SETS[self.quick]
+        ]
         known = {one.effects for one in field}
         fits: list[Refit] = []
         for base in bases:
@@ -173,13 +176,19 @@ class Contest:
             best: dict[str, Form] = {}
             for form in sorted(forms, key=lambda form: form.gain):
                 best[form.signature.trial.effect] = form
-            for form in sorted(best.values(), key=lambda form: -form.gain)[: _ADDED[self.quick]]:
+            for form in sorted(best.values(), key=lambda form: -form.gain)[
+                : _ADDED_EFFECTS[self.quick]
+            ]:
                 one = form.signature
                 names = tuple(sorted((*base.effects, one.trial.effect)))
                 if names in known:
                     continue
                 known.add(names)
-                self.told("naming sets", len(fits), _BEAM[self.quick] * _ADDED[self.quick])
+                self.told(
+                    "naming sets",
+                    len(fits),
+                    _EXTENDED_SETS[self.quick] * _ADDED_EFFECTS[self.quick],
+                )
                 fits += self._tried((*self._chosen(base.refit), one), base.refit)
         return self._refined(fits)
 
@@ -199,7 +208,7 @@ class Contest:
         """The sets, the likely ones with what the detector says of them."""
         best = max((one.score for one in field if not one.rejected), default=0.0)
         return [
-            self._asked(one) if not one.rejected and one.score > best - _FAR else one
+            self._asked(one) if not one.rejected and one.score > best - _EXAMINED_NATS else one
             for one in field
         ]
 

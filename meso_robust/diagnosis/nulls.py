@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.forward import Prediction, predicted
+from meso_robust.identification.problem import Arrow
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 

@@ -12,15 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
-from meso_robust.diagnosis.kept_fits import kept_fit
 from meso_robust.diagnosis.signatures import Signature, estimate, extended, start_of, within
-from meso_robust.diagnosis.store import NOWHERE, Store
+from meso_robust.diagnosis.store import NOWHERE, Store, kept_fit
 from meso_robust.diagnosis.tangent import Tangent, tangent
 from meso_robust.diagnosis.trials import Trial
-from meso_robust.identification.fitted import Fits, Fitted
 from meso_robust.identification.forward import corrected
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
+from meso_robust.identification.problem import Fits, Fitted
 from meso_robust.types import Floats
 
 WIDTH = 10.0

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meso_robust.identification.problem import Fits, Fitted
 from meso_robust.types import Floats
 
 _OWN = re.compile(r"[0-9a-f]{32}(\.part)?\.npz")
@@ -66,3 +67,44 @@ class Store:
 
 NOWHERE = Store(None, "")
 """Keeps nothing."""
+
+
+def kept_fit(store: Store, name: str, make: Callable[[], Fitted]) -> Fitted:
+    """A fit of a name: from disk, or made and put there."""
+    return _unpacked(store.kept(name, lambda: _packed(make())))
+
+
+def _packed(found: Fitted) -> dict[str, Floats]:
+    fits = found.fits
+    return {
+        "values": fits.values,
+        "starts": fits.starts,
+        "offsets": fits.offsets,
+        "chi2": fits.chi2,
+        "residuals": fits.residuals,
+        "outcomes": fits.outcomes.astype(float),
+        "information": found.information,
+        "gradients": found.gradients,
+        "jacobian": np.asarray(found.jacobian),
+        "converged": found.converged.astype(float),
+        "iterations": np.array([float(found.iterations)]),
+    }
+
+
+def _unpacked(of: Mapping[str, Floats]) -> Fitted:
+    fits = Fits(
+        values=of["values"],
+        starts=of["starts"],
+        offsets=of["offsets"],
+        chi2=of["chi2"],
+        residuals=of["residuals"],
+        outcomes=of["outcomes"].astype(np.int8),
+    )
+    return Fitted(
+        fits=fits,
+        information=of["information"],
+        gradients=of["gradients"],
+        jacobian=of["jacobian"],
+        converged=of["converged"] != 0.0,
+        iterations=int(of["iterations"][0]),
+    )

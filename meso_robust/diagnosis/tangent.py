@@ -11,9 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.stats import norm
 
+from meso_robust.identification.models import Model, Parameter
 from meso_robust.types import Floats
 
+CONFIDENCE = 0.9
+"""Probability with which an interval shall cover."""
 _RANK = 1e-8  # of the largest singular value, below which a direction is none
 _PRIOR = 4  # offsets of the tips, with a prior of their own
 
@@ -120,3 +124,80 @@ def _padded(columns: Floats) -> Floats:
     """Orthonormal basis with as many columns as were given, zero where the rank is less."""
     found = basis(columns)
     return np.pad(found, ((0, 0), (0, columns.shape[1] - found.shape[1])))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interval:
+    """A number of a fitted model, SI, and what the recordings bound it to.
+
+    Attributes
+    ----------
+    parameter
+        Which number.
+    value, low, high
+        Best value and ends; an open end is that of the parameter's range.
+    open_low, open_high
+        Whether the recordings give no bound on that side.
+    """
+
+    parameter: Parameter
+    value: float
+    low: float
+    high: float
+    open_low: bool
+    open_high: bool
+
+    @property
+    def key(self) -> str:
+        """Name of the parameter."""
+        return self.parameter.key
+
+    @property
+    def shown(self) -> dict[str, float]:
+        """Value and ends as documents have them, in the unit of the name."""
+        shown = self.parameter.shown
+        return {"value": shown(self.value), "low": shown(self.low), "high": shown(self.high)}
+
+
+def intervals(model: Model, values: Floats, jacobian: Floats, at: Tangent) -> tuple[Interval, ...]:
+    """Intervals of all fitted numbers from the curvature of the likelihood at the fit.
+
+    Parameters
+    ----------
+    model, values
+        n numbers, (n,) in SI.
+    jacobian
+        (R, 3 T, n + d) at the fit.
+    at
+        Tells what is seen and the colour of the noise.
+    """
+    n = len(model.parameters)
+    alone = tangent(
+        np.concatenate([np.zeros_like(jacobian[..., :n]), jacobian[..., n:]], axis=2),
+        n,
+        at.seen,
+        at.correlation,
+    )
+    own = np.moveaxis(jacobian[..., :n], -1, 0).reshape(n, *at.seen.shape)
+    left = alone.evidence(alone.rows(own))
+    free = np.flatnonzero(model.fitted & (np.linalg.norm(left, axis=1) > 0.0))
+    spread = np.full(n, np.inf)
+    covariance = np.linalg.pinv(left[free] @ left[free].T, rcond=1e-12, hermitian=True)
+    spread[free] = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    reach = norm.isf(0.5 * (1.0 - CONFIDENCE)) * spread
+    middle = model.coordinates(values[None])[0]
+    ends = [model.values((middle + sign * np.minimum(reach, 40.0))[None])[0] for sign in (-1, 1)]
+    return tuple(_interval(model, k, values, ends) for k in range(n) if model.fitted[k])
+
+
+def _interval(model: Model, k: int, values: Floats, ends: list[Floats]) -> Interval:
+    parameter = model.parameters[k]
+    low, high = max(ends[0][k], parameter.low), min(ends[1][k], parameter.high)
+    return Interval(
+        parameter=parameter,
+        value=float(values[k]),
+        low=float(min(low, values[k])),
+        high=float(max(high, values[k])),
+        open_low=bool(low <= parameter.low),
+        open_high=bool(high >= parameter.high),
+    )

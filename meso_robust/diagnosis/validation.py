@@ -8,21 +8,69 @@ import numpy as np
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
 from meso_robust.diagnosis.refit import Refit
-from meso_robust.diagnosis.split import without
 from meso_robust.diagnosis.tangent import Tangent, tangent
-from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.forward import corrected
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
 from meso_robust.identification.prepared import Prepared, prepare
+from meso_robust.identification.problem import Fits, Settings
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 
+_HELD_OUT = 0.2  # of the recordings is held out
+_FEWEST = 6  # recordings of which any can be spared
 _FINER = 4.0  # by how much shorter steps tell the error of the steps
 _MOST = 12  # iterations of a fit
 _RESAMPLED = 4000
 _SHARE = 0.9  # of the bootstrap within the interval
+_APART = 0.05  # of the range of a quantity, that a kind of push must stand apart
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Split:
+    """Recordings by what they are for.
+
+    Attributes
+    ----------
+    training
+        All fits and all choices see these only.
+    held_out
+        No fit sees these, and no search; they may refute an answer that it gave, and of what is
+        not explained they choose the part that carries over. None if there are too few recordings.
+    """
+
+    training: RecordingSet
+    held_out: RecordingSet | None
+
+
+def split(recordings: RecordingSet, seed: int) -> Split:
+    """Hold out a fifth of the recordings, whole ones, at random.
+
+    Parameters
+    ----------
+    recordings
+        All.
+    seed
+        Of the choice.
+    """
+    count = len(recordings.recordings)
+    spared = max(2, round(_HELD_OUT * count)) if count >= _FEWEST else 0
+    chosen = set(np.random.default_rng([seed, count]).permutation(count)[:spared].tolist())
+    return Split(
+        training=_of(recordings, [k for k in range(count) if k not in chosen]),
+        held_out=_of(recordings, sorted(chosen)) if spared else None,
+    )
+
+
+def without(recordings: RecordingSet, left_out: set[str]) -> RecordingSet:
+    """The recordings but those of some files."""
+    kept = [k for k, one in enumerate(recordings.recordings) if one.file not in left_out]
+    return _of(recordings, kept)
+
+
+def _of(recordings: RecordingSet, rows: list[int]) -> RecordingSet:
+    return replace(recordings, recordings=tuple(recordings.recordings[k] for k in rows))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,6 +157,34 @@ def errors(recordings: RecordingSet, model: Model, values: Floats, baseline: Bas
     return _errors(prepared, model, settings, found.fits, found.jacobian[0], baseline)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Worth:
+    """Errors of one model, the plain or an extended one.
+
+    Attributes
+    ----------
+    training, held_out
+        On the recordings of the fit, and on those that no fit has seen; None where none are.
+    """
+
+    training: Errors
+    held_out: Errors | None
+
+    @property
+    def judged(self) -> Errors:
+        """Those that count: on held-out recordings where there are any."""
+        return self.held_out or self.training
+
+
+def worth(baseline: Baseline, refit: Refit | None, held_out: RecordingSet | None) -> Worth:
+    """Errors of the plain model (no refit) or of one with effects."""
+    model, fits = (baseline.model, baseline.fits) if refit is None else (refit.model, refit.fits)
+    return Worth(
+        training=trained(baseline, refit),
+        held_out=errors(held_out, model, fits.values[0], baseline) if held_out else None,
+    )
+
+
 def trained(baseline: Baseline, refit: Refit | None) -> Errors:
     """Errors on the recordings of the fit, of the plain model or of one with effects."""
     if refit is None:
@@ -141,9 +217,7 @@ def _errors(
         at=at,
         poses=poses,
         prepared=prepared,
-        outcomes=tuple(
-            Outcome(int(code)).name.lower().replace("_", " ") for code in fits.outcomes[0]
-        ),
+        outcomes=tuple(Outcome(int(code)).word for code in fits.outcomes[0]),
     )
 
 
@@ -182,12 +256,10 @@ class Extrapolation:
     what: str
     files: tuple[str, ...]
     before: Errors
-    after: Errors | None
+    after: Errors
 
 
-def extrapolated(
-    training: RecordingSet, baseline: Baseline, model: Model, values: Floats
-) -> Extrapolation | None:
+def extrapolated(training: RecordingSet, baseline: Baseline, refit: Refit) -> Extrapolation | None:
     """Fit both models without the fastest, or else the farthest, pushes, and predict these.
 
     Parameters
@@ -196,8 +268,8 @@ def extrapolated(
         Recordings of the baseline.
     baseline
         The plain fit.
-    model, values
-        The extended one, (n,); or the plain one.
+    refit
+        The extended one.
     """
     what, files = _kind(baseline.prepared)
     if not files:
@@ -208,10 +280,8 @@ def extrapolated(
     settings = replace(baseline.settings, most=_MOST, chord=True)
     plain = fit(prepared, baseline.model, baseline.fits.values, settings).fits.values[0]
     before = errors(theirs, baseline.model, plain, baseline)
-    after = None
-    if model is not baseline.model:
-        named = fit(prepared, model, values[None], settings).fits.values[0]
-        after = errors(theirs, model, named, baseline)
+    named = fit(prepared, refit.model, refit.fits.values, settings).fits.values[0]
+    after = errors(theirs, refit.model, named, baseline)
     return Extrapolation(what=what, files=files, before=before, after=after)
 
 
@@ -230,6 +300,3 @@ def _kind(prepared: Prepared) -> tuple[str, tuple[str, ...]]:
             if gaps[cut - 1] > _APART:
                 return what, tuple(prepared.files[k] for k in sorted(order[:cut].tolist()))
     return "", ()
-
-
-_APART = 0.05  # of the range of a quantity, that a kind of push must stand apart

@@ -12,28 +12,186 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
-from meso_robust.diagnosis.cuts import Cut, cuts_of, sliced, sliced_poses
 from meso_robust.diagnosis.document import Channel, PhaseName
-from meso_robust.diagnosis.hidden_inputs import CHANNELS, TIP_OFFSET, Inputs, with_inputs
-from meso_robust.diagnosis.window_statistics import (
+from meso_robust.diagnosis.hidden_inputs import (
+    CHANNELS,
+    TIP_OFFSET,
     ChannelTotal,
     Statistics,
     channel_totals,
     statistics_of,
     surprise,
+    with_inputs,
 )
-from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare
-from meso_robust.identification.problem import Problem
-from meso_robust.recordings import RecordingSet
+from meso_robust.identification.problem import Fits, Problem, Settings
+from meso_robust.recordings import RecordingSet, unwrapped
+from meso_robust.recordings.contact import gaps, margin
+from meso_robust.recordings.phases import phases
 from meso_robust.simulator import Outcome
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
+FEWEST = 5
+"""Frames with a whole pose that a window must have: a start and a drift take two of them."""
+_PIECE = 15  # frames of a piece of a contact, where there are enough
+_MOST = 5  # pieces of a contact
+_PAD = 1e-3  # s: what a shorter window is lengthened by, at rest
 _ROUNDS = 3  # of the fit of the starts
 _DAMPING = (1e-3, 1.0, 30.0)  # shares of the diagonal, tried at once
 _FLOOR = 1e-6  # information below which a start is not moved
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cut:
+    """A window of a recording.
+
+    Attributes
+    ----------
+    recording
+        Index of the recording in the set.
+    first, last
+        Index of its first frame among the prepared instants, and of the first frame after it.
+    start_s, end_s
+        Instants of its first and of its last frame.
+    phase
+        What the tips did.
+    """
+
+    recording: int
+    first: int
+    last: int
+    start_s: float
+    end_s: float
+    phase: PhaseName
+
+
+def cuts_of(recordings: RecordingSet, prepared: Prepared) -> tuple[Cut, ...]:
+    """Cut every recording by its phases, and contacts into pieces.
+
+    Windows with fewer than `FEWEST` whole frames are left out.
+
+    Parameters
+    ----------
+    recordings, prepared
+        The same recordings as read and as prepared.
+    """
+    return tuple(cut for r in range(len(prepared.files)) for cut in _cut(recordings, prepared, r))
+
+
+def _cut(recordings: RecordingSet, prepared: Prepared, r: int) -> list[Cut]:
+    recording = unwrapped(recordings.recordings[r])
+    instants = prepared.instants[r, : frames_of(prepared)[r]]
+    gap = gaps(recordings.part.outline, recording.poses, recording.probes, recordings.tip_radius)
+    with np.errstate(invalid="ignore"):
+        touching = np.sum(gap <= margin(recordings, recording), axis=1)
+    two = np.interp(instants, recording.times, touching > 1) > 0.5
+    found: list[Cut] = []
+    for phase in phases(recordings, recording):
+        end = np.inf if phase.end == recording.times[-1] else phase.end
+        inside = np.flatnonzero((instants >= phase.start) & (instants < end))
+        for piece in _pieces(inside, two) if phase.name == "contact" else [inside]:
+            name: PhaseName = "approach"
+            if phase.name == "contact":
+                name = "two_point" if two[piece[0]] else "one_point"
+            elif phase.name != "unknown":
+                name = phase.name
+            found += _whole(prepared, r, piece, name)
+    return found
+
+
+def _pieces(inside: Ints, two: npt.NDArray[np.bool_]) -> list[Ints]:
+    """Frames of a contact cut where a second tip comes or goes, and into equal pieces."""
+    changes = 1 + np.flatnonzero(np.diff(two[inside]))
+    parts = [part for part in np.split(inside, changes) if len(part)]
+    return [
+        piece
+        for part in parts
+        for piece in np.array_split(part, int(np.clip(len(part) // _PIECE, 1, _MOST)))
+    ]
+
+
+def _whole(prepared: Prepared, r: int, piece: Ints, phase: PhaseName) -> list[Cut]:
+    """The window from its first whole frame, if enough of them are left."""
+    whole = piece[np.all(np.isfinite(prepared.seen[r, piece]), axis=1)]
+    if len(whole) < FEWEST:
+        return []
+    times = prepared.instants[r]
+    return [
+        Cut(
+            recording=r,
+            first=int(whole[0]),
+            last=int(piece[-1]) + 1,
+            start_s=float(times[whole[0]]),
+            end_s=float(times[piece[-1]]),
+            phase=phase,
+        )
+    ]
+
+
+def frames_of(prepared: Prepared) -> Ints:
+    """(R,) number of frames of each recording, without the padding."""
+    seen = np.any(np.isfinite(prepared.seen), axis=2)
+    return np.asarray(seen.shape[1] - np.argmax(seen[:, ::-1], axis=1))
+
+
+def tips_of(prepared: Prepared) -> Floats:
+    """(R, T, P, 2) positions of the probes at the prepared instants, m."""
+    flat = prepared.waypoints.reshape(*prepared.waypoints.shape[:2], -1)
+    tips = [
+        np.stack([np.interp(t, clock, column) for column in path.T], axis=1)
+        for t, clock, path in zip(prepared.instants, prepared.times, flat, strict=True)
+    ]
+    return np.stack(tips).reshape(*prepared.instants.shape, -1, 2)
+
+
+def sliced(prepared: Prepared, cuts: tuple[Cut, ...]) -> Prepared:
+    """W windows as recordings of their own, on the clock of the recording, starts as first seen.
+
+    A start may overlap a tip: a misfit does that, and the simulator shifts it.
+    """
+    legs = [_legs(prepared, cut) for cut in cuts]
+    wide = 1 + max(len(times) for times, _ in legs)
+    frames = max(cut.last - cut.first for cut in cuts)
+    clocks = [prepared.instants[cut.recording, cut.first : cut.last] for cut in cuts]
+    paths = [np.concatenate([path, np.repeat(path[-1:], wide - len(path), 0)]) for _, path in legs]
+    return replace(
+        prepared,
+        files=tuple(prepared.files[cut.recording] for cut in cuts),
+        waypoints=np.stack(paths),
+        times=np.stack([_padded(times, wide) for times, _ in legs]),
+        instants=np.stack([_padded(clock, frames) for clock in clocks]),
+        seen=_sliced_poses(prepared.seen, cuts),
+        starts=np.stack([prepared.seen[cut.recording, cut.first] for cut in cuts]),
+        correction=np.zeros((len(cuts), frames, 3)),
+        notes=(),
+    )
+
+
+def _sliced_poses(poses: Floats, cuts: tuple[Cut, ...]) -> Floats:
+    """(W, T', 3) poses (R, T, 3) of the windows, padded with NaN."""
+    frames = max(cut.last - cut.first for cut in cuts)
+    pieces = np.full((len(cuts), frames, 3), np.nan)
+    for row, cut in zip(pieces, cuts, strict=True):
+        row[: cut.last - cut.first] = poses[cut.recording, cut.first : cut.last]
+    return pieces
+
+
+def _legs(prepared: Prepared, cut: Cut) -> tuple[Floats, Floats]:
+    """(L,) s and (L, P, 2) m: the path of the probes from the first to the last frame."""
+    clock, path = prepared.times[cut.recording], prepared.waypoints[cut.recording]
+    inside = (clock > cut.start_s) & (clock < cut.end_s)
+    times = np.array([cut.start_s, *clock[inside], cut.end_s])
+    flat = path.reshape(len(path), -1)
+    way = np.stack([np.interp(times, clock, column) for column in flat.T], axis=1)
+    return times, way.reshape(len(times), -1, 2)
+
+
+def _padded(times: Floats, count: int) -> Floats:
+    more = count - len(times)
+    return np.append(times, times[-1] + _PAD * np.arange(1, more + 1) / max(more, 1))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,39 +202,26 @@ class Window:
     ----------
     recording, start_s, end_s, phase
         As in `Cut`.
-    chi2, freedom, components
-        Misfit, see `Statistics`.
+    components
+        (3,) misfit along x, y and θ, see `Statistics`.
     sigma
         The misfit in standard deviations of chance.
     channel
         Stage whose hidden input explains it best, for the inputs that it takes.
-    gains, ranks
-        (C,) by channel.
-    inputs
-        Values of the inputs that the window tells, by name, in the units of the names.
-    slack, slack_sigma
-        (3,) m/s and rad/s, stage frame.
     """
 
     recording: int
     start_s: float
     end_s: float
     phase: PhaseName
-    chi2: float
-    freedom: int
     components: Floats
     sigma: float
     channel: Channel
-    gains: Floats
-    ranks: Floats
-    inputs: dict[str, float]
-    slack: Floats
-    slack_sigma: Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Windows:
-    """All windows of a set, and what is needed to look at other data of the same commands.
+    """All windows of a set, and what they say.
 
     Attributes
     ----------
@@ -94,11 +239,6 @@ class Windows:
     prepared: Prepared
     poses: Floats
     found: Statistics
-    _problem: Problem
-    _inputs: Inputs
-    _fits: Fits
-    _jacobian: Floats
-    _correlation: float
 
     def __len__(self) -> int:
         """Number of windows."""
@@ -109,27 +249,12 @@ class Windows:
         """One by one."""
         return tuple(self._window(w) for w in range(len(self)))
 
-    def statistics(self, seen: Floats) -> Statistics:
-        """What other data (R, T, 3) of the same commands would say, such as a simulated null.
-
-        Starts are refitted with the available derivatives, which costs some milliseconds.
-        """
-        cut = sliced_poses(seen, self.cuts)
-        cut = np.where(np.isfinite(self.prepared.seen), cut, np.nan)
-        other = replace(self.prepared, seen=cut, starts=_first(cut))
-        settings = replace(self._problem.settings, offset=other.tip_offset)
-        problem = replace(self._problem, prepared=other, settings=settings)
-        fits = _settled(problem, self._fits.values, self._jacobian)
-        return statistics_of(self._inputs, other, fits, self._jacobian, settings, self._correlation)
-
-    def totals(self, found: Statistics | None = None) -> tuple[ChannelTotal, ...]:
-        """By channel, of the recordings or of other statistics, in the order of `CHANNELS`."""
-        return channel_totals(self.found if found is None else found)
+    def totals(self) -> tuple[ChannelTotal, ...]:
+        """By channel, in the order of `CHANNELS`."""
+        return channel_totals(self.found)
 
     def _window(self, w: int) -> Window:
         cut, found = self.cuts[w], self.found
-        names, shown = self._inputs.names, found.inputs[w] * self._inputs.units
-        effects = range(self._inputs.base, len(shown))
         cost = np.log(max(found.freedom[w], np.e))
         paid = (found.gains[w] - cost * found.ranks[w])[: len(CHANNELS)]
         return Window(
@@ -137,16 +262,9 @@ class Windows:
             start_s=cut.start_s,
             end_s=cut.end_s,
             phase=cut.phase,
-            chi2=float(found.chi2[w]),
-            freedom=int(found.freedom[w]),
             components=found.components[w],
             sigma=float(np.maximum(surprise(found.chi2[w], found.freedom[w]), 0.0)),
             channel=CHANNELS[int(np.argmax(paid))],
-            gains=found.gains[w],
-            ranks=found.ranks[w],
-            inputs={names[k]: float(shown[k]) for k in effects if np.isfinite(shown[k])},
-            slack=found.slack[w],
-            slack_sigma=found.slack_sigma[w],
         )
 
 
@@ -172,8 +290,7 @@ def windowed(
     correlation
         φ of the noise of neighbouring frames.
     prepared
-        The recordings as prepared for the model; prepared here by default. Other data are given to
-        `Windows.statistics` in its layout.
+        The recordings as prepared for the model; prepared here by default.
 
     Raises
     ------
@@ -205,18 +322,7 @@ def windowed(
         prepared=problem.prepared,
         poses=_middle(problem.prepared, fits, settings.sigma),
         found=found,
-        _problem=problem,
-        _inputs=inputs,
-        _fits=fits,
-        _jacobian=jacobian,
-        _correlation=correlation,
     )
-
-
-def _first(seen: Floats) -> Floats:
-    """(W, 3) first whole pose of each window (W, T, 3)."""
-    whole = np.all(np.isfinite(seen), axis=2)
-    return np.asarray(seen[np.arange(len(seen)), np.argmax(whole, axis=1)])
 
 
 def _middle(prepared: Prepared, fits: Fits, sigma: Floats) -> Floats:
@@ -229,22 +335,16 @@ def _middle(prepared: Prepared, fits: Fits, sigma: Floats) -> Floats:
     return np.stack(rows)
 
 
-def _settled(problem: Problem, values: Floats, jacobian: Floats | None = None) -> Fits:
-    """The starts of all windows fitted, each window going down by itself.
-
-    Old derivatives (W, 3 T, n + d) may be given; without, they are computed in every round.
-    """
+def _settled(problem: Problem, values: Floats) -> Fits:
+    """The starts of all windows fitted, each window going down by itself."""
     shape, n = (1, len(problem.prepared.files)), len(problem.model.parameters)
     starts = np.broadcast_to(problem.prepared.starts, (*shape, 3))
     fits = problem.at(values, starts, np.zeros((*shape, 4)))
     none = np.zeros((1, n), dtype=bool)
     for _ in range(_ROUNDS):
-        slopes = jacobian
-        if slopes is None:
-            slopes = problem.jacobian(fits, np.ones((1, n)), none)[0]
-        known = (
-            7 if problem.prepared.tip_offset else 3
-        )  # commanded tips are where they are said to be
+        slopes = problem.jacobian(fits, np.ones((1, n)), none)[0]
+        # commanded tips are where they are said to be
+        known = 7 if problem.prepared.tip_offset else 3
         fits = _lower(problem, fits, slopes[..., n : n + known])
     return fits
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,6 @@ from meso_robust.recordings.noise import (
     position_repeatability,
 )
 from meso_robust.simulator import Outcome
-from meso_robust.types import Floats
 from meso_robust.wording import counted, down_to, up_to
 
 
@@ -49,45 +49,76 @@ def document(
         Of this package.
     remarks
         What else to keep in mind about the recordings; joins the notes.
+
+    Returns
+    -------
+    ModelDocument
+        The content of ``model.toml``.
     """
-    model, likelihood = found.model, found.fitted is not None
-    unseen = np.flatnonzero(~model.fitted)
-    # by a mapping, because `schema` is the name of a method of pydantic's models
-    made = ModelDocument.model_validate(
-        {
-            "schema": SCHEMA,
-            "model": model.name,
-            "objective": found.objective,
-            "interval": "profile likelihood" if likelihood else "last simplex",
-            "confidence": found.confidence if likelihood else None,
-            "part": _part(recordings),
-            "probe": ProbeSection(tip_radius_um=_rounded(1e6 * recordings.tip_radius)),
-            "parameters": {one.key: _parameter(model, one) for one in found.profiles},
-            "held": {model.keys[k]: _shown(model, found.best)[k] for k in unseen},
-            "not_identifiable": tuple(
-                NotIdentifiableSection(name=one.name, why=one.why) for one in found.not_identifiable
-            ),
-            "quality": _quality(found),
-            "sensor": _sensor(found, estimated_noise(recordings)),
-            "minima": tuple(_minimum(found, k) for k in range(len(found.minima))),
-            "recording": _recordings(found),
-            "provenance": ProvenanceSection(
-                recordings_sha256=set_hash(recordings),
-                seed=found.seed,
-                starts=found.starts,
-                meso_robust=version,
-                notes=(
-                    *(f"{note.file}: {note.what}" for note in found.prepared.notes),
-                    *remarks,
-                ),
-            ),
-        }
-    )
+    made = ModelDocument.model_validate(sections(recordings, found, version, remarks))
     return made.model_copy(update={"verdict": verdict(made)})
 
 
+def sections(
+    recordings: RecordingSet, found: Identification, version: str, remarks: Sequence[str] = ()
+) -> dict[str, Any]:
+    """The same without a verdict, by the keys of ``model.toml``.
+
+    A mapping, because `schema` is the name of a method of pydantic's models; and because a diagnosis
+    puts the sections of its extended model in the place of the plain one's.
+
+    Parameters
+    ----------
+    recordings, found, version, remarks
+        As in `document`.
+
+    Returns
+    -------
+    dict
+        Values and sections of a `ModelDocument`, to be validated.
+    """
+    model, likelihood = found.model, found.fitted is not None
+    shown = model.shown(found.best)
+    return {
+        "schema": SCHEMA,
+        "model": model.name,
+        "objective": found.objective,
+        "interval": "profile likelihood" if likelihood else "last simplex",
+        "confidence": found.confidence if likelihood else None,
+        "part": _part(recordings),
+        "probe": ProbeSection(tip_radius_um=_rounded(1e6 * recordings.tip_radius)),
+        "parameters": {one.key: _parameter(model, one) for one in found.profiles},
+        "held": {model.keys[k]: shown[k] for k in np.flatnonzero(~model.fitted)},
+        "not_identifiable": tuple(
+            NotIdentifiableSection(name=one.name, why=one.why) for one in found.not_identifiable
+        ),
+        "quality": _quality(found),
+        "sensor": _sensor(found, estimated_noise(recordings)),
+        "minima": tuple(_minimum(found, k) for k in range(len(found.minima))),
+        "recording": _recordings(found),
+        "provenance": ProvenanceSection(
+            recordings_sha256=set_hash(recordings),
+            seed=found.seed,
+            starts=found.starts,
+            meso_robust=version,
+            notes=(*(f"{note.file}: {note.what}" for note in found.prepared.notes), *remarks),
+        ),
+    }
+
+
 def set_hash(recordings: RecordingSet) -> str:
-    """SHA-256 of the values of a recording set."""
+    """SHA-256 of the values of a recording set.
+
+    Parameters
+    ----------
+    recordings
+        Values in SI, as read: files that differ in layout only have one hash.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
     digest = hashlib.sha256()
     sensor = recordings.sensor
     sigmas = (sensor.position_sigma, sensor.orientation_sigma)
@@ -102,7 +133,18 @@ def set_hash(recordings: RecordingSet) -> str:
 
 
 def summary(document: ModelDocument) -> str:
-    """The answer in a few lines: parameters with their intervals, misfit, what is not known."""
+    """The answer in a few lines: parameters with their intervals, misfit, what is not known.
+
+    Parameters
+    ----------
+    document
+        What was found.
+
+    Returns
+    -------
+    str
+        Lines; interval ends are rounded outward to six digits.
+    """
     how: str = document.interval
     if document.confidence is not None:
         how = f"{document.confidence:.0%} intervals by {how}"
@@ -128,7 +170,18 @@ def summary(document: ModelDocument) -> str:
 
 
 def noise_words(sensor: SensorSection) -> str:
-    """The noise of x and y that was assumed, told apart, and where it is from."""
+    """The noise of x and y that was assumed, told apart, and where it is from.
+
+    Parameters
+    ----------
+    sensor
+        Section of the document; µm.
+
+    Returns
+    -------
+    str
+        A clause without a full stop.
+    """
     words = in_words(sensor.position_sigma_um, sensor.position_repeatability_um, 1.0, "µm")
     return f"{words} ({sensor.position_source})"
 
@@ -148,17 +201,12 @@ def _part(recordings: RecordingSet) -> PartSection:
     return PartSection(polygon_um=corners)
 
 
-def _shown(model: Model, values: Floats) -> list[float]:
-    """Values (n,) in the units of the names."""
-    return [_rounded(value) for value in model.displayed(values).tolist()]
-
-
 def _parameter(model: Model, one: Profile) -> ParameterSection:
-    unit = model.parameters[model.keys.index(one.key)].to_si
+    parameter = model.parameters[model.keys.index(one.key)]
     return ParameterSection(
-        value=_rounded(one.value / unit),
-        low=_rounded(one.low / unit),
-        high=_rounded(one.high / unit),
+        value=parameter.shown(one.value),
+        low=parameter.shown(one.low),
+        high=parameter.shown(one.high),
         open_low=one.open_low,
         open_high=one.open_high,
     )
@@ -192,7 +240,7 @@ def _scaled(value: float | None, factor: float) -> float | None:
 
 def _minimum(found: Identification, k: int) -> MinimumSection:
     one = found.minima[k]
-    shown = _shown(found.model, one.values)
+    shown = found.model.shown(one.values)
     return MinimumSection(
         objective_um=float(1e6 * one.objective) if np.isfinite(one.objective) else None,
         cost=one.cost if found.fitted is not None else 1e6 * one.cost,
@@ -215,7 +263,7 @@ def _recordings(found: Identification) -> tuple[RecordingSection, ...]:
             x_um=float(1e6 * rms[r, 0]),
             y_um=float(1e6 * rms[r, 1]),
             theta_deg=float(np.degrees(rms[r, 2])),
-            outcome=Outcome(int(found.prediction.outcomes[0, r])).name.lower().replace("_", " "),
+            outcome=Outcome(int(found.prediction.outcomes[0, r])).word,
         )
         for r, file in enumerate(found.prepared.files)
     )

@@ -112,6 +112,11 @@ def design(
     box
         Starts in which a push must not be pathological; the paper's by default.
 
+    Returns
+    -------
+    Design
+        The pushes, and the intervals of all parameters without and with them.
+
     Raises
     ------
     InputError
@@ -253,6 +258,17 @@ def _numbered(pushes: Sequence[PlannedPush]) -> tuple[PlannedPush, ...]:
 
 
 def shrinking(before: Interval, after: Interval) -> float:
-    """Length of an interval after over that before."""
+    """Length of an interval after over that before.
+
+    Parameters
+    ----------
+    before, after
+        Of one parameter, in one unit.
+
+    Returns
+    -------
+    float
+        1 where nothing was gained; NaN of an interval without a length.
+    """
     length = before.high - before.low
     return (after.high - after.low) / length if length > 0.0 else math.nan

@@ -307,6 +307,16 @@ def _check_effects(effects: Sequence[str], keys: Set[str]) -> None:
 def read_model(path: Path) -> ModelDocument:
     """Read and check a ``model.toml``.
 
+    Parameters
+    ----------
+    path
+        Of the file.
+
+    Returns
+    -------
+    ModelDocument
+        Checked: its model can be made and its values are within sane bounds.
+
     Raises
     ------
     InputError

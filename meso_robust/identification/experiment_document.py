@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust.identification.design import Design, Interval
 from meso_robust.identification.experiment import Experiment, Part, PlannedPush
-from meso_robust.identification.models import Model
+from meso_robust.identification.models import Model, Parameter
 from meso_robust.recordings import Rectangle
 from meso_robust.recordings.document import SCHEMA, SET_FILE, parse_document
 from meso_robust.recordings.rules import DEG, UM
@@ -174,6 +174,16 @@ def experiment_files(
 
     Arguments are those of `experiment_document`.
 
+    Parameters
+    ----------
+    experiment, found, model
+        As in `experiment_document`.
+
+    Returns
+    -------
+    Mapping
+        Texts by the name of their file.
+
     Raises
     ------
     InputError
@@ -205,9 +215,9 @@ def _expected(found: Design, model: Model) -> tuple[ExpectedDocument, ...]:
     return tuple(
         ExpectedDocument(
             parameter=parameter.key,
-            value=before.value / parameter.to_si,
-            before=_ends(before, parameter.to_si),
-            after=_ends(after, parameter.to_si),
+            value=parameter.shown(before.value),
+            before=_ends(before, parameter),
+            after=_ends(after, parameter),
         )
         for before, after, parameter in zip(
             found.before, found.after, model.parameters, strict=True
@@ -215,8 +225,10 @@ def _expected(found: Design, model: Model) -> tuple[ExpectedDocument, ...]:
     )
 
 
-def _ends(interval: Interval, unit: float) -> Pair | None:
-    return (interval.low / unit, interval.high / unit) if interval.informed else None
+def _ends(interval: Interval, parameter: Parameter) -> Pair | None:
+    if not interval.informed:
+        return None
+    return parameter.shown(interval.low), parameter.shown(interval.high)
 
 
 def _move(experiment: Experiment, step: int, push: PlannedPush) -> TestDocument:

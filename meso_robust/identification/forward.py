@@ -87,6 +87,11 @@ def predicted(
     workers
         Threads; all cores by default.
 
+    Returns
+    -------
+    Prediction
+        Poses at the instants of the recordings, and how each run ended.
+
     Raises
     ------
     ValueError
@@ -133,6 +138,11 @@ def corrected(
         The same recordings with the steps to go on with, and with shorter ones.
     model, values, starts, offsets
         As in `predicted`, of one vector.
+
+    Returns
+    -------
+    Prepared
+        The recordings of ``prepared`` with the correction in them.
     """
     plain = replace(prepared, correction=np.zeros_like(prepared.correction))
     coarse = predicted(plain, model, values, starts=starts, offsets=offsets)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.errors import InputError
-from meso_robust.identification.fitted import Fits
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
+from meso_robust.identification.problem import Fits
 from meso_robust.identification.profiles import Profile
 from meso_robust.types import Floats
 from meso_robust.wording import counted
@@ -114,7 +114,7 @@ def found_open(
             continue
         parameter = model.parameters[model.keys.index(profile.key)]
         unit = f" {parameter.unit}" if parameter.unit else ""
-        low, high = profile.low / parameter.to_si, profile.high / parameter.to_si
+        low, high = parameter.shown(profile.low), parameter.shown(profile.high)
         known = {
             (True, True): "no bound at all",
             (True, False): f"only an upper bound, {high:.4g}{unit}",

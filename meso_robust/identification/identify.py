@@ -20,14 +20,12 @@ from meso_robust.identification.identifiability import (
     found_unseen,
 )
 from meso_robust.identification.likelihood import Fitted, Settings, fit
-from meso_robust.identification.minima import Minimum, minima
 from meso_robust.identification.models import MODELS
 from meso_robust.identification.models.model import Model
-from meso_robust.identification.objective import score
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.identification.profiles import CONFIDENCE, Profile, profiled
 from meso_robust.identification.quality import Quality, quality
-from meso_robust.identification.search import Ends, searched
+from meso_robust.identification.search import Ends, Minimum, minima, score, searched
 from meso_robust.recordings import RecordingSet
 from meso_robust.types import Floats
 
@@ -133,6 +131,11 @@ def identify(
     told
         Told of progress.
 
+    Returns
+    -------
+    Identification
+        The minima with the best first, intervals, and what the recordings do not determine.
+
     Raises
     ------
     InputError
@@ -164,6 +167,11 @@ class _Job:
 
 def check_model(name: str) -> None:
     """Refuse a name that no plain model has.
+
+    Parameters
+    ----------
+    name
+        As a user gives it.
 
     Raises
     ------

@@ -142,7 +142,7 @@ def _neighbours(model: Model, values: Floats) -> tuple[Floats, Floats]:
         if not valid.any():
             key = model.parameters[k].key
             raise InputError(
-                f"{key}: {model.displayed(values)[k]:g}; cannot change by a hundredth of its scale "
+                f"{key}: {model.shown(values)[k]:g}; cannot change by a hundredth of its scale "
                 "within the model; give a value further inside"
             )
         vectors += [pair[i] if valid[i] else values for i in range(2)]

@@ -16,11 +16,15 @@ from dataclasses import fields
 
 import numpy as np
 
-from meso_robust.identification.bordered_normal_equations import Arrow
-from meso_robust.identification.fitted import Fits as Fits, Fitted as Fitted, Settings as Settings
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
-from meso_robust.identification.problem import Problem
+from meso_robust.identification.problem import (
+    Arrow,
+    Fits as Fits,
+    Fitted as Fitted,
+    Problem,
+    Settings as Settings,
+)
 from meso_robust.types import Flags as Bools, Floats, Ints
 
 _GOOD = 0.3  # share of the expected fall of χ² that shows that derivatives still do
@@ -57,6 +61,11 @@ def fit(
     jacobian
         (1|B, R, 3 T, n + d) derivatives to begin with, of a fit near by; computed by default.
 
+    Returns
+    -------
+    Fitted
+        B fits, each with its derivatives and the information about its parameters.
+
     Raises
     ------
     ValueError
@@ -72,18 +81,6 @@ def fit(
         np.broadcast_to(np.zeros(4) if offsets is None else offsets, (*size, 4)).copy(),
     )
     return _Descent(problem, present, np.broadcast_to(free, values.shape), jacobian).run()
-
-
-def evaluated(
-    prepared: Prepared,
-    model: Model,
-    settings: Settings,
-    values: Floats,
-    starts: Floats,
-    offsets: Floats,
-) -> Fits:
-    """χ² and residuals of B vectors (B, n) with given starts (B, R, 3) and offsets (B, R, 4)."""
-    return Problem(prepared, model, settings).at(values, starts, offsets)
 
 
 class _Descent:

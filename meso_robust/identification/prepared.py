@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -10,16 +12,17 @@ import numpy.typing as npt
 from meso_robust.errors import InputError
 from meso_robust.identification.models.model import characteristic_length
 from meso_robust.identification.paths import in_steps, smoothed, thinned, with_corners
-from meso_robust.identification.sensor import Sigmas, sigmas_of
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
-from meso_robust.recordings.noise import roughness
+from meso_robust.recordings.noise import estimated_sensor, roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
 from meso_robust.simulator.tips import Tip
 from meso_robust.types import Floats
 from meso_robust.wording import counted
 
+Source = Literal["stated", "estimated", "fitted", "unknown"]
+"""From ``set.toml``, from still frames, from the residuals of the fit, or none of them."""
 FINENESS = 1.0 / 364.0
 """Step over the characteristic length where no model says otherwise: 2.5 µm for a 1.6-mm part."""
 NOISE = 5.0
@@ -32,6 +35,46 @@ _ENDS = 4.0  # variance of the end of a line fitted to n samples, times n over t
 _FINER = 5.0  # by how much shorter the steps are about the instant of the first contact
 _THIN = 0.2  # of the thinnest place of the part, for a longest step
 _PAD = 1e-3  # s: what a shorter recording is lengthened by, at rest
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sigmas:
+    """Standard deviations of a seen coordinate, and where they are from.
+
+    Attributes
+    ----------
+    position, orientation
+        In m and rad; None where unknown, to be estimated with the fit.
+    position_source, orientation_source
+        Where they are from.
+    freedom
+        Degrees of freedom of the estimate that is known least well; infinite if none is an estimate.
+    """
+
+    position: float | None
+    orientation: float | None
+    position_source: Source
+    orientation_source: Source
+    freedom: float = math.inf
+
+
+def sigmas_of(recordings: RecordingSet) -> Sigmas:
+    """The noise as stated, or else as still frames show it; a stated zero is taken as unknown."""
+    found = estimated_sensor(recordings)
+    position, orientation = found.info.position_sigma, found.info.orientation_sigma
+    noise = found.noise
+    counts = (
+        (found.position_source, noise.x.freedom + noise.y.freedom),
+        (found.orientation_source, noise.theta.freedom),
+    )
+    known = [count for source, count in counts if source == "estimated"]
+    return Sigmas(
+        position=position or None,
+        orientation=orientation or None,
+        position_source=found.position_source if position else "unknown",
+        orientation_source=found.orientation_source if orientation else "unknown",
+        freedom=min(known, default=math.inf),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,6 +176,11 @@ def prepare(
         Longest displacement of a tip in one step, m; by default `FINENESS` of the part.
     most_frames
         Most frames of each recording to compare with, evenly chosen; all by default.
+
+    Returns
+    -------
+    Prepared
+        R recordings in SI, padded to the longest.
 
     Raises
     ------

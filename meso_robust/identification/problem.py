@@ -1,20 +1,222 @@
-"""What is fitted to what: residuals at given values, their derivatives, and steps."""
+"""Least squares of recordings: how to fit, residuals and derivatives at given values, and a step.
+
+Parameters are shared by all recordings, nuisances (a start, an offset of the tips) belong to one
+each, so that the normal matrix is an arrow.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
+import numpy.typing as npt
 
-from meso_robust.identification.bordered_normal_equations import Arrow
-from meso_robust.identification.fitted import Fits, Settings
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
-from meso_robust.types import Flags as Bools, Floats
+from meso_robust.types import Flags as Bools, Floats, Ints
 
+_FLOOR = 1e-9  # of a damping, so that a direction without any information does not move
 _SHIFT = 0.3  # σ: root mean square change of what is seen over the step of a difference
 _SPANS = (1e-5, 2e-2)  # least and largest step of a coordinate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How to fit.
+
+    Attributes
+    ----------
+    position, orientation
+        σ of a seen coordinate in m and rad.
+    offset
+        σ of an offset of the tips in x and y at the first and at the last instant, m; zero: they are
+        where they are said to be.
+    most
+        Most iterations.
+    central
+        Whether differences are central; one-sided ones cost half and see kinks from one side.
+    flat
+        Fall of χ² in one iteration below which a fit has converged.
+    chord
+        Whether old derivatives will do as long as χ² falls: cheap, where the first are good.
+    workers
+        Threads; all cores by default.
+    """
+
+    position: float
+    orientation: float
+    offset: float = 0.0
+    most: int = 40
+    central: bool = True
+    flat: float = 1e-2
+    chord: bool = False
+    workers: int | None = None
+
+    @property
+    def sigma(self) -> Floats:
+        """(3,) σ of x, y and θ."""
+        return np.array([self.position, self.position, self.orientation])
+
+    @property
+    def units(self) -> Floats:
+        """(d,) units of the nuisances: of the start, and of the offset if there is one."""
+        return np.append(self.sigma, [self.offset] * 4) if self.offset else self.sigma
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fits:
+    """B fits of a model with n parameters to R recordings.
+
+    Attributes
+    ----------
+    values
+        (B, n) in SI.
+    starts, offsets
+        (B, R, 3) poses at the first instants in m and rad, and (B, R, 4) offsets of the tips in m: x
+        and y at the first instant, x and y at the last.
+    chi2
+        (B,) squared residuals over σ², with those of the offsets.
+    residuals
+        (B, R, T, 3) seen less predicted over σ, zero where not seen.
+    outcomes
+        (B, R) of the runs.
+    """
+
+    values: Floats
+    starts: Floats
+    offsets: Floats
+    chi2: Floats
+    residuals: Floats
+    outcomes: npt.NDArray[np.int8]
+
+    def __len__(self) -> int:
+        """Number of fits."""
+        return len(self.values)
+
+    def of(self, rows: Ints | Bools | list[int]) -> Fits:
+        """Some of the fits."""
+        return Fits(**{item.name: getattr(self, item.name)[rows] for item in fields(self)})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fitted:
+    """What a search for the maximum of B likelihoods has found.
+
+    Attributes
+    ----------
+    fits
+        The B fits.
+    information
+        (B, n, n) about the coordinates of the parameters (`Model.coordinates`), the starts unknown;
+        zero for what was not fitted.
+    gradients
+        (B, R, n) slope of −χ²/2 along the coordinates, by recording.
+    jacobian
+        (B, R, 3 T, n + d) derivatives of the predictions over σ along coordinates and nuisances.
+    converged
+        (B,) whether χ² stopped falling.
+    iterations
+        Of the longest search.
+    """
+
+    fits: Fits
+    information: Floats
+    gradients: Floats
+    jacobian: Floats
+    converged: Bools
+    iterations: int
+
+    def of(self, row: int) -> Fitted:
+        """One of the B fits."""
+        return Fitted(
+            fits=self.fits.of([row]),
+            information=self.information[[row]],
+            gradients=self.gradients[[row]],
+            jacobian=self.jacobian[[row]],
+            converged=self.converged[[row]],
+            iterations=self.iterations,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Arrow:
+    """Normal equations of B fits, R recordings, n parameters and d nuisances a recording.
+
+    Attributes
+    ----------
+    normal
+        (B, R, n + d, n + d) ``JᵀJ`` of each recording, J the derivatives of its prediction over σ.
+    slope
+        (B, R, n + d) ``Jᵀr`` of each recording, r its residuals over σ.
+    parameters
+        n.
+    """
+
+    normal: Floats
+    slope: Floats
+    parameters: int
+
+    def step(self, damping: Floats, moving: Bools) -> tuple[Floats, Floats]:
+        """Damped step of Levenberg and Marquardt.
+
+        Parameters
+        ----------
+        damping
+            (B,) share of the diagonal that is added to it.
+        moving
+            (B, n) which parameters may move.
+
+        Returns
+        -------
+        (B, n), (B, R, d)
+            Steps of the parameters and of the nuisances.
+        """
+        schur, right, weight, own = self._reduced(damping)
+        diagonal = np.einsum("brii->bi", self.normal)[:, : self.parameters]
+        matrix = np.where(moving[:, :, None] & moving[:, None, :], schur, 0.0)
+        more = np.where(moving, damping[:, None] * diagonal + _FLOOR, 1.0)
+        matrix = matrix + more[..., None] * np.eye(self.parameters)
+        force = np.where(moving, right, 0.0)[..., None]
+        shared = np.linalg.solve(matrix, force)[..., 0]
+        free = np.linalg.solve(own, self.slope[..., self.parameters :, None])[..., 0]
+        return shared, free - np.einsum("brdi,bi->brd", weight, shared)
+
+    def fall(self, shared: Floats, own: Floats) -> Floats:
+        """(B,) fall of χ² that a step (B, n), (B, R, d) would bring if predictions were linear."""
+        recordings = self.normal.shape[1]
+        whole = np.concatenate([np.repeat(shared[:, None], recordings, axis=1), own], axis=2)
+        linear = 2.0 * np.sum(self.slope * whole, axis=(1, 2))
+        return np.asarray(linear - np.einsum("bri,brij,brj->b", whole, self.normal, whole))
+
+    def information(self) -> Floats:
+        """(B, n, n) about the parameters, the nuisances unknown (Schur complement)."""
+        return self._reduced(np.zeros(len(self.normal)))[0]
+
+    def gradients(self) -> Floats:
+        """(B, R, n) slope along the parameters of each recording, its nuisances following."""
+        n = self.parameters
+        weight = self._reduced(np.zeros(len(self.normal)))[2]
+        return np.asarray(
+            self.slope[..., :n] - np.einsum("brdi,brd->bri", weight, self.slope[..., n:])
+        )
+
+    def pull(self) -> Floats:
+        """(B, n) sum of the gradients of the recordings."""
+        return np.asarray(self.gradients().sum(axis=1))
+
+    def _reduced(self, damping: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Schur complement (B, n, n), its right side (B, n), D⁻¹Cᵀ (B, R, d, n) and D (B, R, d, d)."""
+        n = self.parameters
+        own, cross = self.normal[..., n:, n:], self.normal[..., :n, n:]
+        size = np.einsum("brii->bri", own)
+        more = damping[:, None, None] * size + _FLOOR
+        own = own + more[..., None] * np.eye(own.shape[-1])
+        weight = np.linalg.solve(own, np.swapaxes(cross, -1, -2))
+        schur = self.normal[..., :n, :n].sum(axis=1) - np.einsum("brid,brdj->bij", cross, weight)
+        right = self.slope[..., :n].sum(axis=1)
+        right = right - np.einsum("brdi,brd->bi", weight, self.slope[..., n:])
+        return 0.5 * (schur + np.swapaxes(schur, 1, 2)), right, weight, own
 
 
 @dataclass(frozen=True, slots=True, eq=False)

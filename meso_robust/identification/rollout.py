@@ -67,9 +67,9 @@ def rollout(
     values = np.broadcast_to(values, (len(pushes), values.shape[-1]))
     bad = np.flatnonzero(~setting.model.valid(values))
     if bad.size:
-        shown = setting.model.displayed(values[bad[0]])
+        shown = setting.model.shown(values[bad[0]])
         raise InputError(
-            f"values: {dict(zip(setting.model.keys, shown.tolist(), strict=True))}; must be valid "
+            f"values: {dict(zip(setting.model.keys, shown, strict=True))}; must be valid "
             f"in the model {setting.model.name}; give other values"
         )
     physics = setting.model.physics(values)

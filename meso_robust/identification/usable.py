@@ -25,6 +25,11 @@ def warnings_of(recordings: RecordingSet, allowed: frozenset[str] = frozenset())
     allowed
         Kinds of errors that the fit can do with.
 
+    Returns
+    -------
+    tuple of str
+        Warnings; mere information is left out.
+
     Raises
     ------
     InputError
@@ -50,6 +55,11 @@ def pathological_of(recordings: RecordingSet, model: Model, values: Floats) -> t
         That were fitted.
     model, values
         The fitted model, and its (n,) parameters in SI.
+
+    Returns
+    -------
+    tuple of str
+        None of a set without such a start.
     """
     return tuple(
         f"{one.name}: pathological start ({', '.join(one.reasons)}): its motion says more of the "

@@ -86,7 +86,7 @@ def ending(player: Player, runs: PlanRun, row: int) -> Ending:
     share, gaps = _stop(player, runs, row, move)
     held = [name for name, gap in zip(player.probes[move], gaps, strict=True) if gap < NEAR]
     return Ending(
-        outcome=Outcome(code).name.lower().replace("_", " "),
+        outcome=Outcome(code).word,
         move=move,
         share=share,
         touching=tuple(held) if code == Outcome.JAM else (),

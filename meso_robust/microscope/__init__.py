@@ -14,16 +14,14 @@ from meso_robust.microscope.looks import (
     Part as Part,
     Probe as Probe,
     Scene as Scene,
+    rectangle as rectangle,
+    reflected as reflected,
+    transmitted as transmitted,
 )
 from meso_robust.microscope.optics import (
     Optics as Optics,
     project as project,
     unproject as unproject,
-)
-from meso_robust.microscope.presets import (
-    rectangle as rectangle,
-    reflected as reflected,
-    transmitted as transmitted,
 )
 from meso_robust.microscope.sensor import Exposure as Exposure
 from meso_robust.microscope.stage_grid import grid_image as grid_image, grid_points as grid_points

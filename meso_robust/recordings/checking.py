@@ -37,6 +37,11 @@ def checked(
     outline
         Of the part, for recordings in a format that does not say it.
 
+    Returns
+    -------
+    Checked
+        The set, its problems, and what was repaired.
+
     Raises
     ------
     InputError

@@ -72,6 +72,18 @@ def margin(recordings: RecordingSet, recording: Recording) -> float:
 
     1/200 of the part's size (calibration of the probes, outline), or four times the scatter of the
     poses from frame to frame if that is more.
+
+    Parameters
+    ----------
+    recordings
+        The set: part and noise.
+    recording
+        One of it: its own scatter counts.
+
+    Returns
+    -------
+    float
+        m.
     """
     return max(0.005 * size(recordings.part.outline), 4.0 * scatter(recording.poses[:, :2]))
 

@@ -161,6 +161,16 @@ def load_outline(path: Path) -> PartSection:
 def load_document(path: Path) -> SetDocument:
     """Read and check a ``set.toml``.
 
+    Parameters
+    ----------
+    path
+        Of the file.
+
+    Returns
+    -------
+    SetDocument
+        Lengths in µm and angles in degrees, as the file has them.
+
     Raises
     ------
     InputError
@@ -173,6 +183,18 @@ def load_document(path: Path) -> SetDocument:
 
 def parse_document(values: dict[str, Any], source: str) -> SetDocument:
     """Check the values of a ``set.toml``; ``source`` names them in messages.
+
+    Parameters
+    ----------
+    values
+        As TOML has them.
+    source
+        What they are from.
+
+    Returns
+    -------
+    SetDocument
+        Checked.
 
     Raises
     ------

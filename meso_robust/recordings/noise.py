@@ -94,6 +94,16 @@ def estimated_sensor(recordings: RecordingSet) -> EstimatedSensor:
     """Complete the sensor of a set: stated deviations stay, absent ones are estimated.
 
     The deviation of a position is the root mean square of those of x and y.
+
+    Parameters
+    ----------
+    recordings
+        The set.
+
+    Returns
+    -------
+    EstimatedSensor
+        The sensor in SI, and where each deviation is from.
     """
     noise, stated = estimated_noise(recordings), recordings.sensor
     position, position_source = _chosen(stated.position_sigma, _position(noise))
@@ -107,7 +117,19 @@ def estimated_sensor(recordings: RecordingSet) -> EstimatedSensor:
 
 
 def estimated_noise(recordings: RecordingSet) -> Noise:
-    """Noise of x, y and θ from the still frames of all recordings, whatever the set states."""
+    """Noise of x, y and θ from the still frames of all recordings, whatever the set states.
+
+    Parameters
+    ----------
+    recordings
+        The set.
+
+    Returns
+    -------
+    Noise
+        Scatter from frame to frame in m and rad, with its degrees of freedom and the correlation of
+        neighbours; no deviation where too few frames are still.
+    """
     each = [_runs(recordings, recording) for recording in recordings.recordings]
     runs = [run for run in each if len(run.times) >= FEWEST]
     most = max(len(run.times) for run in each)
@@ -124,6 +146,11 @@ def systematic(sigma: float | None, repeatability: float | None) -> float | None
         Standard deviation of one value, whatever its error is from; None where it is unknown.
     repeatability
         Scatter from frame to frame of a part at rest; None where it is unknown.
+
+    Returns
+    -------
+    float or None
+        In the unit of the arguments; 0 where the scatter is all of σ, None where one is unknown.
     """
     if sigma is None or repeatability is None:
         return None
@@ -131,7 +158,22 @@ def systematic(sigma: float | None, repeatability: float | None) -> float | None
 
 
 def in_words(sigma: float, repeatability: float | None, unit: float, letter: str) -> str:
-    """σ split into repeatability and systematic error, as every report says it."""
+    """σ split into repeatability and systematic error, as every report says it.
+
+    Parameters
+    ----------
+    sigma, repeatability
+        In one unit; the latter None where it is unknown.
+    unit
+        Size of the unit that is shown, in theirs.
+    letter
+        Name of that unit.
+
+    Returns
+    -------
+    str
+        A clause without a full stop.
+    """
     whole = f"σ = {sigma / unit:.3g} {letter}"
     rest = systematic(sigma, repeatability)
     if repeatability is None or rest is None:
@@ -145,7 +187,18 @@ def in_words(sigma: float, repeatability: float | None, unit: float, letter: str
 
 
 def position_repeatability(noise: Noise) -> float | None:
-    """Root mean square of those of x and y in m; None where one is unknown."""
+    """Root mean square of those of x and y in m; None where one is unknown.
+
+    Parameters
+    ----------
+    noise
+        Of still frames.
+
+    Returns
+    -------
+    float or None
+        m.
+    """
     return _position(noise)
 
 
@@ -154,6 +207,16 @@ def roughness(path: Floats) -> float:
 
     By the median of squared third differences, in which even motion and its few corners do not show;
     0 of less than five samples.
+
+    Parameters
+    ----------
+    path
+        (S, C) coordinates in m, evenly sampled.
+
+    Returns
+    -------
+    float
+        m; θ in rad counts likewise.
     """
     if len(path) < 5:
         return 0.0

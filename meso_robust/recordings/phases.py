@@ -35,6 +35,18 @@ def phases(recordings: RecordingSet, recording: Recording) -> tuple[Phase, ...]:
     Contact: a tip is within `margin` of the outline. Otherwise the tips rest, or the gap shrinks
     (approach) or grows (retract). Unknown: part or tips were not seen from the start on; later
     such frames belong to the phase before them.
+
+    Parameters
+    ----------
+    recordings
+        The set: part, tips and noise.
+    recording
+        One of it.
+
+    Returns
+    -------
+    tuple of Phase
+        In the order of time, without gaps.
     """
     codes = _merged(_codes(recordings, recording))
     starts = np.flatnonzero(np.append(True, np.diff(codes) != 0))

@@ -82,7 +82,20 @@ class Problem:
 
 
 def lines_text(rows: Sequence[int], most: int = 8) -> str:
-    """Lines as "line 3" or "lines 3-5, 9"; beyond ``most`` ranges only their number."""
+    """Lines as "line 3" or "lines 3-5, 9"; beyond ``most`` ranges only their number.
+
+    Parameters
+    ----------
+    rows
+        Numbers of lines, at least one, ascending.
+    most
+        Ranges that are listed.
+
+    Returns
+    -------
+    str
+        Words.
+    """
     ranges = list(_ranges(rows))
     shown = ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in ranges[:most])
     more = f" and {counted(len(ranges) - most, 'more place')}" if len(ranges) > most else ""

@@ -76,7 +76,20 @@ def problems(
 
 
 def line_numbers(recording: Recording, lines: Mapping[str, Sequence[int]] | None) -> Sequence[int]:
-    """The line of the file that each row of a recording stands on."""
+    """The line of the file that each row of a recording stands on.
+
+    Parameters
+    ----------
+    recording
+        Its rows count.
+    lines
+        Lines by file, where a table has told them; None where nobody has.
+
+    Returns
+    -------
+    sequence of int
+        One a row; line 1 holds the names of the columns.
+    """
     if lines is None:
         return range(FIRST_LINE, FIRST_LINE + recording.times.size)
     return lines[recording.file]

@@ -52,6 +52,16 @@ def read_set(folder: Path) -> RecordingSet:
 def read_outline(path: Path) -> Rectangle | Polygon:
     """Read the outline that a TOML file states as ``set.toml`` does.
 
+    Parameters
+    ----------
+    path
+        Of the file.
+
+    Returns
+    -------
+    Rectangle or Polygon
+        In m.
+
     Raises
     ------
     InputError

@@ -21,7 +21,18 @@ _PROBE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 
 
 def file_fault(name: str) -> str | None:
-    """What forbids a name as that of a recording's file, or None; "value; rule; advice"."""
+    """What forbids a name as that of a recording's file, or None; "value; rule; advice".
+
+    Parameters
+    ----------
+    name
+        As stated.
+
+    Returns
+    -------
+    str or None
+        The fault.
+    """
     plain = name.isprintable() and not set(name) & set('/\\:*?"<>|')
     if plain and name.endswith(".csv") and name != ".csv":
         return None
@@ -30,7 +41,18 @@ def file_fault(name: str) -> str | None:
 
 
 def probe_fault(name: str) -> str | None:
-    """What forbids a name as that of a probe, or None; "value; rule; advice"."""
+    """What forbids a name as that of a probe, or None; "value; rule; advice".
+
+    Parameters
+    ----------
+    name
+        As stated.
+
+    Returns
+    -------
+    str or None
+        The fault.
+    """
     if _PROBE.fullmatch(name) and name != "part":
         return None
     rule = "must be a letter, then letters, digits and _, and not part"

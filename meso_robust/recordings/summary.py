@@ -74,7 +74,18 @@ class RecordingSummary:
 
 
 def summary(recordings: RecordingSet) -> tuple[RecordingSummary, ...]:
-    """Every recording of a set in numbers."""
+    """Every recording of a set in numbers.
+
+    Parameters
+    ----------
+    recordings
+        The set.
+
+    Returns
+    -------
+    tuple of RecordingSummary
+        In the order of the set; SI.
+    """
     return tuple(_recording(recordings, one) for one in recordings.recordings)
 
 
@@ -161,7 +172,18 @@ class Checked:
 
 
 def document(checked: Checked) -> dict[str, Any]:
-    """Content of ``summary.json``."""
+    """Content of ``summary.json``.
+
+    Parameters
+    ----------
+    checked
+        As in `answer`.
+
+    Returns
+    -------
+    dict
+        Plain values, in µm and degrees.
+    """
     recordings, sensor = checked.recordings, estimated_sensor(checked.recordings)
     return {
         "schema": SCHEMA,
@@ -259,7 +281,20 @@ def _repair(one: Repair) -> dict[str, Any]:
 
 
 def answer(checked: Checked, most: int = 20) -> str:
-    """The verdict, the problems that matter and the repairs, in lines for a terminal."""
+    """The verdict, the problems that matter and the repairs, in lines for a terminal.
+
+    Parameters
+    ----------
+    checked
+        The set, its problems and repairs.
+    most
+        Lines of each kind that are listed.
+
+    Returns
+    -------
+    str
+        Lines.
+    """
     frames = sum(one.times.size for one in checked.recordings.recordings)
     lines = [
         f"{checked.verdict}: {counted(len(checked.recordings.recordings), 'recording')}, {counted(frames, 'row')}",

@@ -9,8 +9,8 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.identification.models.three_point import FrictionPoints, three_point
-from meso_robust.identification.objective import Scores, score
 from meso_robust.identification.prepared import Prepared, prepare
+from meso_robust.identification.search import Scores, score
 from meso_robust.recordings import SensorInfo, from_simulation
 from meso_robust.reproduction.eight_tests import (
     RECORD,

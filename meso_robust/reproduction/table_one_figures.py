@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib import figure as mpl
 
 from meso_robust import units
-from meso_robust.identification.objective import Scores
+from meso_robust.identification.search import Scores
 from meso_robust.reporting.canvas import (
     BEFORE,
     GHOST,

@@ -36,13 +36,62 @@ def stage_of(effect: str) -> Stage:
     return next(s for s in STAGES if any(e.name == effect for e in s.effects))
 
 
-def table_of(values: Mapping[str, Mapping[str, float | Floats]]) -> Floats:
+Values = Mapping[str, Mapping[str, float | Floats]]
+"""``{effect: {parameter: value}}``; a value is a number for all runs or an array (N,)."""
+
+
+def parameter_of(argument: str, effect: str, key: str) -> Parameter:
+    """A number of an effect.
+
+    Parameters
+    ----------
+    argument
+        What names it, for messages.
+    effect, key
+        Names in the catalogue.
+
+    Raises
+    ------
+    ValueError
+        If the catalogue has no such effect, or the effect no such number.
+    """
+    parameters = {parameter.key: parameter for parameter in _effect(argument, effect).parameters}
+    if key not in parameters:
+        _refuse(f"{argument}.{effect}", repr(key), "is unknown", f"use {', '.join(parameters)}")
+    return parameters[key]
+
+
+def values_in_si(stated: Values) -> dict[str, dict[str, float | Floats]]:
+    """Values in SI of values in the units that the names of their parameters end in.
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown, or a value is no number.
+    """
+    return {
+        name: {
+            key: parameter_of("effects", name, key).to_si * _numbers(f"effects.{name}.{key}", value)
+            for key, value in of.items()
+        }
+        for name, of in stated.items()
+    }
+
+
+def _effect(argument: str, name: str) -> Effect:
+    if name not in CATALOGUE:
+        advice = f"use one of {', '.join(CATALOGUE)}"
+        _refuse(argument, repr(name), "is not in the catalogue", advice)
+    return CATALOGUE[name]
+
+
+def table_of(values: Values) -> Floats:
     """Arrange the values of effects as the table of `Effects`.
 
     Parameters
     ----------
     values
-        ``{effect: {parameter: value}}``, see `Effects`.
+        ``{effect: {parameter: value}}`` in SI.
 
     Returns
     -------
@@ -52,57 +101,54 @@ def table_of(values: Mapping[str, Mapping[str, float | Floats]]) -> Floats:
     Raises
     ------
     ValueError
-        If a name is unknown or a value is not finite or out of its range.
+        If a name is unknown, values are of different numbers of runs, or a value is not finite or
+        out of its range.
     """
-    for name, given in values.items():
-        for key, value in given.items():
-            _check_form(f"effects.{name}.{key}", value)
     runs = {np.size(value) for given in values.values() for value in given.values()} - {1}
     if len(runs) > 1:
         _refuse("effects", f"arrays of {sorted(runs)} runs", "must have one length", "repeat")
     table = np.zeros((max(runs, default=1), SLOTS))
     for name, given in values.items():
-        if name not in CATALOGUE:
-            known = ", ".join(CATALOGUE)
-            _refuse("effects", repr(name), "is not in the catalogue", f"use one of {known}")
-        _write(table, stage_of(name), CATALOGUE[name], given)
+        effect = _effect("effects", name)
+        for key in given:
+            parameter_of("effects", name, key)
+        _write(table, stage_of(name), effect, given)
     return table
 
 
 def _write(
     table: Floats, stage: Stage, effect: Effect, given: Mapping[str, float | Floats]
 ) -> None:
-    keys = [parameter.key for parameter in effect.parameters]
-    for key in given:
-        if key not in keys:
-            _refuse(f"effects.{effect.name}", repr(key), "is unknown", f"use {', '.join(keys)}")
     block = np.zeros((len(table), len(effect.parameters)))
     on = np.zeros(len(table), dtype=bool)
     for column, parameter in enumerate(effect.parameters):
         value = np.asarray(given.get(parameter.key, parameter.default), dtype=np.float64)
         _check(effect, parameter, value)
-        block[:, column] = value * parameter.to_si
+        block[:, column] = value
         on |= parameter.size & (block[:, column] != 0.0)
-    first = stage.slot(effect.name, keys[0])
+    first = stage.slot(effect.name, effect.parameters[0].key)
     # An effect of no size leaves no trace, whatever its other parameters.
-    table[on, first : first + len(keys)] = block[on]
+    table[on, first : first + len(effect.parameters)] = block[on]
 
 
-def _check_form(argument: str, value: object) -> None:
-    """Refuse what is not a number or a one-dimensional array of some."""
+def _numbers(argument: str, value: object) -> Floats:
+    """A number or a one-dimensional array of some; anything else is refused."""
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         _refuse(argument, repr(value), "must be a number or an array (N,)", "give numbers")
     if array.ndim > 1 or not array.size:
         _refuse(argument, f"shape {array.shape}", "must be a number or an array (N,)", "reshape it")
+    return array
 
 
 def _check(effect: Effect, parameter: Parameter, value: Floats) -> None:
     wrong = value[~((value >= parameter.low) & (value <= parameter.high) & np.isfinite(value))]
     if wrong.size:
-        rule = f"must be finite and within {parameter.low:g} … {parameter.high:g}"
-        _refuse(f"effects.{effect.name}.{parameter.key}", f"{wrong.flat[0]}", rule, "change it")
+        low, high = parameter.shown(parameter.low), parameter.shown(parameter.high)
+        shown = f"{parameter.shown(wrong.flat[0])}"
+        rule = f"must be finite and within {low:g} … {high:g}"
+        _refuse(f"effects.{effect.name}.{parameter.key}", shown, rule, "change it")
 
 
 def _refuse(argument: str, value: str, rule: str, advice: str) -> NoReturn:

@@ -48,7 +48,7 @@ ENVIRONMENT = Stage(
                     meaning="s: place of the wall along n, from the origin of the stage",
                 ),
                 Parameter(
-                    key="range_um", unit="µm", to_si=_UM, default=300.0, low=1.0, size=False,
+                    key="range_um", unit="µm", to_si=_UM, default=300.0 * _UM, low=1.0 * _UM, size=False,
                     meaning="l: length of the decay",
                 ),
             ),

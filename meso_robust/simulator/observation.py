@@ -21,7 +21,7 @@ import numpy as np
 from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
 from meso_robust.types import Floats
 
-_DEG = np.pi / 180.0
+_UM, _DEG = 1e-6, np.pi / 180.0
 
 OBSERVATION = Stage(
     name="observation",
@@ -37,8 +37,8 @@ OBSERVATION = Stage(
                     unit="ms",
                     to_si=1e-3,
                     meaning="by how much the images lag behind the controller's clock",
-                    low=-1000.0,
-                    high=1000.0,
+                    low=-1.0,
+                    high=1.0,
                 ),
             ),
         ),
@@ -52,8 +52,8 @@ OBSERVATION = Stage(
                     unit="%",
                     to_si=1e-2,
                     meaning="by how much lengths are seen too long",
-                    low=-20.0,
-                    high=20.0,
+                    low=-0.2,
+                    high=0.2,
                 ),
             ),
         ),
@@ -67,8 +67,8 @@ OBSERVATION = Stage(
                     unit="°",
                     to_si=_DEG,
                     meaning="angle of the image against the stage, counter-clockwise",
-                    low=-45.0,
-                    high=45.0,
+                    low=-45.0 * _DEG,
+                    high=45.0 * _DEG,
                 ),
             ),
         ),
@@ -80,18 +80,18 @@ OBSERVATION = Stage(
                 Parameter(
                     key="x_um_s",
                     unit="µm/s",
-                    to_si=1e-6,
+                    to_si=_UM,
                     meaning="speed along x of everything seen",
-                    low=-50.0,
-                    high=50.0,
+                    low=-50.0 * _UM,
+                    high=50.0 * _UM,
                 ),
                 Parameter(
                     key="y_um_s",
                     unit="µm/s",
-                    to_si=1e-6,
+                    to_si=_UM,
                     meaning="speed along y of everything seen",
-                    low=-50.0,
-                    high=50.0,
+                    low=-50.0 * _UM,
+                    high=50.0 * _UM,
                 ),
             ),
         ),
@@ -106,8 +106,8 @@ OBSERVATION = Stage(
                     unit="1/mm²",
                     to_si=1e6,
                     meaning="radial distortion, positive: pincushion, negative: barrel",
-                    low=-0.1,
-                    high=0.1,
+                    low=-0.1e6,
+                    high=0.1e6,
                 ),
                 Parameter(
                     key="turned",

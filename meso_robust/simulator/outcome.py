@@ -17,6 +17,11 @@ class Outcome(IntEnum):
     NON_UNIQUE = 4
 
     @property
+    def word(self) -> str:
+        """Its name as documents have it, such as ``solver failure``."""
+        return self.name.lower().replace("_", " ")
+
+    @property
     def message(self) -> str:
         """One sentence saying what the outcome means for the pose that is returned with it."""
         return _MESSAGES[self]

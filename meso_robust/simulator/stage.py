@@ -23,23 +23,46 @@ REFERENCE_SPEED = 75e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """A number of an effect, as users give it."""
+    """One number of a model or of an effect. All values are in SI; the unit is for people and files.
+
+    Searches run in coordinates of about unit size: ``value / scale``, or ``log(value / scale)``.
+    """
 
     key: str
-    """Name with its unit, such as ``width_um``."""
+    """Name with the unit of documents, such as ``rho_um2``; of an effect in a model,
+    ``effect.width_um``."""
     unit: str
     """Unit for display, such as ``µm``; empty for a plain number."""
     to_si: float
     """Factor from the unit to SI."""
     meaning: str
-    default: float = 0.0
-    """Value, in the unit, where none is given."""
     low: float = -np.inf
-    """Least value that makes physical sense, in the unit."""
+    """Least admissible value; write it as a product with `to_si`, so that whoever states the end of
+    the range in its unit states the very same double."""
     high: float = np.inf
-    """Largest value that makes physical sense, in the unit."""
+    """Largest admissible value, likewise."""
+    default: float = 0.0
+    """Of an effect: value where none is given."""
     size: bool = True
-    """Whether the effect is off where this parameter (and every other size) is zero."""
+    """Of an effect: whether it is off where this parameter (and every other size) is zero."""
+    scale: float = 1.0
+    """A typical change; of a logarithmic parameter, a typical value. A search needs it."""
+    log: bool = False
+    """Whether the parameter is positive and counts by ratio."""
+    likely: tuple[float, float] | None = None
+    """Least and largest value that a part can have; None where every admissible one may be."""
+    why_likely: str = ""
+    """Why it has no other."""
+    unseen: str = ""
+    """Why no motion can show the parameter; empty for one that is fitted."""
+
+    def shown(self, value: float) -> float:
+        """A value in the unit of the name, to twelve digits.
+
+        The last digits are what the conversion made of them: 1616.0000000000002 µm. Without them an
+        end of the range is its decimal again, and is read back as the same double.
+        """
+        return float(f"{value / self.to_si:.12g}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -56,8 +56,8 @@ SUPPORT = Stage(
                     key="speed_um_s",
                     unit="µm/s",
                     to_si=_UM,
-                    default=30.0,
-                    low=1e-3,
+                    default=30.0 * _UM,
+                    low=1e-3 * _UM,
                     size=False,
                     meaning="speed over which the excess decays",
                 ),
@@ -136,8 +136,12 @@ SUPPORT = Stage(
             equation="k(x) = exp(g · x), x the place on the stage",
             source="thickness of the film; drag η A / h",
             parameters=(
-                Parameter(key="x_per_mm", unit="1/mm", to_si=1e3, low=-2, high=2, meaning="g_x"),
-                Parameter(key="y_per_mm", unit="1/mm", to_si=1e3, low=-2, high=2, meaning="g_y"),
+                Parameter(
+                    key="x_per_mm", unit="1/mm", to_si=1e3, low=-2e3, high=2e3, meaning="g_x"
+                ),
+                Parameter(
+                    key="y_per_mm", unit="1/mm", to_si=1e3, low=-2e3, high=2e3, meaning="g_y"
+                ),
             ),
         ),
         Effect(
@@ -149,8 +153,8 @@ SUPPORT = Stage(
                     key="rate_percent_s",
                     unit="%/s",
                     to_si=0.01,
-                    low=-100,
-                    high=100,
+                    low=-1.0,
+                    high=1.0,
                     meaning="r, relative growth of the drag",
                 ),
             ),
@@ -165,8 +169,8 @@ SUPPORT = Stage(
                     key="distance_um",
                     unit="µm",
                     to_si=_UM,
-                    default=2.0,
-                    low=1e-3,
+                    default=2.0 * _UM,
+                    low=1e-3 * _UM,
                     size=False,
                     meaning="D, distance over which the age is lost",
                 ),

@@ -29,7 +29,7 @@ CONTACT = Stage(
                     meaning="F / e_x: speed at which the force drags the part",
                 ),
                 Parameter(
-                    key="range_um", unit="µm", to_si=_UM, default=2.0, low=0.0, size=False,
+                    key="range_um", unit="µm", to_si=_UM, default=2.0 * _UM, low=0.0, size=False,
                     meaning="r: gap at which the meniscus breaks",
                 ),
             ),
@@ -44,7 +44,7 @@ CONTACT = Stage(
                     meaning="F₀ / e_x at contact: speed at which the force drags the part",
                 ),
                 Parameter(
-                    key="range_um", unit="µm", to_si=_UM, default=5.0, low=1e-3, size=False,
+                    key="range_um", unit="µm", to_si=_UM, default=5.0 * _UM, low=1e-3 * _UM, size=False,
                     meaning="r: gap at which the force is half of that at contact",
                 ),
             ),

@@ -100,6 +100,16 @@ class Found:
 def prepared(job: Job) -> Ready:
     """Read and check everything that was stated.
 
+    Parameters
+    ----------
+    job
+        As stated.
+
+    Returns
+    -------
+    Ready
+        With every file read, so that tracking does not stop for a bad one.
+
     Raises
     ------
     InputError
@@ -173,6 +183,18 @@ def _logs(job: Job) -> tuple[Path, ...]:
 
 def run(ready: Ready, counting: Counting) -> Found:
     """Track every video.
+
+    Parameters
+    ----------
+    ready
+        What was read.
+    counting
+        Shows progress.
+
+    Returns
+    -------
+    Found
+        A track a video, and videos that were lost with the reason.
 
     Raises
     ------

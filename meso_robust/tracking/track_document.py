@@ -158,7 +158,18 @@ def track_document(
 
 
 def lost_in_words(document: TrackDocument) -> str:
-    """One line on the first video that was not tracked."""
+    """One line on the first video that was not tracked.
+
+    Parameters
+    ----------
+    document
+        Of a tracking that lost a video.
+
+    Returns
+    -------
+    str
+        File, reason and frame.
+    """
     return _failures(document.videos, document.most_lost, document.commanded)[0]
 
 

@@ -21,7 +21,18 @@ from meso_robust.wording import counted, do, down, down_to, worded
 
 
 def document(made: Promise) -> PremisesDocument:
-    """The document, file premises.json."""
+    """The document, file premises.json.
+
+    Parameters
+    ----------
+    made
+        The promise.
+
+    Returns
+    -------
+    PremisesDocument
+        In the units of the task file.
+    """
     model = made.document
     return PremisesDocument(
         verdict=made.planned.certificate.verdict,
@@ -101,7 +112,18 @@ def cautions(made: Promise) -> tuple[str, ...]:
 
 
 def summary(made: Promise) -> str:
-    """The answer in a few lines."""
+    """The answer in a few lines.
+
+    Parameters
+    ----------
+    made
+        The promise.
+
+    Returns
+    -------
+    str
+        Verdict, what changed, what breaks, and the evidence, a line each.
+    """
     certificate = made.planned.certificate
     lines = [
         f"{certificate.verdict} ({TIPS}): {made.before.name}, with the model {made.document.model}"
@@ -171,7 +193,18 @@ def _evidence_words(made: Promise) -> list[str]:
 
 
 def worst_words(found: EvidenceMade) -> str:
-    """How far the runs that carried out all moves end from the goal."""
+    """How far the runs that carried out all moves end from the goal.
+
+    Parameters
+    ----------
+    found
+        Runs under the model's own physics.
+
+    Returns
+    -------
+    str
+        A clause; µm and degrees rounded up.
+    """
     worst = found.worst_miss_um, found.worst_miss_deg
     if not found.completed:
         return "no run carried out all moves"

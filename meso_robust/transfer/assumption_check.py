@@ -202,7 +202,7 @@ def _ranges(document: ModelDocument, effect: str) -> Ranges:
     found: dict[str, Ends] = {}
     for one in CATALOGUE[effect].parameters:
         key = f"{effect}.{one.key}"
-        fitted, held = document.parameters.get(key), document.held.get(key, one.default)
+        fitted, held = document.parameters.get(key), document.held.get(key, one.shown(one.default))
         found[one.key] = (held, held) if fitted is None else ends(fitted)
     return found
 

@@ -41,6 +41,11 @@ class Changed:
     posts: tuple[Post, ...]
 
     @property
+    def keys(self) -> frozenset[str]:
+        """Of the task's values that are the model's now, such as ``uncertainty.friction``."""
+        return frozenset(one.key for one in self.changes)
+
+    @property
     def wider(self) -> bool:
         """Whether the promise is about more than the changed task says."""
         return self.half_um != NOTHING or bool(self.posts)

@@ -18,7 +18,6 @@ from pathlib import Path
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import (
-    CertificateDocument,
     LimitDocument,
     MarginDocument,
     Undecided,
@@ -97,6 +96,18 @@ class _Found:
 def read(path: Path, task: Task) -> ModelDocument:
     """Read a model that the promise can be made from.
 
+    Parameters
+    ----------
+    path
+        Of a ``model.toml``.
+    task
+        The task that it is for.
+
+    Returns
+    -------
+    ModelDocument
+        Checked against the task's part.
+
     Raises
     ------
     InputError
@@ -129,7 +140,13 @@ def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing:
     document
         The model, of the task's part; see `read`.
     samples, seed, doing
-        As for `job.make`.
+        As for `pipeline.make`.
+
+    Returns
+    -------
+    Promise
+        PROVED only if every premise survives, the plan is certified for every size of the part, and it
+        keeps the budget of the bounds.
 
     Raises
     ------
@@ -253,8 +270,7 @@ def _judged(planned: Planned, found: _Found, document: ModelDocument, task: Task
         # the failing run has errors that the effects may well not make
         reading = plain.reading.model_copy(update={"outcome": None})
         update |= {"verdict": "UNKNOWN", "witness": None, "reading": reading}
-    certificate = CertificateDocument.model_validate(plain.model_copy(update=update).model_dump())
-    return replace(planned, chain=chain, certificate=sealed(certificate))
+    return replace(planned, chain=chain, certificate=sealed(plain.model_copy(update=update)))
 
 
 def _unknown(planned: Planned, chain: Chain, undecided: Undecided | None) -> dict[str, object]:

@@ -36,7 +36,7 @@ from meso_robust.laboratory.running import (
 )
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.simulator import Effects, Outcome, Point, Push, Round, simulate
+from meso_robust.simulator import Outcome, Point, Push, Round, simulate
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
 from meso_robust.simulator.observation import observe
@@ -224,7 +224,7 @@ def _start(lab: _Laboratory) -> Floats:
 
 def _push(poses: Floats, tips: Floats, travel: Floats, runs: Which, lab: _Laboratory) -> Push:
     physics = lab.physics(runs)
-    felt = _felt(physics)
+    felt = physics.effects.without(_MECHANICS)
     pulled = felt.is_on(*PULL_SLOTS)
     waypoints, times = _way(tips, travel, lab, back=pulled)
     return Push(
@@ -262,13 +262,8 @@ def _rested(poses: Floats, runs: Flags, lab: _Laboratory) -> Floats:
         times=np.array([[0.0, HANDLING_S]]),
         friction=physics.friction,
         support=physics.support,
-        effects=_felt(physics),
+        effects=physics.effects.without(_MECHANICS),
         fixture=walls(lab.setup),
         step=STEP,
     )
     return simulate(waiting).poses
-
-
-def _felt(physics: Physics) -> Effects:
-    """What acts on the part, without what is only seen."""
-    return Effects({k: v for k, v in physics.effects.values.items() if k != _MECHANICS})

@@ -20,7 +20,8 @@ can be seen in motion alone. θ is the part's angle, u the velocity of a place o
 def row(effect: Effect) -> str:
     """One line of the table."""
     parameters = "; ".join(
-        f"`{p.key}`: {p.meaning}" + ("" if p.size else f" ({p.default:g} {p.unit})".rstrip())
+        f"`{p.key}`: {p.meaning}"
+        + ("" if p.size else f" ({p.shown(p.default):g} {p.unit})".rstrip())
         for p in effect.parameters
     )
     cells = (

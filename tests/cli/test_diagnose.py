@@ -81,8 +81,8 @@ def given(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[dict[str, Any]]
         room = "meso_robust.diagnosis"
         monkeypatch.setattr(f"{room}.diagnose.diagnose", diagnose)
         monkeypatch.setattr(f"{room}.answer.document", Made.document)
-        monkeypatch.setattr(f"{room}.pictures.evidence", Made.evidence)
-        monkeypatch.setattr(f"{room}.model_file.model_toml", Made.model_toml)
+        monkeypatch.setattr(f"{room}.evidence.evidence", Made.evidence)
+        monkeypatch.setattr(f"{room}.answer.model_toml", Made.model_toml)
         return asked
 
     return put

@@ -68,6 +68,20 @@ def test_a_part_of_another_size_is_proved_and_what_changed_is_told(
     assert task.rectangle("this test").length_um == 1622.0
 
 
+def test_a_ratio_that_the_model_gave_is_not_to_be_measured_by_fitting_again(
+    larger: tuple[Any, Path, Path],
+) -> None:
+    result, out, _ = larger
+    page = (out / "report.html").read_text(encoding="utf-8")
+    advice = "the value is the fitted model's: compare the outline of the recordings with the part"
+
+    assert result.stderr.count("note: uncertainty.film_ratio_um2 = 376500") == 1
+    assert advice in result.stderr
+    assert advice in page.replace("&#39;", "'")
+    assert "`meso-robust identify` measures it" not in result.stderr
+    assert "measures it" not in page
+
+
 def test_the_certificate_is_verified_for_the_changed_task_and_for_no_other(
     larger: tuple[Any, Path, Path],
 ) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,3 +69,10 @@ def coloured(baseline: Baseline, correlation: float, freedom: float = np.inf) ->
         ),
         tangent=replace(baseline.tangent, correlation=correlation),
     )
+
+
+def renamed(found: Diagnosis, **changes: Any) -> Diagnosis:
+    """The diagnosis with another outcome of the competition."""
+    assert found.accepted is not None
+    naming = replace(found.accepted.naming, **changes)
+    return replace(found, accepted=replace(found.accepted, naming=naming))

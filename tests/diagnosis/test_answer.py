@@ -14,6 +14,7 @@ from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import DiagnosisDocument
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.simulator.catalogue import CATALOGUE
+from tests.diagnosis.conftest import renamed
 
 PROMISED: dict[str, Any] = {
     "schema": "",
@@ -145,8 +146,9 @@ def test_a_named_effect_has_its_number(named: dict[str, Any]) -> None:
 def test_held_out_errors_are_those_of_the_recordings(
     named: dict[str, Any], late: Diagnosis
 ) -> None:
+    assert late.extended is not None
     held_out = named["held_out"]
-    for errors, key in ((late.before, "baseline"), (late.after, "extended")):
+    for errors, key in ((late.plain.held_out, "baseline"), (late.extended.held_out, "extended")):
         assert errors is not None
         away = (errors.prepared.seen - errors.poses)[..., :2]
         rms = 1e6 * np.sqrt(np.nanmean(np.sum(away**2, axis=-1)))
@@ -173,7 +175,7 @@ def test_several_answers_are_all_given(late: Diagnosis) -> None:
     assert late.naming is not None
     one, two = late.naming.candidates[:2]
     one, two = replace(one, probability=0.6), replace(two, probability=0.2, adequate=True)
-    values = written(replace(late, naming=replace(late.naming, answers=(one, two))))
+    values = written(renamed(late, answers=(one, two)))
     assert values["verdict"] == "ambiguous"
     assert [effect["name"] for effect in values["effects"]] == ["camera_latency"]
     assert values["effects"][0]["probability"] == pytest.approx(0.75)
@@ -186,7 +188,7 @@ def test_without_an_answer_nothing_is_claimed_of_the_best(late: Diagnosis) -> No
     assert late.naming is not None
     left = Rejection(ground=Ground.MISMATCH_LEFT, names=("push_03.csv",))
     best = replace(late.naming.candidates[0], rejected=left)
-    values = written(replace(late, naming=replace(late.naming, answers=(), best=best)))
+    values = written(renamed(late, answers=(), best=best))
     assert values["verdict"] == "unknown"
     assert values["effects"][0]["probability"] == 0.0
     assert "no set of effects is enough" in values["why"]

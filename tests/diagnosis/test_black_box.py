@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from meso_robust.diagnosis.black_box import black_box, chosen, columns_of
+from meso_robust.diagnosis.controls import black_box, chosen, columns_of
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.prepared import Prepared, prepare
@@ -120,9 +120,9 @@ def grown(of: Errors, weights: dict[int, float], noise: Floats | float = 0.0) ->
 
 
 def test_what_grows_as_a_column_does_is_predicted_on_other_recordings(late: Diagnosis) -> None:
-    assert late.before is not None
+    assert late.plain.held_out is not None
     law = {3: 40.0, 24: 25.0}
-    training, other = grown(late.trained, law), grown(late.before, law)
+    training, other = grown(late.plain.training, law), grown(late.plain.held_out, law)
     size = np.sqrt(np.sum(other.rows**2) / other.freedom.sum())
     assert black_box(training, other, 0) == pytest.approx(size)
     assert black_box(training, other, 2) < 1e-6 * size
@@ -130,21 +130,22 @@ def test_what_grows_as_a_column_does_is_predicted_on_other_recordings(late: Diag
 
 
 def test_noise_of_other_recordings_is_not_predicted(late: Diagnosis) -> None:
-    assert late.before is not None
+    assert late.plain.held_out is not None
     rng = np.random.default_rng(4)
-    training = grown(late.trained, {}, rng.standard_normal(late.trained.rows.shape))
-    other = grown(late.before, {}, rng.standard_normal(late.before.rows.shape))
+    training = grown(late.plain.training, {}, rng.standard_normal(late.plain.training.rows.shape))
+    other = grown(late.plain.held_out, {}, rng.standard_normal(late.plain.held_out.rows.shape))
     size = np.sqrt(np.sum(other.rows**2) / other.freedom.sum())
     assert black_box(training, other, 3) > 0.995 * size
 
 
 def test_it_does_worse_than_the_physics_that_was_left_out(late: Diagnosis) -> None:
-    assert late.before is not None
-    assert late.after is not None
-    assert late.black_box is not None
-    assert late.after.whole < 1.1
-    assert late.black_box > late.after.whole + 0.3
-    assert late.black_box < 1.3 * late.before.whole
+    assert late.plain.held_out is not None
+    assert late.extended is not None
+    assert late.extended.held_out is not None
+    assert late.checked.black_box is not None
+    assert late.extended.held_out.whole < 1.1
+    assert late.checked.black_box > late.extended.held_out.whole + 0.3
+    assert late.checked.black_box < 1.3 * late.plain.held_out.whole
 
 
 def test_the_tip_touches_where_its_radius_says(pushed: tuple[Plan, Prepared, Floats]) -> None:

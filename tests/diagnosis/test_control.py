@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from meso_robust.diagnosis.answer import document
-from meso_robust.diagnosis.control import Control, control
+from meso_robust.diagnosis.controls import Control, control
 from meso_robust.diagnosis.detect import Span
-from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.diagnose import Checked, Diagnosis
 from meso_robust.diagnosis.validation import Errors
 
 SIGMA = np.array([2e-6, 2e-6, 1e-3])
@@ -26,7 +26,9 @@ def pair(late: Diagnosis) -> tuple[Errors, Errors]:
     """Two recordings of 8 frames, seen 3 σ off the plain model in x, which the other one has too."""
     poses = np.zeros((2, 8, 3))
     seen = poses + np.array([3.0, 0.0, 0.0]) * SIGMA
-    plain = replace(late.trained, poses=poses, prepared=replace(late.trained.prepared, seen=seen))
+    plain = replace(
+        late.plain.training, poses=poses, prepared=replace(late.plain.training.prepared, seen=seen)
+    )
     return plain, replace(plain, poses=poses.copy())
 
 
@@ -71,7 +73,9 @@ def test_groups_are_taken_together_and_none_is_none(pair: tuple[Errors, Errors])
 
 
 def test_the_document_has_it(late: Diagnosis) -> None:
-    shown = replace(late, control=Control(spans=3, sigma_before=1.25, sigma_after=1.5))
+    shown = replace(
+        late, checked=Checked(control=Control(spans=3, sigma_before=1.25, sigma_after=1.5))
+    )
     found = document(shown, "0").control
     assert found is not None
     assert (found.spans, found.sigma_before, found.sigma_after) == (3, 1.25, 1.5)

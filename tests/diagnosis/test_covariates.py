@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.diagnosis.covariates import Covariate, conditions, followed, scanned
+from meso_robust.diagnosis.localisation import Covariate, conditions, followed, scanned
 from meso_robust.diagnosis.windows import windowed
 from meso_robust.identification.models import viscous
 from meso_robust.identification.prepared import prepare

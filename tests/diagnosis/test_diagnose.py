@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meso_robust.diagnosis import diagnose as module
+from meso_robust.diagnosis import detect as module
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
-from meso_robust.diagnosis.pictures import evidence
+from meso_robust.diagnosis.evidence import evidence
 from meso_robust.recordings import RecordingSet
 from tests.diagnosis.conftest import small_set
 from tests.diagnosis.designs import SIGMA
@@ -22,10 +22,10 @@ def test_a_film_and_friction_are_consistent_with_themselves(null: Diagnosis) -> 
     assert null.naming is None
     assert null.located is None
     assert null.best is None
-    assert null.after is None
-    assert null.before is not None
-    assert null.before.whole == pytest.approx(1.0, abs=0.1)
-    assert null.extrapolation is None
+    assert null.extended is None
+    assert null.plain.held_out is not None
+    assert null.plain.held_out.whole == pytest.approx(1.0, abs=0.1)
+    assert null.checked.extrapolation is None
 
 
 def test_a_hidden_delay_is_named_and_explains_what_no_fit_has_seen(late: Diagnosis) -> None:
@@ -33,10 +33,11 @@ def test_a_hidden_delay_is_named_and_explains_what_no_fit_has_seen(late: Diagnos
     assert late.best is not None
     assert late.best.effects == ("camera_latency",)
     assert late.located is not None
-    assert late.before is not None
-    assert late.after is not None
-    assert late.before.whole > 2.0
-    assert late.after.whole == pytest.approx(1.0, abs=0.1)
+    assert late.extended is not None
+    assert late.plain.held_out is not None
+    assert late.extended.held_out is not None
+    assert late.plain.held_out.whole > 2.0
+    assert late.extended.held_out.whole == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_diagnosis_goes_on_from_what_was_kept_and_ends_the_same(
@@ -48,7 +49,9 @@ def test_a_diagnosis_goes_on_from_what_was_kept_and_ends_the_same(
     monkeypatch.setattr(module, "null_rows", again)
     resumed = diagnose(null_set, quick=True, store=null_store)
     assert document(resumed, "0") == document(null, "0")
-    np.testing.assert_array_equal(resumed.detection.null_statistics, null.detection.null_statistics)
+    np.testing.assert_array_equal(
+        resumed.detected.detection.null_statistics, null.detected.detection.null_statistics
+    )
     with pytest.raises(AssertionError, match="simulated again"):
         diagnose(null_set, quick=True, seed=1, store=null_store)
 
@@ -71,16 +74,16 @@ def test_noise_that_nothing_tells_is_weighed_by_the_fit() -> None:
         quick=True,
         told=lambda what, done, of: told.append(what),
     )
-    assert not found.noise.known
-    assert found.noise.source == "residuals of the fit"
-    np.testing.assert_allclose(found.noise.sigma, SIGMA, rtol=0.25)
-    assert found.noise.floor == pytest.approx(1.0, abs=0.25)
+    assert not found.baseline.noise.known
+    assert found.baseline.noise.source == "residuals of the fit"
+    np.testing.assert_allclose(found.baseline.noise.sigma, SIGMA, rtol=0.25)
+    assert found.baseline.noise.floor == pytest.approx(1.0, abs=0.25)
     assert found.split.held_out is None  # five recordings can spare none
-    assert found.before is None
+    assert found.plain.held_out is None
     values = document(found, "0")
     assert values.noise.source == "residuals of the fit"
     assert values.held_out.recordings == ()
-    assert values.held_out.noise_floor_sigma == found.noise.floor
+    assert values.held_out.noise_floor_sigma == found.baseline.noise.floor
     assert found.verdict == "consistent"
     assert told[-1] == "comparing with recordings that were held out"
 

@@ -9,11 +9,11 @@ import pytest
 
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.controls import catch_all, left
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.error_floor import catch_all, left
-from meso_robust.diagnosis.window_statistics import Statistics
+from meso_robust.diagnosis.hidden_inputs import Statistics
 from meso_robust.diagnosis.windows import windowed
-from tests.diagnosis.conftest import small_set
+from tests.diagnosis.conftest import renamed, small_set
 from tests.diagnosis.test_windows import hidden
 
 PULL = {"body_force": {"x_um_s": 3.0}}
@@ -30,8 +30,6 @@ def statistics(chi2: list[float], freedom: list[float], gain: float, rank: float
         components=none,
         gains=gains,
         ranks=ranks,
-        inputs=none,
-        errors=none,
         slack=none,
         slack_sigma=none,
         shared_gains=gains[0],
@@ -74,10 +72,12 @@ def test_recordings_without_a_window_say_nothing(pulled: Baseline) -> None:
 
 def test_an_unknown_mismatch_says_what_any_law_could_reach(late: Diagnosis) -> None:
     assert late.naming is not None
-    unknown = replace(late, naming=replace(late.naming, answers=()), catch_all=1.234)
+    assert late.accepted is not None
+    unknown = renamed(replace(late, accepted=replace(late.accepted, catch_all=1.234)), answers=())
     found = document(unknown, "0")
     assert found.verdict == "unknown"
     assert found.catch_all_sigma == 1.234
     assert found.why.endswith("a free hidden input would leave 1.23 σ")
-    none = replace(unknown, naming=replace(late.naming, answers=(), best=None), catch_all=None)
+    none = replace(late, accepted=replace(late.accepted, catch_all=None))
+    none = renamed(none, answers=(), best=None)
     assert document(none, "0").why == "no effect of the catalogue helps on recordings held out"

@@ -7,8 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.identifiable import SEEN, Visibility, visibilities
-from meso_robust.diagnosis.signatures import Signature
+from meso_robust.diagnosis.signatures import SEEN, Signature, Visibility, visibilities
 from meso_robust.diagnosis.tangent import Tangent
 from meso_robust.diagnosis.trials import Trial
 
@@ -81,7 +80,7 @@ def test_effects_are_alike_if_one_holds_all_directions_of_the_other() -> None:
 def test_a_force_and_a_flow_look_alike_and_drift_of_the_drag_does_not_show(
     null: Diagnosis,
 ) -> None:
-    found = by_name(null.visible)
+    found = by_name(null.detected.visible)
     assert "film_flow" in found["body_force"].alike
     assert "body_force" in found["film_flow"].alike
     assert not found["drag_drift"].seen  # motion does not depend on the scale of the drag

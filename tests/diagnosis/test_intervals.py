@@ -7,8 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.intervals import Interval, intervals
-from meso_robust.diagnosis.tangent import tangent
+from meso_robust.diagnosis.tangent import Interval, intervals, tangent
 from meso_robust.identification.models import viscous
 from tests.identification.sets import PART
 
@@ -44,11 +43,12 @@ def test_intervals_are_those_of_generalised_least_squares(phi: float) -> None:
     jacobian = 20.0 * np.random.default_rng(0).standard_normal((R, 3 * T, 5))
     one, reach = found(jacobian, phi), BETWEEN * deviations(jacobian, phi)
     rho, mu = one["rho_um2"], one["mu"]
-    assert rho.unit == "µm²"
-    assert rho.value == pytest.approx(1e12 * RHO)
+    assert rho.parameter.unit == "µm²"
+    assert rho.value == RHO
+    assert rho.shown["value"] == 1e12 * RHO
     # ρ counts by ratio, μ by difference
-    assert rho.low == pytest.approx(1e12 * RHO * np.exp(-reach[0]))
-    assert rho.high == pytest.approx(1e12 * RHO * np.exp(reach[0]))
+    assert rho.low == pytest.approx(RHO * np.exp(-reach[0]))
+    assert rho.high == pytest.approx(RHO * np.exp(reach[0]))
     assert (mu.low, mu.high) == pytest.approx((MU - reach[1], MU + reach[1]))
     assert not any((rho.open_low, rho.open_high, mu.open_low, mu.open_high))
 
@@ -77,7 +77,7 @@ def test_parameters_of_a_null_set_are_covered(null: Diagnosis) -> None:
     known = intervals(base.model, base.fits.values[0], base.jacobian, base.tangent)
     rho, mu = known
     assert (rho.key, mu.key) == ("rho_um2", "mu")
-    for one, truth in ((rho, 0.276e6), (mu, 0.3)):
+    for one, truth in ((rho, 0.276e-6), (mu, 0.3)):
         width = one.high - one.low
         assert one.low <= one.value <= one.high
         assert one.low - width < truth < one.high + width

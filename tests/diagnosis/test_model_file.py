@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meso_robust.diagnosis.answer import document
+from meso_robust.diagnosis.answer import document, model_toml
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.model_file import model_toml
 from meso_robust.identification.document import ModelDocument, read_model
 from meso_robust.identification.forward import predicted
 from meso_robust.simulator import Effects

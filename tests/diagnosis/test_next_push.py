@@ -14,12 +14,12 @@ from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import Candidate
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import NextExperiment
-from meso_robust.diagnosis.next_push import next_experiment
-from meso_robust.diagnosis.rival_pushes import Rival, arranged, best_push, rivals
+from meso_robust.diagnosis.next_push import Rival, arranged, best_push, next_experiment, rivals
 from meso_robust.diagnosis.trials import Trial, tried
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import Model, with_effects
 from meso_robust.recordings.contact import gaps
+from tests.diagnosis.conftest import renamed
 from tests.identification.sets import PART, RADIUS
 
 Floats = npt.NDArray[np.float64]
@@ -153,7 +153,7 @@ def answers(found: Diagnosis, *sets: tuple[str, Given]) -> Diagnosis:
             fits=replace(refit.fits, values=values[None]),
         )
         given.append(Candidate(refit=refit, probability=1.0 / len(sets)))
-    return replace(found, naming=replace(found.naming, answers=tuple(given)))
+    return renamed(found, answers=tuple(given))
 
 
 def test_an_ambiguous_answer_asks_for_the_push_that_tells(late: Diagnosis) -> None:

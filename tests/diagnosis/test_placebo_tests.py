@@ -6,8 +6,8 @@ import numpy as np
 
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.controls import decoy, decoys
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.placebo_tests import decoy, decoys
 from meso_robust.diagnosis.tangent import Tangent
 
 
@@ -54,11 +54,11 @@ def test_nothing_is_put_where_nothing_was_seen_and_priors_go_along() -> None:
 
 
 def test_no_decoy_reaches_what_is_really_there(late: Diagnosis) -> None:
-    assert late.decoys is not None
-    assert late.decoys.count >= 20
-    assert late.decoys.share == 0.0
+    assert late.checked.decoys is not None
+    assert late.checked.decoys.count >= 20
+    assert late.checked.decoys.share == 0.0
     found = document(late, "0")
-    assert (found.decoys, found.decoy_share) == (late.decoys.count, 0.0)
+    assert (found.decoys, found.decoy_share) == (late.checked.decoys.count, 0.0)
 
 
 def test_of_noise_decoys_explain_as_much(pulled: Baseline) -> None:

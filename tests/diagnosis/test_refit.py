@@ -99,7 +99,7 @@ def test_a_hidden_delay_is_found_at_its_size(late: Diagnosis) -> None:
 
 
 def test_a_search_taken_to_its_end_is_no_worse(late: Diagnosis) -> None:
-    (one,) = [s for s in late.signatures if s.trial.effect == "camera_latency"]
+    (one,) = [s for s in late.detected.signatures if s.trial.effect == "camera_latency"]
     rough = refitted(late.baseline, (one,))
     more = refined(late.baseline, (one,), rough)
     assert more.gain > rough.gain - 0.05
@@ -129,7 +129,7 @@ def test_an_effect_at_the_end_of_its_range_takes_nothing_of_the_data(null: Diagn
 
 
 def test_a_second_effect_goes_on_from_the_first(late: Diagnosis) -> None:
-    (one,) = [s for s in late.signatures if s.trial.effect == "camera_latency"]
+    (one,) = [s for s in late.detected.signatures if s.trial.effect == "camera_latency"]
     (two,) = signatures(late.baseline, [DRIFT])
     assert late.best is not None
     both = refitted(late.baseline, (one, two), start=late.best.refit)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from meso_robust.diagnosis.detect import spans_of
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.spans import spans_of
 from meso_robust.recordings.phases import phases
 
 

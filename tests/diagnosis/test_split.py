@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from meso_robust.diagnosis.split import split, without
+from meso_robust.diagnosis.validation import split, without
 from meso_robust.recordings import RecordingSet
 
 

@@ -9,8 +9,14 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.split import without
-from meso_robust.diagnosis.validation import Errors, errors, extrapolated, improvement, trained
+from meso_robust.diagnosis.validation import (
+    Errors,
+    errors,
+    extrapolated,
+    improvement,
+    trained,
+    without,
+)
 from meso_robust.recordings import RecordingSet
 from tests.diagnosis.conftest import small_set
 from tests.diagnosis.designs import VALUES
@@ -52,7 +58,7 @@ def test_whole_errors_count_every_number_once(true: Errors) -> None:
 
 def test_rows_are_the_white_residuals_of_the_poses(true: Errors, null: Diagnosis) -> None:
     scaled = (true.prepared.seen - true.poses) / null.baseline.settings.sigma
-    phi = null.noise.correlation
+    phi = null.baseline.noise.correlation
     free = true.at.seen.sum(axis=(1, 2)) - 3.0
     for r, one in enumerate(scaled):
         kept = one[np.isfinite(one[:, 0])]
@@ -77,9 +83,9 @@ def test_errors_of_the_fit_itself(null: Diagnosis, late: Diagnosis) -> None:
         np.sum(plain.rows**2), np.sum(null.baseline.rows**2), atol=1.0
     )  # the fit has left the starts nothing
     assert late.best is not None
-    assert late.retrained is not None
-    assert late.trained.whole > 2.0
-    assert late.retrained.whole == pytest.approx(1.0, abs=0.1)
+    assert late.extended is not None
+    assert late.plain.training.whole > 2.0
+    assert late.extended.training.whole == pytest.approx(1.0, abs=0.1)
 
 
 def made(true: Errors, sigma: list[float]) -> Errors:
@@ -101,28 +107,30 @@ def test_an_improvement_that_one_recording_shows_is_wide(true: Errors) -> None:
     assert improvement(after, before, 0)[0] < -1.0
 
 
-def test_another_kind_of_push_is_left_out_of_both_fits(null: Diagnosis) -> None:
-    base, training = null.baseline, null.split.training
-    found = extrapolated(training, base, base.model, base.fits.values[0])
+def test_another_kind_of_push_is_left_out_of_both_fits(late: Diagnosis) -> None:
+    assert late.best is not None
+    training = late.split.training
+    found = extrapolated(training, late.baseline, late.best.refit)
     assert found is not None
     away = {one.file: float(np.hypot(*one.poses[0, :2])) for one in training.recordings}
     farthest = sorted(away, key=lambda file: -away[file])[:2]
     assert found.what == "the pushes farthest out"  # three of six are equally fast
     assert found.files == tuple(sorted(farthest)) == found.before.prepared.files
-    assert found.after is None
-    assert found.before.whole == pytest.approx(1.0, abs=0.15)
+    assert found.after.whole == pytest.approx(1.0, abs=0.15)
+    assert found.before.whole > 2.0
 
 
-def test_pushes_all_of_a_kind_offer_no_extrapolation(null: Diagnosis) -> None:
-    one = null.split.training.recordings[0]
+def test_pushes_all_of_a_kind_offer_no_extrapolation(late: Diagnosis) -> None:
+    assert late.best is not None
+    one = late.split.training.recordings[0]
     same = tuple(replace(one, file=f"push_{k:02d}.csv") for k in range(6))
-    training = replace(null.split.training, recordings=same)
-    was = null.baseline.prepared
+    training = replace(late.split.training, recordings=same)
+    was = late.baseline.prepared
     prepared = replace(
         was,
         waypoints=np.repeat(was.waypoints[:1], 6, axis=0),
         times=np.repeat(was.times[:1], 6, axis=0),
         starts=np.repeat(was.starts[:1], 6, axis=0),
     )
-    base = replace(null.baseline, prepared=prepared)
-    assert extrapolated(training, base, base.model, base.fits.values[0]) is None
+    base = replace(late.baseline, prepared=prepared)
+    assert extrapolated(training, base, late.best.refit) is None

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from meso_robust.identification.bordered_normal_equations import Arrow
 from meso_robust.identification.identify import Identification, maximised
 from meso_robust.identification.likelihood import Settings, fit
 from meso_robust.identification.models import three_point, viscous
-from meso_robust.identification.prepared import prepare
-from meso_robust.identification.sensor import Sigmas
+from meso_robust.identification.prepared import Sigmas, prepare
+from meso_robust.identification.problem import Arrow
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import ThreePoints
 from tests.identification.conftest import MU, RHO

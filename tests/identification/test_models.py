@@ -5,8 +5,7 @@ import pytest
 
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import MODELS, three_point, viscous, with_effects
-from meso_robust.identification.models.extended import off
-from meso_robust.identification.models.model import about_reference, centroid
+from meso_robust.identification.models.model import about_reference, centroid, off
 from meso_robust.identification.prepared import prepare
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import ThreePoints
@@ -95,3 +94,14 @@ def test_an_unknown_effect_is_refused() -> None:
         with_effects(viscous(OUTLINE), {"magic": {"size": 1.0}})
     with pytest.raises(ValueError, match="positive"):
         with_effects(viscous(OUTLINE), {"dry_friction": {"ratio": 0.0}})
+
+
+def test_a_fit_may_end_at_the_end_of_a_range() -> None:
+    for effect, key in (("camera_rotation", "angle_deg"), ("tip_attraction", "range_um")):
+        model = with_effects(viscous(OUTLINE), {effect: {key: 1.0}})
+        parameter = model.parameters[-1]
+        for end in (parameter.low, parameter.high):
+            if np.isfinite(end):
+                values = np.array([[RHO, MU, end]])
+                assert model.valid(values)[0]
+                assert model.physics(values).effects.values[effect][key] == end

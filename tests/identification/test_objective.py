@@ -4,8 +4,8 @@ import numpy as np
 
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import viscous
-from meso_robust.identification.objective import score
 from meso_robust.identification.prepared import prepare
+from meso_robust.identification.search import score
 from meso_robust.recordings import RecordingSet
 from tests.identification.sets import PART
 

@@ -7,7 +7,7 @@ import pytest
 
 import meso_robust as mr
 from meso_robust.identification.models import MODELS
-from meso_robust.identification.plausible import doubts
+from meso_robust.identification.verdict import doubts
 from meso_robust.simulator import Film
 from tests.identification.sets import PART, random_pushes, recorded
 

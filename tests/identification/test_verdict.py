@@ -10,8 +10,8 @@ import pytest
 from scipy.stats import chi2, f
 
 from meso_robust.identification.document import ModelDocument
+from meso_robust.identification.prepared import sigmas_of
 from meso_robust.identification.quality import quality
-from meso_robust.identification.sensor import sigmas_of
 from meso_robust.identification.verdict import COLOURS, NEGATIVE_WORDS, meaning, verdict
 from meso_robust.recordings import read_set
 from meso_robust.recordings.noise import estimated_noise

@@ -11,8 +11,8 @@ from hypothesis import given, settings, strategies as st
 
 from meso_robust.errors import InputError
 from meso_robust.recordings import read_set
-from meso_robust.recordings.clock import forward
 from meso_robust.recordings.loose import read_loosely
+from meso_robust.recordings.table import forward
 from tests.recordings.examples import SET, TABLE, folder_of, replaced
 
 REPEATABLE = settings(derandomize=True, deadline=None, database=None, max_examples=200)

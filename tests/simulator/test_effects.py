@@ -695,3 +695,30 @@ def test_tracked_point_goes_round_the_reference_point() -> None:
 def test_the_page_of_the_catalogue_is_up_to_date() -> None:
     written = Path(__file__).parents[2] / "reports" / "simulator" / "effects.md"
     assert written.read_text(encoding="utf-8") == page()
+
+
+def test_an_end_of_a_range_is_accepted_in_its_unit_and_in_si() -> None:
+    """Whoever reads the end in a document and states it again states the very same number."""
+    for name, effect in CATALOGUE.items():
+        for one in effect.parameters:
+            for value in (one.low, one.high, one.default):
+                if np.isfinite(value):
+                    Effects({name: {one.key: one.shown(value)}})
+                    Effects.in_si({name: {one.key: value}})
+                    assert one.shown(value) * one.to_si == value, (name, one.key)
+
+
+def test_a_value_is_shown_as_the_decimal_that_was_stated() -> None:
+    for one in (p for effect in CATALOGUE.values() for p in effect.parameters):
+        for tenth in range(-99, 100):
+            assert one.shown(tenth / 10 * one.to_si) == tenth / 10
+
+
+def test_values_in_si_are_taken_as_they_are() -> None:
+    ratio = 0.1 + 1e-17
+    effects = Effects.in_si({"dry_friction": {"ratio": ratio}, "backlash": {"width_um": 3e-6}})
+    assert effects.table[0, stage_of("dry_friction").slot("dry_friction", "ratio")] == ratio
+    assert not effects.without("backlash").is_on(stage_of("backlash").slot("backlash", "width_um"))
+    assert effects.without("backlash").table[0].any()
+    with pytest.raises(ValueError, match=r"backlash.width_um: -2.0; must be .* 0 …"):
+        Effects.in_si({"backlash": {"width_um": -2e-6}})

@@ -16,8 +16,7 @@ from meso_robust.tracking.frames import open_frames
 from meso_robust.tracking.learned import Tip
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.probe_search import moving_needles, needle_at
-from meso_robust.tracking.probes import ProbeTracker
-from meso_robust.tracking.tip_refine import refined
+from meso_robust.tracking.probes import ProbeTracker, refined
 from tests.tracking.pushes import PART, PIXEL, RADIUS, push, rms
 
 Floats = npt.NDArray[np.float64]

@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.identification.models.extended import with_effects as with_effects
 from meso_robust.identification.models.limit_surface import limit_surface as limit_surface
 from meso_robust.identification.models.model import (
     Model as Model,
     Parameter as Parameter,
     Physics as Physics,
     characteristic_length as characteristic_length,
+    with_effects as with_effects,
 )
 from meso_robust.identification.models.three_point import three_point as three_point
 from meso_robust.identification.models.uniform_pressure import uniform_pressure as uniform_pressure

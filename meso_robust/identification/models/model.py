@@ -1,45 +1,17 @@
-"""What a model is: named parameters, and the physics that their values stand for."""
+"""What a model is: named parameters, and the physics that they stand for; effects can be added."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from meso_robust.simulator import Effects
+from meso_robust.simulator.catalogue import parameter_of, values_in_si
+from meso_robust.simulator.stage import Parameter as Parameter
 from meso_robust.simulator.support_models import Support
 from meso_robust.types import Flags, Floats
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter:
-    """One number of a model.
-
-    Searches run in coordinates of about unit size: ``value / scale``, or ``log(value / scale)``.
-    """
-
-    key: str
-    """Name with its unit, such as ``rho_um2``; of an effect, ``effect.key``."""
-    unit: str
-    """Unit for display, such as ``µm²``; empty for a plain number."""
-    to_si: float
-    """Factor from the unit to SI."""
-    low: float
-    """Least admissible value, SI."""
-    high: float
-    """Largest admissible value, SI."""
-    scale: float
-    """A typical change, SI; of a logarithmic parameter, a typical value."""
-    meaning: str
-    log: bool = False
-    """Whether the parameter is positive and counts by ratio."""
-    likely: tuple[float, float] | None = None
-    """Least and largest value, SI, that a part can have; None where every admissible one may be."""
-    why_likely: str = ""
-    """Why it has no other."""
-    unseen: str = ""
-    """Why no motion can show the parameter; empty for one that is fitted."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -113,9 +85,9 @@ class Model:
         plain = np.where(log, np.exp(np.where(log, np.clip(coordinates, -50.0, 50.0), 0.0)), 0.0)
         return np.where(log, plain, coordinates) * self._of("scale")
 
-    def displayed(self, values: Floats) -> Floats:
-        """Values (..., n) in SI in the units of the parameters' names."""
-        return values / self._of("to_si")
+    def shown(self, values: Floats) -> list[float]:
+        """Values (n,) in SI in the units of the parameters' names."""
+        return [p.shown(value) for p, value in zip(self.parameters, values.tolist(), strict=True)]
 
     def _of(self, field: str) -> Floats:
         return np.array([getattr(parameter, field) for parameter in self.parameters], dtype=float)
@@ -130,7 +102,18 @@ def characteristic_length(outline: Floats) -> float:
 
 
 def centroid(outline: Floats) -> Floats:
-    """(2,) centroid of the area of an outline (V, 2): where an even film or mass has its centre."""
+    """(2,) centroid of the area of an outline (V, 2): where an even film or mass has its centre.
+
+    Parameters
+    ----------
+    outline
+        (V, 2) corners of a simple polygon, m.
+
+    Returns
+    -------
+    ndarray
+        (2,) m, in the axes of the corners.
+    """
     x, y = outline.T
     cross = x * np.roll(y, -1) - y * np.roll(x, -1)
     ends = outline + np.roll(outline, -1, axis=0)
@@ -149,3 +132,81 @@ def about_reference(centre: Floats, moment: Floats) -> Floats:
     matrix[:, 1, 2] = matrix[:, 2, 1] = x
     matrix[:, 2, 2] = moment + x * x + y * y
     return matrix
+
+
+Scales = Mapping[str, Mapping[str, float]]
+
+
+def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> Model:
+    """The model with parameters of effects, each starting from an effect that is off.
+
+    Parameters
+    ----------
+    model
+        Any model.
+    scales
+        ``{effect: {parameter: typical change}}`` in the units of the catalogue; these are fitted,
+        under the name ``effect.parameter``.
+    fixed
+        ``{effect: {parameter: value}}`` in the units of the catalogue, held.
+
+    Returns
+    -------
+    Model
+        Its parameters are those of ``model``, then those of the effects in the order of ``scales``; its
+        values are in SI as any model's.
+
+    Raises
+    ------
+    ValueError
+        If an effect or parameter is not in the catalogue, or a scale is not positive.
+    """
+    added = tuple(
+        _parameter(effect, key, scale) for effect, of in scales.items() for key, scale in of.items()
+    )
+    columns = [(effect, key) for effect, of in scales.items() for key in of]
+    held = values_in_si(fixed or {})
+    base = len(model.parameters)
+
+    def physics(values: Floats) -> Physics:
+        plain = model.physics(values[:, :base])
+        given: dict[str, dict[str, float | Floats]] = {
+            effect: dict(of) for effect, of in plain.effects.values.items()
+        }
+        for effect, of in held.items():
+            given.setdefault(effect, {}).update(of)
+        for column, (effect, key) in enumerate(columns, start=base):
+            given.setdefault(effect, {})[key] = values[:, column]
+        return replace(plain, effects=Effects.in_si(given))
+
+    def draw(rng: np.random.Generator, count: int) -> Floats:
+        spread = np.array([[parameter.scale for parameter in added]])
+        low = np.array([parameter.low for parameter in added])
+        high = np.array([parameter.high for parameter in added])
+        extra = np.clip(spread * rng.standard_normal((count, len(added))), low, high)
+        return np.hstack([model.draw(rng, count), extra])
+
+    return Model(
+        name="+".join([model.name, *scales]),
+        parameters=(*model.parameters, *added),
+        physics=physics,
+        constraint=lambda values: model.constraint(values[:, :base]),
+        draw=draw,
+        step=model.step,
+        alike=lambda values: np.hstack([model.alike(values[:, :base]), values[:, base:]]),
+    )
+
+
+def off(model: Model, values: Floats, extended: Model) -> Floats:
+    """Values (K, n) of a model as values of its extension with the added effects off."""
+    extra = len(extended.parameters) - len(model.parameters)
+    return np.hstack([values, np.zeros((len(values), extra))])
+
+
+def _parameter(effect: str, key: str, scale: float) -> Parameter:
+    parameter = parameter_of("scales", effect, key)
+    if not 0.0 < scale < np.inf:
+        raise ValueError(
+            f"scales.{effect}.{key}: {scale}; must be positive and finite; give a typical change"
+        )
+    return replace(parameter, key=f"{effect}.{key}", scale=scale * parameter.to_si)

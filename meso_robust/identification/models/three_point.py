@@ -65,6 +65,11 @@ def three_point(outline: Floats) -> Model:
     ----------
     outline
         (V, 2) corners of the part in m, body frame.
+
+    Returns
+    -------
+    Model
+        Eight parameters, of which μ_s shows in no motion (`UNSEEN`).
     """
     length, centre = characteristic_length(outline), centroid(outline)
     surface = Parameter(

@@ -20,6 +20,16 @@ def copy_problems(recordings: Sequence[Recording]) -> list[Problem]:
     """Recordings whose poses and tips are those of one before, to the last digit.
 
     Rows before the part moves are left out: of a simulation without noise they may well repeat.
+
+    Parameters
+    ----------
+    recordings
+        Of one set, in its order.
+
+    Returns
+    -------
+    list of Problem
+        One for each recording that repeats an earlier one.
     """
     rows = {one.file: _rows(one) for one in recordings}
     found = ((one, _original(one.file, rows)) for one in recordings)
