@@ -114,7 +114,7 @@ class _Laboratory:
         drift = self.physics().effects.values.get("probe_drift", {})
         along = np.zeros((len(tips), 2))
         for axis, key in enumerate(("x_um_s", "y_um_s")):
-            along[:, axis] = self.clock * units.UM * np.asarray(drift.get(key, 0.0))
+            along[:, axis] = self.clock * np.asarray(drift.get(key, 0.0))
         return np.asarray(tips + self.draws.of_tips(k, tips.shape[1]) + along[:, None])
 
     def blocked(self, tips: Floats, poses: Floats) -> Flags:
