@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.report import environment
 from meso_robust.reporting.svg import style, to_svg
 
 _EVERYWHERE = re.compile(r"<style[^>]*>\s*\*\s*\{([^}]*)\}\s*</style>")
