@@ -10,10 +10,9 @@ from meso_robust.campaigns.intervals import share_interval
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
-from meso_robust.reproduction.at_size import AtSize
 from meso_robust.reproduction.certified import CertifiedPlan, certified_plan, trials
 from meso_robust.reproduction.item import Found, Item, Row, Setting
-from meso_robust.reproduction.scales_figures import figure
+from meso_robust.reproduction.scales_figures import AtSize, figure
 from meso_robust.reproduction.shrunk import (
     WITHDRAWAL,
     Certified,
