@@ -36,6 +36,11 @@ def animation(found: Simulated, answer: SimulationDocument) -> str:
     ----------
     found, answer
         What ``simulate`` found out, and its document.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     moves = len(answer.moves)
     how = "feedback policy" if answer.kind == "feedback" else "open-loop moves"

@@ -49,6 +49,11 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
     missing
         Indices of the chunks that were not done, rising, by the name of their part; without it the
         page says only how many they are.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     sessions = answer.sessions
     undone = any(part.done < part.planned for part in answer.parts)

@@ -28,7 +28,7 @@ SHADES = (
 )
 """Classes of the bins of a strip, from empty to crowded, with what they mean."""
 _STEPS = np.array([0.25, 0.7, 1.4, 4.0])
-_MOST_OUTLINES = 10
+_MOST_OUTLINES = 10  # of a run; more would cover one another
 _CLOSE = 0.06  # of the width of a picture, the room that a number takes
 
 

@@ -58,6 +58,11 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         The diagnosis, as written, and the motion that it is about.
     source
         Name of the recording set.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     with style():
         pictures = _pictures(document, evidence)

@@ -153,7 +153,18 @@ def span_words(span: WhereSection) -> str:
 
 
 def summary(document: DiagnosisDocument) -> str:
-    """The answer in a few lines: verdict, effects, where, held-out errors."""
+    """The answer in a few lines: verdict, effects, where, held-out errors.
+
+    Parameters
+    ----------
+    document
+        The diagnosis.
+
+    Returns
+    -------
+    str
+        Lines for a terminal.
+    """
     return "\n".join(
         [
             f"{document.verdict.upper()}: {document.why}",

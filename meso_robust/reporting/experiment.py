@@ -30,7 +30,7 @@ from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import number, significant
 from meso_robust.wording import counted
 
-_COLUMNS = 4
+_COLUMNS = 4  # of panels
 _LEAST_TIP = 20.0  # um: a smaller tip is drawn larger, or nobody would see it
 
 
@@ -45,6 +45,11 @@ def experiment_page(
         The pushes.
     found, model
         The design that they come from and its model, if they do; what is expected of it is shown.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     bench = experiment.bench
     times = "time" if bench.trials == 1 else "times"

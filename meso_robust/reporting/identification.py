@@ -49,6 +49,11 @@ def identification_report(document: ModelDocument, found: Identification, source
         The fitted model, as written and as found.
     source
         Name of the recording set.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     origin = document.provenance
     with style():  # for all that the sections draw

@@ -39,6 +39,11 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         Everything that ``meso-robust plan`` found out.
     promise
         What a fitted model made of the task, if the plan was made with one.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     certificate, said, ran = (
         result.certificate,

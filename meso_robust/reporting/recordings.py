@@ -57,6 +57,11 @@ def recordings_report(checked: Checked) -> str:
     ----------
     checked
         The set and all that was found. The pictures show it as it is after the repair.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     summaries = {each.file: each for each in summary(checked.recordings)}
     repair = " --repair" if checked.repairs else ""

@@ -85,7 +85,20 @@ class Report:
 
 
 def page(report: Report, *folders: Path) -> str:
-    """A self-contained HTML page; ``folders`` hold style sheets that are not of this room."""
+    """A self-contained HTML page; ``folders`` hold style sheets that are not of this room.
+
+    Parameters
+    ----------
+    report
+        What stands on it.
+    folders
+        Where style sheets lie that are not of this room.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
+    """
     return environment(*folders).get_template("report.html.j2").render(report=report)
 
 
@@ -98,6 +111,11 @@ def prose(template: str, *folders: Path, **values: Any) -> Any:
         File of this folder or of ``folders``.
     values
         What its macros show.
+
+    Returns
+    -------
+    module of the template
+        Its macros as attributes; see `section`.
     """
     return environment(*folders).get_template(template).make_module(values)
 
@@ -109,7 +127,15 @@ def section(
     link: str | None = None,
     look: str | None = None,
 ) -> Section:
-    """The section whose body is the macro ``section_ANCHOR`` of `prose`."""
+    """The section whose body is the macro ``section_ANCHOR`` of `prose`.
+
+    Parameters
+    ----------
+    body
+        Of `prose`.
+    anchor, title, link, look
+        As of a `Section`.
+    """
     pieces = (getattr(body, f"section_{anchor}")(),)
     return Section(anchor, title, pieces, link=link, look=look)
 
@@ -131,7 +157,13 @@ def environment(*folders: Path) -> Environment:
 
 
 def figure(*figures: Figure) -> Markup:
-    """Pictures, one below the other."""
+    """Pictures, one below the other.
+
+    Returns
+    -------
+    Markup
+        One ``<figure>`` each, in the colours of the reader's theme.
+    """
     return Markup().join(_part("figure", each) for each in figures)
 
 
@@ -160,6 +192,11 @@ def table(
         Class of the style sheet.
     most, file
         How many rows are shown, and which file holds them all.
+
+    Returns
+    -------
+    Markup
+        The table, and below it how many rows are left out.
     """
     columns = [(head.lstrip("#~"), _CELLS.get(head[:1], "")) for head in heads.split(" | ")]
     cells = list(rows)
@@ -172,12 +209,33 @@ def facts(rows: Rows) -> Markup:
 
 
 def bullets(texts: Sequence[str], *, most: int | None = None, file: str = "") -> Markup:
-    """A list; ``most`` and ``file`` as for a `table`."""
+    """A list; ``most`` and ``file`` as for a `table`.
+
+    Parameters
+    ----------
+    texts
+        An entry each.
+    most, file
+        As for a `table`.
+    """
     return _part("bullets", texts, most or len(texts), file)
 
 
 def html(text: str, *values: object) -> Markup:
-    """HTML of this package, in which ``values`` are set and escaped."""
+    """HTML of this package, in which ``values`` are set and escaped.
+
+    Parameters
+    ----------
+    text
+        HTML with braces; nothing of a user.
+    values
+        What stands in the braces.
+
+    Returns
+    -------
+    Markup
+        Safe whatever the values are.
+    """
     return Markup(text + "\n").format(*values)
 
 
@@ -186,7 +244,18 @@ def _part(name: str, *values: object) -> Markup:
 
 
 def code(text: str, after: str = "") -> Markup:
-    """A command or a hash as it is typed, and plain words after it."""
+    """A command or a hash as it is typed, and plain words after it.
+
+    Parameters
+    ----------
+    text, after
+        As typed, and plain words after it.
+
+    Returns
+    -------
+    Markup
+        The text in ``<code>``.
+    """
     return Markup("<code>{}</code>{}").format(text, after)
 
 
@@ -207,6 +276,11 @@ def made(
         Name and value of what it was made from.
     using, notes
         Versions of the programs, and what else is to be known of the run.
+
+    Returns
+    -------
+    rows
+        Name and value, for a `Report`.
     """
     versions = " · ".join(f"{name} {version}" for name, version in using.items())
     return (

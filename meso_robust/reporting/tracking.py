@@ -55,6 +55,11 @@ def tracking_report(
         What was seen, in the order of the document.
     recordings
         The set made of those in which the part was found, or None if there is none.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     with style():
         pictures = [] if recordings is None else _pictures(answer, tracks, recordings)

@@ -34,6 +34,11 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
         The reason, and after its first semicolon, else its last colon, what to do.
     verb
         Of the command line.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     cut = why.find("; ") if "; " in why else why.rfind(": ")
     reason, advice = (why[:cut], why[cut + 2 :]) if cut > 0 else (why, "")

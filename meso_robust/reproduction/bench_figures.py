@@ -17,7 +17,7 @@ from meso_robust.reproduction.drawing import drawn
 from meso_robust.types import Floats
 from meso_robust.units import DEG, UM
 
-COLUMNS = 4
+COLUMNS = 4  # of panels
 DOWN = np.array([1.0, -1.0]) / UM
 
 

@@ -45,6 +45,16 @@ def item(name: str) -> Item:
 def asked(name: str | None) -> Sequence[str]:
     """Names of the items that are asked for: one, or all.
 
+    Parameters
+    ----------
+    name
+        Of an item, or None for all.
+
+    Returns
+    -------
+    sequence of str
+        Names in the order of the paper.
+
     Raises
     ------
     InputError
@@ -57,7 +67,20 @@ def asked(name: str | None) -> Sequence[str]:
 
 
 def reproduced(names: Sequence[str], setting: Setting) -> dict[str, Made]:
-    """The items of these names, in their order; each has the seed of the setting."""
+    """The items of these names, in their order; each has the seed of the setting.
+
+    Parameters
+    ----------
+    names
+        Of items.
+    setting
+        Size, seed, and who is told of progress.
+
+    Returns
+    -------
+    dict
+        What came of each, in the same order.
+    """
     made = {}
     for name in names:
         chosen = item(name)

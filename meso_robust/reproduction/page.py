@@ -43,7 +43,18 @@ _NONE = "–"  # where the paper prints nothing
 
 
 def reproduction_report(made_items: Mapping[str, Made], setting: Setting) -> str:
-    """One self-contained HTML page on some items: the answers first, then item by item."""
+    """One self-contained HTML page on some items: the answers first, then item by item.
+
+    Parameters
+    ----------
+    made_items, setting
+        The items by name, and what they were made with.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
+    """
     rows = [row for one in made_items.values() for row in one.found.rows]
     counts = Counter(row.agreement for row in rows if not row.loose)
     banner = Banner(

@@ -33,9 +33,10 @@ TABLE_5 = {"x": (944.0, 965.0), "y": (0.0, 11.0), "theta": (0.0, 0.7)}
 """Smallest and largest of the printed trials: um, um, deg."""
 SIMULATED_3, SIMULATED_5 = (1443.0, 11.0, 0.0), (949.0, 0.2, 0.0)
 """The printed simulations: um, um, deg."""
-X_PUSH_UM = 950.0
-GAIN_UM = 11.0
+X_PUSH_UM = 950.0  # the length that Table V states
+GAIN_UM = 11.0  # of Table III: simulation and theory
 SPACINGS_UM = (480.0, 580.0, 500.0, 540.0, 640.0)
+"""Of the tips, which is not printed; a quick run takes the first two."""
 EXACT_UM = 0.01  # the closed form is exact, the simulator nearly so
 TURNED_DEG = 88.0  # the least of the printed trials
 NEAR_UM = 1.0  # of the printed gain: Y-translations that count as of its size

@@ -16,8 +16,8 @@ from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.primitive_runs import YTranslations, turned_deg
 from meso_robust.types import Floats
 
-LEVELS_UM = (2.0, 5.0, 11.0, 20.0)
-PRINTED_UM = 11.0
+LEVELS_UM = (2.0, 5.0, 11.0, 20.0)  # net rises with a line each
+PRINTED_UM = 11.0  # the rise of Table III
 COLOURS = (PURPLE, ORANGE, BLUE)
 
 

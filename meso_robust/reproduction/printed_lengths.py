@@ -17,6 +17,7 @@ from meso_robust.units import DEG, UM
 MOUTH, AXIS, WALL = (0.2e-3, 1.8e-3), (-1.36e-3, -1.06e-3), (0.0, 0.6)
 """x of the slot's mouth and y of its axis, m, as Table II allows them; friction of its walls."""
 TIP_FRICTION = (0.05, 1.0)
+"""Wider than any value of the paper, which are 0.30 to 0.666."""
 RATIO = (0.02e-6, 0.82e-6)
 """rho of a film, m²: from nearly all drag at the centre to nearly all at the corners of the part."""
 STRETCH = (0.1, 1.0)
@@ -24,11 +25,13 @@ STRETCH = (0.1, 1.0)
 ROUNDS, PLACES, EACH = 3, 24, 128
 """Rounds of places, each about the best of those before, and runs at a place."""
 QUICK = (2, 3, 24)
+"""The same for a first look."""
 KEPT = 5
 """Best places that the next round is drawn about."""
 SHRINK = 0.25
 """Spread of a round about the best places, as a share of the range; its square for the next, and so on."""
 STEP = 6e-6
+"""m, of the tip: coarser than for a plan that is kept, as thousands of choices are tried."""
 TRIALS = {True: 20, False: 200}
 """Runs under the reported variations at the best of the fits."""
 

@@ -34,6 +34,7 @@ KINDS: Mapping[str, Errors] = {
 """Which uncertainty is on."""
 SEEDS, RUNS = 20, 40
 QUICK_SEEDS, QUICK_RUNS = 3, 8
+"""Plans, and runs of each under every kind of uncertainty."""
 
 
 def run(setting: Setting) -> Found:

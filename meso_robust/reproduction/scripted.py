@@ -30,7 +30,8 @@ SUPPORTS = ("p1*", "p2*", "film")
 MOUTHS = (0.2e-3, 0.6e-3, 1.0e-3, 1.4e-3, 1.8e-3)
 AXES = (-1.06e-3, -1.13e-3, -1.21e-3, -1.29e-3, -1.36e-3)
 WALLS = (0.05, 0.3)
-RUNS, QUICK_RUNS = 200, 10
+"""Places of the slot, m, and friction of its walls: what Table II allows, and neither is printed."""
+RUNS, QUICK_RUNS = 200, 10  # under the reported variations, on each support
 
 
 def places(quick: bool) -> tuple[Place, ...]:

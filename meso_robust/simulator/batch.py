@@ -28,7 +28,7 @@ from meso_robust.simulator.record import (
     TIP,
 )
 from meso_robust.simulator.stepping import run
-from meso_robust.simulator.tables import CONTACT, COUNT, MAX_CONTACTS, WHO, Work, workspace
+from meso_robust.simulator.tables import CONTACT_COLUMNS, MARKS, MAX_CONTACTS, STEP, Work, workspace
 from meso_robust.types import Floats
 
 _CHUNKS = 4  # pieces of a batch for each core
@@ -41,9 +41,11 @@ Kernel: TypeAlias = Callable[[Inputs, int, int, Outputs], None]
 def _keep_contacts(work: Work, ended: Floats) -> None:
     """Copy the contacts of the step in which a run ended."""
     for c in range(work.contacts.shape[0]):
-        for k in range(CONTACT):
+        for k in range(CONTACT_COLUMNS):
             ended[c, k] = work.contacts[c, k]
-        ended[c, CONTACT] = work.marks[c, WHO] if c < work.step[COUNT] else -1.0
+        ended[c, CONTACT_COLUMNS] = (
+            work.marks[c, MARKS.who] if c < work.step[STEP.contacts] else -1.0
+        )
 
 
 def _compiled() -> Kernel:

@@ -17,11 +17,11 @@ from meso_robust.simulator.batch import run_range
 from meso_robust.simulator.outcome import Outcome
 from meso_robust.simulator.outline import refuse
 from meso_robust.simulator.push import Push
-from meso_robust.simulator.tables import CONTACT, MAX_CONTACTS, MU, NX, PX, QN, QT, WN, WT
+from meso_robust.simulator.tables import CONTACT_COLUMNS, CONTACTS, MAX_CONTACTS
 from meso_robust.types import Floats
 
 _RESIDUAL = 1e-9  # of a sum that equals q, relative to q
-_HALVINGS = 30
+_HALVINGS = 30  # of the share of the friction, to 1e-9
 _MOST = 5  # contacts: 4^5 combinations of modes
 
 # Of (λ_n, λ_f+, λ_f−, γ) of a contact, those that may be positive; their complements otherwise.
@@ -82,15 +82,15 @@ def explain_jam(push: Push, run: int) -> Jam:
         If the run does not jam, or has more contacts than can be tried.
     """
     inputs, outputs = prepare(push)
-    outputs = outputs._replace(ended=np.zeros((len(push.poses), MAX_CONTACTS, CONTACT + 1)))
+    outputs = outputs._replace(ended=np.zeros((len(push.poses), MAX_CONTACTS, CONTACT_COLUMNS + 1)))
     run_range(inputs, run, run + 1, outputs)
     outcome = Outcome(int(outputs.outcomes[run]))
     if outcome is not Outcome.JAM:
         refuse("run", f"{run} ended as {outcome.name}", "must be a jam", "choose another run")
     table = outputs.ended[run]
-    who = table[:, CONTACT].astype(int)
+    who = table[:, CONTACT_COLUMNS].astype(int)
     # Contacts that do not close in the step are no part of the jam.
-    near = np.flatnonzero((who >= 0) & (table[:, QN] < 1.0))
+    near = np.flatnonzero((who >= 0) & (table[:, CONTACTS.qn] < 1.0))
     table, who = table[near], who[near]
     if len(table) > _MOST or not _jams(table, 1.0):
         refuse("run", f"{run} has {len(table)} contacts", f"must have 1 to {_MOST}", "see its path")
@@ -100,9 +100,9 @@ def explain_jam(push: Push, run: int) -> Jam:
     return Jam(
         pose=pose,
         obstacles=tuple(f"probe {k}" if k < probes else f"fixture {k - probes}" for k in who),
-        points=_turned(turn, table[:, PX : PX + 2]) + pose[:2],
-        normals=_turned(turn, -table[:, NX : NX + 2]),
-        friction=table[:, MU].copy(),
+        points=_turned(turn, table[:, CONTACTS.px : CONTACTS.px + 2]) + pose[:2],
+        normals=_turned(turn, -table[:, CONTACTS.nx : CONTACTS.nx + 2]),
+        friction=table[:, CONTACTS.mu].copy(),
         closing_share=_closing_share(table),
     )
 
@@ -138,14 +138,14 @@ def _jams(table: Floats, share: float) -> bool:
 def _problem(table: Floats, share: float) -> tuple[Floats, Floats]:
     """M and q of ``w = M z + q`` for the rows of the contacts."""
     count = len(table)
-    wn, wt = table[:, WN : WN + 3], table[:, WT : WT + 3]
+    wn, wt = table[:, CONTACTS.wn : CONTACTS.wn + 3], table[:, CONTACTS.wt : CONTACTS.wt + 3]
     J = np.stack([wn, wt, -wt, 0.0 * wn], axis=1).reshape(4 * count, 3)
     M = J @ J.T
     for c in range(count):
         block = M[4 * c : 4 * c + 4, 4 * c : 4 * c + 4]
         block[1:3, 3] += 1.0
         block[3, 1:3] -= 1.0
-        block[3, 0] += share * table[c, MU]
+        block[3, 0] += share * table[c, CONTACTS.mu]
     q = np.zeros(4 * count)
-    q[0::4], q[1::4], q[2::4] = table[:, QN], table[:, QT], -table[:, QT]
+    q[0::4], q[1::4], q[2::4] = table[:, CONTACTS.qn], table[:, CONTACTS.qt], -table[:, CONTACTS.qt]
     return M, q
