@@ -13,7 +13,15 @@ from derivations.report.figures import Picture
 from derivations.report.formulas import to_html
 from derivations.report.register import MARKS, Chapter, tally
 from derivations.report.witnesses import values
-from meso_robust.reporting.skeleton import Banner, code, environment
+from meso_robust.reporting.report import (
+    Banner,
+    Report,
+    Section,
+    code,
+    page as render,
+    prose,
+    section,
+)
 
 STANDS = (Verdict.CONFIRMED, Verdict.SHARPENED)
 
@@ -31,26 +39,55 @@ def page(register: tuple[Chapter, ...], drawn: tuple[Picture, ...]) -> str:
     DerivationError
         Names the claim of a text that cannot be typeset.
     """
-    templates = environment(Path(__file__).parent)
-    templates.filters.update(tex=to_html, values=values, code=_code)
-    banner = Banner(
-        verb="derive",
-        subject="register of claims",
-        word=headline(register),
-        colour="NEUTRAL",
-        meaning=notation.ABOUT_REGISTER,
-    )
-    return templates.get_template("register.html.j2").render(
-        banner=banner,
-        made=(
-            ("to reproduce", code("meso-robust derive", "; written by it, not to be edited")),
-            ("to check", code("meso-robust derive --check", " fails if anything on disk differs")),
-        ),
+    here = Path(__file__).parent
+    body = prose(
+        "register.html.j2",
+        here,
         register=register,
         counts=tally(register),
         marks=MARKS,
         drawn=drawn,
         notation=notation,
+        tex=to_html,
+        values=values,
+        code=_code,
+    )
+    return render(
+        Report(
+            banner=Banner(
+                verb="derive",
+                subject="register of claims",
+                word=headline(register),
+                colour="NEUTRAL",
+                meaning=notation.ABOUT_REGISTER,
+                answers=body.answers(),
+            ),
+            sections=(
+                section(body, "overview", "Overview"),
+                section(body, "notation", "Notation and signs", "Notation"),
+                section(body, "pictures", "Pictures"),
+                section(body, "checking", "How to check"),
+                *(
+                    Section(
+                        f"file-{chapter.name}",
+                        to_html(chapter.title, chapter.name),
+                        link=chapter.name.replace("_", " "),
+                        look="chapter",
+                        body=(body.chapter(chapter),),
+                    )
+                    for chapter in register
+                ),
+            ),
+            made=(
+                ("to reproduce", code("meso-robust derive", "; written by it, not to be edited")),
+                (
+                    "to check",
+                    code("meso-robust derive --check", " fails if anything on disk differs"),
+                ),
+            ),
+            styles=("register.css",),
+        ),
+        here,
     )
 
 

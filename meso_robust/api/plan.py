@@ -107,7 +107,7 @@ class Planned:
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name, such as ``plan.json``."""
-        from meso_robust.reporting.page import report
+        from meso_robust.reporting.plan import report
 
         documents = {"plan.json": self.plan, "certificate.json": self.certificate}
         texts = {

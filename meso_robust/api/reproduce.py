@@ -12,8 +12,7 @@ from meso_robust.api.progress import SILENT, Progress
 from meso_robust.files import write_all
 from meso_robust.reproduction.document import Made, document, text
 from meso_robust.reproduction.item import Setting
-from meso_robust.reproduction.items import asked
-from meso_robust.reproduction.reproduce import reproduced
+from meso_robust.reproduction.items import asked, reproduced
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -40,28 +40,6 @@ TITLES: dict[Primitive, str] = {
 SIZE = (6.4, 5.2)  # inches
 
 
-def admissible_map(task: Task, primitive: Primitive, *, count: int = 128) -> Map:
-    """The map of one primitive as the plan for ``task`` uses it.
-
-    Parameters
-    ----------
-    task
-        The task; its plan is composed first.
-    primitive
-        One of ``PRIMITIVES``.
-    count
-        The finest cells are 1/count of either side.
-
-    Raises
-    ------
-    NotApplicableError
-        There is no plan, or none that uses the primitive.
-    """
-    chain = _chain(task)
-    moves, number = moves_of(chain.steps, chain.setup, primitive)
-    return map_of(primitive, moves, number, count)
-
-
 def map_files(task: Task, say: Doing, *, count: int = 128) -> dict[str, str]:
     """Text of ``admissible.json`` and of a drawing for every map that the plan for ``task`` has.
 
@@ -75,6 +53,11 @@ def map_files(task: Task, say: Doing, *, count: int = 128) -> dict[str, str]:
         Shows what is being done while a stage runs.
     count
         The finest cells are 1/count of either side.
+
+    Returns
+    -------
+    dict[str, str]
+        Texts by name of file.
 
     Raises
     ------

@@ -17,7 +17,7 @@ from meso_robust.laboratory.simulation import Simulated, in_goal, order
 from meso_robust.laboratory.simulation_document import SimulationDocument
 from meso_robust.laboratory.trajectories import probe_names
 from meso_robust.provenance import commit
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import Banner, Report, code, made, page, prose
 from meso_robust.types import Floats
 from meso_robust.wording import counted
 
@@ -36,18 +36,37 @@ def animation(found: Simulated, answer: SimulationDocument) -> str:
     ----------
     found, answer
         What ``simulate`` found out, and its document.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     moves = len(answer.moves)
     how = "feedback policy" if answer.kind == "feedback" else "open-loop moves"
-    banner = Banner(
-        verb="simulate",
-        subject=answer.task,
-        about=f"{how}, {counted(moves, 'move')}",
-        word="ALL IN THE GOAL" if answer.all_in_goal else "NOT ALL IN THE GOAL",
-        colour="PROVED" if answer.all_in_goal else "REFUTED",
-        meaning=_meaning(answer),
+    return page(
+        Report(
+            banner=Banner(
+                verb="simulate",
+                subject=answer.task,
+                about=f"{how}, {counted(moves, 'move')}",
+                word="ALL IN THE GOAL" if answer.all_in_goal else "NOT ALL IN THE GOAL",
+                colour="PROVED" if answer.all_in_goal else "REFUTED",
+                meaning=_meaning(answer),
+            ),
+            lead=prose("animation.html.j2", data=embedded(data(found))).player(),
+            sections=(),
+            made=made(
+                f"meso-robust simulate TASK.toml PLAN.json --seed {answer.seed}",
+                ("task hash (SHA-256)", code(answer.task_hash)),
+                ("plan hash (SHA-256)", code(answer.plan_hash)),
+                after=f" with the files of these hashes; step {answer.step_um:g} µm",
+                using={**answer.made_with, "commit": commit(), "seed": str(answer.seed)},
+            ),
+            styles=("animation.css", "player.css"),
+            scripted=True,
+        )
     )
-    return page("animation.html.j2", banner, _made(answer), data=embedded(data(found)))
 
 
 def _meaning(answer: SimulationDocument) -> str:
@@ -57,20 +76,6 @@ def _meaning(answer: SimulationDocument) -> str:
         where = "in the goal" if answer.adversary.worst.run.in_goal else "not in the goal"
         said += f"; worst run of {answer.adversary.evaluations} searched: {where}"
     return f"{said}. Evidence, not proof."
-
-
-def _made(answer: SimulationDocument) -> tuple[tuple[str, str], ...]:
-    """What was simulated, and how to do it again."""
-    again = f"meso-robust simulate TASK.toml PLAN.json --seed {answer.seed}"
-    return (
-        (
-            "to reproduce",
-            code(again, f" with the files of these hashes; step {answer.step_um:g} µm"),
-        ),
-        ("task hash (SHA-256)", code(answer.task_hash)),
-        ("plan hash (SHA-256)", code(answer.plan_hash)),
-        versions({**answer.made_with, "commit": commit(), "seed": str(answer.seed)}),
-    )
 
 
 def embedded(values: Json) -> Markup:

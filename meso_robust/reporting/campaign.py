@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from markupsafe import Markup
-
 from meso_robust import __version__
 from meso_robust.campaigns import provenance
 from meso_robust.campaigns.answer import Answer
@@ -13,7 +11,18 @@ from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table
 from meso_robust.campaigns.store import Session
 from meso_robust.provenance import commit
 from meso_robust.reporting import campaign_figures as figures, campaign_words as words
-from meso_robust.reporting.skeleton import Banner, Colour, code, page, versions
+from meso_robust.reporting.report import (
+    Banner,
+    Colour,
+    Figure,
+    Report,
+    Section,
+    code,
+    made,
+    page,
+    prose,
+    section,
+)
 
 MOST_RUNS = 6
 """Runs of one view that are drawn."""
@@ -40,46 +49,74 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
     missing
         Indices of the chunks that were not done, rising, by the name of their part; without it the
         page says only how many they are.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     sessions = answer.sessions
-    banner = Banner(
-        verb="campaign",
-        subject=answer.campaign.name,
-        word=answer.verdict.upper(),
-        colour=_COLOURS[answer.verdict],
-        meaning=_meaning(answer),
-        figures=_figures(answer),
-    )
-    return page(
+    undone = any(part.done < part.planned for part in answer.parts)
+    body = prose(
         "campaign.html.j2",
-        banner,
-        _made(answer),
         answer=answer,
         missing=missing or {},
         speeds=_speeds(sessions),
-        worked=sum(one.seconds for one in sessions),
-        did=sum(one.runs for one in sessions),
-        given_up=sum(one.given_up for one in answer.troubles),
+        worked=sum(session.seconds for session in sessions),
+        did=sum(session.runs for session in sessions),
+        given_up=sum(trouble.given_up for trouble in answer.troubles),
         most_troubles=MOST_TROUBLES,
         macro=lambda view: _MACROS[type(view)],
         tools=_TOOLS,
         words=words,
     )
-
-
-def _made(answer: Answer) -> tuple[tuple[str, str], ...]:
-    """What the campaign was made from, and how to do it again."""
-    again = f"meso-robust campaign CAMPAIGN.toml --seed {answer.campaign.seed}"
-    so = (
+    incomplete = section(body, "missing", "Not everything was done", "", "notice")
+    again = (
         ", with the file above; the same campaign and code give the same totals, however the work "
         "is split and however often it ends"
     )
-    return (
-        ("to reproduce", code(again, so)),
-        ("totals", code(answer.totals_digest)),
-        ("campaign", code(answer.campaign.hash)),
-        ("code", code(provenance.code())),
-        versions({"meso-robust": __version__, **provenance.versions(), "commit": commit()}),
+    return page(
+        Report(
+            banner=Banner(
+                verb="campaign",
+                subject=answer.campaign.name,
+                word=answer.verdict.upper(),
+                colour=_COLOURS[answer.verdict],
+                meaning=_meaning(answer),
+                figures=_figures(answer),
+                answers=body.answers(),
+            ),
+            sections=(
+                *[incomplete] * undone,
+                section(body, "parts", "Parts"),
+                *(
+                    Section(
+                        f"part-{number}",
+                        body.title(part),
+                        link=part.part.name,
+                        body=(body.part(part, number),),
+                        look="",
+                    )
+                    for number, part in enumerate(answer.parts, start=1)
+                ),
+                section(body, "throughput", "Throughput"),
+                section(body, "troubles", "Troubles"),
+                section(body, "stated", "Campaign file"),
+            ),
+            made=made(
+                f"meso-robust campaign CAMPAIGN.toml --seed {answer.campaign.seed}",
+                ("totals", code(answer.totals_digest)),
+                ("campaign", code(answer.campaign.hash)),
+                ("code", code(provenance.code())),
+                after=again,
+                using={
+                    "meso-robust": __version__,
+                    **provenance.versions(),
+                    "commit": commit(),
+                },
+            ),
+            styles=("diagnosis.css", "campaign.css"),
+        )
     )
 
 
@@ -132,7 +169,7 @@ def _speeds(sessions: tuple[Session, ...]) -> Bars | None:
     )
 
 
-def _drawings(view: Paths, name: str) -> list[tuple[str, Markup]]:
+def _drawings(view: Paths, name: str) -> list[Figure]:
     return figures.drawings(view, MOST_RUNS, name)
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -14,8 +13,10 @@ from matplotlib.patches import Rectangle
 from meso_robust import units
 from meso_robust.campaigns.kind import Bars, Coverage, Paths
 from meso_robust.reporting import canvas
+from meso_robust.reporting.report import Figure as Picture
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.types import Floats
+from meso_robust.wording import worded
 
 SHADES = (
     ("none", "none"),
@@ -27,7 +28,7 @@ SHADES = (
 )
 """Classes of the bins of a strip, from empty to crowded, with what they mean."""
 _STEPS = np.array([0.25, 0.7, 1.4, 4.0])
-_MOST_OUTLINES = 10
+_MOST_OUTLINES = 10  # of a run; more would cover one another
 _CLOSE = 0.06  # of the width of a picture, the room that a number takes
 
 
@@ -88,7 +89,7 @@ def _shades(counts: tuple[int, ...]) -> tuple[str, ...]:
     )
 
 
-def drawings(view: Paths, most: int, name: str) -> list[tuple[str, Markup]]:
+def drawings(view: Paths, most: int, name: str) -> list[Picture]:
     """The hardest runs, each with its title, and a last picture of where they end.
 
     Parameters
@@ -109,10 +110,10 @@ def drawings(view: Paths, most: int, name: str) -> list[tuple[str, Markup]]:
         for number, (label, poses) in enumerate(runs, start=1):
             figure = path_figure(view, poses, seen)
             svg = to_svg(figure, f"{name}-run{number}", f"Outlines of the part along run {number}")
-            found.append((f"{number}. {label}", svg))
+            found.append(Picture(svg=svg, title=worded(f"{number}. {label}"), wide=False))
         figure = ends_figure(view, np.array([poses[-1] for _, poses in runs]))
         svg = to_svg(figure, f"{name}-ends", "Last poses of the runs beside the goal's tolerance")
-    return [*found, ("Where they end", svg)]
+    return [*found, Picture(svg=svg, title="Where they end", wide=False)]
 
 
 def path_figure(view: Paths, poses: Floats, seen: Floats) -> Figure:

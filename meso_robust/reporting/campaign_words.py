@@ -17,7 +17,7 @@ _CELL = re.compile(r"(?=.*\d)([\d\s.,;%…–±()\[\]/<>≤≥×+−-]|e[+-]?\d|
 _BLANK = {"", "-", "–", NONE}
 _SHORT = 14  # letters of a word that may stand for a number, such as "not met"
 _LONG = re.compile(r"(?<![\w.,])\d{4,}(?![\w,-])")
-_MOST_SPANS = 40
+_MOST_SPANS = 40  # stretches of chunks that are named one by one
 
 
 def count(value: int) -> str:

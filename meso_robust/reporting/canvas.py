@@ -47,12 +47,34 @@ def shown(coordinate: Coordinate, values: Floats) -> Floats:
 
 
 def poses_shown(poses: Floats) -> Floats:
-    """(..., 3) poses in m and rad to um and deg."""
+    """(..., 3) poses in m and rad to um and deg.
+
+    Parameters
+    ----------
+    poses
+        (..., 3) x, y in m, θ in rad.
+
+    Returns
+    -------
+    Floats
+        (..., 3) x, y in um, θ in deg.
+    """
     return np.asarray(poses) / np.array([units.UM, units.UM, units.DEG])
 
 
 def ends(box: PoseBox, coordinate: Coordinate) -> tuple[float, float]:
-    """Ends of one side of a box, um or deg."""
+    """Ends of one side of a box, um or deg.
+
+    Parameters
+    ----------
+    box, coordinate
+        The box, and which of its sides.
+
+    Returns
+    -------
+    tuple of float
+        Lower and upper end, um or deg.
+    """
     side: Interval = getattr(box, coordinate)
     low, high = shown(coordinate, np.array([side.lo, side.hi]))
     return float(low), float(high)
@@ -73,6 +95,11 @@ def corners(pose: Floats, body: Floats) -> Floats:
         (3,) x, y, theta in m and rad.
     body
         (4, 2) corners in the part's own frame, m.
+
+    Returns
+    -------
+    Floats
+        (4, 2) x, y in the world, um.
     """
     c, s = np.cos(pose[2]), np.sin(pose[2])
     turned = body @ np.array([[c, s], [-s, c]])
@@ -80,12 +107,33 @@ def corners(pose: Floats, body: Floats) -> Floats:
 
 
 def outline(axes: Axes, pose: Floats, body: Floats, label: str, **look: Any) -> None:
-    """Draw the part at a pose."""
+    """Draw the part at a pose.
+
+    Parameters
+    ----------
+    axes
+        Where; in um.
+    pose, body
+        As for `corners`.
+    label, look
+        What it is called, and how matplotlib is to draw it.
+    """
     axes.add_patch(Polygon(corners(pose, body), closed=True, label=label, **look))
 
 
 def panel(width: float, height: float) -> tuple[Figure, Axes]:
-    """A figure with one pair of axes that fills it, sizes in inches."""
+    """A figure with one pair of axes that fills it, sizes in inches.
+
+    Parameters
+    ----------
+    width, height
+        Of the figure, inches.
+
+    Returns
+    -------
+    tuple of Figure and Axes
+        The axes are x and y in um; the margins leave room for their names only.
+    """
     figure = Figure(figsize=(width, height))
     left, bottom, right, top = 0.66, 0.46, 0.10, 0.10
     axes = figure.add_axes(

@@ -4,24 +4,32 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from meso_robust.reporting.skeleton import environment
+from meso_robust.reporting.report import environment
 from meso_robust.reporting.svg import style, to_svg
 
 _EVERYWHERE = re.compile(r"<style[^>]*>\s*\*\s*\{([^}]*)\}\s*</style>")
 """The library's rule for all elements: in a notebook these are also those of others."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Card:
-    """What is shown; every text is escaped.
+def card(
+    *,
+    word: str,
+    colour: str,
+    about: str,
+    meaning: str,
+    figures: Sequence[tuple[str, str]],
+    text: str,
+    picture: Markup | None = None,
+    caption: str = "",
+) -> str:
+    """An element that can stand in any page, light or dark; every text is escaped.
 
-    Attributes
+    Parameters
     ----------
     word, colour
         The verdict, and how it is shown: PROVED (positive), REFUTED, UNKNOWN or NEUTRAL.
@@ -29,25 +37,14 @@ class Card:
         What the verdict is about, and what it means, in a sentence.
     figures
         Name and value of the key figures.
-    picture, caption
-        An SVG element, and what it shows.
     text
         The answer as it is printed.
+    picture, caption
+        An SVG element, and what it shows.
     """
-
-    word: str
-    colour: str
-    about: str
-    meaning: str
-    figures: tuple[tuple[str, str], ...]
-    text: str
-    picture: Markup | None = None
-    caption: str = ""
-
-
-def html(card: Card) -> str:
-    """The card as an element that can stand in any page, light or dark."""
-    return environment().get_template("card.html.j2").render(card=card)
+    shown = {"word": word, "colour": colour, "about": about, "meaning": meaning, "text": text}
+    drawn = {"figures": figures, "picture": picture, "caption": caption}
+    return environment().get_template("card.html.j2").render(card=shown | drawn)
 
 
 def picture(draw: Callable[[], Figure], text: str, label: str) -> Markup:

@@ -22,7 +22,6 @@ from meso_robust.recordings.phases import phases
 from meso_robust.recordings.summary import Checked as CheckedSet
 from meso_robust.reporting import card as cards, diagnosis_words
 from meso_robust.reporting.answer import answer
-from meso_robust.reporting.card import Card
 from meso_robust.reporting.diagnosis_figures import held_out_figure, map_figure
 from meso_robust.reporting.identification_figures import profile_figure, recording_figure
 from meso_robust.reporting.plan_figures import overview_figure
@@ -67,51 +66,90 @@ _RECORDINGS = {
 
 
 def planned_card(result: Planned, promise: Promise | None, text: str) -> str:
-    """A judged plan: the way of the part from the start to the goal."""
+    """A judged plan: the way of the part from the start to the goal.
+
+    Parameters
+    ----------
+    result
+        The plan and all that is known of it.
+    promise
+        What a fitted model made of the task; None without one.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     said = answer(result, promise)
-    return cards.html(
-        Card(
-            word=said.verdict,
-            colour=said.verdict,
-            about=result.task.name,
-            meaning=said.meaning,
-            figures=said.figures,
-            picture=cards.picture(lambda: overview_figure(result), text, "The whole plan"),
-            caption=f"0: the start; 1 to {len(result.found.rules)}: the part after each move of the "
-            "nominal run; dashed: the goal.",
-            text=text,
-        )
+    return cards.card(
+        word=said.verdict,
+        colour=said.verdict,
+        about=result.task.name,
+        meaning=said.meaning,
+        figures=said.figures,
+        picture=cards.picture(lambda: overview_figure(result), text, "The whole plan"),
+        caption=f"0: the start; 1 to {len(result.found.rules)}: the part after each move of the "
+        "nominal run; dashed: the goal.",
+        text=text,
     )
 
 
 def checked_card(checked: Checked, certificate: Certificate, task: Task, text: str) -> str:
-    """A checked certificate: the boxes that it states."""
+    """A checked certificate: the boxes that it states.
+
+    Parameters
+    ----------
+    checked
+        What came of the check.
+    certificate, task
+        As read.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     colour, meaning = _CHECKED[checked.verdict]
     proved = [item.verdict == "PROVED" for step in certificate.steps for item in step.obligations]
     holds = checked.positive and certificate.verdict == Verdict.PROVED.word
-    return cards.html(
-        Card(
-            word=checked.verdict,
-            colour=colour,
-            about=task.name,
-            meaning=meaning,
-            figures=(
-                ("the certificate says", certificate.verdict),
-                ("moves", str(len(certificate.policy))),
-                ("inequalities stated as proved", f"{sum(proved)} of {len(proved)}"),
-            ),
-            picture=cards.picture(
-                lambda: certificate_figure(certificate, task, holds=holds), text, "Stated boxes"
-            ),
-            caption="The part at the start and (dashed) in the goal; numbered boxes: where the "
-            "certificate says its centre is before the first and after each move.",
-            text=text,
-        )
+    return cards.card(
+        word=checked.verdict,
+        colour=colour,
+        about=task.name,
+        meaning=meaning,
+        figures=(
+            ("the certificate says", certificate.verdict),
+            ("moves", str(len(certificate.policy))),
+            ("inequalities stated as proved", f"{sum(proved)} of {len(proved)}"),
+        ),
+        picture=cards.picture(
+            lambda: certificate_figure(certificate, task, holds=holds), text, "Stated boxes"
+        ),
+        caption="The part at the start and (dashed) in the goal; numbered boxes: where the "
+        "certificate says its centre is before the first and after each move.",
+        text=text,
     )
 
 
 def simulated_card(found: Simulated, document: SimulationDocument, text: str) -> str:
-    """Simulated runs: the nominal one, and where the others end."""
+    """Simulated runs: the nominal one, and where the others end.
+
+    Parameters
+    ----------
+    found, document
+        The runs, and their result document.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     sampled = document.sampled
     figures = [
         ("sampled runs end in the goal", f"{sampled.in_goal} of {sampled.runs}"),
@@ -119,56 +157,78 @@ def simulated_card(found: Simulated, document: SimulationDocument, text: str) ->
     ]
     if sampled.largest_miss is not None:
         figures.append(("tolerances, the worst distance", significant(sampled.largest_miss, 3)))
-    return cards.html(
-        Card(
-            word="IN THE GOAL" if document.all_in_goal else "NOT ALL IN THE GOAL",
-            colour="PROVED" if document.all_in_goal else "REFUTED",
-            about=document.task,
-            meaning="Simulated runs are evidence, not a proof.",
-            figures=tuple(figures),
-            picture=cards.picture(lambda: runs_figure(found), text, "Simulated runs"),
-            caption="Outlines: the nominal run before the first and after each move; dots: last "
-            "places of the sampled runs, red crosses those outside the goal.",
-            text=text,
-        )
+    return cards.card(
+        word="IN THE GOAL" if document.all_in_goal else "NOT ALL IN THE GOAL",
+        colour="PROVED" if document.all_in_goal else "REFUTED",
+        about=document.task,
+        meaning="Simulated runs are evidence, not a proof.",
+        figures=tuple(figures),
+        picture=cards.picture(lambda: runs_figure(found), text, "Simulated runs"),
+        caption="Outlines: the nominal run before the first and after each move; dots: last "
+        "places of the sampled runs, red crosses those outside the goal.",
+        text=text,
     )
 
 
 def identified_card(document: ModelDocument, found: Identification, text: str) -> str:
-    """A fitted model: how the misfit rises along each parameter."""
+    """A fitted model: how the misfit rises along each parameter.
+
+    Parameters
+    ----------
+    document, found
+        The model as written and as found.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     best, known = document.minima[0], len(found.determined)
     word = verdict(document)
     likely = found.fitted is not None
-    return cards.html(
-        Card(
-            word=word,
-            colour=COLOURS[word],
-            about=document.model,
-            meaning=sentence(meaning(document))
-            or f"The recordings determine {known} of {counted(len(found.profiles), 'parameter')}.",
-            figures=(
-                ("recordings", str(len(document.recording))),
-                *(
-                    (key, f"{about(one.value)} [{low_end(one.low)}, {high_end(one.high)}]")
-                    for key, one in list(document.parameters.items())[:3]
-                ),
-                ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
+    return cards.card(
+        word=word,
+        colour=COLOURS[word],
+        about=document.model,
+        meaning=sentence(meaning(document))
+        or f"The recordings determine {known} of {counted(len(found.profiles), 'parameter')}.",
+        figures=(
+            ("recordings", str(len(document.recording))),
+            *(
+                (key, f"{about(one.value)} [{low_end(one.low)}, {high_end(one.high)}]")
+                for key, one in list(document.parameters.items())[:3]
             ),
-            picture=cards.picture(
-                lambda: profile_figure(found) if likely else recording_figure(found, 0),
-                text,
-                "Rise of χ² along every parameter" if likely else "A recording beside the model",
-            ),
-            caption="How the misfit rises to both sides of each fitted parameter."
-            if likely
-            else "The first recording beside the model.",
-            text=text,
-        )
+            ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
+        ),
+        picture=cards.picture(
+            lambda: profile_figure(found) if likely else recording_figure(found, 0),
+            text,
+            "Rise of χ² along every parameter" if likely else "A recording beside the model",
+        ),
+        caption="How the misfit rises to both sides of each fitted parameter."
+        if likely
+        else "The first recording beside the model.",
+        text=text,
     )
 
 
 def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -> str:
-    """A diagnosis: what the extended model does to the error on recordings held out."""
+    """A diagnosis: what the extended model does to the error on recordings held out.
+
+    Parameters
+    ----------
+    document, evidence
+        The diagnosis, and the motion that it is about.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     look, mismatch, held = (
         diagnosis_words.LOOKS[document.verdict],
         document.mismatch,
@@ -191,66 +251,86 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
                 )
             return map_figure(evidence, list(range(len(evidence.files)))[:MOST_ROWS])
 
-    return cards.html(
-        Card(
-            word=document.verdict.upper(),
-            colour=look.colour,
-            about=diagnosis_words.answer(document),
-            meaning=look.meaning,
-            figures=tuple(figures),
-            picture=cards.picture(drawn, text, "Errors of the models"),
-            caption="Errors on the recordings held out, before and after the effects were added."
-            if worst
-            else "Residuals by recording and time.",
-            text=text,
-        )
+    return cards.card(
+        word=document.verdict.upper(),
+        colour=look.colour,
+        about=diagnosis_words.answer(document),
+        meaning=look.meaning,
+        figures=tuple(figures),
+        picture=cards.picture(drawn, text, "Errors of the models"),
+        caption="Errors on the recordings held out, before and after the effects were added."
+        if worst
+        else "Residuals by recording and time.",
+        text=text,
     )
 
 
 def recordings_card(checked: CheckedSet, text: str) -> str:
-    """A checked recording set: its first recording."""
+    """A checked recording set: its first recording.
+
+    Parameters
+    ----------
+    checked
+        The set and what was found in it.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     colour, meaning = _RECORDINGS[checked.verdict]
     found = checked.recordings
-    return cards.html(
-        Card(
-            word=checked.verdict,
-            colour=colour,
-            about=checked.source,
-            meaning=meaning,
-            figures=(
-                ("recordings", str(len(found.recordings))),
-                ("rows", str(sum(one.times.size for one in found.recordings))),
-                ("errors and warnings", str(len(checked.matters))),
-                ("repairs", str(len(checked.repairs))),
-            ),
-            picture=cards.picture(lambda: _way(found), text, "A recording"),
-            caption=f"{found.recordings[0].file}: the way of part and tips; x, y, θ over time.",
-            text=text,
-        )
+    return cards.card(
+        word=checked.verdict,
+        colour=colour,
+        about=checked.source,
+        meaning=meaning,
+        figures=(
+            ("recordings", str(len(found.recordings))),
+            ("rows", str(sum(one.times.size for one in found.recordings))),
+            ("errors and warnings", str(len(checked.matters))),
+            ("repairs", str(len(checked.repairs))),
+        ),
+        picture=cards.picture(lambda: _way(found), text, "A recording"),
+        caption=f"{found.recordings[0].file}: the way of part and tips; x, y, θ over time.",
+        text=text,
     )
 
 
 def tracked_card(found: Tracked, text: str) -> str:
-    """Tracked videos: the way of part and tips in the first in which the part was found."""
+    """Tracked videos: the way of part and tips in the first in which the part was found.
+
+    Parameters
+    ----------
+    found
+        The tracks and what was made of them.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     videos, recordings = found.answer.videos, found.recordings
     frames, seen = sum(one.frames for one in videos), sum(one.found for one in videos)
     drawn = None
     if recordings is not None:
         drawn = cards.picture(lambda: _way(recordings), text, "A recording")
-    return cards.html(
-        Card(
-            word="TRACKED" if found.answer.tracked else "LOST",
-            colour="PROVED" if found.answer.tracked else "REFUTED",
-            about=", ".join(one.video for one in videos),
-            meaning="Frames that cannot be trusted stay empty, with the reason.",
-            figures=(
-                ("videos", str(len(videos))),
-                ("frames with a pose", f"{seen} of {frames}"),
-            ),
-            picture=drawn,
-            caption="The first recording: the way of part and tips; x, y, θ over time.",
-            text=text,
-        )
+    return cards.card(
+        word="TRACKED" if found.answer.tracked else "LOST",
+        colour="PROVED" if found.answer.tracked else "REFUTED",
+        about=", ".join(one.video for one in videos),
+        meaning="Frames that cannot be trusted stay empty, with the reason.",
+        figures=(
+            ("videos", str(len(videos))),
+            ("frames with a pose", f"{seen} of {frames}"),
+        ),
+        picture=drawn,
+        caption="The first recording: the way of part and tips; x, y, θ over time.",
+        text=text,
     )
 
 
@@ -260,37 +340,59 @@ def _way(recordings: RecordingSet) -> Figure:
 
 
 def campaigned_card(found: CampaignAnswer, text: str) -> str:
-    """What came of a campaign: runs and failures of its parts."""
+    """What came of a campaign: runs and failures of its parts.
+
+    Parameters
+    ----------
+    found
+        The answer of the campaign.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     colour, meaning = _CAMPAIGN[found.verdict]
     parts = found.parts
     done, planned = sum(one.done for one in parts), sum(one.planned for one in parts)
-    return cards.html(
-        Card(
-            word=found.verdict.upper(),
-            colour=colour,
-            about=found.campaign.name,
-            meaning=meaning,
-            figures=(
-                ("runs", f"{sum(one.runs for one in parts):,}"),
-                ("of them failed", f"{sum(one.failed for one in parts):,}"),
-                ("chunks done", f"{done:,} of {planned:,}"),
-            ),
-            picture=cards.picture(lambda: shares_figure(parts), text, "Failures by part"),
-            caption="Share of the runs of each part that failed.",
-            text=text,
-        )
+    return cards.card(
+        word=found.verdict.upper(),
+        colour=colour,
+        about=found.campaign.name,
+        meaning=meaning,
+        figures=(
+            ("runs", f"{sum(one.runs for one in parts):,}"),
+            ("of them failed", f"{sum(one.failed for one in parts):,}"),
+            ("chunks done", f"{done:,} of {planned:,}"),
+        ),
+        picture=cards.picture(lambda: shares_figure(parts), text, "Failures by part"),
+        caption="Share of the runs of each part that failed.",
+        text=text,
     )
 
 
 def reproduced_card(names: tuple[str, ...], rows: int, text: str) -> str:
-    """Tables and figures of the paper made again, in words."""
-    return cards.html(
-        Card(
-            word="REPRODUCED",
-            colour="NEUTRAL",
-            about=", ".join(names),
-            meaning="Printed values and ours stand side by side in the report.",
-            figures=(("items", str(len(names))), ("values", str(rows))),
-            text=text,
-        )
+    """Tables and figures of the paper made again, in words.
+
+    Parameters
+    ----------
+    names, rows
+        The items, and how many values they hold.
+    text
+        The answer as it is printed.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
+    return cards.card(
+        word="REPRODUCED",
+        colour="NEUTRAL",
+        about=", ".join(names),
+        meaning="Printed values and ours stand side by side in the report.",
+        figures=(("items", str(len(names))), ("values", str(rows))),
+        text=text,
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from shlex import quote
 
@@ -37,7 +36,7 @@ from meso_robust.reporting.diagnosis_words import (
     unit_words,
 )
 from meso_robust.reporting.equations import typeset
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import Banner, Figure, Report, code, made, page, prose, section
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import STAGES
 from meso_robust.reporting.words import number, significant
@@ -50,14 +49,6 @@ MOST_ROWS = 40
 """Rows of one table, and recordings of one picture."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Picture:
-    """A drawing with its title."""
-
-    title: str
-    svg: Markup
-
-
 def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: str) -> str:
     """One self-contained HTML page: the answer first, then its grounds.
 
@@ -67,25 +58,17 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         The diagnosis, as written, and the motion that it is about.
     source
         Name of the recording set.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     with style():
         pictures = _pictures(document, evidence)
-    look = LOOKS[document.verdict]
-    banner = Banner(
-        verb="diagnose",
-        subject=source,
-        about=f"plain model {document.baseline.model}",
-        word=document.verdict.upper(),
-        colour=look.colour,
-        meaning=Markup("<strong>{}</strong><br>{}<br>Why: {}.").format(
-            answer(document), look.meaning, document.why.rstrip(".")
-        ),
-        figures=tuple((name, value) for value, name in _figures(document)),
-    )
-    return page(
+    origin, extended = document.provenance, bool(document.effects)
+    body = prose(
         "diagnosis.html.j2",
-        banner,
-        _made(document, source),
         document=document,
         pictures=pictures,
         sets=sets(document),
@@ -107,20 +90,67 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         probability=probability,
         counted=counted,
     )
-
-
-def _made(document: DiagnosisDocument, source: str) -> list[tuple[str, str]]:
-    """What the diagnosis was made from, and how to make it again."""
-    made = document.provenance
-    again = (
-        f"meso-robust diagnose {quote(source)} --model {document.baseline.model} --seed {made.seed}"
+    better = "Does the fit improve?" if extended else "Error on held-out recordings"
+    return page(
+        Report(
+            banner=_banner(document, source),
+            sections=(
+                section(
+                    body,
+                    "answer",
+                    "What the plain model leaves out" if extended else "The answer",
+                    "Answer",
+                ),
+                *(
+                    ()
+                    if pictures["held_out"] is None
+                    else (section(body, "better", better, "Held out"),)
+                ),
+                section(body, "overlays", "Recorded and simulated motion", "Recordings"),
+                section(
+                    body,
+                    "maps",
+                    f"Residuals{' before and after' if extended else ''}",
+                    "Residuals",
+                ),
+                section(body, "where", "Where the plain model fails", "Where"),
+                section(body, "chance", "Could it be chance?", "Chance"),
+                section(body, "candidates", "Candidates"),
+                section(body, "invariances", "Invariances"),
+                section(body, "blind", "What these recordings could not show", "Not identifiable"),
+                section(body, "next", "The next experiment", "Next experiment", look="notice next"),
+                section(body, "noise", "Noise", ""),
+                section(body, "limits", "What this does not say"),
+            ),
+            made=made(
+                f"meso-robust diagnose {quote(source)} --model {document.baseline.model} "
+                f"--seed {origin.seed}{' --quick' * origin.quick}",
+                ("recordings (SHA-256)", code(origin.recordings_sha256)),
+                using={
+                    **made_with(),
+                    "meso-robust": origin.meso_robust,
+                    "seed": str(origin.seed),
+                },
+                notes=origin.notes,
+            ),
+            styles=("diagnosis.css",),
+        )
     )
-    return [
-        ("to reproduce", code(again + " --quick" * made.quick)),
-        ("recordings (SHA-256)", code(made.recordings_sha256)),
-        versions({**made_with(), "meso-robust": made.meso_robust, "seed": str(made.seed)}),
-        *(("note", note) for note in made.notes),
-    ]
+
+
+def _banner(document: DiagnosisDocument, source: str) -> Banner:
+    look = LOOKS[document.verdict]
+    return Banner(
+        verb="diagnose",
+        subject=source,
+        about=f"plain model {document.baseline.model}",
+        word=document.verdict.upper(),
+        colour=look.colour,
+        meaning=Markup("<strong>{}</strong><br>{}<br>Why: {}.").format(
+            answer(document), look.meaning, document.why.rstrip(".")
+        ),
+        figures=_figures(document),
+    )
 
 
 def _meaning(effect: str, key: str) -> str:
@@ -130,34 +160,25 @@ def _meaning(effect: str, key: str) -> str:
 
 
 def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    """Value and name of what stands under the headline."""
+    """Name and value of what stands under the headline."""
     mismatch, held = document.mismatch, document.held_out
-    p = probability(mismatch.p_value)
-    shown = [(f"p = {p}", f"of a misfit as large without a mismatch; {mismatch.nulls} sets")]
+    likely = f"of a misfit as large without a mismatch; {mismatch.nulls} sets"
+    rows = [(likely, f"p = {probability(mismatch.p_value)}")]
+
+    def errors(name: str, before: float, after: float, unit: str) -> None:
+        change = f" → {significant(after, 3)}" if document.effects else ""
+        rows.append((name, f"{significant(before, 3)}{change} {unit}"))
+
     if held.recordings:
-        shown.append(
-            (
-                _before_after(document, held.baseline_sigma, held.extended_sigma, "σ"),
-                f"error on {counted(len(held.recordings), 'held-out recording')}; {noise_words(held)}",
-            )
+        what = (
+            f"error on {counted(len(held.recordings), 'held-out recording')}; {noise_words(held)}"
         )
-        shown.append(
-            (
-                _before_after(document, held.baseline_um, held.extended_um, "µm"),
-                "the same error in position",
-            )
-        )
+        errors(what, held.baseline_sigma, held.extended_sigma, "σ")
+        errors("the same error in position", held.baseline_um, held.extended_um, "µm")
     before, after = held.extrapolation_baseline_sigma, held.extrapolation_extended_sigma
     if before is not None and after is not None:
-        shown.append((_before_after(document, before, after, "σ"), "error on extrapolation"))
-    return shown
-
-
-def _before_after(document: DiagnosisDocument, before: float, after: float, unit: str) -> str:
-    """Both errors, or the one there is if nothing was added."""
-    if not document.effects:
-        return f"{significant(before, 3)} {unit}"
-    return f"{significant(before, 3)} → {significant(after, 3)} {unit}"
+        errors("error on extrapolation", before, after, "σ")
+    return rows
 
 
 def _held_out(document: DiagnosisDocument) -> list[HeldOutRecording]:
@@ -176,32 +197,46 @@ def _shades() -> list[tuple[str, str]]:
     ]
 
 
-def _pictures(document: DiagnosisDocument, evidence: Evidence) -> dict[str, object]:
+def _pictures(
+    document: DiagnosisDocument, evidence: Evidence
+) -> dict[str, Figure | list[Figure] | None]:
     """Everything that is drawn; None where there is nothing to draw."""
     worst = np.argsort(-size(residuals(evidence, evidence.baseline)), kind="stable").tolist()
     vectors, scale = vectors_figure(evidence)
     rows = sorted(worst[:MOST_ROWS])
     held, spans = _held_out(document), document.mismatch.where
     noise = document.held_out.noise_floor_sigma, document.held_out.repeatability_sigma
-    return {
-        "held_out": to_svg(
-            held_out_figure(held, noise, bool(document.effects)), "held", "Held-out errors"
-        )
-        if held
-        else None,
-        "strip": to_svg(
-            strip_figure(spans, evidence, _marked(document, evidence)), "strip", "Spans of misfit"
-        )
-        if spans
-        else None,
-        "map": to_svg(map_figure(evidence, rows), "map", "Residuals by recording and time"),
-        "vectors": to_svg(vectors, "vectors", "Residuals by place on the stage"),
-        "scale": f"{scale:g}",
-        "null": to_svg(null_figure(evidence, document), "null", "Local tests without a mismatch")
-        if len(evidence.null_statistics)
-        else None,
+    pictures: dict[str, Figure | list[Figure] | None] = {
+        "held_out": None,
+        "strip": None,
+        "map": Figure(
+            svg=to_svg(map_figure(evidence, rows), "map", "Residuals by recording and time"),
+            caption="Root mean square of x, y and θ over the noise in each sixtieth of the longest "
+            "recording; empty where nothing was seen.",
+        ),
+        "vectors": Figure(
+            svg=to_svg(vectors, "vectors", "Residuals by place on the stage"),
+            title="By place on the stage",
+            caption=f"Recorded less simulated position, {scale:g} times enlarged, at the place of "
+            "the part.",
+        ),
+        "null": None,
         "recordings": [_recording(evidence, row) for row in worst[:MOST_PICTURES]],
     }
+    if held:
+        drawing = held_out_figure(held, noise, bool(document.effects))
+        pictures["held_out"] = Figure(svg=to_svg(drawing, "held", "Held-out errors"))
+    if spans:
+        drawing = strip_figure(spans, evidence, _marked(document, evidence))
+        pictures["strip"] = Figure(
+            svg=to_svg(drawing, "strip", "Spans of misfit"),
+            caption="Grey: the recording. In every row x, y and θ from top to bottom; the colour is "
+            "the stage of the chain whose hidden input explains the span best.",
+        )
+    if len(evidence.null_statistics):
+        svg = to_svg(null_figure(evidence, document), "null", "Local tests without a mismatch")
+        pictures["null"] = Figure(svg=svg, wide=False)
+    return pictures
 
 
 def _marked(document: DiagnosisDocument, evidence: Evidence) -> list[int]:
@@ -211,10 +246,10 @@ def _marked(document: DiagnosisDocument, evidence: Evidence) -> list[int]:
     return sorted(rows[:MOST_ROWS])
 
 
-def _recording(evidence: Evidence, row: int) -> _Picture:
+def _recording(evidence: Evidence, row: int) -> Figure:
     file = evidence.files[row]
     kind = "held out" if file in evidence.held_out else "training"
     if file in evidence.extrapolation:
         kind += ", extrapolation"
     svg = to_svg(overlay_figure(evidence, row), f"rec{row}", f"Recording {file} beside the models")
-    return _Picture(f"{file} ({kind})", svg)
+    return Figure(svg=svg, title=f"{file} ({kind})")

@@ -24,9 +24,9 @@ LEVELS = (1.25, 1.75, 2.5, 4.0, 7.0, 12.0)
 """Residuals, over the noise, at which the colour of a map changes."""
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
 _SQUARE_CODES = (Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY)
-_BINS = 60
-_MOST_POINTS = 300
-_HAIRS = 12
+_BINS = 60  # of time in a map; the page says so
+_MOST_POINTS = 300  # of a line; the eye sees no more on its width
+_HAIRS = 12  # arrows of a recording
 _LONGEST_HAIR = 0.12  # of the extent of the picture
 _FAR = 4.0  # times the largest null, beyond which a linear axis would flatten the nulls
 

@@ -14,7 +14,7 @@ from meso_robust.diagnosis.document import (
     Verdict,
     WhereSection,
 )
-from meso_robust.reporting.skeleton import Colour
+from meso_robust.reporting.report import Colour
 from meso_robust.reporting.words import number, signed, significant
 from meso_robust.wording import counted, down, down_to, up, up_to
 
@@ -153,7 +153,18 @@ def span_words(span: WhereSection) -> str:
 
 
 def summary(document: DiagnosisDocument) -> str:
-    """The answer in a few lines: verdict, effects, where, held-out errors."""
+    """The answer in a few lines: verdict, effects, where, held-out errors.
+
+    Parameters
+    ----------
+    document
+        The diagnosis.
+
+    Returns
+    -------
+    str
+        Lines for a terminal.
+    """
     return "\n".join(
         [
             f"{document.verdict.upper()}: {document.why}",

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Drawing
 from matplotlib.patches import Circle, Rectangle
 
 from meso_robust import units
@@ -16,36 +14,24 @@ from meso_robust.identification.experiment import Experiment, PlannedPush
 from meso_robust.identification.models import Model
 from meso_robust.provenance import made_with
 from meso_robust.reporting.canvas import BEFORE, GHOST, GRID, TIP, outline
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import (
+    Banner,
+    Figure,
+    Report,
+    Section,
+    code,
+    figure,
+    html,
+    made,
+    page,
+    table,
+)
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import number, significant
 from meso_robust.wording import counted
 
-_COLUMNS = 4
+_COLUMNS = 4  # of panels
 _LEAST_TIP = 20.0  # um: a smaller tip is drawn larger, or nobody would see it
-
-
-@dataclass(frozen=True, slots=True)
-class PushRow:
-    """A push in words: um and deg."""
-
-    name: str
-    part: str
-    tip: str
-    travel: str
-    place: str
-    note: str
-
-
-@dataclass(frozen=True, slots=True)
-class IntervalRow:
-    """What a parameter is expected to be known to, in its own unit."""
-
-    name: str
-    value: str
-    before: str
-    after: str
-    times: str
 
 
 def experiment_page(
@@ -59,38 +45,89 @@ def experiment_page(
         The pushes.
     found, model
         The design that they come from and its model, if they do; what is expected of it is shown.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     bench = experiment.bench
     times = "time" if bench.trials == 1 else "times"
-    banner = Banner(
-        verb="identify",
-        subject=counted(len(experiment.pushes), "push", "pushes"),
-        about=f"{bench.trials} {times} each",
-        word="Designed pushes" if found else "Pushes that identify the part",
-        colour="NEUTRAL",
-        meaning="Lay the part down as drawn, bring the tip to its start (free of contact), start "
-        "the recording, make the travel, lift the tip.",
-        figures=(
-            ("pushes", str(len(experiment.pushes))),
-            ("trials of each", str(bench.trials)),
-            ("speed", f"{number(bench.speed / units.UM)} µm/s"),
-            ("radius of the tip", f"{number(bench.tip_radius / units.UM)} µm"),
-        ),
-    )
+    sections = [_pushes(experiment)]
+    if found and model:
+        sections.append(_expected(found, model))
+    if experiment.left_out:
+        rows = [(code(name), why) for name, why in experiment.left_out]
+        unused = table("Points that are not used", " | ", rows, named=False)
+        sections.append(Section("unused", "Not used", (unused,)))
     again = f"meso-robust identify --{f'design {len(experiment.pushes)}' if found else 'plan'}"
     return page(
-        "experiment.html.j2",
-        banner,
+        Report(
+            banner=Banner(
+                verb="identify",
+                subject=counted(len(experiment.pushes), "push", "pushes"),
+                about=f"{bench.trials} {times} each",
+                word="Designed pushes" if found else "Pushes that identify the part",
+                colour="NEUTRAL",
+                meaning="Lay the part down as drawn, bring the tip to its start (free of contact), "
+                "start the recording, make the travel, lift the tip.",
+                figures=(
+                    ("pushes", str(len(experiment.pushes))),
+                    ("trials of each", str(bench.trials)),
+                    ("speed", f"{number(bench.speed / units.UM)} µm/s"),
+                    ("radius of the tip", f"{number(bench.tip_radius / units.UM)} µm"),
+                ),
+            ),
+            sections=sections,
+            made=made(again, after=" with the same part and options", using=made_with()),
+        )
+    )
+
+
+def _pushes(experiment: Experiment) -> Section:
+    picture = Figure(
+        svg=drawing(experiment),
+        title="Start of every push",
+        caption="The field of view; the arrow is the tip's travel.",
+    )
+    words = html(
+        "<p>µm and deg; the origin is the middle of the field, x to the right, y up. A place is "
+        "measured from the middle of its edge, counter-clockwise; none is nearer to a corner than "
+        "{} µm.</p>",
+        number(experiment.bench.corner_margin / units.UM),
+    )
+    heads = "push | ~part x, y, θ | ~tip | ~travel | ~place | "
+    rows = [_row(push) for push in experiment.pushes]
+    return Section(
+        "pushes",
+        "The pushes",
+        (figure(picture), words, table("Pushes", heads, rows, named=False)),
+    )
+
+
+def _expected(design: Design, model: Model) -> Section:
+    words = html(
+        "<p>Intervals of 90 % by the normal approximation at the values taken for the truth, starts "
+        "unknown; chosen by: {}.</p>",
+        design.criterion,
+    )
+    heads = "parameter | ~taken for the truth | ~before | ~after | times shorter"
+    rows = [
         (
-            ("to reproduce", code(again, " with the same part and options")),
-            versions(made_with()),
-        ),
-        drawing=drawing(experiment),
-        rows=[_row(push) for push in experiment.pushes],
-        margin=number(bench.corner_margin / units.UM),
-        criterion=found.criterion if found else "",
-        intervals=_intervals(found, model) if found and model else [],
-        left_out=experiment.left_out,
+            code(parameter.key),
+            significant(before.value / parameter.to_si),
+            _ends(before, parameter.to_si),
+            _ends(after, parameter.to_si),
+            significant(1.0 / shrinking(before, after), 3) if before.informed else "—",
+        )
+        for before, after, parameter in zip(
+            design.before, design.after, model.parameters, strict=True
+        )
+    ]
+    return Section(
+        "expected",
+        "What is to be expected",
+        (words, table("Expected intervals", heads, rows, named=False)),
     )
 
 
@@ -99,13 +136,13 @@ def drawing(experiment: Experiment) -> Markup:
     rows = -(-len(experiment.pushes) // _COLUMNS)
     wide, high = np.array(experiment.bench.field) / units.UM
     with style():
-        figure = Figure(figsize=(9.4, 0.35 + rows * (0.3 + 2.2 * high / wide)))
-        grid = figure.add_gridspec(rows, _COLUMNS, wspace=0.06, hspace=0.28)
+        drawn = Drawing(figsize=(9.4, 0.35 + rows * (0.3 + 2.2 * high / wide)))
+        grid = drawn.add_gridspec(rows, _COLUMNS, wspace=0.06, hspace=0.28)
         grid.update(left=0.01, right=0.99, top=1.0 - 0.09 / rows, bottom=0.01)
         for k, push in enumerate(experiment.pushes):
-            axes = figure.add_subplot(grid[k // _COLUMNS, k % _COLUMNS])
+            axes = drawn.add_subplot(grid[k // _COLUMNS, k % _COLUMNS])
             _panel(axes, experiment, push)
-        return to_svg(figure, "pushes", "Start of every push: part, tip and travel")
+        return to_svg(drawn, "pushes", "Start of every push: part, tip and travel")
 
 
 def _panel(axes: Axes, experiment: Experiment, push: PlannedPush) -> None:
@@ -126,35 +163,21 @@ def _panel(axes: Axes, experiment: Experiment, push: PlannedPush) -> None:
     axes.set_axis_off()
 
 
-def _row(push: PlannedPush) -> PushRow:
+def _row(push: PlannedPush) -> tuple[str, ...]:
+    """Cells of a push, um and deg."""
     x, y, theta = push.start
     note = ""
     if push.moved_from_corner > 0.0:
         asked, moved = push.asked / units.UM, push.moved_from_corner / units.UM
         note = f"asked for {number(asked)}, at the corner; moved inwards by {number(moved)}"
-    return PushRow(
-        name=push.name,
-        part=f"{_um(x)}, {_um(y)}, {number(theta / units.DEG)}°",
-        tip=f"{_um(push.tip[0])}, {_um(push.tip[1])}",
-        travel=f"{_um(push.travel[0])}, {_um(push.travel[1])}",
-        place=f"edge {push.edge}, {_um(push.place)}",
-        note=note,
+    return (
+        code(push.name),
+        f"{_um(x)}, {_um(y)}, {number(theta / units.DEG)}°",
+        f"{_um(push.tip[0])}, {_um(push.tip[1])}",
+        f"{_um(push.travel[0])}, {_um(push.travel[1])}",
+        f"edge {push.edge}, {_um(push.place)}",
+        html('<span class="muted">{}</span>', note),
     )
-
-
-def _intervals(found: Design, model: Model) -> list[IntervalRow]:
-    return [
-        IntervalRow(
-            name=parameter.key,
-            value=significant(before.value / parameter.to_si),
-            before=_ends(before, parameter.to_si),
-            after=_ends(after, parameter.to_si),
-            times=significant(1.0 / shrinking(before, after), 3) if before.informed else "—",
-        )
-        for before, after, parameter in zip(
-            found.before, found.after, model.parameters, strict=True
-        )
-    ]
 
 
 def _ends(interval: Interval, unit: float) -> str:

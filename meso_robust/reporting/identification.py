@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from shlex import quote
 
 import numpy as np
@@ -20,21 +19,25 @@ from meso_robust.reporting.identification_figures import (
     recording_figure,
     support_figure,
 )
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import (
+    Banner,
+    Figure,
+    Report,
+    Section,
+    bullets,
+    code,
+    figure,
+    html,
+    made,
+    page,
+    table,
+)
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import about, high_end, low_end, sentence, signed, significant
 from meso_robust.wording import down_to, up_to
 
 MOST_PICTURES = 12
 """Recordings that are drawn, those with the largest residuals first."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Picture:
-    """A drawing with its title."""
-
-    title: str
-    svg: Markup
 
 
 def identification_report(document: ModelDocument, found: Identification, source: str) -> str:
@@ -46,36 +49,61 @@ def identification_report(document: ModelDocument, found: Identification, source
         The fitted model, as written and as found.
     source
         Name of the recording set.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
-    with style():
-        pictures = {
-            "profiles": _profiles(found),
-            "supports": _supports(found),
-            "recordings": [_recording(found, row) for row in _worst(found)],
-        }
-    word = verdict(document)
-    banner = Banner(
+    origin = document.provenance
+    with style():  # for all that the sections draw
+        sections = (
+            _parameters(document, found),
+            _not_identifiable(document),
+            _minima(document, found),
+            _recordings(document, found),
+        )
+    return page(
+        Report(
+            banner=_banner(document, found.model, source),
+            sections=sections,
+            made=made(
+                f"meso-robust identify {quote(source)} --model {document.model} "
+                f"--objective {document.objective} --starts {origin.starts} --seed {origin.seed}",
+                ("recordings (SHA-256)", code(origin.recordings_sha256)),
+                *((("noise of x and y", noise_words(document.sensor)),) if document.sensor else ()),
+                using={
+                    **made_with(),
+                    "meso-robust": origin.meso_robust,
+                    "seed": str(origin.seed),
+                },
+                notes=origin.notes,
+            ),
+        )
+    )
+
+
+def _banner(document: ModelDocument, model: Model, source: str) -> Banner:
+    word, best = verdict(document), document.minima[0]
+    figures = [
+        ("recordings", str(len(document.recording))),
+        ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
+        ("RMS of θ", f"{best.theta_deg:.2g}°"),
+        ("local minima", str(len(document.minima))),
+    ]
+    if (quality := document.quality) is not None:
+        test = f"{quality.chi2:,.0f} on {quality.freedom:,}, {p_words(quality.p_value)}"
+        figures.append(("χ² on degrees of freedom", test))
+    return Banner(
         verb="identify",
         subject=source,
         about=f"model {document.model}",
         word=word,
         colour=COLOURS[word],
         meaning=Markup("<strong>{}</strong><br>{}").format(
-            sentence(meaning(document)) or _headline(document, found.model), _how(document)
+            sentence(meaning(document)) or _headline(document, model), _how(document)
         ),
-        figures=tuple(_figures(document)),
-    )
-    return page(
-        "identification.html.j2",
-        banner,
-        _made(document, source),
-        document=document,
-        rows=[_row(key, one) for key, one in document.parameters.items()],
-        minima=document.minima,
-        pictures=pictures,
-        drawn=DRAWN_MINIMA,
-        significant=significant,
-        p_words=p_words,
+        figures=figures,
     )
 
 
@@ -89,22 +117,6 @@ def _how(document: ModelDocument) -> str:
     return (
         f"Maximum likelihood with unknown starts; {100 * document.confidence:.0f} % intervals by "
         "profile likelihood."
-    )
-
-
-def _made(document: ModelDocument, source: str) -> tuple[tuple[str, str], ...]:
-    """What the model was made from, and how to make it again."""
-    made = document.provenance
-    again = (
-        f"meso-robust identify {quote(source)} --model {document.model} "
-        f"--objective {document.objective} --starts {made.starts} --seed {made.seed}"
-    )
-    return (
-        ("to reproduce", code(again)),
-        ("recordings (SHA-256)", code(made.recordings_sha256)),
-        *((("noise of x and y", noise_words(document.sensor)),) if document.sensor else ()),
-        versions({**made_with(), "meso-robust": made.meso_robust, "seed": str(made.seed)}),
-        *(("note", note) for note in made.notes),
     )
 
 
@@ -129,40 +141,129 @@ def _high(one: ParameterSection) -> str:
     return "?" if one.open_high else high_end(one.high)
 
 
-def _figures(document: ModelDocument) -> list[tuple[str, str]]:
-    """Name and value of what stands under the headline."""
-    best = document.minima[0]
-    shown = [
-        ("recordings", str(len(document.recording))),
-        ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
-        ("RMS of θ", f"{best.theta_deg:.2g}°"),
-        ("local minima", str(len(document.minima))),
+def _parameters(document: ModelDocument, found: Identification) -> Section:
+    heads = "parameter | #value | #low | #high"
+    rows = [
+        (
+            code(key),
+            significant(fitted.value),
+            "no lower bound" if fitted.open_low else signed(down_to(fitted.low, 6)),
+            "no upper bound" if fitted.open_high else signed(up_to(fitted.high, 6)),
+        )
+        for key, fitted in document.parameters.items()
     ]
-    if document.quality is not None:
-        shown.append(("χ² on degrees of freedom", _test(document.quality)))
-    return shown
+    body = [table("Parameters", heads, rows)]
+    if document.quality is not None and document.quality.inflation > 1:
+        body.append(_misfit(document.quality))
+    if (sensor := document.sensor) is not None:
+        words = "<p>Noise: {} µm ({}) and {}° ({}).</p>"
+        position = significant(sensor.position_sigma_um, 3), sensor.position_source
+        angle = significant(sensor.orientation_sigma_deg, 3), sensor.orientation_source
+        body.append(html(words, *position, *angle))
+    if found.fitted is not None:
+        body.append(
+            figure(
+                Figure(
+                    svg=to_svg(
+                        profile_figure(found), "profiles", "Rise of χ² along every parameter"
+                    ),
+                    title="How χ² rises when a parameter is held and all others follow",
+                    caption="Dashed: the quantile that ends the interval (shaded). The rise is "
+                    "divided by what variances were multiplied with, for residuals beyond the noise "
+                    "and for the error of the steps.",
+                )
+            )
+        )
+    return Section("parameters", "Parameters", body)
 
 
-def _test(quality: QualitySection) -> str:
-    return f"{quality.chi2:,.0f} on {quality.freedom:,}, {p_words(quality.p_value)}"
+def _misfit(quality: QualitySection) -> Markup:
+    rejected = quality.rejected
+    advice = " <code>meso-robust diagnose</code> looks for what it leaves out." if rejected else ""
+    return html(
+        '<div class="notice"><h2>{}</h2>\n<p>χ² = {} for {} degrees of freedom ({}), and neighbouring '
+        "residuals correlate by {:.2f}. The intervals are {:.3g} times as wide as the sensor's noise "
+        f"alone would make them, and hold only for what this model can describe.{advice}</p></div>",
+        "The recordings reject this model" if rejected else "The model does not explain everything",
+        significant(quality.chi2),
+        quality.freedom,
+        p_words(quality.p_value),
+        quality.correlation,
+        quality.inflation**0.5,
+    )
 
 
-def _row(key: str, one: ParameterSection) -> dict[str, str]:
-    low = "no lower bound" if one.open_low else signed(down_to(one.low, 6))
-    high = "no upper bound" if one.open_high else signed(up_to(one.high, 6))
-    return {"key": key, "value": significant(one.value), "low": low, "high": high}
+def _not_identifiable(document: ModelDocument) -> Section:
+    rows = [(code(each.name), f"{each.why}.") for each in document.not_identifiable]
+    return Section(
+        "unknown",
+        "What the recordings do not determine",
+        link="Not identifiable",
+        body=(table("What is not determined", "what | why", rows),),
+    )
 
 
-def _profiles(found: Identification) -> Markup | None:
-    if found.fitted is None:
-        return None
-    return to_svg(profile_figure(found), "profiles", "Rise of χ² along every parameter")
+def _minima(document: ModelDocument, found: Identification) -> Section:
+    heads = ("minimum", "starts", "F, µm", "x, µm", "y, µm", "θ, °", *document.minima[0].parameters)
+    rows = [
+        (
+            str(number),
+            str(minimum.found),
+            "—" if minimum.objective_um is None else significant(minimum.objective_um, 4),
+            significant(minimum.x_um, 3),
+            significant(minimum.y_um, 3),
+            significant(minimum.theta_deg, 3),
+            *(significant(value, 5) for value in minimum.parameters.values()),
+        )
+        for number, minimum in enumerate(document.minima, start=1)
+    ]
+    body = [
+        html(
+            "<p>{} random starts (seed {}). F is the paper's eq. (4), each recording taken from its "
+            "first pose as seen.</p>",
+            document.provenance.starts,
+            document.provenance.seed,
+        ),
+        table("Local minima", " | #".join(heads), rows),
+    ]
+    if found.model.name.startswith("three_point"):
+        drawn = "all" if len(rows) <= DRAWN_MINIMA else f"the first {DRAWN_MINIMA}"
+        caption = f"Support points of {drawn} minima; + is the reference point."
+        label = "Support points of the local minima"
+        svg = to_svg(support_figure(found), "supports", label)
+        body.append(figure(Figure(svg=svg, caption=caption, wide=False)))
+    return Section("minima", "Local minima", link="Minima", body=body)
 
 
-def _supports(found: Identification) -> Markup | None:
-    if not found.model.name.startswith("three_point"):
-        return None
-    return to_svg(support_figure(found), "supports", "Support points of the local minima")
+def _recordings(document: ModelDocument, found: Identification) -> Section:
+    heads = "recording | #frames | #x, µm | #y, µm | #θ, ° | simulated push"
+    rows = [
+        (
+            each.file,
+            each.frames,
+            significant(each.x_um, 3),
+            significant(each.y_um, 3),
+            significant(each.theta_deg, 3),
+            each.outcome,
+        )
+        for each in document.recording
+    ]
+    body = [table("Recordings", heads, rows)]
+    if document.provenance.notes:
+        body += [
+            html("<h3>Taken otherwise than it stands in the files</h3>"),
+            bullets(document.provenance.notes),
+        ]
+    drawn = [_recording(found, row) for row in _worst(found)]
+    words = (
+        "<p>Left, to scale: the part at the start (light) and at the end (grey), and where the model "
+        "puts its end (blue, dashed); way of the reference point, seen (dots) and fitted (line); way "
+        "of the tips (orange).\nRight: seen less fitted."
+    )
+    if len(drawn) < len(rows):
+        words += f" The {len(drawn)} recordings with the largest residuals of {len(rows)}."
+    body += [html(f"{words}</p>"), figure(*drawn)]
+    return Section("recordings", "Recordings", body)
 
 
 def _worst(found: Identification) -> list[int]:
@@ -173,7 +274,7 @@ def _worst(found: Identification) -> list[int]:
     return [int(row) for row in np.argsort(-mean)[:MOST_PICTURES]]
 
 
-def _recording(found: Identification, row: int) -> _Picture:
+def _recording(found: Identification, row: int) -> Figure:
     name = found.prepared.files[row]
     svg = to_svg(recording_figure(found, row), f"rec{row}", f"Recording {name} beside the model")
-    return _Picture(name, svg)
+    return Figure(svg=svg, title=name)

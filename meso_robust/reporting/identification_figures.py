@@ -29,7 +29,7 @@ from meso_robust.reporting.canvas import (
 )
 from meso_robust.types import Floats
 
-_COLUMNS = 4
+_COLUMNS = 4  # of panels
 _COLOURS = (CERTIFIED, TIP, OPEN, MISS, MUTED, AFTER)
 DRAWN_MINIMA = len(_COLOURS)
 """Most minima in one picture."""

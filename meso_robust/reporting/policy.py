@@ -54,6 +54,11 @@ def draw(policy: Policy, slices: Sequence[Slice]) -> str:
         What is drawn.
     slices
         The tube from one start; its start also says through which poses the maps are cut.
+
+    Returns
+    -------
+    str
+        The document.
     """
     with style():
         figure = _figure(policy, slices)
@@ -164,7 +169,18 @@ def _legend(figure: Figure, policy: Policy) -> None:
 
 
 def summary(policy: Policy, slices: Sequence[Slice], seconds: float) -> str:
-    """The policy in a page of Markdown."""
+    """The policy in a page of Markdown.
+
+    Parameters
+    ----------
+    policy, slices, seconds
+        The policy, the tube from the task's start, and how long it took to build.
+
+    Returns
+    -------
+    str
+        Markdown; starts are rounded inward, poses of the tube outward.
+    """
     lines = [
         f"# Certified policy: {policy.task.name}",
         "",

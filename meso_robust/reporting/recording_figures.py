@@ -28,7 +28,7 @@ from meso_robust.types import Floats
 
 SIZE = (11.6, 4.2)  # inches
 MOST_POINTS = 400  # of one line
-GHOSTS = 4
+GHOSTS = 4  # outlines between the first and the last
 
 
 def recording_figure(

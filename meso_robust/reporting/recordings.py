@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from shlex import quote
 
 import numpy as np
@@ -12,12 +12,25 @@ from meso_robust.identification.answer import set_hash
 from meso_robust.provenance import made_with
 from meso_robust.recordings import Recording
 from meso_robust.recordings.noise import Spread, estimated_sensor, systematic
-from meso_robust.recordings.problem import KINDS, Problem, lines_text
+from meso_robust.recordings.problem import KINDS, lines_text
 from meso_robust.recordings.problems import line_numbers
 from meso_robust.recordings.rules import DEG, UM
-from meso_robust.recordings.summary import Checked, RecordingSummary, summary
+from meso_robust.recordings.summary import Checked, RecordingSummary, TipSummary, summary
 from meso_robust.reporting.recording_figures import recording_figure
-from meso_robust.reporting.skeleton import Banner, Colour, code, page, versions
+from meso_robust.reporting.report import (
+    Banner,
+    Colour,
+    Figure,
+    Report,
+    Section,
+    bullets,
+    code,
+    figure,
+    html,
+    made,
+    page,
+    table,
+)
 from meso_robust.reporting.svg import style, to_svg
 
 MOST_PICTURES = 16
@@ -37,26 +50,6 @@ _MEANING = {
 _TAGS = {"error": "bad", "warning": "open", "information": ""}
 
 
-@dataclass(frozen=True, slots=True)
-class _Row:
-    """A problem or a repair in words."""
-
-    tag: str
-    severity: str
-    where: str
-    kind: str
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Picture:
-    """One recording: its name, its numbers and its drawing."""
-
-    title: str
-    caption: str
-    svg: Markup
-
-
 def recordings_report(checked: Checked) -> str:
     """One self-contained HTML page on a checked set: the verdict first, then problems and pictures.
 
@@ -64,89 +57,119 @@ def recordings_report(checked: Checked) -> str:
     ----------
     checked
         The set and all that was found. The pictures show it as it is after the repair.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
-    summaries = {one.file: one for one in summary(checked.recordings)}
-    with style():
-        pictures = [
-            _picture(checked, recording, summaries[recording.file], k)
-            for k, recording in enumerate(_drawn(checked))
-        ]
-    banner = Banner(
+    summaries = {each.file: each for each in summary(checked.recordings)}
+    repair = " --repair" if checked.repairs else ""
+    notes = Section(
+        "notes",
+        "What the import says",
+        link="",
+        body=(bullets(checked.notes, most=MOST_ROWS, file="summary.json"),),
+    )
+    return page(
+        Report(
+            banner=_banner(checked, tuple(summaries.values())),
+            sections=(
+                _problems(checked),
+                _repairs(checked),
+                *[notes] * bool(checked.notes),
+                _noise(checked),
+                _numbers(tuple(summaries.values())),
+                _pictures(checked, summaries),
+            ),
+            made=made(
+                f"meso-robust recordings {quote(checked.source)}{repair}",
+                ("values as shown (SHA-256)", code(set_hash(checked.recordings))),
+                using=made_with(),
+            ),
+        )
+    )
+
+
+def _banner(checked: Checked, summaries: tuple[RecordingSummary, ...]) -> Banner:
+    errors = sum(problem.severity == "error" for problem in checked.remaining)
+    seen, lost = sum(each.seen for each in summaries), sum(each.lost for each in summaries)
+    return Banner(
         verb="recordings",
         subject=checked.source,
         about=f"format {checked.format}",
         word=checked.verdict,
         colour=_COLOURS[checked.verdict],
         meaning=_MEANING[checked.verdict],
-        figures=tuple(_figures(checked, tuple(summaries.values()))),
-    )
-    return page(
-        "recordings.html.j2",
-        banner,
-        _made(checked),
-        checked=checked,
-        remaining=[_problem(one) for one in _sorted(checked.remaining)][:MOST_ROWS],
-        repairs=[
-            _Row("", "", _where(one.file, one.rows), KINDS[one.kind], one.done)
-            for one in checked.repairs
-        ][:MOST_ROWS],
-        noise=_noise(checked),
-        table=[_numbers(one) for one in summaries.values()][:MOST_ROWS],
-        pictures=pictures,
-        most=MOST_ROWS,
-        count=len(summaries),
+        figures=(
+            ("recordings", str(len(summaries))),
+            ("frames that show the part", str(seen)),
+            ("frames lost", f"{lost} ({100.0 * lost / max(seen + lost, 1):.0f} %)"),
+            ("errors · warnings", f"{errors} · {len(checked.matters) - errors}"),
+            ("repairs", str(len(checked.repairs))),
+        ),
     )
 
 
-def _made(checked: Checked) -> tuple[tuple[str, str], ...]:
-    """What was checked, and how to check it again."""
-    repair = " --repair" if checked.repairs else ""
-    return (
-        ("to reproduce", code(f"meso-robust recordings {quote(checked.source)}{repair}")),
-        ("values as shown (SHA-256)", code(set_hash(checked.recordings))),
-        versions(made_with()),
+def _problems(checked: Checked) -> Section:
+    order = list(_TAGS)  # errors first, then warnings
+    problems = sorted(checked.remaining, key=lambda problem: order.index(problem.severity))
+    rows = [
+        (
+            Markup('<span class="tag {}">{}</span>').format(
+                _TAGS[problem.severity], problem.severity
+            ),
+            _where(problem.file, problem.rows),
+            KINDS[problem.kind],
+            f"{problem.value}; {problem.rule}; {problem.advice}.",
+        )
+        for problem in problems
+    ]
+    heads = "weight | where | what | found; rule; what to do"
+    return Section(
+        "problems",
+        "Problems that are left" if checked.repairs else "Problems",
+        link="Problems",
+        body=(_table("Problems", heads, rows) if rows else html("<p>None.</p>"),),
     )
 
 
-def _sorted(problems: tuple[Problem, ...]) -> list[Problem]:
-    """Errors first, then warnings."""
-    order = list(_TAGS)
-    return sorted(problems, key=lambda one: order.index(one.severity))
+def _repairs(checked: Checked) -> Section:
+    none = "made; --repair makes those that invent no data" if checked.found else "needed"
+    words = (
+        "<p>What was no measurement is taken as not seen or left out. Nothing was filled in, and no "
+        "other value was changed.</p>"
+    )
+    rows = [
+        (_where(repair.file, repair.rows), KINDS[repair.kind], repair.done)
+        for repair in checked.repairs
+    ]
+    return Section(
+        "repairs",
+        "Repairs",
+        (html(words), _table("Repairs", "where | what | done", rows))
+        if rows
+        else (html("<p>None was {}.</p>", none),),
+    )
+
+
+def _table(label: str, heads: str, rows: Sequence[tuple[str, ...]]) -> Markup:
+    return table(label, heads, rows, named=False, most=MOST_ROWS, file="summary.json")
 
 
 def _where(file: str, rows: tuple[int, ...]) -> str:
     return f"{file}, {lines_text(rows)}" if rows else file
 
 
-def _problem(one: Problem) -> _Row:
-    text = f"{one.value}; {one.rule}; {one.advice}."
-    return _Row(
-        _TAGS[one.severity], one.severity, _where(one.file, one.rows), KINDS[one.kind], text
-    )
-
-
-def _figures(checked: Checked, summaries: tuple[RecordingSummary, ...]) -> list[tuple[str, str]]:
-    """Name and value of what stands under the verdict."""
-    errors = sum(one.severity == "error" for one in checked.remaining)
-    seen, lost = sum(one.seen for one in summaries), sum(one.lost for one in summaries)
-    return [
-        ("recordings", str(len(summaries))),
-        ("frames that show the part", str(seen)),
-        ("frames lost", f"{lost} ({100.0 * lost / max(seen + lost, 1):.0f} %)"),
-        ("errors · warnings", f"{errors} · {len(checked.matters) - errors}"),
-        ("repairs", str(len(checked.repairs))),
-    ]
-
-
-def _noise(checked: Checked) -> list[tuple[str, str, str, str, str]]:
-    """Coordinate, σ as stated, repeatability, systematic error, lag-1 correlation."""
+def _noise(checked: Checked) -> Section:
     stated, found = checked.recordings.sensor, estimated_sensor(checked.recordings).noise
-    rows = (
+    coordinates = (
         ("x", stated.position_sigma, found.x, UM, "µm"),
         ("y", stated.position_sigma, found.y, UM, "µm"),
         ("θ", stated.orientation_sigma, found.theta, DEG, "°"),
     )
-    return [
+    heads = "coordinate | σ stated | repeatability, from still frames | systematic error | correlation from frame to frame"
+    rows = [
         (
             name,
             "not stated" if value is None else f"{value / unit:.4g} {letter}",
@@ -156,8 +179,15 @@ def _noise(checked: Checked) -> list[tuple[str, str, str, str, str]]:
             else f"{rest / unit:.4g} {letter}",
             "—" if spread.correlation is None else f"{spread.correlation:.2f}",
         )
-        for name, value, spread, unit, letter in rows
+        for name, value, spread, unit, letter in coordinates
     ]
+    words = (
+        "<p>σ is what a set states: repeatability and systematic error together. The frames before "
+        "the first contact, in which the part is still, show the repeatability, the scatter from "
+        "frame to frame. A systematic error (of the outline, the lens, the place in the image) stays "
+        "from frame to frame: it is what σ has beyond the repeatability.</p>"
+    )
+    return Section("noise", "Noise", (html(words), table("Noise", heads, rows)))
 
 
 def _estimate(spread: Spread, unit: float, letter: str) -> str:
@@ -167,29 +197,43 @@ def _estimate(spread: Spread, unit: float, letter: str) -> str:
     return f"{spread.sigma / unit:.4g} ± {error / unit:.2g} {letter}"
 
 
-def _numbers(one: RecordingSummary) -> dict[str, str]:
-    """One recording as cells."""
-    tips = [
-        f"{tip.name}: "
-        + (
-            "not seen"
-            if tip.path is None or tip.mean_speed is None or tip.largest_speed is None
-            else f"{_short(tip.path / UM)} µm, {_short(tip.mean_speed / UM)} µm/s, "
-            f"largest {_short(tip.largest_speed / UM)}"
+def _numbers(summaries: tuple[RecordingSummary, ...]) -> Section:
+    heads = "recording | #s | frames | #part moves, µm | #turns, ° | tips: way, mean speed | phases"
+    rows = [
+        (
+            each.file,
+            f"{each.duration:.3g}",
+            _frames(each),
+            _travel(each),
+            _turn(each),
+            "; ".join(f"{tip.name}: {_speeds(tip)}" for tip in each.tips),
+            ", ".join(f"{phase.name} {phase.end - phase.start:.2g} s" for phase in each.phases),
         )
-        for tip in one.tips
+        for each in summaries
     ]
-    return {
-        "file": one.file,
-        "duration": f"{one.duration:.3g}",
-        "frames": f"{one.seen} + {one.lost} lost",
-        "travel": "—" if one.travel is None else _short(one.travel / UM),
-        "turn": "—" if one.turn is None else _short(one.turn / DEG),
-        "tips": "; ".join(tips),
-        "phases": ", ".join(
-            f"{phase.name} {phase.end - phase.start:.2g} s" for phase in one.phases
-        ),
-    }
+    body = table("Numbers", heads, rows, most=MOST_ROWS, file="summary.json")
+    return Section("numbers", "Numbers", (body,))
+
+
+def _speeds(tip: TipSummary) -> str:
+    if tip.path is None or tip.mean_speed is None or tip.largest_speed is None:
+        return "not seen"
+    return (
+        f"{_short(tip.path / UM)} µm, {_short(tip.mean_speed / UM)} µm/s, "
+        f"largest {_short(tip.largest_speed / UM)}"
+    )
+
+
+def _frames(each: RecordingSummary) -> str:
+    return f"{each.seen} + {each.lost} lost"
+
+
+def _travel(each: RecordingSummary) -> str:
+    return "—" if each.travel is None else _short(each.travel / UM)
+
+
+def _turn(each: RecordingSummary) -> str:
+    return "—" if each.turn is None else _short(each.turn / DEG)
 
 
 def _short(value: float) -> str:
@@ -197,32 +241,48 @@ def _short(value: float) -> str:
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
+def _pictures(checked: Checked, summaries: Mapping[str, RecordingSummary]) -> Section:
+    with style():
+        pictures = [
+            _picture(checked, recording, summaries[recording.file], k)
+            for k, recording in enumerate(_drawn(checked))
+        ]
+    words = (
+        "<p>Left, to scale: the part at the start (dashed), at the end (dark) and in between, the way "
+        "of its reference point (blue) and of the tips (orange).\nRight: contact is shaded blue, holes "
+        "of more than one frame amber; rows with a problem are red.\n"
+    )
+    if len(pictures) < len(summaries):
+        words += (
+            f"{len(pictures)} of {len(summaries)} recordings are drawn, those with problems first."
+        )
+    return Section("pictures", "Pictures", (html(f"{words}</p>"), figure(*pictures)))
+
+
 def _drawn(checked: Checked) -> list[Recording]:
     """Recordings to draw, those with problems first, in the order of the set."""
-    troubled = {one.file for one in checked.matters}
+    troubled = {problem.file for problem in checked.matters}
     every = checked.recordings.recordings
-    first = [one for one in every if one.file in troubled]
-    chosen = [*first, *(one for one in every if one.file not in troubled)][:MOST_PICTURES]
-    names = {one.file for one in chosen}
-    return [one for one in every if one.file in names]
+    first = sorted(every, key=lambda recording: recording.file not in troubled)[:MOST_PICTURES]
+    names = {recording.file for recording in first}
+    return [recording for recording in every if recording.file in names]
 
 
 def _picture(
     checked: Checked, recording: Recording, numbers: RecordingSummary, index: int
-) -> _Picture:
+) -> Figure:
     rows = {
         row
-        for one in checked.remaining
-        if one.file == recording.file and one.kind not in {"gap", "wrap"}
-        for row in one.rows
+        for problem in checked.remaining
+        if problem.file == recording.file and problem.kind not in {"gap", "wrap"}
+        for row in problem.rows
     }
     lines = line_numbers(recording, checked.lines)
     marked = frozenset(k for k, line in enumerate(lines) if line in rows)
-    figure = recording_figure(checked.recordings, recording, marked, numbers.phases)
-    cells = _numbers(numbers)
-    caption = (
-        f"{cells['duration']} s, {cells['frames']}; the part moves by {cells['travel']} µm and "
-        f"turns by {cells['turn']}°."
+    drawing = recording_figure(checked.recordings, recording, marked, numbers.phases)
+    return Figure(
+        svg=to_svg(drawing, f"rec{index}", f"Recording {recording.file}"),
+        title=recording.file,
+        caption=f"{numbers.duration:.3g} s, {_frames(numbers)}; the part moves by "
+        f"{_travel(numbers)} µm and turns by {_turn(numbers)}°.",
     )
-    name = f"Recording {recording.file}"
-    return _Picture(recording.file, caption, to_svg(figure, f"rec{index}", name))

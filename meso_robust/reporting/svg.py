@@ -64,6 +64,11 @@ def to_svg(figure: Figure, name: str, label: str) -> Markup:
         Prefix of all ids, so that they are unique in a page of several figures.
     label
         What the figure shows, for readers who do not see it.
+
+    Returns
+    -------
+    Markup
+        The same bytes whenever and wherever it is drawn; no width or height of its own.
     """
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None})

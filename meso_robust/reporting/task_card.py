@@ -15,34 +15,43 @@ from meso_robust.types import Floats
 
 
 def task_card(task: Task, text: str) -> str:
-    """The task: outline of the part at the start and in the goal, and the bounds of the errors."""
+    """The task: outline of the part at the start and in the goal, and the bounds of the errors.
+
+    Parameters
+    ----------
+    task, text
+        The task, and what is said of it in a line.
+
+    Returns
+    -------
+    str
+        The card, HTML that can stand in any page.
+    """
     known, part = task.uncertainty, task.part
     size = (
         f"polygon of {len(part.polygon_um)} corners"
         if isinstance(part, PolygonPart)
         else f"{part.length_um:g} × {part.width_um:g} µm"
     )
-    return cards.html(
-        cards.Card(
-            word="TASK",
-            colour="NEUTRAL",
-            about=task.name,
-            meaning=f"{text.removeprefix(f'{task.name}: ')}.",
-            figures=(
-                ("part", size),
-                (
-                    "sensed to ±",
-                    f"{known.sensed_position_um:g} µm, {known.sensed_orientation_deg:g}°",
-                ),
-                ("probes to ±", f"{known.probe_position_um:g} µm"),
-                ("friction", "{:g} … {:g}".format(*known.friction)),
-                ("film ratio", f"{known.film_ratio_um2:g} µm² ± {known.film_ratio_percent:g} %"),
+    return cards.card(
+        word="TASK",
+        colour="NEUTRAL",
+        about=task.name,
+        meaning=f"{text.removeprefix(f'{task.name}: ')}.",
+        figures=(
+            ("part", size),
+            (
+                "sensed to ±",
+                f"{known.sensed_position_um:g} µm, {known.sensed_orientation_deg:g}°",
             ),
-            picture=cards.picture(lambda: task_figure(task), repr(task), "Start and goal"),
-            caption="Solid: the part at the start; dashed: in the middle of the goal"
-            + ("." if task.slot is None else "; grey: the walls of the slot."),
-            text=text,
-        )
+            ("probes to ±", f"{known.probe_position_um:g} µm"),
+            ("friction", "{:g} … {:g}".format(*known.friction)),
+            ("film ratio", f"{known.film_ratio_um2:g} µm² ± {known.film_ratio_percent:g} %"),
+        ),
+        picture=cards.picture(lambda: task_figure(task), repr(task), "Start and goal"),
+        caption="Solid: the part at the start; dashed: in the middle of the goal"
+        + ("." if task.slot is None else "; grey: the walls of the slot."),
+        text=text,
     )
 
 

@@ -4,19 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from shlex import quote
 from typing import Any
 
 import numpy as np
 from markupsafe import Markup
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Drawing
 
 from meso_robust.provenance import commit
 from meso_robust.recordings import RecordingSet
 from meso_robust.reporting.canvas import CERTIFIED, OPEN, TIP
 from meso_robust.reporting.recording_figures import recording_figure
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import (
+    Banner,
+    Figure,
+    Report,
+    Rows,
+    Section,
+    bullets,
+    code,
+    facts,
+    figure,
+    html,
+    made,
+    page,
+    table,
+)
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
@@ -27,21 +40,6 @@ MOST_PICTURES = 8
 MOST_ROWS = 300
 """Rows of one table."""
 UM, DEG = 1e-6, math.pi / 180.0
-
-
-@dataclass(frozen=True, slots=True)
-class _Picture:
-    title: str
-    caption: str
-    svg: Markup
-
-
-@dataclass(frozen=True, slots=True)
-class _Lost:
-    video: str
-    frames: str
-    state: str
-    reason: str
 
 
 def tracking_report(
@@ -57,71 +55,133 @@ def tracking_report(
         What was seen, in the order of the document.
     recordings
         The set made of those in which the part was found, or None if there is none.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     with style():
         pictures = [] if recordings is None else _pictures(answer, tracks, recordings)
-    count = len(answer.videos)
-    banner = Banner(
-        verb="track",
-        subject=", ".join(video.video for video in answer.videos),
-        about=counted(count, "video"),
-        word="TRACKED" if answer.tracked else "LOST",
-        colour="PROVED" if answer.tracked else "REFUTED",
-        meaning=_meaning(answer),
-        figures=tuple(_figures(answer)),
-    )
+    lost = [row for video in answer.videos for row in _lost(video)]
     return page(
-        "tracking.html.j2",
-        banner,
-        _made(answer),
-        answer=answer,
-        lost=[row for video in answer.videos for row in _lost(video)],
-        most=MOST_ROWS,
-        camera=_camera(answer),
-        pictures=pictures,
-        number=_number,
+        Report(
+            banner=_banner(answer),
+            sections=(
+                Section("videos", "Videos", _videos(answer)),
+                Section(
+                    "lost",
+                    "Lost frames",
+                    (
+                        html(
+                            "<p>Frames that cannot be trusted have no pose: their cells are empty, "
+                            "nothing is filled in.</p>"
+                        ),
+                        table(
+                            "Lost frames",
+                            "video | ~frames | state | reason",
+                            lost,
+                            most=MOST_ROWS,
+                            file="track.json",
+                        ),
+                    )
+                    if lost
+                    else (html("<p>None: the part has a pose in every frame.</p>"),),
+                ),
+                Section("camera", "Camera", (facts(_camera(answer)),)),
+                Section("pictures", "Pictures", (figure(*pictures),)),
+            ),
+            made=_made(answer),
+        )
     )
 
 
-def _made(answer: TrackDocument) -> list[tuple[str, str]]:
-    """What the recordings were made from, and how to make them again."""
-    names = " ".join(quote(video.video) for video in answer.videos)
-    found = {key: value for key, value in answer.provenance.items() if isinstance(value, str)}
-    hashes = [
-        (f"SHA-256 of {video.video}", code(video.sha256)) for video in answer.videos if video.sha256
-    ]
-    asked = answer.provenance.get("asked", {})
-    return [
-        ("to reproduce", code(f"meso-robust track {names}", " with the options below")),
-        ("options", ", ".join(f"{key} {value}" for key, value in asked.items()) or "none"),
-        *hashes,
-        versions({**found, "commit": commit()}),
-    ]
-
-
-def _meaning(answer: TrackDocument) -> str:
-    share = f"{100 * answer.most_lost:g} %"
-    if answer.tracked:
-        return f"In every video part and probes were found in all frames except {share} at most."
-    return f"{lost_in_words(answer)}."
-
-
-def _figures(answer: TrackDocument) -> list[tuple[str, str]]:
+def _banner(answer: TrackDocument) -> Banner:
     frames = sum(video.frames for video in answer.videos)
-    found = sum(video.found for video in answer.videos)
+    with_pose = sum(video.found for video in answer.videos)
     places = [video.rms_um for video in answer.videos if video.rms_um is not None]
     angles = [video.rms_deg for video in answer.videos if video.rms_deg is not None]
-    return [
-        ("frames", f"{frames}"),
-        ("with a pose", f"{100 * found / max(frames, 1):.1f} %"),
-        ("largest σ of x, y of a video", f"{_number(max(places, default=None), 2)} µm"),
-        ("largest σ of θ of a video", f"{_number(max(angles, default=None), 4)} deg"),
+    share = f"{100 * answer.most_lost:g} %"
+    return Banner(
+        verb="track",
+        subject=", ".join(video.video for video in answer.videos),
+        about=counted(len(answer.videos), "video"),
+        word="TRACKED" if answer.tracked else "LOST",
+        colour="PROVED" if answer.tracked else "REFUTED",
+        meaning=f"In every video part and probes were found in all frames except {share} at most."
+        if answer.tracked
+        else f"{lost_in_words(answer)}.",
+        figures=(
+            ("frames", f"{frames}"),
+            ("with a pose", f"{100 * with_pose / max(frames, 1):.1f} %"),
+            ("largest σ of x, y of a video", f"{_number(max(places, default=None), 2)} µm"),
+            ("largest σ of θ of a video", f"{_number(max(angles, default=None), 4)} deg"),
+        ),
+    )
+
+
+def _made(answer: TrackDocument) -> Rows:
+    names = " ".join(quote(video.video) for video in answer.videos)
+    programs = {key: value for key, value in answer.provenance.items() if isinstance(value, str)}
+    asked = answer.provenance.get("asked", {})
+    return made(
+        f"meso-robust track {names}",
+        ("options", ", ".join(f"{key} {value}" for key, value in asked.items()) or "none"),
+        *(
+            (f"SHA-256 of {video.video}", code(video.sha256))
+            for video in answer.videos
+            if video.sha256
+        ),
+        after=" with the options below",
+        using={**programs, "commit": commit()},
+    )
+
+
+def _videos(answer: TrackDocument) -> tuple[Markup, ...]:
+    heads = "video | recording | #frames | #part found | #σ of x, y in px | #in µm | #σ of θ in deg | probes: found, σ in px"
+    rows = [
+        (
+            video.video,
+            code(video.file) if video.file else "none",
+            video.frames,
+            video.found,
+            _number(video.rms_px, 3),
+            _number(video.rms_um, 2),
+            _number(video.rms_deg, 4),
+            _probes(video),
+        )
+        for video in answer.videos
     ]
+    notes = [
+        html("<h3>Notes on {}</h3>", video.video) + bullets(video.notes)
+        for video in answer.videos
+        if video.notes
+    ]
+    return (
+        table("Videos", heads, rows),
+        html(
+            "<p>σ is the root mean square of the standard deviations that the tracker states for "
+            "each frame; the covariance of each frame stands in "
+            "<code>&lt;recording&gt;_covariance.csv</code>.</p>"
+        ),
+        *notes,
+    )
 
 
-def _lost(video: VideoDocument) -> list[_Lost]:
+def _probes(video: VideoDocument) -> str:
+    lines = [
+        Markup('<span class="nowrap">{}: {}, {}</span>').format(
+            probe.name, probe.found, _number(probe.sigma_px, 3)
+        )
+        for probe in video.probes
+    ]
+    return Markup("<br>").join(lines) or "none"
+
+
+def _lost(video: VideoDocument) -> list[tuple[str, ...]]:
+    """Cells of every run of lost frames."""
     return [
-        _Lost(
+        (
             video.video,
             f"{run.first}" if run.first == run.last else f"{run.first} … {run.last}",
             run.state,
@@ -153,28 +213,36 @@ def _camera(answer: TrackDocument) -> list[tuple[str, str]]:
 
 def _pictures(
     answer: TrackDocument, tracks: Sequence[Track], recordings: RecordingSet
-) -> list[_Picture]:
+) -> list[Figure]:
     by_file = {recording.file: recording for recording in recordings.recordings}
-    pictures: list[_Picture] = []
+    pictures: list[Figure] = []
     for k, (video, track) in enumerate(zip(answer.videos, tracks, strict=True)):
         if video.file is None or len(pictures) >= 2 * MOST_PICTURES:
             continue
-        recording = by_file[video.file]
-        title = f"{video.video}: the way"
-        figure = recording_figure(recordings, recording, frozenset(), ())
-        caption = "Outlines of the part on its way, tips, and x, y, θ over time; orange: not seen."
-        pictures.append(_Picture(title, caption, to_svg(figure, f"way{k}", title)))
-        title = f"{video.video}: standard deviations"
-        caption = "As the tracker states them for each frame; gaps are lost frames."
-        pictures.append(_Picture(title, caption, to_svg(_spread(track), f"spread{k}", title)))
+        way = f"{video.video}: the way"
+        drawing = recording_figure(recordings, by_file[video.file], frozenset(), ())
+        deviations = f"{video.video}: standard deviations"
+        pictures += [
+            Figure(
+                svg=to_svg(drawing, f"way{k}", way),
+                title=way,
+                caption="Outlines of the part on its way, tips, and x, y, θ over time; orange: not "
+                "seen.",
+            ),
+            Figure(
+                svg=to_svg(_spread(track), f"spread{k}", deviations),
+                title=deviations,
+                caption="As the tracker states them for each frame; gaps are lost frames.",
+            ),
+        ]
     return pictures
 
 
-def _spread(track: Track) -> Figure:
+def _spread(track: Track) -> Drawing:
     """Standard deviations over time."""
-    figure = Figure(figsize=(11.6, 2.6))
-    place = figure.add_axes((0.057, 0.19, 0.41, 0.77))
-    angle = figure.add_axes((0.56, 0.19, 0.43, 0.77))
+    drawing = Drawing(figsize=(11.6, 2.6))
+    place = drawing.add_axes((0.057, 0.19, 0.41, 0.77))
+    angle = drawing.add_axes((0.56, 0.19, 0.43, 0.77))
     names = (("x", CERTIFIED, 0), ("y", OPEN, 1))
     for name, colour, axis in names:
         sigma = np.sqrt(track.covariances[:, axis, axis]) / UM
@@ -190,7 +258,7 @@ def _spread(track: Track) -> Figure:
     for axes in (place, angle):
         axes.set_xlabel("time in s", labelpad=2)
         axes.set_ylim(bottom=0.0)
-    return figure
+    return drawing
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -37,9 +37,9 @@ from meso_robust.types import Floats
 
 Look = dict[str, Any]
 
-PATHS = 24
+PATHS = 24  # simulated ones that are drawn through a tube
 PANEL = (5.6, 3.9)  # inches
-GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # multiples modulo one spread dots evenly, and alike every time
 CERTIFIED_LOOK: Look = {"fc": CERTIFIED_FILL, "ec": CERTIFIED, "lw": 1.3, "label": "certified box"}
 OPEN_LOOK: Look = {
     "fc": OPEN_FILL,

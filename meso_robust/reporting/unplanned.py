@@ -4,9 +4,21 @@ from __future__ import annotations
 
 from meso_robust.even_film import remarks
 from meso_robust.provenance import made_with
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import (
+    Banner,
+    Figure,
+    Report,
+    Section,
+    bullets,
+    code,
+    figure,
+    html,
+    made,
+    page,
+)
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.task_card import task_figure
+from meso_robust.reporting.words import sentence
 from meso_robust.task import Task
 from meso_robust.wording import worded
 
@@ -22,29 +34,55 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
         The reason, and after its first semicolon, else its last colon, what to do.
     verb
         Of the command line.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
     cut = why.find("; ") if "; " in why else why.rfind(": ")
     reason, advice = (why[:cut], why[cut + 2 :]) if cut > 0 else (why, "")
-    banner = Banner(
-        verb=verb,
-        subject=task.name,
-        word="UNKNOWN",
-        colour="UNKNOWN",
-        meaning="Not proved and not refuted: no primitive can handle the task as it is stated.",
-    )
-    made = (
-        ("to reproduce", code(f"meso-robust {verb} TASK.toml", " with the task file of this hash")),
-        ("task hash (SHA-256)", code(task.hash)),
-        versions(made_with(("numpy", "pydantic"))),
-    )
     with style():
         picture = to_svg(task_figure(task), "task", "Start and goal")
+    settled = html("<p><strong>What would settle it:</strong> {}.</p>", worded(advice))
+    task_body = figure(
+        Figure(
+            svg=picture,
+            title="Start and goal",
+            caption="Solid: the part at the start; dashed: in the middle of the goal.",
+            wide=False,
+        )
+    )
+    notes = [worded(remark) for remark in remarks(task)]
     return page(
-        "unplanned.html.j2",
-        banner,
-        made,
-        reason=worded(reason),
-        advice=worded(advice),
-        picture=picture,
-        remarks=[worded(one) for one in remarks(task)],
+        Report(
+            banner=Banner(
+                verb=verb,
+                subject=task.name,
+                word="UNKNOWN",
+                colour="UNKNOWN",
+                meaning="Not proved and not refuted: no primitive can handle the task as it is "
+                "stated.",
+            ),
+            sections=(
+                Section(
+                    "open",
+                    "Why there is no plan to judge",
+                    link="What is open",
+                    look="notice UNKNOWN",
+                    body=(html("<p>{}</p>", sentence(worded(reason))), *[settled] * bool(advice)),
+                ),
+                Section(
+                    "task",
+                    "The task",
+                    (task_body, *[bullets(notes)] * bool(notes)),
+                ),
+            ),
+            made=made(
+                f"meso-robust {verb} TASK.toml",
+                ("task hash (SHA-256)", code(task.hash)),
+                after=" with the task file of this hash",
+                using=made_with(("numpy", "pydantic")),
+            ),
+        )
     )

@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from markupsafe import Markup
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Drawing
 from matplotlib.patches import Polygon
 
 from meso_robust.reporting.canvas import AFTER, BEFORE, CERTIFIED, GHOST, INK, MUTED, TIP
-from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.report import Figure
+from meso_robust.reporting.theme import WALL
 from meso_robust.reproduction.bench import Place, Plan, corners
+from meso_robust.reproduction.drawing import drawn
 from meso_robust.types import Floats
 from meso_robust.units import DEG, UM
 
-WALL = "#c9ced6"
-COLUMNS = 4
+COLUMNS = 4  # of panels
 DOWN = np.array([1.0, -1.0]) / UM
 
 
-def snapshots(plan: Plan, paths: Sequence[Floats], place: Place, name: str) -> Markup:
+def snapshots(plan: Plan, paths: Sequence[Floats], place: Place, name: str, caption: str) -> Figure:
     """One picture a stroke of the first run.
 
     Parameters
@@ -30,19 +30,23 @@ def snapshots(plan: Plan, paths: Sequence[Floats], place: Place, name: str) -> M
         Strokes (T, 2), and for each the (N, R, 3) poses on the way.
     place
         The slot.
-    name
-        Prefix of the picture's ids.
+    name, caption
+        As for `drawn`.
     """
+    label = "the peg before, during and after each push"
+    return drawn(lambda: _snapshots(plan, paths, place), name, caption, label)
+
+
+def _snapshots(plan: Plan, paths: Sequence[Floats], place: Place) -> Drawing:
     rows = -(-len(plan) // COLUMNS)
-    with style():
-        figure = Figure(figsize=(11.6, 2.9 * rows), layout="constrained")
-        panels = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
-        for k, (axes, stroke, path) in enumerate(zip(panels, plan, paths, strict=False)):
-            _panel(axes, stroke, path[0], place)
-            axes.set_title(f"{k + 1}", fontsize=9)
-        for axes in panels[len(plan) :]:
-            axes.set_axis_off()
-        return to_svg(figure, name, "the peg before, during and after each push")
+    figure = Drawing(figsize=(11.6, 2.9 * rows), layout="constrained")
+    panels = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
+    for k, (axes, stroke, path) in enumerate(zip(panels, plan, paths, strict=False)):
+        _panel(axes, stroke, path[0], place)
+        axes.set_title(f"{k + 1}", fontsize=9)
+    for axes in panels[len(plan) :]:
+        axes.set_axis_off()
+    return figure
 
 
 def _panel(axes: Axes, stroke: Floats, path: Floats, place: Place) -> None:
@@ -62,7 +66,9 @@ def _panel(axes: Axes, stroke: Floats, path: Floats, place: Place) -> None:
     axes.set_ylabel("y in µm, down", labelpad=1)
 
 
-def courses(times: Floats, paths: dict[str, Floats], knots: Floats, name: str) -> Markup:
+def courses(
+    times: Floats, paths: dict[str, Floats], knots: Floats, name: str, caption: str
+) -> Figure:
     """x, y and θ over time, one line a support.
 
     Parameters
@@ -73,21 +79,25 @@ def courses(times: Floats, paths: dict[str, Floats], knots: Floats, name: str) -
         (R, 3) poses by the support's name.
     knots
         (T,) times between the moves, s.
-    name
-        Prefix of the picture's ids.
+    name, caption
+        As for `drawn`.
     """
+    label = "pose of the peg over time on each support"
+    return drawn(lambda: _courses(times, paths, knots), name, caption, label)
+
+
+def _courses(times: Floats, paths: dict[str, Floats], knots: Floats) -> Drawing:
     colours = dict(zip(paths, (CERTIFIED, TIP, MUTED), strict=False))
-    with style():
-        figure = Figure(figsize=(11.6, 3.0), layout="constrained")
-        panels = figure.subplots(1, 3)
-        words = ("x in µm", "y in µm, down", "θ in deg")
-        for k, (axes, word) in enumerate(zip(panels, words, strict=True)):
-            for knot in knots:
-                axes.axvline(knot, color=GHOST, lw=0.7)
-            for support, path in paths.items():
-                shown = path[:, k] / (UM, -UM, DEG)[k]
-                axes.plot(times, shown, color=colours[support], lw=1.3, label=support)
-            axes.set_xlabel("time in s", labelpad=1)
-            axes.set_ylabel(word, labelpad=1)
-        panels[0].legend(frameon=False)
-        return to_svg(figure, name, "pose of the peg over time on each support")
+    figure = Drawing(figsize=(11.6, 3.0), layout="constrained")
+    panels = figure.subplots(1, 3)
+    words = ("x in µm", "y in µm, down", "θ in deg")
+    for k, (axes, word) in enumerate(zip(panels, words, strict=True)):
+        for knot in knots:
+            axes.axvline(knot, color=GHOST, lw=0.7)
+        for support, path in paths.items():
+            shown = path[:, k] / (UM, -UM, DEG)[k]
+            axes.plot(times, shown, color=colours[support], lw=1.3, label=support)
+        axes.set_xlabel("time in s", labelpad=1)
+        axes.set_ylabel(word, labelpad=1)
+    panels[0].legend(frameon=False)
+    return figure

@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reproduction import rrt
 from meso_robust.reproduction.baselines import ALL, ON_FILM, REPORTED, Errors, successes
 from meso_robust.reproduction.bench import Place, Plan
 from meso_robust.reproduction.certified import certified_successes
-from meso_robust.reproduction.item import Found, Item, Row, Setting
-from meso_robust.reproduction.rivals import plans
+from meso_robust.reproduction.item import Found, Item, Row, Setting, success
+from meso_robust.reproduction.seven_steps import tuned
 
 RUNS = {True: 200, False: 10_000}
 """Of each plan at the stated uncertainty, if quick and if not."""
@@ -81,11 +80,11 @@ def run(setting: Setting) -> Found:
     good = int(np.sum(certified_successes(runs, setting.seed)))
     rows.insert(len(made), _row("certified", STATED, good, runs))
     data[f"certified: {STATED}"] = [good, runs]
-    from meso_robust.reproduction.comparison_figure import figure
+    from meso_robust.reproduction.plans_figures import compared
 
     return Found(
         answer=_answer(data),
-        figures=(figure(tuple(CASES), data, PRINTED),),
+        figures=(compared(tuple(CASES), data, PRINTED),),
         rows=tuple(rows),
         missing=(
             "the numbers of trials behind 60 … 70 % and behind the scripted plan's success",
@@ -101,10 +100,8 @@ def run(setting: Setting) -> Found:
 
 def several(setting: Setting) -> dict[str, tuple[Plan, ...]]:
     """The scripted plan, and plans of the random search from several seeds."""
-    made = plans(setting)
-    more = range(1, SEEDS[setting.quick])
-    searched = (rrt.plan(Place(), setting.seed + k).plan for k in more)
-    return {"RRT": (made["RRT"], *searched), "scripted": (made["scripted"],)}
+    searched = (rrt.plan(Place(), setting.seed + k).plan for k in range(SEEDS[setting.quick]))
+    return {"RRT": tuple(searched), "scripted": (tuned(Place(), setting)[0],)}
 
 
 def hits(some: Sequence[Plan], errors: Errors, runs: int, seed: int) -> int:
@@ -117,19 +114,13 @@ def hits(some: Sequence[Plan], errors: Errors, runs: int, seed: int) -> int:
 
 
 def _row(name: str, what: str, hits: int, runs: int) -> Row:
-    low, high = share_interval(hits, runs)
     return Row(
         quantity=f"{name} plan, success; {what}",
         unit="%",
         printed=PRINTED[name] if PRINTED[name][0] < PRINTED[name][1] else PRINTED[name][0],
-        ours=(100.0 * low, 100.0 * high),
-        why=f"{hits} of {runs}, exact 95 % interval; {_how(name, what)}{_reason(name, what)}",
+        ours=success(hits, runs),
+        why=f"{hits} of {runs}, exact 95 % interval; {_how(name, what)}{REASONS.get((name, what), '')}",
     )
-
-
-def _reason(name: str, what: str) -> str:
-    """Why a share is not the printed one; empty where it is."""
-    return REASONS.get((name, what), "")
 
 
 def _how(name: str, what: str) -> str:
@@ -150,12 +141,8 @@ def _answer(data: Mapping[str, list[int]]) -> str:
         f"{shares[f'certified: {STATED}']:.2f} % of the runs, the scripted plan in "
         f"{shares[f'scripted: {STATED}']:.1f} % and the RRT plan in {shares[f'RRT: {STATED}']:.1f} %; "
         "on the dry points of Table I these two reach "
-        f"{shares[f'scripted: {_dry()}']:.1f} % and {shares[f'RRT: {_dry()}']:.1f} %."
+        f"{shares[f'scripted: {DRY}']:.1f} % and {shares[f'RRT: {DRY}']:.1f} %."
     )
-
-
-def _dry() -> str:
-    return DRY
 
 
 ITEM = Item(

@@ -32,7 +32,18 @@ class Made:
 
 
 def document(made: Mapping[str, Made], setting: Setting) -> dict[str, object]:
-    """The document of some items, plain values only."""
+    """The document of some items, plain values only.
+
+    Parameters
+    ----------
+    made, setting
+        The items by name, and what they were made with.
+
+    Returns
+    -------
+    dict
+        Numbers, texts, lists and mappings; see `SCHEMA`.
+    """
     return {
         "schema": SCHEMA,
         "meso_robust": __version__,
@@ -43,7 +54,18 @@ def document(made: Mapping[str, Made], setting: Setting) -> dict[str, object]:
 
 
 def text(values: Mapping[str, object]) -> str:
-    """The document as it is written; a number that is not finite is refused by `json`."""
+    """The document as it is written; a number that is not finite is refused by `json`.
+
+    Parameters
+    ----------
+    values
+        Of `document`.
+
+    Returns
+    -------
+    str
+        JSON.
+    """
     return json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 

@@ -1,35 +1,47 @@
-"""A matplotlib figure as a picture of an item."""
+"""A drawing as a picture of an item."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec
 
-from meso_robust.reproduction.item import Figure
+from matplotlib.figure import Figure as Drawing
+
+from meso_robust.reporting.report import Figure
+from meso_robust.reporting.svg import style, to_svg
+
+Given = ParamSpec("Given")
 
 
-def drawn(draw: Callable[[], object], name: str, caption: str) -> Figure:
+def pictured(
+    name: str, caption: str, label: str = ""
+) -> Callable[[Callable[Given, Drawing]], Callable[Given, Figure]]:
+    """Let a function that makes a drawing return the picture; arguments as of `drawn`."""
+
+    def of(draw: Callable[Given, Drawing]) -> Callable[Given, Figure]:
+        @wraps(draw)
+        def picture(*args: Given.args, **kwargs: Given.kwargs) -> Figure:
+            return drawn(lambda: draw(*args, **kwargs), name, caption, label)
+
+        return picture
+
+    return of
+
+
+def drawn(draw: Callable[[], Drawing], name: str, caption: str, label: str = "") -> Figure:
     """Draw in the report's style.
 
     Parameters
     ----------
     draw
-        Makes the matplotlib figure.
+        Makes the drawing.
     name
         Prefix of its ids.
     caption
         What it shows.
-
-    Raises
-    ------
-    TypeError
-        If something else is made.
+    label
+        The same in fewer words, for readers who do not see it; the caption by default.
     """
-    from matplotlib.figure import Figure as Canvas
-
-    from meso_robust.reporting.svg import style, to_svg
-
     with style():
-        canvas = draw()
-        if not isinstance(canvas, Canvas):
-            raise TypeError(f"{name}: must be drawn on a matplotlib figure")
-        return Figure(svg=to_svg(canvas, name, caption), caption=caption)
+        return Figure(svg=to_svg(draw(), name, label or caption), caption=caption)

@@ -7,7 +7,11 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeAlias
 
-from markupsafe import Markup
+import numpy as np
+
+from meso_robust.campaigns.intervals import share_interval
+from meso_robust.reporting.report import Figure
+from meso_robust.types import Floats
 
 Value: TypeAlias = float | tuple[float, float] | str | None
 """A number, a range from and to, words, or None where there is nothing to compare with."""
@@ -93,12 +97,16 @@ def _ends(value: float | tuple[float, float]) -> tuple[float, float]:
     return value if isinstance(value, tuple) else (value, value)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Figure:
-    """A picture: an SVG element (`reporting.svg.to_svg`) and what it shows."""
+def span(numbers: Floats) -> tuple[float, float]:
+    """Smallest and largest of those that are known: a run that jams has none."""
+    known = numbers[np.isfinite(numbers)]
+    return float(known.min()), float(known.max())
 
-    svg: Markup
-    caption: str
+
+def success(hits: int, runs: int) -> tuple[float, float]:
+    """Exact 95 % interval (Clopper–Pearson) of the probability of success, in %."""
+    low, high = share_interval(hits, runs)
+    return 100.0 * low, 100.0 * high
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

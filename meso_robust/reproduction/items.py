@@ -1,12 +1,15 @@
-"""All items by name, in the order of the paper: one line each."""
+"""All items by name, in the order of the paper, and making them again."""
 
 from __future__ import annotations
 
 import importlib
+import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from meso_robust.errors import InputError
-from meso_robust.reproduction.item import Item
+from meso_robust.reproduction.document import Made
+from meso_robust.reproduction.item import Item, Setting
 
 ITEMS: Mapping[str, str] = {
     "tests": "manipulation_tests",
@@ -42,6 +45,16 @@ def item(name: str) -> Item:
 def asked(name: str | None) -> Sequence[str]:
     """Names of the items that are asked for: one, or all.
 
+    Parameters
+    ----------
+    name
+        Of an item, or None for all.
+
+    Returns
+    -------
+    sequence of str
+        Names in the order of the paper.
+
     Raises
     ------
     InputError
@@ -51,3 +64,32 @@ def asked(name: str | None) -> Sequence[str]:
         return tuple(ITEMS)
     item(name)
     return (name,)
+
+
+def reproduced(names: Sequence[str], setting: Setting) -> dict[str, Made]:
+    """The items of these names, in their order; each has the seed of the setting.
+
+    Parameters
+    ----------
+    names
+        Of items.
+    setting
+        Size, seed, and who is told of progress.
+
+    Returns
+    -------
+    dict
+        What came of each, in the same order.
+    """
+    made = {}
+    for name in names:
+        chosen = item(name)
+        begun = time.perf_counter()
+
+        def told(what: str, done: int, of: int, of_item: str = name) -> None:
+            setting.told(f"{of_item}: {what}", done, of)
+
+        told("begins", 0, 1)
+        found = chosen.run(replace(setting, told=told))
+        made[name] = Made(name=name, item=chosen, found=found, seconds=time.perf_counter() - begun)
+    return made

@@ -16,8 +16,8 @@ from meso_robust.reproduction.eight_tests import (
     push_of,
     pushed,
 )
-from meso_robust.reproduction.item import Found, Item, Row, Setting
-from meso_robust.reproduction.printed import PART, SLOT_WIDTH, film
+from meso_robust.reproduction.item import Found, Item, Row, Setting, span
+from meso_robust.reproduction.printed import PART, SHOWN, SLOT_WIDTH, film
 from meso_robust.simulator import PushResult, exact, simulate
 from meso_robust.simulator.fixture import SLOT_WIDTH as CHANNEL
 from meso_robust.types import Floats
@@ -28,7 +28,6 @@ STRAIGHT = ("C", "G")
 """Tests that push through the centre."""
 MARGINS = (5e-6, 25e-6, 50e-6)
 """m from the corner: how near to it A, E, F and H may have been made."""
-_SHOWN = np.array([units.UM, units.UM, units.DEG])
 
 
 def moved(pushes: Mapping[str, PlannedPush], poses: Floats) -> Floats:
@@ -77,7 +76,7 @@ def run(setting: Setting) -> Found:
         figures=(task_figure(), tests_figure(pushes, results)),
         data={
             "tests": list(TESTS),
-            "moved_um_um_deg": {name: (turn / _SHOWN).tolist() for name, turn in turns.items()},
+            "moved_um_um_deg": {name: (turn / SHOWN).tolist() for name, turn in turns.items()},
             "outcomes": {name: result.outcomes.tolist() for name, result in results.items()},
         },
     )
@@ -162,7 +161,7 @@ def _outcomes(turns: Mapping[str, Floats]) -> list[Row]:
 
 
 def _pose(turn: Floats) -> str:
-    x, y, theta = turn / _SHOWN
+    x, y, theta = turn / SHOWN
     return f"{x:.0f}, {y + 0.0:.0f}, {theta + 0.0:.1f}".replace("-0,", "0,")
 
 
@@ -172,7 +171,7 @@ def _doubts(turns: Mapping[str, Floats]) -> list[Row]:
     tests = [pushes[name] for name in TESTS]
     same = exact(push_of(tests, "film", on=film(len(tests)))).poses
     off = np.abs(moved(pushes, same) - turns["film"])
-    flat = np.abs(moved(pushes, _flat(tests).poses) - turns["film"]).max(axis=0) / _SHOWN
+    flat = np.abs(moved(pushes, _flat(tests).poses) - turns["film"]).max(axis=0) / SHOWN
     near = [planned(margin) for margin in MARGINS]
     ends = [moved(some, pushed([some[name] for name in TESTS], "film").poses) for some in near]
     return [
@@ -180,7 +179,7 @@ def _doubts(turns: Mapping[str, Floats]) -> list[Row]:
             Row(
                 quantity=f"Test {test}, film: turn over places 5 to 50 um from the corner",
                 unit="deg",
-                ours=_range(np.array([end[TESTS.index(test), 2] for end in ends]) / units.DEG),
+                ours=span(np.array([end[TESTS.index(test), 2] for end in ends]) / units.DEG),
                 why="the place is printed as the corner itself",
             )
             for test in ("A", "F")
@@ -202,10 +201,6 @@ def _doubts(turns: Mapping[str, Floats]) -> list[Row]:
 
 def _flat(tests: list[PlannedPush]) -> PushResult:
     return simulate(push_of(tests, "film", flat=True))
-
-
-def _range(values: Floats) -> tuple[float, float]:
-    return float(values.min()), float(values.max())
 
 
 ITEM = Item(

@@ -5,9 +5,23 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
+
+from markupsafe import Markup
 
 from meso_robust.provenance import made_with
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import (
+    Banner,
+    Report,
+    Section,
+    bullets,
+    code,
+    figure,
+    html,
+    made,
+    page,
+    table,
+)
 from meso_robust.reporting.words import MINUS
 from meso_robust.reproduction.document import Made
 from meso_robust.reproduction.item import Agreement, Row, Setting, Value
@@ -28,14 +42,25 @@ _SAID = {
 _NONE = "–"  # where the paper prints nothing
 
 
-def reproduction_report(made: Mapping[str, Made], setting: Setting) -> str:
-    """One self-contained HTML page on some items: the answers first, then item by item."""
-    rows = [row for one in made.values() for row in one.found.rows]
+def reproduction_report(made_items: Mapping[str, Made], setting: Setting) -> str:
+    """One self-contained HTML page on some items: the answers first, then item by item.
+
+    Parameters
+    ----------
+    made_items, setting
+        The items by name, and what they were made with.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
+    """
+    rows = [row for one in made_items.values() for row in one.found.rows]
     counts = Counter(row.agreement for row in rows if not row.loose)
     banner = Banner(
         verb="reproduce",
         subject="Automated Assembly for Mesoscale Parts",
-        word=_headline(made),
+        word=_headline(made_items),
         colour="NEUTRAL",
         meaning="Every number that the paper prints beside ours, with the reason where they differ. "
         "Where the paper leaves out an input, it is named and the result is shown over its range.",
@@ -44,31 +69,72 @@ def reproduction_report(made: Mapping[str, Made], setting: Setting) -> str:
             ("beside a tolerance only", str(sum(row.loose for row in rows))),
             (
                 "inputs the paper leaves out",
-                str(sum(len(one.found.missing) for one in made.values())),
+                str(sum(len(one.found.missing) for one in made_items.values())),
             ),
-            ("seconds", f"{sum(one.seconds for one in made.values()):.0f}"),
+            ("seconds", f"{sum(one.seconds for one in made_items.values()):.0f}"),
         ),
     )
-    return page(
-        "reproduction.html.j2",
-        banner,
-        _made(made, setting),
-        made_items=tuple(made.values()),
-        shown=shown,
-        apart=apart,
-        worded=worded,
-    )
-
-
-def _made(made: Mapping[str, Made], setting: Setting) -> tuple[tuple[str, str], ...]:
-    """How to make the items again."""
-    which = f" {next(iter(made))}" if len(made) == 1 else ""
+    which = f" {next(iter(made_items))}" if len(made_items) == 1 else ""
     quick = " --quick" * setting.quick
-    return (
-        ("to reproduce", code(f"meso-robust reproduce{which}{quick} --seed {setting.seed}")),
-        ("the same numbers", code("reproduction.json")),
-        versions({**made_with(), "seed": str(setting.seed)}),
+    return page(
+        Report(
+            banner=banner,
+            sections=(
+                *[_answers(made_items)] * (len(made_items) > 1),
+                *(_section(item) for item in made_items.values()),
+            ),
+            made=made(
+                f"meso-robust reproduce{which}{quick} --seed {setting.seed}",
+                ("the same numbers", code("reproduction.json")),
+                using={**made_with(), "seed": str(setting.seed)},
+            ),
+        )
     )
+
+
+def _answers(made_items: Mapping[str, Made]) -> Section:
+    rows = [
+        (
+            Markup('<a href="#{}">{}</a>').format(name, each.item.title),
+            each.item.where,
+            worded(each.found.answer),
+        )
+        for name, each in made_items.items()
+    ]
+    body = table("Answers", "item | in the paper | what came of it", rows)
+    return Section("answers", "Answers", (body,))
+
+
+def _section(one: Made) -> Section:
+    heads = "quantity | #printed | #ours | #difference | unit | why"
+    rows = [
+        (
+            worded(row.quantity),
+            shown(row.printed),
+            shown(row.ours),
+            apart(row),
+            worded(row.unit),
+            worded(row.why),
+        )
+        for row in one.found.rows
+    ]
+    head = (
+        '<p class="muted">{} · <code>meso-robust reproduce {}</code> · {:.1f} s</p>\n'
+        "<p><strong>{}</strong></p>"
+    )
+    body = [
+        html(head, one.item.where, one.name, one.seconds, worded(one.found.answer)),
+        table(f"Numbers of {one.item.title}", heads, rows, look="roomy"),
+    ]
+    if one.found.missing:
+        texts = bullets([worded(text) for text in one.found.missing])
+        summary = "What the paper leaves out, and what was taken"
+        body.append(html("<details open><summary>{}</summary>\n{}</details>", summary, texts))
+    pictures = (
+        replace(each, caption=worded(each.caption), look="bounded") for each in one.found.figures
+    )
+    body.append(figure(*pictures))
+    return Section(one.name, one.item.title, body)
 
 
 def shown(value: Value) -> str:

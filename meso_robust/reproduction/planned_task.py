@@ -6,10 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
-import numpy as np
-
 from meso_robust import units
-from meso_robust.campaigns.intervals import share_interval
 from meso_robust.certificates.margin import Margin, margin
 from meso_robust.laboratory.draws import nominal
 from meso_robust.laboratory.running import PlanRun, run
@@ -27,7 +24,9 @@ from meso_robust.reproduction.certified import (
     how_runs_fail,
     trials,
 )
-from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.item import Found, Item, Row, Setting, success
+from meso_robust.reproduction.printed import SHOWN
+from meso_robust.reproduction.rotation_rows import sizes
 from meso_robust.wording import down
 
 PRINTED_SEPARATION_UM = 857.0
@@ -35,7 +34,6 @@ PRINTED_SEPARATION_UM = 857.0
 PRINTED_SEQUENCE = "Y-translation, rotation, Y-translation, X-translation"
 PRINTED_TRIALS = (3, 3)  # successes, trials
 INSTANTS = 24  # of each move that are kept for the figures
-DEGREES = np.array([units.UM, units.UM, units.DEG])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -122,11 +120,6 @@ def sequence(rules: Sequence[MoveRule]) -> str:
     return ", ".join(names)
 
 
-def _percent(hits: int, runs: int) -> tuple[float, float]:
-    low, high = share_interval(hits, runs)
-    return 100.0 * low, 100.0 * high
-
-
 def _rows(plan: CertifiedPlan, runs: _Runs) -> tuple[Row, ...]:
     hits, count = int(in_goal(runs.sampled, plan.setup).sum()), len(runs.sampled.outcomes)
     return (
@@ -146,8 +139,8 @@ def _rows(plan: CertifiedPlan, runs: _Runs) -> tuple[Row, ...]:
         Row(
             quantity="probability of success, 95 % interval (Clopper–Pearson)",
             unit="%",
-            printed=_percent(*PRINTED_TRIALS),
-            ours=_percent(hits, count),
+            printed=success(*PRINTED_TRIALS),
+            ours=success(hits, count),
             why=f"Printed: three of three trials, which leave this interval. Ours: {hits} of {count} "
             "simulated runs, half of them at corners of the uncertainties.",
             loose=True,
@@ -159,19 +152,15 @@ def _rows(plan: CertifiedPlan, runs: _Runs) -> tuple[Row, ...]:
 
 
 def _final_rows(runs: PlanRun) -> tuple[Row, ...]:
-    low, high = runs.final.min(axis=0) / DEGREES, runs.final.max(axis=0) / DEGREES
-    asked = ((-76.0, 76.0), (-76.0, 76.0), (175.0, 185.0))
-    return tuple(
-        Row(
-            quantity=f"final {name}, all runs",
-            unit=unit,
-            printed=asked[k],
-            ours=(float(low[k]), float(high[k])),
-            why="Printed: the goal; where the three trials ended in it is not printed. In x and y it is "
-            "ε_p read as a half side.",
-            loose=True,
-        )
-        for k, (name, unit) in enumerate((("x", "um"), ("y", "um"), ("theta", "deg")))
+    low, high = runs.final.min(axis=0) / SHOWN, runs.final.max(axis=0) / SHOWN
+    return sizes(
+        "final {}, all runs",
+        ((-76.0, 76.0), (-76.0, 76.0), (175.0, 185.0)),
+        list(zip(low.tolist(), high.tolist(), strict=True)),
+        "Printed: the goal; where the three trials ended in it is not printed. In x and y it is "
+        "ε_p read as a half side.",
+        ("x", "y", "theta"),
+        loose=True,
     )
 
 
@@ -182,8 +171,8 @@ def _printed_rotation_rows(plan: CertifiedPlan, runs: _Runs) -> tuple[Row, ...]:
         Row(
             quantity="the same plan with the separation of eq. (10), 857 um: probability of success",
             unit="%",
-            printed=_percent(*PRINTED_TRIALS),
-            ours=_percent(hits, count),
+            printed=success(*PRINTED_TRIALS),
+            ours=success(hits, count),
             why=f"{how_runs_fail(runs.printed, plan.setup) or 'no run fails'}. The two tips close on "
             "the part wherever they are less than d_w sqrt(1 + mu^2) apart: 874 um for mu = 0.30. "
             "That the trials succeeded says that friction or separation were not as printed.",
@@ -220,10 +209,10 @@ def _data(plan: CertifiedPlan, runs: _Runs) -> dict[str, object]:
         "verdict": plan.chain.verdict.word,
         "runs": len(hit),
         "in_goal": int(hit.sum()),
-        "final_low_um_um_deg": (low / DEGREES).tolist(),
-        "final_high_um_um_deg": (high / DEGREES).tolist(),
+        "final_low_um_um_deg": (low / SHOWN).tolist(),
+        "final_high_um_um_deg": (high / SHOWN).tolist(),
         "nominal_um_um_deg": [
-            (move.path[0] / DEGREES).round(4).tolist() for move in runs.nominal.moves
+            (move.path[0] / SHOWN).round(4).tolist() for move in runs.nominal.moves
         ],
         "printed_rotation_in_goal": int(in_goal(runs.printed, plan.setup).sum()),
         "printed_rotation_failures": how_runs_fail(runs.printed, plan.setup),

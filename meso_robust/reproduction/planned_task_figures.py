@@ -4,12 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Drawing
 
 from meso_robust.laboratory.running import PlanRun, rectangle
 from meso_robust.primitives.move import MoveRule
+from meso_robust.reporting.canvas import (
+    AFTER,
+    AXIS_NAME,
+    BEFORE,
+    CERTIFIED,
+    CERTIFIED_FILL,
+    GOAL,
+    MUTED,
+    TIP,
+    corners,
+    ends,
+    fit_equal,
+    outline,
+    poses_shown,
+)
+from meso_robust.reporting.report import Figure
 from meso_robust.reproduction.certified import CertifiedPlan
 from meso_robust.reproduction.drawing import drawn
-from meso_robust.reproduction.item import Figure
 from meso_robust.types import Floats
 from meso_robust.units import UM
 
@@ -52,13 +69,9 @@ def move_times(plan: CertifiedPlan, nominal: PlanRun) -> Floats:
     return np.concatenate([[0.0], np.cumsum(ways)])
 
 
-def _over_time(plan: CertifiedPlan, nominal: PlanRun, sampled: PlanRun) -> object:
-    from matplotlib.figure import Figure as Canvas
-
-    from meso_robust.reporting.canvas import CERTIFIED, CERTIFIED_FILL, MUTED, poses_shown
-
+def _over_time(plan: CertifiedPlan, nominal: PlanRun, sampled: PlanRun) -> Drawing:
     at = move_times(plan, nominal)
-    canvas = Canvas(figsize=(8.6, 6.2), layout="constrained")
+    canvas = Drawing(figsize=(8.6, 6.2), layout="constrained")
     axes = canvas.subplots(3, 1, sharex=True)
     for k, (one, every) in enumerate(zip(nominal.moves, sampled.moves, strict=True)):
         time = np.linspace(at[k], at[k + 1], one.path.shape[1])
@@ -85,24 +98,18 @@ def _over_time(plan: CertifiedPlan, nominal: PlanRun, sampled: PlanRun) -> objec
 def _goal_bands(
     plan: CertifiedPlan, axes: npt.NDArray[np.object_], span: tuple[float, float]
 ) -> None:
-    from meso_robust.reporting.canvas import AXIS_NAME, GOAL, ends
-
     for panel, name in zip(axes, ("x", "y", "theta"), strict=True):
         low, high = ends(plan.setup.goal, name)  # type: ignore[arg-type]
         panel.fill_between(span, low, high, color=GOAL, alpha=0.25, lw=0.0)
         panel.set_ylabel(AXIS_NAME[name])
 
 
-def _snapshots(plan: CertifiedPlan, nominal: PlanRun) -> object:
-    from matplotlib.figure import Figure as Canvas
-
-    from meso_robust.reporting.canvas import AFTER, BEFORE, GOAL, corners, fit_equal, outline
-
+def _snapshots(plan: CertifiedPlan, nominal: PlanRun) -> Drawing:
     body = rectangle(plan.setup)
     goal = np.array(plan.setup.goal.mid)
-    canvas = Canvas(figsize=(8.6, 6.6), layout="constrained")
+    canvas = Drawing(figsize=(8.6, 6.6), layout="constrained")
     axes = np.ravel(canvas.subplots(2, 2))
-    drawn = [corners(goal, body)]
+    points = [corners(goal, body)]
     for k, (panel, move) in enumerate(zip(axes, nominal.moves, strict=False)):
         outline(panel, goal, body, "goal", fc="none", ec=GOAL, lw=1.2, ls=(0, (4, 3)))
         outline(panel, move.before[0], body, "before", fc="none", ec=BEFORE, lw=1.2)
@@ -110,23 +117,17 @@ def _snapshots(plan: CertifiedPlan, nominal: PlanRun) -> object:
         tips = np.stack([move.tips[0], move.tips[0] + move.travel[0]]) / UM
         _tips(panel, tips)
         panel.set_title(f"{k + 1}. {_name(plan.rules[k])}", fontsize=9.0, loc="left")
-        drawn += [corners(move.before[0], body), corners(move.after[0], body), *tips]
+        points += [corners(move.before[0], body), corners(move.after[0], body), *tips]
     canvas.draw_without_rendering()
     for panel in axes:
-        fit_equal(panel, np.concatenate(drawn), 0.03)
+        fit_equal(panel, np.concatenate(points), 0.03)
         panel.set_xlabel("x in µm", labelpad=2)
         panel.set_ylabel("y in µm", labelpad=2)
     return canvas
 
 
-def _tips(panel: object, tips: Floats) -> None:
+def _tips(panel: Axes, tips: Floats) -> None:
     """Tips (2, P, 2) at start and end, um."""
-    from matplotlib.axes import Axes
-
-    from meso_robust.reporting.canvas import TIP
-
-    if not isinstance(panel, Axes):
-        raise TypeError("a snapshot must be drawn on axes")
     for start, end in zip(tips[0], tips[1], strict=True):
         panel.plot(*np.stack([start, end]).T, color=TIP, lw=0.8)
         moved = bool((start != end).any())

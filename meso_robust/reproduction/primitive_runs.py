@@ -25,7 +25,7 @@ from meso_robust.task import load_task
 from meso_robust.tasks import PAPER
 from meso_robust.types import Flags, Floats
 
-WIDTH_UM = 837.0
+WIDTH_UM = 837.0  # of the part, Section IX-A
 GAP_UM = 20.0
 """Commanded distance of a tip from the edge: more than the errors of sensing and control together."""
 ROOM = 2e-6  # m: travel on top of what a turn needs

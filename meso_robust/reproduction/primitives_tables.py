@@ -11,7 +11,7 @@ from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.setup import Setup
-from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.item import Found, Item, Row, Setting, span
 from meso_robust.reproduction.primitive_runs import (
     Measured,
     YTranslations,
@@ -22,7 +22,7 @@ from meso_robust.reproduction.primitive_runs import (
     x_translation,
     y_translations,
 )
-from meso_robust.reproduction.rotation_rows import span, table_4
+from meso_robust.reproduction.rotation_rows import sizes, table_4
 from meso_robust.reproduction.rotation_runs import (
     Rotations,
     rotations,
@@ -33,9 +33,10 @@ TABLE_5 = {"x": (944.0, 965.0), "y": (0.0, 11.0), "theta": (0.0, 0.7)}
 """Smallest and largest of the printed trials: um, um, deg."""
 SIMULATED_3, SIMULATED_5 = (1443.0, 11.0, 0.0), (949.0, 0.2, 0.0)
 """The printed simulations: um, um, deg."""
-X_PUSH_UM = 950.0
-GAIN_UM = 11.0
+X_PUSH_UM = 950.0  # the length that Table V states
+GAIN_UM = 11.0  # of Table III: simulation and theory
 SPACINGS_UM = (480.0, 580.0, 500.0, 540.0, 640.0)
+"""Of the tips, which is not printed; a quick run takes the first two."""
 EXACT_UM = 0.01  # the closed form is exact, the simulator nearly so
 TURNED_DEG = 88.0  # the least of the printed trials
 NEAR_UM = 1.0  # of the printed gain: Y-translations that count as of its size
@@ -130,30 +131,23 @@ def _table_5(push: dict[str, Measured]) -> tuple[Row, ...]:
         "Misalignment (taken: 0.25 deg) and the camera's 0.3 deg; two of five trials printed 0.7 deg, "
         "which needs a misalignment of at least 0.4 deg.",
     )
-    return tuple(
-        Row(
-            quantity=f"Table V: {name}, trials as the camera sees them",
-            unit=unit,
-            printed=list(TABLE_5.values())[k],
-            ours=span(np.abs(seen[:, k])),
-            why=reasons[k],
-        )
-        for k, (name, unit) in enumerate((("X", "um"), ("Y, size", "um"), ("theta, size", "deg")))
+    return sizes(
+        "Table V: {}, trials as the camera sees them",
+        tuple(TABLE_5.values()),
+        [span(size) for size in np.abs(seen.T)],
+        reasons,
+        ("X", "Y, size", "theta, size"),
     )
 
 
 def _nominal_5(setup: Setup) -> tuple[Row, ...]:
     ends = [net(x_translation(X_PUSH_UM, one), one)[0] for one in (setup, lying(setup))]
-    return tuple(
-        Row(
-            quantity=f"Table V: {name}, simulation, aligned tips, no errors",
-            unit=unit,
-            printed=SIMULATED_5[k],
-            ours=float(np.abs(ends)[:, k].max()),
-            why="Two tips that touch at once push straight on; the printed 949 and 0.2 um must come "
-            "from a gap or an offset that is not printed.",
-        )
-        for k, (name, unit) in enumerate((("X", "um"), ("Y", "um"), ("theta", "deg")))
+    return sizes(
+        "Table V: {}, simulation, aligned tips, no errors",
+        SIMULATED_5,
+        np.abs(ends).max(axis=0).tolist(),
+        "Two tips that touch at once push straight on; the printed 949 and 0.2 um must come "
+        "from a gap or an offset that is not printed.",
     )
 
 

@@ -7,7 +7,10 @@ import numpy as np
 from meso_robust.recordings import Rectangle
 from meso_robust.simulator import Film, ThreePoints
 from meso_robust.types import Floats
+from meso_robust.units import DEG, UM
 
+SHOWN = np.array([UM, UM, DEG])
+"""SI over the units of the paper's tables: um, um, deg."""
 PART = Rectangle(length=1616e-6, width=837e-6)
 """Section IX-A."""
 SLOT_WIDTH = 974e-6

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib import figure as mpl
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Drawing
 
 from meso_robust import units
 from meso_robust.laboratory.running import MoveRun
@@ -23,8 +23,7 @@ from meso_robust.reporting.canvas import (
     fit_equal,
     outline,
 )
-from meso_robust.reporting.svg import style, to_svg
-from meso_robust.reproduction.item import Figure
+from meso_robust.reproduction.drawing import pictured
 from meso_robust.reproduction.printed import PART, SPEED
 from meso_robust.reproduction.robust_trials import RECORD, Trial, seen
 
@@ -34,27 +33,27 @@ _SHOWN = np.array([units.UM, units.UM, 1.0])
 _NAMES = ("X in µm", "Y in µm", "θ in rad")
 
 
-def tests_figure(trials: Sequence[Trial], moves: Sequence[MoveRun], seed: int) -> Figure:
+@pictured(
+    "fig14",
+    "Fig. 14: set-up (start grey, end dark, tips and their travel) and five trials of each "
+    "test with the paper's errors; lines: the part, dots: as the camera sees "
+    "it. In test 3 the upper tip passes by.",
+    "Set-up and trials of the three tests",
+)
+def tests_figure(trials: Sequence[Trial], moves: Sequence[MoveRun], seed: int) -> Drawing:
     """Set-up, X, Y and θ of the tests, a column each: Fig. 14."""
-    with style():
-        picture = mpl.Figure(figsize=(11.6, 9.6))
-        grid = picture.subplots(4, len(trials), gridspec_kw={"height_ratios": (1.7, 1, 1, 1)})
-        for column, (trial, move) in enumerate(zip(trials, moves, strict=True)):
-            grid[0][column].set_title(_TITLES[column])
-            _trials([grid[row][column] for row in (1, 2, 3)], trial, move, seed)
-            if column == 0:
-                for row, name in enumerate(_NAMES):
-                    grid[row + 1][0].set_ylabel(name)
-        picture.subplots_adjust(left=0.07, right=0.99, top=0.97, bottom=0.06, hspace=0.25)
-        for column, move in enumerate(moves):
-            _set_up(grid[0][column], move)
-        svg = to_svg(picture, "fig14", "Set-up and trials of the three tests")
-    return Figure(
-        svg=svg,
-        caption="Fig. 14: set-up (start grey, end dark, tips and their travel) and five trials of each "
-        "test with the paper's errors; lines: the part, dots: as the camera sees "
-        "it. In test 3 the upper tip passes by.",
-    )
+    picture = Drawing(figsize=(11.6, 9.6))
+    grid = picture.subplots(4, len(trials), gridspec_kw={"height_ratios": (1.7, 1, 1, 1)})
+    for column, (trial, move) in enumerate(zip(trials, moves, strict=True)):
+        grid[0][column].set_title(_TITLES[column])
+        _trials([grid[row][column] for row in (1, 2, 3)], trial, move, seed)
+        if column == 0:
+            for row, name in enumerate(_NAMES):
+                grid[row + 1][0].set_ylabel(name)
+    picture.subplots_adjust(left=0.07, right=0.99, top=0.97, bottom=0.06, hspace=0.25)
+    for column, move in enumerate(moves):
+        _set_up(grid[0][column], move)
+    return picture
 
 
 def _trials(panels: Sequence[Axes], trial: Trial, move: MoveRun, seed: int) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from meso_robust import units
 from meso_robust.conditions import values
 from meso_robust.primitives.obligation import Step
-from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.item import Found, Item, Row, Setting, span
 from meso_robust.reproduction.printed import PART
 from meso_robust.reproduction.robust_trials import (
     SERIES,
@@ -134,7 +134,7 @@ def _answer(tried: Sequence[Sequence[Tried]]) -> str:
 
 def _middle(some: Sequence[Tried]) -> tuple[float, float]:
     """Range over set-ups of the median largest difference in θ as seen, rad."""
-    return _range(np.array([each.spread.seen[n][1, 2] for each in some for n in SERIES]))
+    return span(np.array([each.spread.seen[n][1, 2] for each in some for n in SERIES]))
 
 
 def _rad(ends: tuple[float, float]) -> str:
@@ -162,7 +162,7 @@ def _rows(test: int, some: Sequence[Tried]) -> list[Row]:
             quantity=f"{name}: largest difference between trials in {axis}",
             unit=unit,
             printed=None if printed is None else printed[k],
-            ours=_range(seen[..., k]),
+            ours=span(seen[..., k]),
             why="5 to 95 % of series of 3 and 5 trials as the camera sees them; without its error "
             f"{_words(true[..., k])}, the "
             f"most that the stated errors allow {_words(allowed[:, k])}; a printed value beyond ours was a "
@@ -206,7 +206,7 @@ def _after(test: int, used: Sequence[Tried]) -> list[Row]:
             quantity=f"Test {test + 1}: turn in the last third of the push",
             unit="rad",
             printed=printed,
-            ours=_range(turns),
+            ours=span(turns),
             why=_REASON[test],
         )
     ]
@@ -217,14 +217,10 @@ def _after(test: int, used: Sequence[Tried]) -> list[Row]:
                 quantity=f"Test {test + 1}: runs that end with both tips in contact",
                 unit="%",
                 printed=("maintained", "broken")[test],
-                ours=_range(pairs),
+                ours=span(pairs),
             )
         )
     return rows
-
-
-def _range(numbers: Floats) -> tuple[float, float]:
-    return float(numbers.min()), float(numbers.max())
 
 
 def _words(numbers: Floats) -> str:

@@ -91,6 +91,7 @@ class Trial:
 SERIES = (3, 5)
 """Trials in a series: the paper says at least three; Fig. 4 shows five."""
 QUANTILES = (0.05, 0.5, 0.95)
+"""Of the largest differences over many series."""
 
 
 @cache

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from meso_robust.reproduction.item import Row
+from meso_robust.reproduction.item import Row, Value, span
 from meso_robust.reproduction.primitive_runs import turned_deg
 from meso_robust.reproduction.rotation_runs import (
     CORRECTED_UM,
@@ -18,12 +20,6 @@ TRIALS = {"x": (370.0, 434.0), "y": (14.0, 34.0), "theta": (88.0, 90.0)}
 """Smallest and largest of the printed trials: um, um, deg."""
 SIMULATED = (295.0, 0.05, 90.0)
 """The printed simulation: um, um, deg."""
-
-
-def span(numbers: Floats) -> tuple[float, float]:
-    """Smallest and largest of those that are known."""
-    known = numbers[np.isfinite(numbers)]
-    return float(known.min()), float(known.max())
 
 
 def table_4(found: Rotations) -> tuple[Row, ...]:
@@ -83,22 +79,37 @@ def table_4(found: Rotations) -> tuple[Row, ...]:
     )
 
 
-def _three_rows(
-    what: str,
-    printed: tuple[float | tuple[float, float], ...],
-    found: Floats,
-    why: str,
-) -> tuple[Row, ...]:
+def _three_rows(what: str, printed: Sequence[Value], found: Floats, why: str) -> tuple[Row, ...]:
     """Sizes of X, Y and theta."""
+    return sizes("Table IV: {}, " + what, printed, [span(size) for size in np.abs(found.T)], why)
+
+
+def sizes(
+    quantity: str,
+    printed: Sequence[Value],
+    ours: Sequence[Value],
+    why: str | Sequence[str],
+    names: tuple[str, str, str] = ("X", "Y", "theta"),
+    *,
+    loose: bool = False,
+) -> tuple[Row, ...]:
+    """A row for X, Y and theta each, um and deg.
+
+    Parameters
+    ----------
+    quantity
+        In words, with braces for the name.
+    printed, ours, why, loose
+        As of a `Row`, by axis; one reason for all if it is a text.
+    names
+        Of the axes.
+    """
+    reasons = [why] * 3 if isinstance(why, str) else why
     return tuple(
-        Row(
-            quantity=f"Table IV: {name}, {what}",
-            unit=unit,
-            printed=printed[k],
-            ours=span(np.abs(found[:, k])),
-            why=why,
+        Row(quantity=quantity.format(name), unit=unit, printed=p, ours=o, why=w, loose=loose)
+        for name, unit, p, o, w in zip(
+            names, ("um", "um", "deg"), printed, ours, reasons, strict=True
         )
-        for k, (name, unit) in enumerate((("X", "um"), ("Y", "um"), ("theta", "deg")))
     )
 
 

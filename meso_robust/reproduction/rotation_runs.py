@@ -26,15 +26,18 @@ from meso_robust.types import Floats
 PRINTED_SEPARATION_UM = 857.0
 """Eq. (10): 837 um and twice the errors of sensing and control."""
 CORRECTED_UM = 930.0
-PUSH_UM = 1100.0
+"""A separation that does not jam at any stated friction: d_w sqrt(1 + mu^2) is 890 um at 0.36."""
+PUSH_UM = 1100.0  # of Table IV
 LONGEST_UM = 2500.0
 """A push after which a tip has passed the end of its edge."""
 LOW_FRICTION = (0.05, 0.1, 0.15, 0.2)
+"""At which the printed separation does not jam."""
 CORRECTED = tuple(
     (separation, gap) for separation in (890.0, 910.0, 930.0) for gap in (1.0, 20.0, 60.0)
 )
 """Separations without jam and gaps at the start, um: neither is printed."""
 FRICTIONS = (0.30, 0.33, 0.36)
+"""Ends and middle of the range of Section X-A."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -23,7 +23,7 @@ PLACES = 100
 """Pushing locations on the boundary of the peg; Section VII."""
 GAP = 20e-6
 """m between tip and peg when the tip is lowered: more than the errors of both."""
-LENGTHS = 6
+LENGTHS = 6  # of a push that are tried
 LONGEST = 1.2e-3
 """m; pushes of one sixth of it to the whole are tried."""
 COARSE, FINE = 10e-6, 2e-6
@@ -35,11 +35,13 @@ LEAST_TURN = 0.5
 SAME = 30e-6
 """m; poses nearer than this are one node."""
 GOAL_BIAS = 0.4
+"""Share of the samples that are the goal; not printed."""
 AHEAD = 0.2e-3
 """m that the goal lies behind the mouth."""
 GYRATION = float(np.hypot(printed.PART.length, printed.PART.width) / np.sqrt(12.0))
 """m a rad: the peg's radius of gyration, which sets turns against shifts in the metric."""
 MOST_ITERATIONS = 400
+"""After which a search is given up; the paper needed 12 at least."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

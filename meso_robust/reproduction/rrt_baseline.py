@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from meso_robust.campaigns.intervals import share_interval
+from meso_robust.reporting.report import Figure
 from meso_robust.reproduction import rrt
 from meso_robust.reproduction.baselines import (
     ALL,
@@ -19,7 +19,7 @@ from meso_robust.reproduction.baselines import (
     successes,
 )
 from meso_robust.reproduction.bench import Place, follow, nominal
-from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
+from meso_robust.reproduction.item import Found, Item, Row, Setting, success
 from meso_robust.types import Flags
 
 KINDS: Mapping[str, Errors] = {
@@ -34,16 +34,11 @@ KINDS: Mapping[str, Errors] = {
 """Which uncertainty is on."""
 SEEDS, RUNS = 20, 40
 QUICK_SEEDS, QUICK_RUNS = 3, 8
+"""Plans, and runs of each under every kind of uncertainty."""
 
 
 def run(setting: Setting) -> Found:
-    """Plans from many seeds, each run with every kind of uncertainty.
-
-    Parameters
-    ----------
-    setting
-        Seed and size.
-    """
+    """Plans from many seeds, each run with every kind of uncertainty."""
     place = Place()
     seeds = QUICK_SEEDS if setting.quick else SEEDS
     found = []
@@ -153,11 +148,11 @@ def _rows_of_trials(won: Mapping[str, Flags]) -> tuple[Row, ...]:
 
 
 def _row_of_trials(kind: str, flags: Flags, printed: tuple[float, float] | None) -> Row:
-    low, high = share_interval(int(flags.sum()), flags.size)
+    low, high = success(int(flags.sum()), flags.size)
     each = 100.0 * flags.mean(axis=1)
     why = (
         f"{int(flags.sum())} of {flags.size} runs; exact 95 % interval "
-        f"{100.0 * low:.1f}–{100.0 * high:.1f} % for a run of these plans; single plans "
+        f"{low:.1f}–{high:.1f} % for a run of these plans; single plans "
         f"{each.min():.0f}–{each.max():.0f} %, {int(np.sum(each == 100.0))} of {len(each)} never failed"
     )
     if printed:
@@ -190,9 +185,12 @@ def _figure(one: rrt.Searched, place: Place) -> Figure:
     from meso_robust.reproduction.bench_figures import snapshots
 
     after = follow(one.plan, nominal("p1*"), place, record=12)
-    return Figure(
-        svg=snapshots(one.plan, after.paths, place, "rrt"),
-        caption=f"A plan of {len(one.plan)} pushes, one picture a push, as in Fig. 7: before (grey), "
+    return snapshots(
+        one.plan,
+        after.paths,
+        place,
+        "rrt",
+        f"A plan of {len(one.plan)} pushes, one picture a push, as in Fig. 7: before (grey), "
         "on the way, after (dark); the arrow is the tip's way.",
     )
 

@@ -10,10 +10,9 @@ from meso_robust.campaigns.intervals import share_interval
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
-from meso_robust.reproduction.at_size import AtSize
 from meso_robust.reproduction.certified import CertifiedPlan, certified_plan, trials
 from meso_robust.reproduction.item import Found, Item, Row, Setting
-from meso_robust.reproduction.scales_figures import figure
+from meso_robust.reproduction.scales_figures import AtSize, figure
 from meso_robust.reproduction.shrunk import (
     WITHDRAWAL,
     Certified,
@@ -27,9 +26,10 @@ from meso_robust.reproduction.shrunk import (
 from meso_robust.units import UM
 from meso_robust.wording import down
 
-FULL_UM = 1616.0
+FULL_UM = 1616.0  # length of the paper's part
 SIZES_UM = (1616.0, 1400.0, 1200.0, 1000.0, 800.0, 600.0, 400.0, 200.0, 100.0)
 QUICK_UM = (1616.0, 600.0, 100.0)
+"""Lengths of the part, the largest first: what the planner fails at is not asked of smaller ones."""
 RUNS, QUICK_RUNS = 200, 20
 """With adhesion; they take the longest."""
 ALL_ERRORS: tuple[Errors, ...] = ("scaled", "camera stays", "camera and probe stay")
@@ -40,7 +40,7 @@ SURFACE_TENSION = 0.03
 """N/m, of mineral oil in air, wetting the tip (contact angle 0)."""
 VISCOSITY, FILM = 0.1, 10e-6
 """Pa s and m, of the oil and its film; the drag is then about 1 uN at 75 um/s (Section V)."""
-AREA = 1616e-6 * 837e-6
+AREA = 1616e-6 * 837e-6  # m², of the paper's part
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from meso_robust.campaigns.intervals import share_interval
+from meso_robust.reporting.report import Figure
 from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import REPORTED, successes
 from meso_robust.reproduction.bench import (
@@ -21,7 +21,7 @@ from meso_robust.reproduction.bench import (
     nominal,
     succeeded,
 )
-from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting, Value
+from meso_robust.reproduction.item import Found, Item, Row, Setting, Value, success
 from meso_robust.reproduction.seven_steps import PRINTED, lengths_of, tuned
 from meso_robust.types import Flags, Floats
 from meso_robust.units import DEG, UM
@@ -30,7 +30,8 @@ SUPPORTS = ("p1*", "p2*", "film")
 MOUTHS = (0.2e-3, 0.6e-3, 1.0e-3, 1.4e-3, 1.8e-3)
 AXES = (-1.06e-3, -1.13e-3, -1.21e-3, -1.29e-3, -1.36e-3)
 WALLS = (0.05, 0.3)
-RUNS, QUICK_RUNS = 200, 10
+"""Places of the slot, m, and friction of its walls: what Table II allows, and neither is printed."""
+RUNS, QUICK_RUNS = 200, 10  # under the reported variations, on each support
 
 
 def places(quick: bool) -> tuple[Place, ...]:
@@ -44,13 +45,7 @@ def places(quick: bool) -> tuple[Place, ...]:
 
 
 def run(setting: Setting) -> Found:
-    """Table II as printed over the slot's places, then with lengths found, under reported errors.
-
-    Parameters
-    ----------
-    setting
-        Seed and size.
-    """
+    """Table II as printed over the slot's places, then with lengths found, under reported errors."""
     over = {name: _over_places(PRINTED, name, setting) for name in SUPPORTS}
     place = Place()
     plan, support = tuned(place, setting)
@@ -175,11 +170,8 @@ def _trial_rows(trials: Mapping[str, Flags]) -> tuple[Row, ...]:
 
 
 def _interval(flags: Flags) -> str:
-    low, high = share_interval(int(flags.sum()), len(flags))
-    return (
-        f"{int(flags.sum())} of {len(flags)} runs; exact 95 % interval "
-        f"{100.0 * low:.1f}–{100.0 * high:.1f} %"
-    )
+    low, high = success(int(flags.sum()), len(flags))
+    return f"{int(flags.sum())} of {len(flags)} runs; exact 95 % interval {low:.1f}–{high:.1f} %"
 
 
 MISSING = (
@@ -205,14 +197,20 @@ def _figures(plan: Plan, single: Mapping[str, Followed], place: Place) -> tuple[
     strokes = tuple(plan[0][k : k + 2] for k in range(7))
     pieces = _pieces(paths["p1*"])
     return (
-        Figure(
-            svg=courses(times, paths, knots, "scripted-courses"),
-            caption="Pose over time with the lengths found, as in Fig. 8, on each support without errors; "
+        courses(
+            times,
+            paths,
+            knots,
+            "scripted-courses",
+            "Pose over time with the lengths found, as in Fig. 8, on each support without errors; "
             "lines between the moves.",
         ),
-        Figure(
-            svg=snapshots(strokes, pieces, place, "scripted"),
-            caption="The seven moves on p1* without errors: before (grey), on the way, after (dark).",
+        snapshots(
+            strokes,
+            pieces,
+            place,
+            "scripted",
+            "The seven moves on p1* without errors: before (grey), on the way, after (dark).",
         ),
     )
 

@@ -10,7 +10,8 @@ import numpy as np
 from meso_robust import units
 from meso_robust.identification.experiment import PlannedPush
 from meso_robust.reproduction.eight_tests import SUPPORTS, TESTS, planned, pushed
-from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.item import Found, Item, Row, Setting, span
+from meso_robust.reproduction.printed import SHOWN
 from meso_robust.types import Floats
 
 POSITION = 5e-6
@@ -31,7 +32,6 @@ BOXES: Mapping[str, tuple[float, float, float, float, float]] = {
 """Largest errors at the start of part (x, y, θ) and tip (x, y), m and rad."""
 WHOLE, ACROSS, ANGLE_ALONE = "part and probe", "5 um across the push alone", "0.005 deg alone"
 SENSITIVE, OTHER = "C", "B"
-_SHOWN = np.array([units.UM, units.UM, units.DEG])
 
 
 def starts(rng: np.random.Generator, inside: int) -> Floats:
@@ -81,11 +81,11 @@ def run(setting: Setting) -> Found:
         data={
             "starts": len(shares),
             "spread_um_um_deg": {
-                name: {box: (value / _SHOWN).tolist() for box, value in each.items()}
+                name: {box: (value / SHOWN).tolist() for box, value in each.items()}
                 for name, each in spreads.items()
             },
             "spread_of_tests_um_um_deg": {
-                name: dict(zip(TESTS, (value / _SHOWN).tolist(), strict=True))
+                name: dict(zip(TESTS, (value / SHOWN).tolist(), strict=True))
                 for name, value in compared.items()
             },
         },
@@ -116,7 +116,7 @@ def _answer(spreads: Mapping[str, Mapping[str, Floats]], compared: Mapping[str, 
 
 
 def _rows(name: str, spreads: Mapping[str, Floats], compared: Floats) -> list[Row]:
-    x, y, theta = spreads[WHOLE] / _SHOWN
+    x, y, theta = spreads[WHOLE] / SHOWN
     rows = [
         Row(
             quantity=f"C, {name}: spread of y after the push",
@@ -176,7 +176,7 @@ def _others(name: str, compared: Floats) -> list[Row]:
         Row(
             quantity=f"{name}: spread of θ in the seven other tests",
             unit="deg",
-            ours=(float(rest.min()), float(rest.max())),
+            ours=span(rest),
             why=f"C: {angles[TESTS.index(SENSITIVE)]:.3g} from the same starts, the corners of the box of errors",
         ),
     ]

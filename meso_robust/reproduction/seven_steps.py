@@ -9,7 +9,7 @@ import numpy as np
 
 from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import ALL, ON_FILM, REPORTED, Errors, drawn, successes
-from meso_robust.reproduction.bench import TIP_START, Place, Plan, Runs, follow
+from meso_robust.reproduction.bench import TIP_START, Followed, Place, Plan, Runs, follow
 from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.rrt import distance
 from meso_robust.simulator import Outcome
@@ -61,6 +61,14 @@ def with_lengths(lengths: Floats) -> Floats:
     return np.stack([np.stack(xs, axis=1), np.stack(ys, axis=1)], axis=2)
 
 
+def from_goal(done: Followed, place: Place) -> Floats:
+    """(N,) distance of the last poses from where the last push brings the peg, m; see `JAMMED`."""
+    goal = np.array(
+        [PRINTED[0][7, 0] - printed.TIP_RADIUS - 0.5 * printed.PART.length, place.axis, np.pi]
+    )
+    return distance(done.poses, goal) + JAMMED * (done.outcomes != Outcome.COMPLETED)
+
+
 def mean_cost(lengths: Floats, among: Runs, place: Place) -> Floats:
     """(N,) from 0 to 1: how far (N, 4) lengths leave the peg on average over some runs with errors.
 
@@ -68,11 +76,8 @@ def mean_cost(lengths: Floats, among: Runs, place: Place) -> Floats:
     """
     count, each = len(lengths), len(among)
     runs = among.where(np.tile(np.arange(each), count))
-    goal = np.array(
-        [PRINTED[0][7, 0] - printed.TIP_RADIUS - 0.5 * printed.PART.length, place.axis, np.pi]
-    )
     done = follow((with_lengths(np.repeat(lengths, each, axis=0)),), runs, place, step=STEP)
-    left = distance(done.poses, goal) + JAMMED * (done.outcomes != Outcome.COMPLETED)
+    left = from_goal(done, place)
     return np.asarray((left / (left + NEAR)).reshape(count, each).mean(axis=1))
 
 

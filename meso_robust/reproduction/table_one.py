@@ -20,7 +20,7 @@ from meso_robust.reproduction.eight_tests import (
     push_of,
     pushed,
 )
-from meso_robust.reproduction.item import Found, Item, Row, Setting
+from meso_robust.reproduction.item import Found, Item, Row, Setting, span
 from meso_robust.reproduction.printed import (
     PART,
     POINTS,
@@ -198,7 +198,7 @@ def _whole(other: float, own: float, shorter: float, pairs: Mapping[str, float])
             quantity="F over two tests, range over all 28 pairs",
             unit="um",
             printed=printed,
-            ours=(float(values.min()), float(values.max())),
+            ours=span(values),
             why=f"the fitted pair is not named; least {least}, largest {most}",
         ),
         Row(

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from meso_robust.bounds import Verdict
-from meso_robust.campaigns.intervals import share_interval
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.laboratory.adversary import search
 from meso_robust.laboratory.replay import Feedback, limits
@@ -21,7 +20,7 @@ from meso_robust.planning.compose import compose
 from meso_robust.primitives.frame import HEADINGS, Heading
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.reproduction.certified import CertifiedPlan, trials
-from meso_robust.reproduction.item import Row, Setting
+from meso_robust.reproduction.item import Row, Setting, success
 from meso_robust.task import Task
 from meso_robust.units import UM
 
@@ -75,7 +74,7 @@ def _shipped(
     return Row(
         quantity=f"shipped plan, goal ± {half:g} um ({words}): probability of success",
         unit="%",
-        ours=_percent(hits, count),
+        ours=success(hits, count),
         why=f"{proved}. {hits} of {count} runs, exact 95 % interval; the worst end that {len(worst)} "
         f"searches of the uncertainties find is {worst.max():.1f} um off, outside in "
         f"{int(np.sum(worst > half))} of them",
@@ -107,12 +106,7 @@ def _made_for_half(
         quantity=f"a plan made for ± {min(READINGS):g} um, pushing along {' or '.join(headings)}: "
         "probability of success",
         unit="%",
-        ours=_percent(hits, count),
+        ours=success(hits, count),
         why=f"{'PROVED' if proved else 'The planner proves none; its best'}: {len(rules)} moves, along "
         f"{used}; {hits} of {count} runs, exact 95 % interval",
     )
-
-
-def _percent(hits: int, runs: int) -> tuple[float, float]:
-    low, high = share_interval(hits, runs)
-    return 100.0 * low, 100.0 * high

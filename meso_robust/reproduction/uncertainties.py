@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.campaigns.intervals import share_interval
 from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import POSE, PROBE, Errors
 from meso_robust.reproduction.bench import Plan
@@ -20,7 +19,7 @@ from meso_robust.reproduction.certified import (
     trials,
 )
 from meso_robust.reproduction.comparison import hits, several
-from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting
+from meso_robust.reproduction.item import Found, Item, Row, Setting, success
 
 RUNS = {True: 40, False: 500}
 SCALES = {True: (1.0, 4.0), False: (1.0, 2.0, 4.0, 8.0)}
@@ -95,7 +94,7 @@ def run(setting: Setting) -> Found:
         shares[what]["certified"] = [
             100.0 * float(np.mean(_certified(one, factor, runs, setting.seed))) for factor in scales
         ]
-    from meso_robust.reproduction.uncertainties_figure import figure, side_by_side
+    from meso_robust.reproduction.plans_figures import one_at_a_time, side_by_side
 
     fails = {what: _failing(one, scales[-1], runs, setting.seed) for what, one in ONES.items()}
     return Found(
@@ -110,9 +109,10 @@ def run(setting: Setting) -> Found:
             "and the peg's start",
         ),
         figures=(
-            Figure(
-                svg=figure(shares, scales),
-                caption=f"Share of {runs} runs that end in the goal, one uncertainty at a time, at "
+            one_at_a_time(
+                shares,
+                scales,
+                f"Share of {runs} runs that end in the goal, one uncertainty at a time, at "
                 "multiples of its stated size; on the film.",
             ),
             side_by_side(shares, scales[-1], f"{_compared(shares, scales[-1])} {WHY_LESS}"),
@@ -161,11 +161,10 @@ def _row(
     what: str, name: str, own: list[float], scales: tuple[float, ...], runs: int, fails: str
 ) -> Row:
     at = ", ".join(f"{value:.1f} % at {scale:g}x" for value, scale in zip(own, scales, strict=True))
-    low, high = share_interval(round(0.01 * own[0] * runs), runs)
     return Row(
         quantity=f"{name} plan, {what} ± {ONES[what].unit} alone",
         unit="%",
-        ours=(100.0 * low, 100.0 * high),
+        ours=success(round(0.01 * own[0] * runs), runs),
         why=f"exact 95 % interval of {runs} runs at the stated size; {at}"
         + (f". At {scales[-1]:g}x: {fails}" if fails else ""),
     )

@@ -8,7 +8,7 @@ from meso_robust.simulator.lemke import RESIDUAL, SOLVED, lemke
 from meso_robust.simulator.modes import FOUND, NONE, new_walk, next_mode
 from meso_robust.simulator.outcome import Outcome
 from meso_robust.simulator.rows import TOLERANCE, assemble, is_solution, move_by_forces
-from meso_robust.simulator.tables import ACTIVE, LN, LT, MODE, MOTION, QN, SHIFT, Work
+from meso_robust.simulator.tables import CONTACTS, MARKS, STEP, Work
 from meso_robust.types import Floats, Ints
 
 COMPLETED = int(Outcome.COMPLETED)
@@ -23,13 +23,13 @@ _SAME = 1e-6  # units: motions this close are one
 def closes(contacts: Floats, marks: Ints, step: Floats, count: int) -> bool:
     """Whether a gap would close with no force; if not, write the motion without any."""
     for c in range(count):
-        if not contacts[c, QN] >= -TOLERANCE:
+        if not contacts[c, CONTACTS.qn] >= -TOLERANCE:
             return True
     for k in range(3):
-        step[MOTION + k] = step[SHIFT + k]
+        step[STEP.motion + k] = step[STEP.shift + k]
     for c in range(count):
-        contacts[c, LN], contacts[c, LT] = 0.0, 0.0
-        marks[c, MODE] = SEPARATE
+        contacts[c, CONTACTS.ln], contacts[c, CONTACTS.lt] = 0.0, 0.0
+        marks[c, MARKS.mode] = SEPARATE
     return False
 
 
@@ -91,7 +91,7 @@ def is_ambiguous(work: Work, count: int) -> bool:
     while not other and next_mode(n, work.matrix, work.vector[0], work.vector[1], walk) == FOUND:
         _spread(work, count, near)
         if is_solution(work.contacts, work.marks, work.step, count):
-            for k in range(MOTION, MOTION + 3):
+            for k in range(STEP.motion, STEP.motion + 3):
                 other |= abs(work.step[k] - step[k]) > _SAME
     work.contacts[:] = contacts
     work.step[:] = step
@@ -103,8 +103,8 @@ def _collect(work: Work, count: int, reach: float) -> int:
     """List the contacts that may close in this step."""
     near = 0
     for c in range(count):
-        if work.contacts[c, QN] <= reach:
-            work.marks[near, ACTIVE] = c
+        if work.contacts[c, CONTACTS.qn] <= reach:
+            work.marks[near, MARKS.active] = c
             near += 1
     return near
 
@@ -125,9 +125,9 @@ def _spread(work: Work, count: int, near: int) -> None:
     """Take forces and motion from the solution of the problem."""
     z, contacts = work.vector[1], work.contacts
     for c in range(count):
-        contacts[c, LN], contacts[c, LT] = 0.0, 0.0
+        contacts[c, CONTACTS.ln], contacts[c, CONTACTS.lt] = 0.0, 0.0
     for a in range(near):
-        c = work.marks[a, ACTIVE]
-        contacts[c, LN] = z[4 * a]
-        contacts[c, LT] = z[4 * a + 1] - z[4 * a + 2]
+        c = work.marks[a, MARKS.active]
+        contacts[c, CONTACTS.ln] = z[4 * a]
+        contacts[c, CONTACTS.lt] = z[4 * a + 1] - z[4 * a + 2]
     move_by_forces(contacts, work.step, count)

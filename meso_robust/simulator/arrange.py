@@ -17,16 +17,7 @@ from meso_robust.simulator.record import PER_PROBE, PROBES, TIME
 from meso_robust.simulator.scene import Scene
 from meso_robust.simulator.support import NODE_SLOTS
 from meso_robust.simulator.support_models import Tables
-from meso_robust.simulator.tables import (
-    DEPTH,
-    FIRST,
-    FRICTION,
-    LAST,
-    OBSTACLE,
-    RADIUS,
-    X,
-    Y,
-)
+from meso_robust.simulator.tables import OBSTACLE_COLUMNS, OBSTACLES
 from meso_robust.simulator.tips import Flat, Point
 from meso_robust.types import Floats
 
@@ -45,7 +36,7 @@ class Inputs(NamedTuple):
     """(1|N,)"""
     depth: float
     obstacles: Floats
-    """(1|N, O, OBSTACLE)"""
+    """(1|N, O, OBSTACLE_COLUMNS)"""
     waypoints: Floats
     """(1|N, T, P, 2)"""
     legs: Floats
@@ -152,22 +143,24 @@ def _obstacles(push: Push) -> tuple[Floats, Floats]:
         ends.append(ends[-1] + 1)
     probes = len(push.shapes)
     runs = max(len(effects), len(push.friction)) if len(push.friction) else 0
-    table = np.zeros((runs, len(ends) - 1, OBSTACLE))
-    table[:, :, FIRST], table[:, :, LAST] = ends[:-1], ends[1:]
-    table[:, :probes, RADIUS] = _radii(push)
-    table[:, :probes, FRICTION] = push.friction
-    table[:, probes:, FRICTION] = push.fixture.friction
+    table = np.zeros((runs, len(ends) - 1, OBSTACLE_COLUMNS))
+    table[:, :, OBSTACLES.first], table[:, :, OBSTACLES.last] = ends[:-1], ends[1:]
+    table[:, :probes, OBSTACLES.radius] = _radii(push)
+    table[:, :probes, OBSTACLES.friction] = push.friction
+    table[:, probes:, OBSTACLES.friction] = push.fixture.friction
     for p, shape in enumerate(push.shapes):
-        table[:, p, DEPTH] = _depth(push, shape.corners) if isinstance(shape, Flat) else 0.0
+        table[:, p, OBSTACLES.depth] = (
+            _depth(push, shape.corners) if isinstance(shape, Flat) else 0.0
+        )
     for k, outline in enumerate(push.fixture.outlines):
-        table[:, probes + k, DEPTH] = _depth(push, outline)
+        table[:, probes + k, OBSTACLES.depth] = _depth(push, outline)
     if post:
         size = effects[:, POST_RADIUS]
-        table[:, -1, RADIUS] = size
-        table[:, -1, FRICTION] = push.friction[:, 0]
+        table[:, -1, OBSTACLES.radius] = size
+        table[:, -1, OBSTACLES.friction] = push.friction[:, 0]
         # A post of no size is no post: far away from everything.
         away = np.where(size[:, None] > 0.0, effects[:, POST_RADIUS + 1 : POST_RADIUS + 3], 1e3)
-        table[:, -1, X : Y + 1] = away
+        table[:, -1, OBSTACLES.x : OBSTACLES.y + 1] = away
     return np.concatenate(rows), table
 
 

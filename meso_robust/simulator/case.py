@@ -9,7 +9,7 @@ from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.scene import Scene
 from meso_robust.simulator.support import DRY_SLOTS, FILM_SLOTS
-from meso_robust.simulator.tables import BODY, PLAYED_X, X
+from meso_robust.simulator.tables import OBSTACLES, PART_LENGTH
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.types import Floats
 
@@ -58,7 +58,7 @@ class State(NamedTuple):
     obstacles: Floats
     """(O, OBSTACLE) of this run."""
     body: Floats
-    """(BODY,) vector of the part."""
+    """(PART_LENGTH,) vector of the part."""
     dry: Floats
     """(K, 2) forces of the dry points, body frame."""
     space: Floats
@@ -70,12 +70,15 @@ class State(NamedTuple):
 def new_state(case: Case) -> State:
     """State at the start of a run."""
     state = State(
-        case.obstacles.copy(), np.zeros(BODY), np.zeros((case.points.shape[0], 2)), np.zeros((8, 6))
+        case.obstacles.copy(),
+        np.zeros(PART_LENGTH),
+        np.zeros((case.points.shape[0], 2)),
+        np.zeros((8, 6)),
     )
     for p in range(case.waypoints.shape[1]):
         for a in range(2):
-            state.obstacles[p, X + a] = case.waypoints[0, p, a]
-            state.obstacles[p, PLAYED_X + a] = case.waypoints[0, p, a]
+            state.obstacles[p, OBSTACLES.x + a] = case.waypoints[0, p, a]
+            state.obstacles[p, OBSTACLES.played_x + a] = case.waypoints[0, p, a]
     for k in range(6):
         state.space[FILM_NOW, k] = case.law[FILM + k]
     return state

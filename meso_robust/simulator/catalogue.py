@@ -28,6 +28,16 @@ CATALOGUE: Mapping[str, Effect] = {
 def stage_of(effect: str) -> Stage:
     """Stage that an effect belongs to.
 
+    Parameters
+    ----------
+    effect
+        Its name.
+
+    Returns
+    -------
+    Stage
+        The one that declares it.
+
     Raises
     ------
     KeyError

@@ -18,7 +18,7 @@ other solid lies wholly on its far side (the separating axes of two wedges).
 import numpy as np
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.tables import FEATURE, GAP, NX, NY, PX, PY
+from meso_robust.simulator.tables import CONTACTS, MARKS
 from meso_robust.types import Floats, Ints
 
 _PARALLEL = (
@@ -45,9 +45,9 @@ def _add(
 ) -> int:
     """Append a contact; one too many is counted but not written."""
     if count < raw.shape[0]:
-        raw[count, GAP], raw[count, NX], raw[count, NY] = gap, nx, ny
-        raw[count, PX], raw[count, PY] = px, py
-        keys[count, FEATURE] = key
+        raw[count, CONTACTS.gap], raw[count, CONTACTS.nx], raw[count, CONTACTS.ny] = gap, nx, ny
+        raw[count, CONTACTS.px], raw[count, CONTACTS.py] = px, py
+        keys[count, MARKS.feature] = key
     return count + 1
 
 

@@ -114,6 +114,11 @@ def slot(
     friction
         μ between part and walls.
 
+    Returns
+    -------
+    Fixture
+        One solid body around slot and channel.
+
     Raises
     ------
     ValueError

@@ -82,6 +82,18 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
 def stretch(vertices: Floats, table: Floats) -> Floats:
     """(1|N, 2) factors by which the part is longer than stated along its axes.
 
+    Parameters
+    ----------
+    vertices
+        (V, 2) outline in the part's frame, m.
+    table
+        (1|N, S) of `Effects`.
+
+    Returns
+    -------
+    Floats
+        Along the part's x and y.
+
     Raises
     ------
     ValueError
@@ -99,17 +111,52 @@ def stretch(vertices: Floats, table: Floats) -> Floats:
 
 
 def radii(stated: Floats, table: Floats) -> Floats:
-    """(1|N, P) true radii of the tips in m, for stated radii (P,)."""
+    """(1|N, P) true radii of the tips in m, for stated radii (P,).
+
+    Parameters
+    ----------
+    stated, table
+        (P,) radii in m, and the (1|N, S) table of `Effects`.
+
+    Returns
+    -------
+    Floats
+        (1|N, P) m.
+    """
     return np.asarray(stated + table[:, [EXCESS]])
 
 
 def reference_of_tracked(poses: Floats, table: Floats) -> Floats:
-    """Poses (N, …, 3) of the reference point for those of the tracked point."""
+    """Poses (N, …, 3) of the reference point for those of the tracked point.
+
+    Parameters
+    ----------
+    poses
+        (N, …, 3) m and rad, world frame.
+    table
+        (1|N, S) of `Effects`.
+
+    Returns
+    -------
+    Floats
+        (N, …, 3) m and rad; the argument itself where there is no offset.
+    """
     return _shifted(poses, table, -1.0)
 
 
 def tracked_of_reference(poses: Floats, table: Floats) -> Floats:
-    """Poses (N, …, 3) of the tracked point for those of the reference point."""
+    """Poses (N, …, 3) of the tracked point for those of the reference point.
+
+    Parameters
+    ----------
+    poses, table
+        As for `reference_of_tracked`.
+
+    Returns
+    -------
+    Floats
+        As of `reference_of_tracked`.
+    """
     return _shifted(poses, table, 1.0)
 
 

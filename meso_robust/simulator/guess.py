@@ -9,23 +9,7 @@ only if they pass the check of the whole problem (`rows.is_solution`).
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.rows import TOLERANCE, deflection, move_by_forces
-from meso_robust.simulator.tables import (
-    FEATURE,
-    LN,
-    LT,
-    MODE,
-    MOTION,
-    MU,
-    OLD_FEATURE,
-    OLD_MODE,
-    OLD_WHO,
-    QN,
-    QT,
-    SOFT,
-    WHO,
-    WN,
-    WT,
-)
+from meso_robust.simulator.tables import CONTACTS, MARKS, STEP
 from meso_robust.types import Floats, Ints
 
 SEPARATE = 0
@@ -44,15 +28,19 @@ GLIDE = 4
 def remember_modes(contacts: Floats, marks: Ints, count: int) -> None:
     """Read the modes of the step off its forces."""
     for c in range(count):
-        ln, lt, friction = contacts[c, LN], contacts[c, LT], contacts[c, MU]
+        ln, lt, friction = (
+            contacts[c, CONTACTS.ln],
+            contacts[c, CONTACTS.lt],
+            contacts[c, CONTACTS.mu],
+        )
         if ln <= TOLERANCE:
-            marks[c, MODE] = SEPARATE
+            marks[c, MARKS.mode] = SEPARATE
         elif abs(lt) <= TOLERANCE * ln:
-            marks[c, MODE] = GLIDE
+            marks[c, MARKS.mode] = GLIDE
         elif abs(lt) < (friction - TOLERANCE) * ln:
-            marks[c, MODE] = STICK
+            marks[c, MARKS.mode] = STICK
         else:
-            marks[c, MODE] = SLIP_PLUS if lt > 0.0 else SLIP_MINUS
+            marks[c, MARKS.mode] = SLIP_PLUS if lt > 0.0 else SLIP_MINUS
 
 
 @inner
@@ -60,7 +48,7 @@ def keep_modes(marks: Ints, count: int) -> None:
     """Keep features and modes of the step for the next one."""
     for c in range(count):
         for k in range(3):
-            marks[c, OLD_WHO + k] = marks[c, WHO + k]
+            marks[c, MARKS.old_who + k] = marks[c, MARKS.who + k]
     marks[marks.shape[0] - 1, 0] = count
 
 
@@ -75,10 +63,13 @@ def recall_modes(marks: Ints, count: int) -> None:
     """Give every contact the mode that it had in the last step, if it was there."""
     old = marks[marks.shape[0] - 1, 0]
     for c in range(count):
-        marks[c, MODE] = SEPARATE
+        marks[c, MARKS.mode] = SEPARATE
         for b in range(old):
-            if marks[b, OLD_WHO] == marks[c, WHO] and marks[b, OLD_FEATURE] == marks[c, FEATURE]:
-                marks[c, MODE] = marks[b, OLD_MODE]
+            if (
+                marks[b, MARKS.old_who] == marks[c, MARKS.who]
+                and marks[b, MARKS.old_feature] == marks[c, MARKS.feature]
+            ):
+                marks[c, MARKS.mode] = marks[b, MARKS.old_mode]
 
 
 @inner
@@ -111,7 +102,7 @@ def guess_forces(contacts: Floats, marks: Ints, step: Floats, system: Floats, co
                 for k in range(3):
                     entry += system[a, k] * system[3 + b, k]
             system[6 + b, a] = entry
-    if step[SOFT] != 0.0:
+    if step[STEP.soft] != 0.0:
         _soften(contacts, marks, step, system, count)
     return _solve(contacts, marks, step, system, count)
 
@@ -126,25 +117,27 @@ def _slope(mode: int, friction: float) -> float:
 def _collect(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> int:
     """List the unknowns of the modes; the motion takes the right-hand side."""
     for k in range(3):
-        step[MOTION + k] = 0.0
+        step[STEP.motion + k] = 0.0
     size = 0
     for c in range(count):
-        mode = marks[c, MODE]
+        mode = marks[c, MARKS.mode]
         if mode == SEPARATE:
             continue
         if size + (2 if mode == STICK else 1) > 3:
             return 4
-        slope = _slope(mode, contacts[c, MU])
+        slope = _slope(mode, contacts[c, CONTACTS.mu])
         for k in range(3):
-            system[size, k] = contacts[c, WN + k]
-            system[3 + size, k] = contacts[c, WN + k] + slope * contacts[c, WT + k]
-        step[MOTION + size] = -contacts[c, QN]
+            system[size, k] = contacts[c, CONTACTS.wn + k]
+            system[3 + size, k] = (
+                contacts[c, CONTACTS.wn + k] + slope * contacts[c, CONTACTS.wt + k]
+            )
+        step[STEP.motion + size] = -contacts[c, CONTACTS.qn]
         size += 1
         if mode == STICK:
             for k in range(3):
-                system[size, k] = contacts[c, WT + k]
-                system[3 + size, k] = contacts[c, WT + k]
-            step[MOTION + size] = -contacts[c, QT]
+                system[size, k] = contacts[c, CONTACTS.wt + k]
+                system[3 + size, k] = contacts[c, CONTACTS.wt + k]
+            step[STEP.motion + size] = -contacts[c, CONTACTS.qt]
             size += 1
     return size
 
@@ -154,23 +147,26 @@ def _soften(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: 
     """Add the deflection of the probes to the linear system of the modes."""
     i = 0
     for a in range(count):
-        if marks[a, MODE] == SEPARATE:
+        if marks[a, MARKS.mode] == SEPARATE:
             continue
         j = 0
         for b in range(count):
-            if marks[b, MODE] == SEPARATE:
+            if marks[b, MARKS.mode] == SEPARATE:
                 continue
-            along, across = deflection(contacts, marks, step[SOFT], a, b)
-            slope, sticks = _slope(marks[b, MODE], contacts[b, MU]), marks[b, MODE] == STICK
+            along, across = deflection(contacts, marks, step[STEP.soft], a, b)
+            slope, sticks = (
+                _slope(marks[b, MARKS.mode], contacts[b, CONTACTS.mu]),
+                marks[b, MARKS.mode] == STICK,
+            )
             system[6 + j, i] += along - slope * across
             if sticks:
                 system[7 + j, i] -= across
-            if marks[a, MODE] == STICK:
+            if marks[a, MARKS.mode] == STICK:
                 system[6 + j, i + 1] += across + slope * along
                 if sticks:
                     system[7 + j, i + 1] += along
             j += 2 if sticks else 1
-        i += 2 if marks[a, MODE] == STICK else 1
+        i += 2 if marks[a, MARKS.mode] == STICK else 1
 
 
 @inner
@@ -186,7 +182,7 @@ def _triple(a: Floats, b: Floats, c: Floats) -> float:
 @inner
 def _solve(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> bool:
     """Solve by Cramer's rule and spread the unknowns over the contacts."""
-    A, B, C, right = system[6], system[7], system[8], step[MOTION : MOTION + 3]
+    A, B, C, right = system[6], system[7], system[8], step[STEP.motion : STEP.motion + 3]
     determinant = _triple(A, B, C)
     if determinant == 0.0:
         return False
@@ -194,17 +190,17 @@ def _solve(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: i
     x1 = _triple(A, right, C) / determinant
     x2 = _triple(A, B, right) / determinant
     for c in range(count):
-        mode = marks[c, MODE]
-        contacts[c, LN] = 0.0
-        contacts[c, LT] = 0.0
+        mode = marks[c, MARKS.mode]
+        contacts[c, CONTACTS.ln] = 0.0
+        contacts[c, CONTACTS.lt] = 0.0
         if mode == SEPARATE:
             continue
-        contacts[c, LN] = x0
+        contacts[c, CONTACTS.ln] = x0
         if mode == STICK:
-            contacts[c, LT] = x1
+            contacts[c, CONTACTS.lt] = x1
             x0 = x2
         else:
-            contacts[c, LT] = _slope(mode, contacts[c, MU]) * x0
+            contacts[c, CONTACTS.lt] = _slope(mode, contacts[c, CONTACTS.mu]) * x0
             x0, x1 = x1, x2
     move_by_forces(contacts, step, count)
     return True

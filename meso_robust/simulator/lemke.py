@@ -41,7 +41,7 @@ _SMALL_PIVOT = 1e-11  # entries are of order 1; what should vanish is left at ab
 _TIE = 1e-12  # numbers this close count as equal, relative to them
 _ROUNDING = 1e-14  # and ratios this close in any case
 _ZERO = 1e-10  # a z_0 this small has left, even if rounding let another row leave in its place
-_PIVOTS_PER_ROW = 30
+_PIVOTS_PER_ROW = 30  # beyond it the pivots are taken to cycle
 
 
 @inner

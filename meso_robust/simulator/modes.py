@@ -34,7 +34,7 @@ from meso_robust.simulator.nonnegative import nearest
 from meso_robust.types import Floats, Ints
 
 _TOLERANCE = 1e-9  # of a sum that equals q, relative to its largest term from 1 to _LARGEST
-_LARGEST = 1e4
+_LARGEST = 1e4  # force over the support's; beyond it a jam is not told from rounding
 _APART = 1e-6  # a residual that proves something
 _SMALL = 1e-9  # weight of the forces beside the residual: columns that all but depend do no harm
 
@@ -47,30 +47,6 @@ UNDECIDED = 2
 
 _FREE = 4  # a contact whose mode is not chosen yet
 _TREE_LIMIT = 200_000  # nodes
-
-
-@maker
-def some_mode_holds(n: int, M: Floats, q: Floats) -> bool:
-    """Tell whether any contact mode solves the step.
-
-    Parameters
-    ----------
-    n
-        Size of the problem, four times the number of contacts.
-    M
-        (≥n, ≥n) matrix of the contact problem, four rows per contact in the order of the module
-        docstring.
-    q
-        (≥n,) vector.
-
-    Returns
-    -------
-    bool
-        True if the linear complementarity problem has a solution, or if that could not be
-        decided; False proves a jam, within rounding.
-    """
-    state = new_walk(n)
-    return next_mode(n, M, q, np.empty(n), state) != NONE
 
 
 @maker
@@ -87,8 +63,13 @@ def next_mode(n: int, M: Floats, q: Floats, z: Floats, state: Ints) -> int:  # n
 
     Parameters
     ----------
-    n, M, q
-        As in `some_mode_holds`.
+    n
+        Size of the problem, four times the number of contacts.
+    M
+        (≥n, ≥n) matrix of the contact problem, four rows per contact in the order of the module
+        docstring.
+    q
+        (≥n,) vector.
     z
         (≥n,) receives a solution of that mode.
     state
@@ -97,7 +78,8 @@ def next_mode(n: int, M: Floats, q: Floats, z: Floats, state: Ints) -> int:  # n
     Returns
     -------
     int
-        `FOUND`; or, when the walk has ended, `NONE` or `UNDECIDED`.
+        `FOUND`; or, when the walk has ended, `NONE` or `UNDECIDED`. `NONE` of a walk from its start
+        proves a jam, within rounding.
     """
     contacts = n // 4
     columns, x, r = np.empty((2 * n, n)), np.empty(2 * n), np.empty(3 * n)

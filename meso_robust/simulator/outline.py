@@ -161,7 +161,18 @@ def check_part(vertices: Floats) -> None:
 
 
 def thickness(vertices: Floats) -> float:
-    """Least distance of a corner of an outline from an edge that it does not belong to, m."""
+    """Least distance of a corner of an outline from an edge that it does not belong to, m.
+
+    Parameters
+    ----------
+    vertices
+        (V, 2) m; kept for outlines that were measured before.
+
+    Returns
+    -------
+    float
+        In m.
+    """
     return _thickness(np.ascontiguousarray(vertices, dtype=np.float64).tobytes())
 
 

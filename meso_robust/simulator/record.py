@@ -6,19 +6,7 @@ mode``; world frame, forces on the part over e_x. The force of a step and its mo
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.rows import TOLERANCE, slips
-from meso_robust.simulator.tables import (
-    COS,
-    FACTOR,
-    FROM_X,
-    LN,
-    LT,
-    NX,
-    NY,
-    PULL,
-    SIN,
-    WHO,
-    X,
-)
+from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES, PART, STEP
 from meso_robust.types import Floats, Ints
 
 TIME, POSE, FIXTURE_MODE, PROBES = 0, 1, 4, 5
@@ -35,7 +23,7 @@ def contact_mode(contacts: Floats, marks: Ints, step: Floats, count: int, c: int
 
     In slip + the friction on the part points along t, the inward normal turned by +90°.
     """
-    if contacts[c, LN] <= TOLERANCE:
+    if contacts[c, CONTACTS.ln] <= TOLERANCE:
         return 0
     _, vt = slips(contacts, marks, step, count, c)
     if abs(vt) <= _SLIP:
@@ -46,9 +34,9 @@ def contact_mode(contacts: Floats, marks: Ints, step: Floats, count: int, c: int
 @inner
 def on_part(contacts: Floats, c: int, scale: float, pull: float) -> tuple[float, float]:
     """Force of a contact on the part, body frame: λ times a scale, and the pull times another."""
-    nx, ny = contacts[c, NX], contacts[c, NY]
-    ln, lt = scale * contacts[c, LN], scale * contacts[c, LT]
-    draw = pull * contacts[c, PULL]
+    nx, ny = contacts[c, CONTACTS.nx], contacts[c, CONTACTS.ny]
+    ln, lt = scale * contacts[c, CONTACTS.ln], scale * contacts[c, CONTACTS.lt]
+    draw = pull * contacts[c, CONTACTS.pull]
     return (draw - ln) * nx + lt * ny, (draw - ln) * ny - lt * nx
 
 
@@ -90,7 +78,7 @@ def record_step(
             record[sample, POSE + k] = pose[k] - share * (pose[k] - before[k])
         for p in range(probes):
             for a in range(2):
-                there, here = obstacles[p, FROM_X + a], obstacles[p, X + a]
+                there, here = obstacles[p, OBSTACLES.from_x + a], obstacles[p, OBSTACLES.x + a]
                 record[sample, PROBES + PER_PROBE * p + a] = here - share * (here - there)
         _record_contacts(record[sample], probes, body, unit / dt, contacts, marks, step, count)
         sample += 1
@@ -109,15 +97,19 @@ def _record_contacts(
     count: int,
 ) -> None:
     """Write forces, and the mode of the most loaded contact of each probe and of the fixture."""
-    cos, sin = body[COS], body[SIN]
-    scale = step[FACTOR + 6] * speed
+    cos, sin = body[PART.cos], body[PART.sin]
+    scale = step[STEP.factor + 6] * speed
     for p in range(probes + 1):
         most = 0.0
         for c in range(count):
-            if min(marks[c, WHO], probes) != p:
+            if min(marks[c, MARKS.who], probes) != p:
                 continue
-            mode = contact_mode(contacts, marks, step, count, c) if contacts[c, LN] > most else -1
-            most = max(most, contacts[c, LN])
+            mode = (
+                contact_mode(contacts, marks, step, count, c)
+                if contacts[c, CONTACTS.ln] > most
+                else -1
+            )
+            most = max(most, contacts[c, CONTACTS.ln])
             if p == probes:
                 row[FIXTURE_MODE] = mode if mode >= 0 else row[FIXTURE_MODE]
                 continue
@@ -137,4 +129,4 @@ def record_rest(record: Floats, sample: int, pose: Floats, obstacles: Floats) ->
             record[row, POSE + k] = pose[k]
         for p in range(probes):
             for a in range(2):
-                record[row, PROBES + PER_PROBE * p + a] = obstacles[p, X + a]
+                record[row, PROBES + PER_PROBE * p + a] = obstacles[p, OBSTACLES.x + a]

@@ -31,26 +31,7 @@ from meso_robust.simulator.support import (
     resist_dry,
     update_forces,
 )
-from meso_robust.simulator.tables import (
-    COS,
-    DX,
-    DY,
-    FACTOR,
-    MOTION,
-    NX,
-    NY,
-    OLD,
-    PULL,
-    PX,
-    PY,
-    SHIFT,
-    SIN,
-    SOFT,
-    TIME,
-    VELOCITY,
-    WHO,
-    Work,
-)
+from meso_robust.simulator.tables import CONTACTS, MARKS, PART, STEP, Work
 from meso_robust.simulator.touch import pull_of_tips
 from meso_robust.types import Floats
 
@@ -80,8 +61,8 @@ def general_step(
     _loads(case, kind, state, work, count, pose)
     if not kind.forced and case.law[INERTIA] == 0.0 and not _must_move(work, count, unit):
         return COMPLETED
-    cos, sin, vx, vy = body[COS], body[SIN], body[VELOCITY], body[VELOCITY + 1]
-    last[0], last[1], last[2] = cos * vx + sin * vy, cos * vy - sin * vx, body[VELOCITY + 2]
+    cos, sin, vx, vy = body[PART.cos], body[PART.sin], body[PART.velocity], body[PART.velocity + 1]
+    last[0], last[1], last[2] = cos * vx + sin * vy, cos * vy - sin * vx, body[PART.velocity + 2]
     for k in range(3):
         twist[k] = last[k]
     outcome = _tangents(case, kind.dry, state, work, count, dt, unit, 1.0)
@@ -103,34 +84,34 @@ def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: F
     film, wrench, contacts = state.space[FILM_NOW], state.space[WRENCH], work.contacts
     if kind.changing:
         law = case.law[FILM : FILM + 6]
-        film_matrix(law, case.points, case.effects, pose, state.body[TIME], film)
+        film_matrix(law, case.points, case.effects, pose, state.body[PART.time], film)
     for k in range(3):
         wrench[k] = 0.0
     if kind.forced:
-        stage_wrench(case.effects, film, pose, state.body[COS], state.body[SIN], wrench)
+        stage_wrench(case.effects, film, pose, state.body[PART.cos], state.body[PART.sin], wrench)
     if not kind.pulled:
         return
     probes = case.waypoints.shape[1]
     pull_of_tips(case.effects, probes, state.obstacles, contacts, work.marks, count)
     for c in range(count):
-        pull = contacts[c, PULL]
+        pull = contacts[c, CONTACTS.pull]
         if pull == 0.0:
             continue
-        nx, ny = contacts[c, NX], contacts[c, NY]
+        nx, ny = contacts[c, CONTACTS.nx], contacts[c, CONTACTS.ny]
         wrench[0] += pull * nx
         wrench[1] += pull * ny
-        wrench[2] += pull * (contacts[c, PX] * ny - contacts[c, PY] * nx)
+        wrench[2] += pull * (contacts[c, CONTACTS.px] * ny - contacts[c, CONTACTS.py] * nx)
         for b in range(count):
-            if work.marks[b, WHO] == work.marks[c, WHO]:
-                contacts[b, DX] -= case.effects[COMPLIANCE] * pull * nx
-                contacts[b, DY] -= case.effects[COMPLIANCE] * pull * ny
+            if work.marks[b, MARKS.who] == work.marks[c, MARKS.who]:
+                contacts[b, CONTACTS.dx] -= case.effects[COMPLIANCE] * pull * nx
+                contacts[b, CONTACTS.dy] -= case.effects[COMPLIANCE] * pull * ny
 
 
 @inner
 def _must_move(work: Work, count: int, unit: float) -> bool:
     """Whether a part at rest is met by a tip; if not, write that it stays."""
     for k in range(3):
-        work.step[SHIFT + k] = 0.0
+        work.step[STEP.shift + k] = 0.0
     if not write_rows(work.contacts, work.step, count, unit):
         return True
     return bool(closes(work.contacts, work.marks, work.step, count))
@@ -156,7 +137,7 @@ def _tangents(
     points, effects, kind = case.points, case.effects, case.law[INERTIA]
     surface, inertia = case.law[SURFACE : SURFACE + 6], case.law[INERTIA : INERTIA + 3]
     slope = pressure_slope(points, effects) if dry else (0.0, 0.0)
-    creep, age = smoothing * creep_speed(speed), state.body[OLD]
+    creep, age = smoothing * creep_speed(speed), state.body[PART.old]
     for _ in range(_TANGENTS if smoothing > 1.0 else _LAST_TANGENTS):
         for k in range(6):
             K[k] = 0.0
@@ -171,10 +152,10 @@ def _tangents(
         outcome = _balance(work, count, K, offset, unit, dt, effects[COMPLIANCE])
         if outcome != COMPLETED or not dry:
             return outcome
-        m0, m1, m2 = w[MOTION], w[MOTION + 1], w[MOTION + 2]
-        new[0] = speed * (w[FACTOR] * m0 + w[FACTOR + 1] * m1 + w[FACTOR + 3] * m2)
-        new[1] = speed * (w[FACTOR + 2] * m1 + w[FACTOR + 4] * m2)
-        new[2] = speed * w[FACTOR + 5] * m2
+        m0, m1, m2 = w[STEP.motion], w[STEP.motion + 1], w[STEP.motion + 2]
+        new[0] = speed * (w[STEP.factor] * m0 + w[STEP.factor + 1] * m1 + w[STEP.factor + 3] * m2)
+        new[1] = speed * (w[STEP.factor + 2] * m1 + w[STEP.factor + 4] * m2)
+        new[2] = speed * w[STEP.factor + 5] * m2
         update_forces(points, effects, slope, age, creep, twist, new, state.dry)
         if _agree(twist, new, case.scene.size, speed):
             return COMPLETED
@@ -190,7 +171,7 @@ def _balance(
     if not factorise(K, w):
         return OUT_OF_RANGE
     _shift(w, offset, dt / unit)
-    w[SOFT] = compliance * w[FACTOR + 6] / dt
+    w[STEP.soft] = compliance * w[STEP.factor + 6] / dt
     if not write_rows(work.contacts, w, count, unit):
         return OUT_OF_RANGE
     if closes(work.contacts, work.marks, w, count):
@@ -210,9 +191,11 @@ def _agree(twist: Floats, new: Floats, size: float, speed: float) -> bool:
 @inner
 def _shift(w: Floats, offset: Floats, scale: float) -> None:
     """Write the motion without contact, ``s' = L⁻¹ s dt / (k unit)``."""
-    scale /= w[FACTOR + 6]
-    w[SHIFT] = scale * w[FACTOR] * offset[0]
-    w[SHIFT + 1] = scale * (w[FACTOR + 1] * offset[0] + w[FACTOR + 2] * offset[1])
-    w[SHIFT + 2] = scale * (
-        w[FACTOR + 3] * offset[0] + w[FACTOR + 4] * offset[1] + w[FACTOR + 5] * offset[2]
+    scale /= w[STEP.factor + 6]
+    w[STEP.shift] = scale * w[STEP.factor] * offset[0]
+    w[STEP.shift + 1] = scale * (w[STEP.factor + 1] * offset[0] + w[STEP.factor + 2] * offset[1])
+    w[STEP.shift + 2] = scale * (
+        w[STEP.factor + 3] * offset[0]
+        + w[STEP.factor + 4] * offset[1]
+        + w[STEP.factor + 5] * offset[2]
     )

@@ -25,28 +25,7 @@ by the resistance of the support.
 import numpy as np
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.tables import (
-    ACTIVE,
-    DX,
-    DY,
-    FACTOR,
-    GAP,
-    LN,
-    LT,
-    MOTION,
-    MU,
-    NX,
-    NY,
-    PX,
-    PY,
-    QN,
-    QT,
-    SHIFT,
-    SOFT,
-    WHO,
-    WN,
-    WT,
-)
+from meso_robust.simulator.tables import CONTACTS, MARKS, STEP
 from meso_robust.types import Floats, Ints
 
 TOLERANCE = 1e-9
@@ -58,22 +37,31 @@ LARGEST = 1e4
 @inner
 def write_rows(contacts: Floats, step: Floats, count: int, unit: float) -> bool:
     """Write the rows of the first `count` contacts; False if one is not finite."""
-    f0, f1, f2 = step[FACTOR], step[FACTOR + 1], step[FACTOR + 2]
-    f3, f4, f5 = step[FACTOR + 3], step[FACTOR + 4], step[FACTOR + 5]
-    s0, s1, s2 = step[SHIFT], step[SHIFT + 1], step[SHIFT + 2]
+    f0, f1, f2 = step[STEP.factor], step[STEP.factor + 1], step[STEP.factor + 2]
+    f3, f4, f5 = step[STEP.factor + 3], step[STEP.factor + 4], step[STEP.factor + 5]
+    s0, s1, s2 = step[STEP.shift], step[STEP.shift + 1], step[STEP.shift + 2]
     scale = 1.0 / unit
     total = s0 + s1 + s2
     for c in range(count):
         row = contacts[c]
-        nx, ny, px, py, dx, dy = row[NX], row[NY], row[PX], row[PY], row[DX], row[DY]
+        nx, ny, px, py, dx, dy = (
+            row[CONTACTS.nx],
+            row[CONTACTS.ny],
+            row[CONTACTS.px],
+            row[CONTACTS.py],
+            row[CONTACTS.dx],
+            row[CONTACTS.dy],
+        )
         arm_n, arm_t = py * nx - px * ny, -(px * nx + py * ny)
         n0, n1, n2 = -f0 * nx, -f1 * nx - f2 * ny, -f3 * nx - f4 * ny + f5 * arm_n
         t0, t1, t2 = f0 * ny, f1 * ny - f2 * nx, f3 * ny - f4 * nx + f5 * arm_t
-        row[WN], row[WN + 1], row[WN + 2] = n0, n1, n2
-        row[WT], row[WT + 1], row[WT + 2] = t0, t1, t2
-        row[QN] = (row[GAP] + nx * dx + ny * dy) * scale + n0 * s0 + n1 * s1 + n2 * s2
-        row[QT] = (nx * dy - ny * dx) * scale + t0 * s0 + t1 * s1 + t2 * s2
-        total += row[QN] + row[QT] + n2 + t2
+        row[CONTACTS.wn], row[CONTACTS.wn + 1], row[CONTACTS.wn + 2] = n0, n1, n2
+        row[CONTACTS.wt], row[CONTACTS.wt + 1], row[CONTACTS.wt + 2] = t0, t1, t2
+        row[CONTACTS.qn] = (
+            (row[CONTACTS.gap] + nx * dx + ny * dy) * scale + n0 * s0 + n1 * s1 + n2 * s2
+        )
+        row[CONTACTS.qt] = (nx * dy - ny * dx) * scale + t0 * s0 + t1 * s1 + t2 * s2
+        total += row[CONTACTS.qn] + row[CONTACTS.qt] + n2 + t2
     return bool(np.isfinite(total))
 
 
@@ -83,9 +71,14 @@ def deflection(contacts: Floats, marks: Ints, soft: float, a: int, b: int) -> tu
 
     Of the same probe only. A unit tangential force gives the same pair turned: (−t, n).
     """
-    if marks[a, WHO] != marks[b, WHO]:
+    if marks[a, MARKS.who] != marks[b, MARKS.who]:
         return 0.0, 0.0
-    ax, ay, bx, by = contacts[a, NX], contacts[a, NY], contacts[b, NX], contacts[b, NY]
+    ax, ay, bx, by = (
+        contacts[a, CONTACTS.nx],
+        contacts[a, CONTACTS.ny],
+        contacts[b, CONTACTS.nx],
+        contacts[b, CONTACTS.ny],
+    )
     return soft * (ax * bx + ay * by), soft * (ax * by - ay * bx)
 
 
@@ -102,14 +95,20 @@ def _dot(contacts: Floats, a: int, i: int, b: int, j: int) -> float:
 @inner
 def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats, q: Floats) -> int:
     """Write M and q of the first `count` active contacts; return their size."""
-    soft = step[SOFT]
+    soft = step[STEP.soft]
     for a in range(count):
-        ca, i = marks[a, ACTIVE], 4 * a
-        mu = contacts[ca, MU]
+        ca, i = marks[a, MARKS.active], 4 * a
+        mu = contacts[ca, CONTACTS.mu]
         for b in range(count):
-            cb, j = marks[b, ACTIVE], 4 * b
-            nn, nt = _dot(contacts, ca, WN, cb, WN), _dot(contacts, ca, WN, cb, WT)
-            tn, tt = _dot(contacts, ca, WT, cb, WN), _dot(contacts, ca, WT, cb, WT)
+            cb, j = marks[b, MARKS.active], 4 * b
+            nn, nt = (
+                _dot(contacts, ca, CONTACTS.wn, cb, CONTACTS.wn),
+                _dot(contacts, ca, CONTACTS.wn, cb, CONTACTS.wt),
+            )
+            tn, tt = (
+                _dot(contacts, ca, CONTACTS.wt, cb, CONTACTS.wn),
+                _dot(contacts, ca, CONTACTS.wt, cb, CONTACTS.wt),
+            )
             if soft != 0.0:
                 along, across = deflection(contacts, marks, soft, ca, cb)
                 nn, nt, tn, tt = nn + along, nt - across, tn + across, tt + along
@@ -119,7 +118,7 @@ def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats,
             M[i + 2, j], M[i + 2, j + 1], M[i + 2, j + 2], M[i + 2, j + 3] = -tn, -tt, tt, same
             M[i + 3, j], M[i + 3, j + 1] = mu * same, -same
             M[i + 3, j + 2], M[i + 3, j + 3] = -same, 0.0
-        qn, qt = contacts[ca, QN], contacts[ca, QT]
+        qn, qt = contacts[ca, CONTACTS.qn], contacts[ca, CONTACTS.qt]
         q[i], q[i + 1], q[i + 2], q[i + 3] = qn, qt, -qt, 0.0
     return 4 * count
 
@@ -128,25 +127,27 @@ def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats,
 def move_by_forces(contacts: Floats, step: Floats, count: int) -> None:
     """Write the motion of the part, ``Δ' = s' + Σ (w_n λ_n + w_t λ_t)``."""
     for k in range(3):
-        step[MOTION + k] = step[SHIFT + k]
+        step[STEP.motion + k] = step[STEP.shift + k]
         for c in range(count):
-            ln, lt = contacts[c, LN], contacts[c, LT]
-            step[MOTION + k] += ln * contacts[c, WN + k] + lt * contacts[c, WT + k]
+            ln, lt = contacts[c, CONTACTS.ln], contacts[c, CONTACTS.lt]
+            step[STEP.motion + k] += (
+                ln * contacts[c, CONTACTS.wn + k] + lt * contacts[c, CONTACTS.wt + k]
+            )
 
 
 @inner
 def slips(contacts: Floats, marks: Ints, step: Floats, count: int, c: int) -> tuple[float, float]:
     """Relative displacements v_n and v_t of a contact under the forces and motion of the step."""
-    vn, vt = contacts[c, QN], contacts[c, QT]
+    vn, vt = contacts[c, CONTACTS.qn], contacts[c, CONTACTS.qt]
     for k in range(3):
-        way = step[MOTION + k] - step[SHIFT + k]
-        vn += contacts[c, WN + k] * way
-        vt += contacts[c, WT + k] * way
-    if step[SOFT] != 0.0:
+        way = step[STEP.motion + k] - step[STEP.shift + k]
+        vn += contacts[c, CONTACTS.wn + k] * way
+        vt += contacts[c, CONTACTS.wt + k] * way
+    if step[STEP.soft] != 0.0:
         for b in range(count):
-            along, across = deflection(contacts, marks, step[SOFT], c, b)
-            vn += along * contacts[b, LN] - across * contacts[b, LT]
-            vt += across * contacts[b, LN] + along * contacts[b, LT]
+            along, across = deflection(contacts, marks, step[STEP.soft], c, b)
+            vn += along * contacts[b, CONTACTS.ln] - across * contacts[b, CONTACTS.lt]
+            vt += across * contacts[b, CONTACTS.ln] + along * contacts[b, CONTACTS.lt]
     return vn, vt
 
 
@@ -159,15 +160,15 @@ def is_solution(contacts: Floats, marks: Ints, step: Floats, count: int) -> bool
     """
     largest = 1.0
     for c in range(count):
-        largest = max(largest, contacts[c, LN])
+        largest = max(largest, contacts[c, CONTACTS.ln])
     limit = TOLERANCE * min(largest, LARGEST)
     for c in range(count):
-        ln, lt = contacts[c, LN], contacts[c, LT]
+        ln, lt = contacts[c, CONTACTS.ln], contacts[c, CONTACTS.lt]
         vn, vt = slips(contacts, marks, step, count, c)
         # Written so that a NaN fails.
         if not (ln >= -limit and vn >= -limit and min(ln, vn) <= limit):
             return False
-        spare = contacts[c, MU] * ln - abs(lt)
+        spare = contacts[c, CONTACTS.mu] * ln - abs(lt)
         if not (spare >= -limit and min(spare, abs(vt)) <= limit):
             return False
         if abs(vt) > limit and abs(lt) > limit and lt * vt > 0.0:

@@ -6,28 +6,7 @@ import numpy as np
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.contact import PER_CORNER, at_corner, beside_edges, lies_beyond
-from meso_robust.simulator.tables import (
-    COS,
-    DEPTH,
-    DX,
-    DY,
-    FEATURE,
-    FIRST,
-    GAP,
-    LAST,
-    MOVE_X,
-    MOVE_Y,
-    MOVED,
-    NX,
-    NY,
-    PX,
-    PY,
-    RADIUS,
-    SIN,
-    WHO,
-    X,
-    Y,
-)
+from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES, PART
 from meso_robust.types import Floats, Ints
 
 
@@ -81,27 +60,30 @@ def find_contacts(
     most = contacts.shape[0]
     count = 0
     for k in range(obstacles.shape[0]):
-        wx, wy = obstacles[k, MOVE_X], obstacles[k, MOVE_Y]
-        dx, dy = body[COS] * wx + body[SIN] * wy, body[COS] * wy - body[SIN] * wx
+        wx, wy = obstacles[k, OBSTACLES.move_x], obstacles[k, OBSTACLES.move_y]
+        dx, dy = (
+            body[PART.cos] * wx + body[PART.sin] * wy,
+            body[PART.cos] * wy - body[PART.sin] * wx,
+        )
         start = count
-        if obstacles[k, LAST] - obstacles[k, FIRST] == 1.0:
-            x, y = obstacles[k, X] - pose[0], obstacles[k, Y] - pose[1]
-            far = scene.size + obstacles[k, RADIUS] + reach
+        if obstacles[k, OBSTACLES.last] - obstacles[k, OBSTACLES.first] == 1.0:
+            x, y = obstacles[k, OBSTACLES.x] - pose[0], obstacles[k, OBSTACLES.y] - pose[1]
+            far = scene.size + obstacles[k, OBSTACLES.radius] + reach
             if x * x + y * y <= far * far:
-                disc = (cos * x + sin * y, cos * y - sin * x, obstacles[k, RADIUS])
+                disc = (cos * x + sin * y, cos * y - sin * x, obstacles[k, OBSTACLES.radius])
                 wedge = (0.0, 0.0, 0.0, 0.0)
                 count = _disc(scene, disc, wedge, dx, dy, body, reach, contacts, marks, count)
         else:
-            where = (obstacles[k, X], obstacles[k, Y], cos, sin)
-            rows = (int(obstacles[k, FIRST]), int(obstacles[k, LAST]))
+            where = (obstacles[k, OBSTACLES.x], obstacles[k, OBSTACLES.y], cos, sin)
+            rows = (int(obstacles[k, OBSTACLES.first]), int(obstacles[k, OBSTACLES.last]))
             count = _corners_of_obstacle(
                 scene, rows, where, pose, dx, dy, body, reach, contacts, marks, count
             )
-            bounds = (reach, obstacles[k, DEPTH])
+            bounds = (reach, obstacles[k, OBSTACLES.depth])
             count = _corners_of_part(scene, rows, where, pose, bounds, contacts, marks, count)
         for c in range(start, min(count, most)):
-            contacts[c, DX], contacts[c, DY] = dx, dy
-            marks[c, WHO] = k
+            contacts[c, CONTACTS.dx], contacts[c, CONTACTS.dy] = dx, dy
+            marks[c, MARKS.who] = k
         if count > most:
             return count
     return count
@@ -128,7 +110,10 @@ def _disc(
     for i in range(rows[1]):
         if lies_beyond(part, i, cx, cy):
             # Relative to the part, if this goes on as in the last step.
-            px, py = body[MOVED] - body[MOVED + 2] * cy, body[MOVED + 1] + body[MOVED + 2] * cx
+            px, py = (
+                body[PART.moved] - body[PART.moved + 2] * cy,
+                body[PART.moved + 1] + body[PART.moved + 2] * cx,
+            )
             most = np.hypot(dx, dy) + np.hypot(px, py)
             step = (dx - px, dy - py, most)
             count = at_corner(part, i, disc, step, wedge, contacts, marks, count, reach)
@@ -168,7 +153,7 @@ def _corners_of_obstacle(
         disc = (cos * x + sin * y, cos * y - sin * x, 0.0)
         count = _disc(scene, disc, wedge, dx, dy, body, reach, contacts, marks, count)
         for c in range(start, min(count, contacts.shape[0])):
-            marks[c, FEATURE] += PER_CORNER * (i + 1)
+            marks[c, MARKS.feature] += PER_CORNER * (i + 1)
     return count
 
 
@@ -201,10 +186,13 @@ def _corners_of_part(
         start = count
         count = beside_edges(scene.edges, rows, (x, y), 0.0, wedge, bounds, contacts, marks, count)
         for c in range(start, min(count, contacts.shape[0])):
-            nx, ny = contacts[c, NX], contacts[c, NY]
-            contacts[c, NX], contacts[c, NY] = -(cos * nx + sin * ny), -(cos * ny - sin * nx)
-            contacts[c, PX], contacts[c, PY] = part[v, 0], part[v, 1]
-            marks[c, FEATURE] = -marks[c, FEATURE] - PER_CORNER * (v + 1)
+            nx, ny = contacts[c, CONTACTS.nx], contacts[c, CONTACTS.ny]
+            contacts[c, CONTACTS.nx], contacts[c, CONTACTS.ny] = (
+                -(cos * nx + sin * ny),
+                -(cos * ny - sin * nx),
+            )
+            contacts[c, CONTACTS.px], contacts[c, CONTACTS.py] = part[v, 0], part[v, 1]
+            marks[c, MARKS.feature] = -marks[c, MARKS.feature] - PER_CORNER * (v + 1)
     return count
 
 
@@ -213,5 +201,5 @@ def smallest_gap(contacts: Floats, count: int) -> float:
     """Smallest gap of the first `count` contacts, m; infinite without any."""
     least = np.inf
     for c in range(count):
-        least = min(least, contacts[c, GAP])
+        least = min(least, contacts[c, CONTACTS.gap])
     return least

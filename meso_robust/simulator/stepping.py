@@ -42,30 +42,7 @@ from meso_robust.simulator.resistance import general_step
 from meso_robust.simulator.rows import write_rows
 from meso_robust.simulator.scene import find_contacts, smallest_gap
 from meso_robust.simulator.support import AGE, factorise, older
-from meso_robust.simulator.tables import (
-    COS,
-    COUNT,
-    FACTOR,
-    FROM_X,
-    FROM_Y,
-    GAP,
-    MOTION,
-    MOVE_X,
-    MOVE_Y,
-    MOVED,
-    NEXT,
-    OLD,
-    PLAYED_X,
-    SHIFT,
-    SIN,
-    SOFT,
-    TIME,
-    VELOCITY,
-    WHO,
-    Work,
-    X,
-    Y,
-)
+from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES, PART, STEP, Work
 from meso_robust.simulator.touch import attraction_reach, friction_of_contacts
 from meso_robust.types import Floats
 
@@ -108,9 +85,9 @@ def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> t
     outcome, deepest = COMPLETED, 0.0
     sample = int(np.int64(0))  # of a fixed type, not to compile for a literal
     forget_modes(work.marks)
-    work.step[SOFT] = 0.0
+    work.step[STEP.soft] = 0.0
     for k in range(3):
-        work.step[SHIFT + k] = 0.0
+        work.step[STEP.shift + k] = 0.0
     if kind.plain and not factorise(case.law[FILM : FILM + 6], work.step):
         return OUT_OF_RANGE, 0.0
     for leg in range(case.legs.shape[0] - 1):
@@ -155,11 +132,11 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
             target = start + (end - start) * share if step + 1 < n else end
             if driven:
                 time = case.legs[leg, 0] - case.legs[0, 0] + dt * (step + 1)
-                played = drive(case.effects, target, obstacles[p, PLAYED_X + a])
-                obstacles[p, PLAYED_X + a] = played
+                played = drive(case.effects, target, obstacles[p, OBSTACLES.played_x + a])
+                obstacles[p, OBSTACLES.played_x + a] = played
                 target = played + drifted(case.effects, a, time)
-            move = target - obstacles[p, X + a]
-            obstacles[p, MOVE_X + a] = move
+            move = target - obstacles[p, OBSTACLES.x + a]
+            obstacles[p, OBSTACLES.move_x + a] = move
             length += move * move
         square = max(square, length)
     longest, idle = np.sqrt(square), case.law[IDLE]
@@ -175,8 +152,8 @@ def _step(
     reach = _REACH * unit
     if kind.pulled:
         reach += attraction_reach(case.effects)
-    angle = pose[2] + case.law[AHEAD] * state.body[MOVED + 2]
-    state.body[COS], state.body[SIN] = np.cos(angle), np.sin(angle)
+    angle = pose[2] + case.law[AHEAD] * state.body[PART.moved + 2]
+    state.body[PART.cos], state.body[PART.sin] = np.cos(angle), np.sin(angle)
     moved = np.inf
     while moved > reach:
         outcome, gap, count = _contacts(case, state, work, pose, reach, unit)
@@ -208,7 +185,7 @@ def _contacts(
     count = find_contacts(case.scene, state.obstacles, pose, state.body, reach, contacts, marks)
     if count > contacts.shape[0]:
         return OUT_OF_RANGE, 0.0, 0
-    work.step[COUNT] = count
+    work.step[STEP.contacts] = count
     gap = smallest_gap(contacts, count)
     if gap < -_DEEPEST * max(unit, case.law[IDLE]):
         return OUT_OF_RANGE, gap, count
@@ -225,7 +202,7 @@ def _let_be(work: Work, count: int) -> None:
     the step before; that is no jam as long as the part need not go deeper.
     """
     for c in range(count):
-        work.contacts[c, GAP] = max(work.contacts[c, GAP], 0.0)
+        work.contacts[c, CONTACTS.gap] = max(work.contacts[c, CONTACTS.gap], 0.0)
     recall_modes(work.marks, count)
 
 
@@ -256,11 +233,11 @@ def _displacement(body: Floats, w: Floats, unit: float, size: float) -> float:
 
     Infinite if the part turns too far.
     """
-    m0, m1, m2 = w[MOTION], w[MOTION + 1], w[MOTION + 2]
-    x = unit * (w[FACTOR] * m0 + w[FACTOR + 1] * m1 + w[FACTOR + 3] * m2)
-    y = unit * (w[FACTOR + 2] * m1 + w[FACTOR + 4] * m2)
-    turn = unit * w[FACTOR + 5] * m2
-    body[NEXT], body[NEXT + 1], body[NEXT + 2] = x, y, turn
+    m0, m1, m2 = w[STEP.motion], w[STEP.motion + 1], w[STEP.motion + 2]
+    x = unit * (w[STEP.factor] * m0 + w[STEP.factor + 1] * m1 + w[STEP.factor + 3] * m2)
+    y = unit * (w[STEP.factor + 2] * m1 + w[STEP.factor + 4] * m2)
+    turn = unit * w[STEP.factor + 5] * m2
+    body[PART.next], body[PART.next + 1], body[PART.next + 2] = x, y, turn
     if not abs(turn) <= MAX_TURN:
         return np.inf
     return float(abs(x) + abs(y) + abs(turn) * size + unit)
@@ -269,21 +246,27 @@ def _displacement(body: Floats, w: Floats, unit: float, size: float) -> float:
 @inner
 def _displace(case: Case, plain: bool, body: Floats, pose: Floats, dt: float) -> None:
     """Move the part."""
-    cos, sin, x, y, turn = body[COS], body[SIN], body[NEXT], body[NEXT + 1], body[NEXT + 2]
-    body[MOVED], body[MOVED + 1], body[MOVED + 2] = x, y, turn
+    cos, sin, x, y, turn = (
+        body[PART.cos],
+        body[PART.sin],
+        body[PART.next],
+        body[PART.next + 1],
+        body[PART.next + 2],
+    )
+    body[PART.moved], body[PART.moved + 1], body[PART.moved + 2] = x, y, turn
     pose[0] += cos * x - sin * y
     pose[1] += sin * x + cos * y
     pose[2] += turn
     if plain:
         return
-    body[VELOCITY] = (cos * x - sin * y) / dt
-    body[VELOCITY + 1] = (sin * x + cos * y) / dt
-    body[VELOCITY + 2] = turn / dt
-    body[TIME] += dt
+    body[PART.velocity] = (cos * x - sin * y) / dt
+    body[PART.velocity + 1] = (sin * x + cos * y) / dt
+    body[PART.velocity + 2] = turn / dt
+    body[PART.time] += dt
     if case.effects[AGE] != 0.0:
         # The mean square of the slip over the area, by the film's ratio of drags.
         slip = np.sqrt(x * x + y * y + case.law[FILM + 5] * turn * turn)
-        body[OLD] = older(body[OLD], slip, dt, case.effects)
+        body[PART.old] = older(body[PART.old], slip, dt, case.effects)
 
 
 @inner
@@ -294,16 +277,19 @@ def _arrive(case: Case, state: State, work: Work, count: int, unit: float) -> No
     """
     probes, obstacles = case.waypoints.shape[1], state.obstacles
     for p in range(probes):
-        obstacles[p, FROM_X], obstacles[p, FROM_Y] = obstacles[p, X], obstacles[p, Y]
-        obstacles[p, X] += obstacles[p, MOVE_X]
-        obstacles[p, Y] += obstacles[p, MOVE_Y]
+        obstacles[p, OBSTACLES.from_x], obstacles[p, OBSTACLES.from_y] = (
+            obstacles[p, OBSTACLES.x],
+            obstacles[p, OBSTACLES.y],
+        )
+        obstacles[p, OBSTACLES.x] += obstacles[p, OBSTACLES.move_x]
+        obstacles[p, OBSTACLES.y] += obstacles[p, OBSTACLES.move_y]
     compliance = case.effects[COMPLIANCE]
     if compliance == 0.0:
         return
-    cos, sin = state.body[COS], state.body[SIN]
+    cos, sin = state.body[PART.cos], state.body[PART.sin]
     for c in range(count):
-        p = work.marks[c, WHO]
+        p = work.marks[c, MARKS.who]
         if p < probes:
-            fx, fy = on_part(work.contacts, c, work.step[SOFT] * unit, compliance)
-            obstacles[p, X] -= cos * fx - sin * fy
-            obstacles[p, Y] -= sin * fx + cos * fy
+            fx, fy = on_part(work.contacts, c, work.step[STEP.soft] * unit, compliance)
+            obstacles[p, OBSTACLES.x] -= cos * fx - sin * fy
+            obstacles[p, OBSTACLES.y] -= sin * fx + cos * fy

@@ -27,7 +27,7 @@ import numpy as np
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.stage import REFERENCE_SPEED, Effect, Parameter, Stage
-from meso_robust.simulator.tables import FACTOR
+from meso_robust.simulator.tables import STEP
 from meso_robust.types import Floats
 
 _RATIO = Parameter(
@@ -506,11 +506,11 @@ def factorise(K: Floats, step: Floats) -> bool:
     if not s33 > 0.0:
         return False
     l33 = np.sqrt(s33)
-    step[FACTOR], step[FACTOR + 2], step[FACTOR + 5] = 1.0, 1.0 / l22, 1.0 / l33
-    step[FACTOR + 1] = -l21 / l22
-    step[FACTOR + 4] = -l32 / (l22 * l33)
-    step[FACTOR + 3] = -(l31 + l32 * step[FACTOR + 1]) / l33
-    step[FACTOR + 6] = k
+    step[STEP.factor], step[STEP.factor + 2], step[STEP.factor + 5] = 1.0, 1.0 / l22, 1.0 / l33
+    step[STEP.factor + 1] = -l21 / l22
+    step[STEP.factor + 4] = -l32 / (l22 * l33)
+    step[STEP.factor + 3] = -(l31 + l32 * step[STEP.factor + 1]) / l33
+    step[STEP.factor + 6] = k
     return True
 
 

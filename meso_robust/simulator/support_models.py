@@ -37,10 +37,6 @@ class Support(Protocol):
         """Tables of this support for the kernels."""
 
 
-class Dry(Support, Protocol):
-    """Dry contact, whose strength can be set against that of a film."""
-
-
 _NO_FILM = np.zeros((1, 6))
 _NO_POINTS = np.zeros((1, 0, 3))
 

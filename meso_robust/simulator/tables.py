@@ -15,80 +15,133 @@ from meso_robust.types import Floats, Ints
 MAX_CONTACTS = 16
 """Most contacts of one step."""
 
-# Contacts, one a row: what geometry says, ...
-GAP, NX, NY, PX, PY = 0, 1, 2, 3, 4
-"""Gap, normal outward from the part, point of the part."""
-DX, DY = 5, 6
-"""Displacement of the obstacle in the step."""
-MU, PULL = 7, 8
-"""Friction coefficient; attraction over e_x, m/s."""
-# ... the rows of the problem (see `rows`), and its solution.
-QN, QT, WN, WT = 9, 10, 11, 14
-"""q_n, q_t, and the first of three columns each of w_n and w_t."""
-LN, LT = 17, 18
-"""λ_n and λ_t."""
-CONTACT = 19
-"""Columns of the table of contacts."""
 
-# Marks of contacts, one a row.
-WHO, FEATURE, MODE = 0, 1, 2
-"""Obstacle, feature and contact mode."""
-OLD_WHO, OLD_FEATURE, OLD_MODE = 3, 4, 5
-"""The same of the contacts of the last step."""
-ACTIVE = 6
-"""Contacts in the complementarity problem."""
-MARKS = 7
-"""Columns of the table of marks; its last row holds how many old contacts there are."""
+class _Contacts(NamedTuple):
+    """Columns of the table of contacts: geometry, the rows of the problem (see `rows`), its solution."""
 
-# The step.
-MOTION, SHIFT = 0, 3
-"""First of three numbers: motion Δ' and motion without contact s', in units (see `rows`)."""
-FACTOR = 6
-"""First of seven: lower triangle of L⁻¹ by rows, and k."""
-SOFT = 13
-"""Compliance c of the probes, zero for stiff ones."""
-COUNT = 14
-"""Contacts of the step."""
-STEP = 15
-"""Length of the vector of the step."""
-
-# Obstacles, one a row.
-FIRST, LAST, RADIUS, FRICTION = 0, 1, 2, 3
-"""First and last (exclusive) row in the table of edges; radius; friction coefficient."""
-X, Y, MOVE_X, MOVE_Y = 4, 5, 6, 7
-"""Origin at the start of the step and its displacement, world frame."""
-PLAYED_X, PLAYED_Y, WET = 8, 9, 10
-"""Of a probe: position behind the play, without drift; whether a meniscus stands at its tip."""
-DEPTH = 11
-"""Deepest penetration into the obstacle that is taken for one."""
-FROM_X, FROM_Y = 12, 13
-"""Of a probe: where its tip was at the start of the last step, world frame."""
-OBSTACLE = 14
-"""Columns of the table of obstacles."""
+    gap: int = 0
+    nx: int = 1
+    """Of the normal, outward from the part."""
+    ny: int = 2
+    px: int = 3
+    """Of the point of the part."""
+    py: int = 4
+    dx: int = 5
+    """Of the displacement of the obstacle in the step."""
+    dy: int = 6
+    mu: int = 7
+    pull: int = 8
+    """Attraction over e_x, m/s."""
+    qn: int = 9
+    qt: int = 10
+    wn: int = 11
+    """First of three, of w_n."""
+    wt: int = 14
+    """First of three, of w_t."""
+    ln: int = 17
+    """λ_n."""
+    lt: int = 18
+    """λ_t."""
 
 
-# The part.
-MOVED, VELOCITY = 0, 3
-"""First of three numbers each: displacement in the last step (body frame), velocity at its end (world
-frame)."""
-COS, SIN = 6, 7
-"""Of the angle at which displacements are taken; see `stepping`."""
-TIME, OLD, NEXT = 8, 9, 10
-"""Time since the start of the run, age of the contact, first of three numbers of the displacement in
-this step (body frame)."""
-BODY = 13
-"""Length of the vector of the part."""
+CONTACTS, CONTACT_COLUMNS = _Contacts(), 19
+
+
+class _Marks(NamedTuple):
+    """Columns of the table of marks, one contact a row; its last row holds how many old ones there are."""
+
+    who: int = 0
+    """Obstacle."""
+    feature: int = 1
+    mode: int = 2
+    old_who: int = 3
+    """The same of the contacts of the last step."""
+    old_feature: int = 4
+    old_mode: int = 5
+    active: int = 6
+    """Contacts in the complementarity problem."""
+
+
+MARKS, MARK_COLUMNS = _Marks(), 7
+
+
+class _Step(NamedTuple):
+    """Entries of the vector of the step."""
+
+    motion: int = 0
+    """First of three: motion Δ', in units (see `rows`)."""
+    shift: int = 3
+    """First of three: motion without contact s', in units."""
+    factor: int = 6
+    """First of seven: lower triangle of L⁻¹ by rows, and k."""
+    soft: int = 13
+    """Compliance c of the probes, zero for stiff ones."""
+    contacts: int = 14
+    """How many there are."""
+
+
+STEP, STEP_LENGTH = _Step(), 15
+
+
+class _Obstacles(NamedTuple):
+    """Columns of the table of obstacles, one a row; world frame."""
+
+    first: int = 0
+    """First row in the table of edges."""
+    last: int = 1
+    """Row after the last in the table of edges."""
+    radius: int = 2
+    friction: int = 3
+    x: int = 4
+    """Of the origin at the start of the step."""
+    y: int = 5
+    move_x: int = 6
+    """Of its displacement in the step."""
+    move_y: int = 7
+    played_x: int = 8
+    """Of a probe, with y after it: position behind the play, without drift."""
+    wet: int = 10
+    """Of a probe: whether a meniscus stands at its tip."""
+    depth: int = 11
+    """Deepest penetration into the obstacle that is taken for one."""
+    from_x: int = 12
+    """Of a probe: where its tip was at the start of the last step."""
+    from_y: int = 13
+
+
+OBSTACLES, OBSTACLE_COLUMNS = _Obstacles(), 14
+
+
+class _Part(NamedTuple):
+    """Entries of the vector of the part."""
+
+    moved: int = 0
+    """First of three: displacement in the last step, body frame."""
+    velocity: int = 3
+    """First of three: velocity at the end of the last step, world frame."""
+    cos: int = 6
+    """Of the angle at which displacements are taken; see `stepping`."""
+    sin: int = 7
+    time: int = 8
+    """Since the start of the run."""
+    old: int = 9
+    """Age of the contact."""
+    next: int = 10
+    """First of three: displacement in this step, body frame."""
+
+
+PART, PART_LENGTH = _Part(), 13
 
 
 class Work(NamedTuple):
     """Workspace of a run, for at most C contacts."""
 
     contacts: Floats
-    """(C, CONTACT)"""
+    """(C, CONTACT_COLUMNS)"""
     marks: Ints
-    """(C + 1, MARKS)"""
+    """(C + 1, MARK_COLUMNS)"""
     step: Floats
-    """(STEP,)"""
+    """(STEP_LENGTH,)"""
     system: Floats
     """(9, 3), for the guess of the modes."""
     matrix: Floats
@@ -106,9 +159,9 @@ def workspace(contacts: int) -> Work:
     """Allocate the workspace of a run with at most `contacts` contacts."""
     n = 4 * contacts
     work = Work(
-        np.zeros((contacts, CONTACT)),
-        np.zeros((contacts + 1, MARKS), np.int64),
-        np.zeros(STEP),
+        np.zeros((contacts, CONTACT_COLUMNS)),
+        np.zeros((contacts + 1, MARK_COLUMNS), np.int64),
+        np.zeros(STEP_LENGTH),
         np.zeros((9, 3)),
         np.zeros((n, n)),
         np.zeros((2, n)),
@@ -116,5 +169,5 @@ def workspace(contacts: int) -> Work:
         np.zeros(4 * n + 2, np.int64),
     )
     for k in (0, 2, 5, 6):  # the factor of the unit matrix
-        work.step[FACTOR + k] = 1.0
+        work.step[STEP.factor + k] = 1.0
     return work

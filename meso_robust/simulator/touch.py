@@ -8,7 +8,7 @@ is ``λ_n − F`` and its friction ``μ λ_n`` holds while the tip is drawn back
 from meso_robust.kernels import inner
 from meso_robust.simulator.contact import PER_CORNER
 from meso_robust.simulator.stage import Effect, Parameter, Stage
-from meso_robust.simulator.tables import FEATURE, FRICTION, GAP, MU, PULL, WET, WHO
+from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES
 from meso_robust.types import Floats, Ints
 
 _UM = 1e-6
@@ -92,11 +92,15 @@ def friction_of_contacts(
     """
     change, edge = effects[_CHANGE], effects[EDGE]
     for c in range(count):
-        mu = obstacles[marks[c, WHO], FRICTION]
-        if change != 0.0 and marks[c, FEATURE] >= 0 and marks[c, FEATURE] % PER_CORNER == edge:
+        mu = obstacles[marks[c, MARKS.who], OBSTACLES.friction]
+        if (
+            change != 0.0
+            and marks[c, MARKS.feature] >= 0
+            and marks[c, MARKS.feature] % PER_CORNER == edge
+        ):
             mu *= 1.0 + change
-        contacts[c, MU] = mu
-        contacts[c, PULL] = 0.0
+        contacts[c, CONTACTS.mu] = mu
+        contacts[c, CONTACTS.pull] = 0.0
 
 
 @inner
@@ -130,18 +134,20 @@ def pull_of_tips(
     for k in range(probes):
         nearest = -1
         for c in range(count):
-            if marks[c, WHO] == k and (nearest < 0 or contacts[c, GAP] < contacts[nearest, GAP]):
+            if marks[c, MARKS.who] == k and (
+                nearest < 0 or contacts[c, CONTACTS.gap] < contacts[nearest, CONTACTS.gap]
+            ):
                 nearest = c
         if nearest < 0:
-            obstacles[k, WET] = 0.0
+            obstacles[k, OBSTACLES.wet] = 0.0
             continue
-        gap = max(contacts[nearest, GAP], 0.0)
+        gap = max(contacts[nearest, CONTACTS.gap], 0.0)
         if gap <= _TOUCHING:
-            obstacles[k, WET] = 1.0
+            obstacles[k, OBSTACLES.wet] = 1.0
         elif gap > effects[_ADHESION_RANGE]:
-            obstacles[k, WET] = 0.0
-        pull = effects[_ADHESION] * obstacles[k, WET]
+            obstacles[k, OBSTACLES.wet] = 0.0
+        pull = effects[_ADHESION] * obstacles[k, OBSTACLES.wet]
         reach = REACH_OF_ATTRACTION * effects[_ATTRACTION_RANGE]
         if effects[_ATTRACTION] != 0.0 and gap <= reach:
             pull += effects[_ATTRACTION] / (1.0 + gap / effects[_ATTRACTION_RANGE])
-        contacts[nearest, PULL] = pull
+        contacts[nearest, CONTACTS.pull] = pull

@@ -10,7 +10,7 @@ import pytest
 
 import meso_robust as mr
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.reporting.card import Card, html
+from meso_robust.reporting.card import card
 from meso_robust.reporting.cards import diagnosed_card
 from meso_robust.tasks import PAPER
 from tests.reporting import diagnoses
@@ -126,7 +126,9 @@ def test_text_of_users_is_shown_and_not_run(planned: mr.Planned) -> None:
 
 
 def test_a_card_without_a_picture_has_no_plate() -> None:
-    card = Card(word=EVIL, colour="NEUTRAL", about=EVIL, meaning=EVIL, figures=((EVIL, EVIL),), text=EVIL)  # fmt: skip
-    root = parsed(html(card))
+    figures = ((EVIL, EVIL),)
+    root = parsed(
+        card(word=EVIL, colour="NEUTRAL", about=EVIL, meaning=EVIL, figures=figures, text=EVIL)
+    )
     assert "".join(root.itertext()).count(EVIL) == 6
     assert "plate" not in {element.get("class") for element in root.iter()}

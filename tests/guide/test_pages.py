@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -27,6 +26,7 @@ from tests.strategies import paper_chain
 ROOT = Path(meso_robust.__file__).parent.parent
 PAGES = sorted(GUIDE.glob("*.md"))
 NAMES = [page.name for page in PAGES]
+KINDS = ("*.md", "*.py", "*.j2")
 _TO_MAKE = {"<name>", "two_drags"}
 """What stands for a file that a reader is to write."""
 
@@ -101,16 +101,22 @@ def test_files_that_are_named_exist(name: str) -> None:
             assert (ROOT / file).exists(), file
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_commands_have_the_options_that_are_named(name: str) -> None:
+def test_commands_have_the_options_that_are_named() -> None:
+    """In the README, the guide, messages, and what the pages tell the reader to type."""
     group: Any = typer.main.get_command(app)
-    for block in re.findall(r"^```\n(.*?)^```", text(name), re.DOTALL | re.MULTILINE):
-        for line in block.splitlines():
-            if "meso-robust" not in line:
-                continue
-            verb, *words = shlex.split(line.split("meso-robust ", 1)[1])
-            known = {one for option in group.commands[verb].params for one in option.opts}
-            assert {word for word in words if word.startswith("--")} <= known, line
+    folders = (ROOT / "meso_robust", ROOT / "derivations", ROOT / "reports")
+    files = [*ROOT.glob("*.md")]
+    files += [file for folder in folders for kind in KINDS for file in folder.rglob(kind)]
+    named = 0
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        for verb, rest in re.findall(r"(?<!\.)meso-robust ([a-z]+)\b([^`\"<\n|]*)", text):
+            assert verb in group.commands, f"{file}: meso-robust {verb}{rest}"
+            options = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", rest))
+            known = {each for option in group.commands[verb].params for each in option.opts}
+            assert options <= known | {"--help"}, f"{file}: meso-robust {verb}{rest}"
+            named += len(options)
+    assert named > 50
 
 
 def test_keys_of_a_task_that_are_explained_are_all_its_keys() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from meso_robust import pipeline
 from meso_robust.pipeline import Planned
-from meso_robust.reporting.page import report
+from meso_robust.reporting.plan import report
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
 

@@ -248,7 +248,7 @@ def test_one_session_has_nothing_to_be_compared_with() -> None:
 
 def test_missing_chunks_are_named(page: str, everything: Answer) -> None:
     sentence = "5 of 240 chunks are missing, counted from 0: 4, 17–19, 201."
-    assert sentence in Reader(section(page, '<div class="notice" id="missing">', "</ul>")).text
+    assert sentence in Reader(section(page, '<h2 id="missing">', "</ul>")).text
     assert sentence in section(page, 'id="part-2"', "</section>")
     assert "missing" not in section(page, 'id="part-1"', "</section>")
     unnamed = campaign_report(everything)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import pytest
+from markupsafe import Markup
 
 from meso_robust.reporting.diagnosis import diagnosis_report
+from meso_robust.reporting.report import Figure
 from tests.reporting.diagnoses import document, evidence
 
 
 @pytest.fixture(autouse=True)
 def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("held_out", "vectors", "scale", "map", "strip", "null")
-    drawn = {**dict.fromkeys(names, "a picture"), "recordings": []}
+    names = ("held_out", "vectors", "map", "strip", "null")
+    picture = Figure(svg=Markup("a picture"))
+    drawn = {**dict.fromkeys(names, picture), "recordings": []}
     monkeypatch.setattr("meso_robust.reporting.diagnosis._pictures", lambda *_: drawn)
 
 

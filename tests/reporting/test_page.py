@@ -15,7 +15,7 @@ from meso_robust.certificates.words import inequality_words, words
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import AimDocument, RuleDocument
 from meso_robust.reporting import rows
-from meso_robust.reporting.page import report
+from meso_robust.reporting.plan import report
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 NAMESPACES = {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}

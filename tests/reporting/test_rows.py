@@ -13,7 +13,7 @@ from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Reason, about
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
-from meso_robust.reporting.page import report
+from meso_robust.reporting.plan import report
 from meso_robust.reporting.reading import Standing
 from meso_robust.reporting.steps import step_rows
 

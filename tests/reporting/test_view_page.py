@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meso_robust.pipeline import Planned
-from meso_robust.reporting.page import report
+from meso_robust.reporting.plan import report
 from meso_robust.reporting.slim import slim
 from meso_robust.reporting.view import data, view
 from tests.browser import Page

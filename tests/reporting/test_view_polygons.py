@@ -18,7 +18,7 @@ from meso_robust.planning.document import PlanDocument, RuleDocument, plan_docum
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.reporting.page import report
+from meso_robust.reporting.plan import report
 from meso_robust.reporting.view import task as told_task
 from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER

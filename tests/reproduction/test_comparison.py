@@ -8,9 +8,9 @@ import pytest
 from meso_robust.reproduction import comparison, uncertainties
 from meso_robust.reproduction.baselines import ON_FILM, Errors
 from meso_robust.reproduction.item import Agreement, Setting
+from meso_robust.reproduction.plans_figures import side_by_side
 from meso_robust.reproduction.printed import FILM_RATIO, FRICTION
 from meso_robust.reproduction.uncertainties import ONES, scaled
-from meso_robust.reproduction.uncertainties_figure import side_by_side
 
 
 def test_a_scale_widens_every_range_about_its_middle() -> None:

@@ -14,8 +14,9 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.errors import InputError
+from meso_robust.reporting.report import Figure
 from meso_robust.reproduction.document import Made, document, text
-from meso_robust.reproduction.item import Figure, Found, Item, Row, Setting, Value
+from meso_robust.reproduction.item import Found, Item, Row, Setting, Value
 from meso_robust.reproduction.items import ITEMS, asked, item
 from meso_robust.reproduction.page import apart, reproduction_report, shown
 from meso_robust.wording import worded

@@ -7,24 +7,17 @@ import numpy.typing as npt
 
 from meso_robust.simulator import Fixture, Point, Push
 from meso_robust.simulator.arrange import case_of, inputs_of
+from meso_robust.simulator.modes import NONE, new_walk, next_mode
 from meso_robust.simulator.scene import find_contacts
 from meso_robust.simulator.tables import (
-    ACTIVE,
-    CONTACT,
-    COS,
+    CONTACT_COLUMNS,
+    CONTACTS,
+    MARK_COLUMNS,
     MARKS,
     MAX_CONTACTS,
-    MOVE_X,
-    MOVED,
-    MU as FRICTION,
-    QN,
-    QT,
-    SIN,
-    WHO,
-    WN,
-    WT,
+    OBSTACLES,
+    PART,
     Work,
-    X,
     workspace,
 )
 from meso_robust.simulator.tips import Tip
@@ -117,16 +110,19 @@ def contacts_at(
     """
     case = case_of(0, inputs_of(push, unique=False))
     obstacles, probes = case.obstacles.copy(), len(push.shapes)
-    obstacles[:probes, X : X + 2] = tips
-    obstacles[:probes, MOVE_X : MOVE_X + 2] = way
-    contacts, marks = np.zeros((MAX_CONTACTS, CONTACT)), np.zeros((MAX_CONTACTS + 1, MARKS), int)
+    obstacles[:probes, OBSTACLES.x : OBSTACLES.x + 2] = tips
+    obstacles[:probes, OBSTACLES.move_x : OBSTACLES.move_x + 2] = way
+    contacts, marks = (
+        np.zeros((MAX_CONTACTS, CONTACT_COLUMNS)),
+        np.zeros((MAX_CONTACTS + 1, MARK_COLUMNS), int),
+    )
     body = np.zeros(32)
-    body[MOVED : MOVED + 3] = 0.0 if last is None else last
-    ahead = pose[2] + 0.5 * body[MOVED + 2]  # where displacements are turned
-    body[COS], body[SIN] = np.cos(ahead), np.sin(ahead)
+    body[PART.moved : PART.moved + 3] = 0.0 if last is None else last
+    ahead = pose[2] + 0.5 * body[PART.moved + 2]  # where displacements are turned
+    body[PART.cos], body[PART.sin] = np.cos(ahead), np.sin(ahead)
     count = find_contacts(case.scene, obstacles, pose, body, reach, contacts, marks)
     assert count <= MAX_CONTACTS
-    return contacts[:count, :7], marks[:count, WHO]
+    return contacts[:count, :7], marks[:count, MARKS.who]
 
 
 def in_body(poses: F, points: F) -> F:
@@ -160,10 +156,13 @@ def fill(work: Work, rows: F, friction: float | F) -> None:
     """Write rows (k, 8) into a workspace."""
     work.contacts[:] = 0.0
     work.marks[:] = 0
-    work.contacts[:, QN], work.contacts[:, QT] = rows[:, 0], rows[:, 1]
-    work.contacts[:, WN : WN + 3], work.contacts[:, WT : WT + 3] = rows[:, 2:5], rows[:, 5:8]
-    work.contacts[:, FRICTION] = friction
-    work.marks[:-1, WHO] = work.marks[:-1, ACTIVE] = np.arange(len(rows))
+    work.contacts[:, CONTACTS.qn], work.contacts[:, CONTACTS.qt] = rows[:, 0], rows[:, 1]
+    (
+        work.contacts[:, CONTACTS.wn : CONTACTS.wn + 3],
+        work.contacts[:, CONTACTS.wt : CONTACTS.wt + 3],
+    ) = rows[:, 2:5], rows[:, 5:8]
+    work.contacts[:, CONTACTS.mu] = friction
+    work.marks[:-1, MARKS.who] = work.marks[:-1, MARKS.active] = np.arange(len(rows))
 
 
 def contact_problems(rows: F, friction: F) -> tuple[F, F]:
@@ -183,3 +182,8 @@ def contact_problems(rows: F, friction: F) -> tuple[F, F]:
         M[:, 4 * c : 4 * c + 4, 4 * c : 4 * c + 4] += cone
     q = np.stack([rows[..., 0], rows[..., 1], -rows[..., 1], 0 * rows[..., 0]], axis=-1)
     return M, q.reshape(count, 4 * k)
+
+
+def some_mode_holds(n: int, M: npt.NDArray[np.float64], q: npt.NDArray[np.float64]) -> bool:
+    """Whether any contact mode solves a step, or that could not be decided."""
+    return bool(next_mode(n, M, q, np.empty(n), new_walk(n)) != NONE)

@@ -9,7 +9,7 @@ from meso_robust.simulator import Outcome, Push, simulate
 from meso_robust.simulator.advance import advance, closes
 from meso_robust.simulator.guess import guess_forces
 from meso_robust.simulator.rows import is_solution
-from meso_robust.simulator.tables import LN, LT, MODE
+from meso_robust.simulator.tables import CONTACTS, MARKS
 from tests.simulator.problems import UM, fill, one_point, random_rows, two_sided, workspace_of
 
 F = npt.NDArray[np.float64]
@@ -59,11 +59,16 @@ def test_modes_of_a_solution_give_its_forces_back() -> None:
         if not closes(work.contacts, work.marks, work.step, 2):
             continue
         if advance(work, 2) == Outcome.COMPLETED:
-            force, motion = work.contacts[:, [LN, LT]].copy(), work.step[:3].copy()
-            seen.update(work.marks[:2, MODE].tolist())
+            force, motion = (
+                work.contacts[:, [CONTACTS.ln, CONTACTS.lt]].copy(),
+                work.step[:3].copy(),
+            )
+            seen.update(work.marks[:2, MARKS.mode].tolist())
             assert guess_forces(work.contacts, work.marks, work.step, work.system, 2)
             assert is_solution(work.contacts, work.marks, work.step, 2)
             tight = 1e-9 * np.max(force, initial=1.0)
-            np.testing.assert_allclose(work.contacts[:, [LN, LT]], force, atol=tight)
+            np.testing.assert_allclose(
+                work.contacts[:, [CONTACTS.ln, CONTACTS.lt]], force, atol=tight
+            )
             np.testing.assert_allclose(work.step[:3], motion, atol=tight)
     assert seen == {0, 1, 2, 3}

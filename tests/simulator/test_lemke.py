@@ -7,8 +7,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.optimize import linprog
 
 from meso_robust.simulator.lemke import RAY, RESIDUAL, SOLVED, _goes_first, lemke
-from meso_robust.simulator.modes import some_mode_holds
-from tests.simulator.problems import contact_problems, random_rows
+from tests.simulator.problems import contact_problems, random_rows, some_mode_holds
 
 F = npt.NDArray[np.float64]
 

@@ -7,8 +7,7 @@ import numpy.typing as npt
 import pytest
 from scipy.optimize import linprog
 
-from meso_robust.simulator.modes import some_mode_holds
-from tests.simulator.problems import contact_problems, random_rows
+from tests.simulator.problems import contact_problems, random_rows, some_mode_holds
 
 F = npt.NDArray[np.float64]
 

@@ -10,8 +10,7 @@ from scipy.optimize import brentq
 
 from meso_robust.simulator import Outcome, Push, PushResult, simulate
 from meso_robust.simulator.advance import advance, closes
-from meso_robust.simulator.modes import some_mode_holds
-from meso_robust.simulator.tables import LN
+from meso_robust.simulator.tables import CONTACTS
 from tests.simulator.problems import (
     HALF_SHORT,
     MU,
@@ -24,6 +23,7 @@ from tests.simulator.problems import (
     one_point,
     random_rows,
     rectangle,
+    some_mode_holds,
     two_sided,
     workspace_of,
 )
@@ -283,7 +283,7 @@ def test_far_contact_that_closes_in_the_step_is_not_left_out() -> None:
         if advance(work, 2) == Outcome.COMPLETED:
             normal = rows[1, 0] + rows[1, 2:5] @ work.step[:3]
             assert normal > -1e-7
-            met += work.contacts[1, LN] > 1e-6
+            met += work.contacts[1, CONTACTS.ln] > 1e-6
         else:
             M, q = contact_problems(rows[None], np.full(1, 0.3))
             assert not some_mode_holds(8, M[0], q[0])

@@ -42,9 +42,9 @@ _OUT_OF_RANGE = int(Outcome.OUT_OF_RANGE)
 _NOT_UNIQUE = int(Outcome.NON_UNIQUE)
 
 _NEAR = 1e-10  # gaps of contacts that touch
-_MOST_PHASES = 1000
+_MOST_PHASES = 1000  # of a run; more is taken for a fault
 _MOST_STUCK = 12  # events in a row without progress
-_PROGRESS = 1e-12
+_PROGRESS = 1e-12  # of the clock: less is rounding, and the run stands still
 _SNAP = 1e3  # speed, in units of that of the tips
 
 

@@ -34,9 +34,9 @@ from meso_robust.simulator.events.stride import error_of, stride
 from meso_robust.types import Floats
 
 _STILL = 1e-14  # turn on the whole move below which the part only translates
-_LARGEST_STEP = 0.4
-_SMALLEST_STEP = 1e-12
-_FIRST_STEP = 0.1
+_LARGEST_STEP = 0.4  # of the clock, which is the way of the fastest tip over the part's size
+_SMALLEST_STEP = 1e-12  # of the clock; what needs less cannot be integrated
+_FIRST_STEP = 0.1  # of the clock; the control of the error goes on from it
 _SWEEPS = 4  # over the quantities, for the first of them that is negative
 _TURN = 0.1  # rad, of an exact step; events are looked for at its middle and its end
 

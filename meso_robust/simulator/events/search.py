@@ -32,8 +32,8 @@ is."""
 
 _FAR = 0.2  # distance from the circle about the part that needs no measure of its own
 _FINEST = 1.0 / 2048  # of the curve
-_ROOT_STEPS = 60
-_EXACT = 1e-15
+_ROOT_STEPS = 60  # halvings alone would reach rounding in 53
+_EXACT = 1e-15  # of the curve, and of a distance: rounding of numbers of order one
 
 
 @inlined

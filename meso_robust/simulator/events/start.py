@@ -21,7 +21,7 @@ from meso_robust.simulator.events.search import clearance
 
 _DEEP = 1e-5  # overlap that is taken back
 _LEFT = 1e-10  # and what may be left of it
-_ROUNDS = 4
+_ROUNDS = 4  # of pushing back: out of one wall may be into another
 
 
 @inner

@@ -138,7 +138,7 @@ print(json.dumps([tried, drawn, shrunk.drawn, shrunk.example, shrunk.entry.hex()
 """
 BUSY = """
 import random
-import matplotlib, meso_robust.cli, meso_robust.reporting.page
+import matplotlib, meso_robust.cli, meso_robust.reporting.plan
 import own_module
 from hypothesis import HealthCheck, given, settings, strategies as st
 @settings(database=None, deadline=None, suppress_health_check=list(HealthCheck))

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from markupsafe import Markup
+from matplotlib.figure import Figure as Drawing
 
 from meso_robust.bounds import Verdict
-from meso_robust.certificates.document import CertificateDocument
 from meso_robust.even_film import remarks
 from meso_robust.laboratory.running import excess
 from meso_robust.pipeline import Planned
@@ -16,7 +13,7 @@ from meso_robust.reporting.answer import answer
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
 from meso_robust.reporting.reading import Standing, ending, endings, standings, through
-from meso_robust.reporting.skeleton import Banner, code, page, versions
+from meso_robust.reporting.report import Banner, Figure, Report, code, made, page, prose, section
 from meso_robust.reporting.steps import step_rows, title
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.tube_figures import (
@@ -33,15 +30,6 @@ from meso_robust.transfer.promise import Promise
 from meso_robust.wording import counted, do, up, worded
 
 
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """A figure with what stands above and below it."""
-
-    title: str
-    caption: str
-    svg: Markup
-
-
 def report(result: Planned, promise: Promise | None = None) -> str:
     """One self-contained HTML page on a plan: the answer first, then its grounds.
 
@@ -51,15 +39,16 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         Everything that ``meso-robust plan`` found out.
     promise
         What a fitted model made of the task, if the plan was made with one.
+
+    Returns
+    -------
+    str
+        The page; it asks for nothing from outside.
     """
-    certificate, said, steps = result.certificate, answer(result, promise), step_rows(result)
-    banner = Banner(
-        verb="plan",
-        subject=certificate.task,
-        word=said.verdict,
-        colour=said.verdict,
-        meaning=said.meaning,
-        figures=said.figures,
+    certificate, said, ran = (
+        result.certificate,
+        answer(result, promise),
+        result.certificate.simulation,
     )
     with style():
         pictures = {
@@ -69,10 +58,8 @@ def report(result: Planned, promise: Promise | None = None) -> str:
             "tubes": _tubes(result),
             "end": _end(result),
         }
-    return page(
+    body = prose(
         "plan.html.j2",
-        banner,
-        _made(certificate),
         task=result.task,
         certificate=certificate,
         answer=said,
@@ -81,7 +68,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         pictures=pictures,
         view=view(result),
         engine=engine(),
-        steps=steps,
+        steps=step_rows(result),
         conditions=conditions(
             item.inequality for step in certificate.steps for item in step.obligations
         ),
@@ -103,20 +90,53 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         worded=worded,
         worst_words=worst_words,
     )
-
-
-def _made(certificate: CertificateDocument) -> tuple[tuple[str, str], ...]:
-    """What the plan was made from, and how to make it again."""
-    ran = certificate.simulation
-    command = f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}"
-    return (
-        ("to reproduce", code(command, " with the task file of this hash")),
-        ("task hash (SHA-256)", code(certificate.task_hash)),
-        versions(certificate.made_with),
+    sections = []
+    if said.open is not None:
+        title = f"What is open: {said.open.where}"
+        sections.append(section(body, "open", title, "", f"notice {said.verdict}"))
+    if said.witness is not None:
+        sections.append(section(body, "witness", "A run that fails", "", "notice REFUTED"))
+    if promise is not None:
+        sections.append(section(body, "model", "What the fitted model says", ""))
+    return page(
+        Report(
+            banner=Banner(
+                verb="plan",
+                subject=certificate.task,
+                word=said.verdict,
+                colour=said.verdict,
+                meaning=said.meaning,
+                figures=said.figures,
+            ),
+            lead=body.claim(),
+            sections=(
+                *sections,
+                section(body, "plan", "The plan"),
+                section(body, "steps", "Proof move by move"),
+                section(body, "tubes", "Certified against simulated"),
+                section(body, "margin", "Margin"),
+                section(body, "simulation", "Simulation"),
+                section(body, "policy", "Commands"),
+                section(body, "assumptions", "Assumptions"),
+                section(body, "derivations", "Derivations"),
+            ),
+            made=made(
+                f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}",
+                ("task hash (SHA-256)", code(certificate.task_hash)),
+                after=" with the task file of this hash",
+                using=certificate.made_with,
+            ),
+            styles=("plan.css", "player.css", "view.css"),
+            scripted=True,
+        )
     )
 
 
-def _move(result: Planned, index: int) -> Picture:
+def _figure(name: str, title: str, caption: str, drawing: Drawing) -> Figure:
+    return Figure(svg=to_svg(drawing, name, title), title=title, caption=caption, wide=False)
+
+
+def _move(result: Planned, index: int) -> Figure:
     x, y = result.plan.moves[index].travel_um
     heading = result.found.rules[index].frame.heading.replace("-", MINUS)
     standing = standings(result.chain, len(result.found.rules))[index]
@@ -128,23 +148,23 @@ def _move(result: Planned, index: int) -> Picture:
     elif nominal.failed_in[0] < index:
         caption += " The nominal run does not get this far."
     name = f"Move {index + 1}: {title(result, index)}"
-    return Picture(name, caption, to_svg(move_figure(result, index), f"move{index}", name))
+    return _figure(f"move{index}", name, caption, move_figure(result, index))
 
 
-def _overview(result: Planned) -> Picture:
-    svg = to_svg(overview_figure(result), "overview", "The whole plan from start to goal")
+def _overview(result: Planned) -> Figure:
     last = len(result.found.rules)
     caption = f"0: the start; 1 to {last}: the part after each move of the nominal run."
-    return Picture("The whole plan", caption, svg)
+    svg = to_svg(overview_figure(result), "overview", "The whole plan from start to goal")
+    return Figure(svg=svg, title="The whole plan", caption=caption)
 
 
-def _spread(result: Planned, index: int) -> Picture:
+def _spread(result: Planned, index: int) -> Figure:
     alive = through(result.check, index)
     caption = (
         f"{int(alive.sum())} of {counted(len(alive), 'run')} completed; {_inside(result, index)}."
     )
     name = f"After move {index + 1}: {title(result, index)}"
-    return Picture(name, caption, to_svg(spread_figure(result, index), f"spread{index}", name))
+    return _figure(f"spread{index}", name, caption, spread_figure(result, index))
 
 
 def _inside(result: Planned, index: int) -> str:
@@ -166,7 +186,7 @@ def _inside(result: Planned, index: int) -> str:
     )
 
 
-def _tubes(result: Planned) -> list[Picture]:
+def _tubes(result: Planned) -> list[Figure]:
     pictures = []
     for index in range(len(result.found.rules)):
         if not has_tube(result, index):
@@ -177,12 +197,12 @@ def _tubes(result: Planned) -> list[Picture]:
         for side, letter in (("y", "y"), ("theta", "θ")):
             name = f"{move}, {letter} over x"
             caption = f"{slices} slices of the certified tube, {runs} simulated paths."
-            figure = tube_figure(result, index, "y" if side == "y" else "theta")
-            pictures.append(Picture(name, caption, to_svg(figure, f"tube{index}{side}", name)))
+            drawing = tube_figure(result, index, "y" if side == "y" else "theta")
+            pictures.append(_figure(f"tube{index}{side}", name, caption, drawing))
     return pictures
 
 
-def _end(result: Planned) -> Picture:
+def _end(result: Planned) -> Figure:
     done = int(result.check.sampled.completed.sum())
     name = "Final poses in the goal"
     box = "certified box in blue" if result.chain.verdict is Verdict.PROVED else "no certified box"
@@ -190,4 +210,4 @@ def _end(result: Planned) -> Picture:
     caption = f"{done} completed runs; goal in green, {box}."
     if missed:
         caption += f" Red: the {missed} that miss the goal."
-    return Picture(name, caption, to_svg(final_figure(result), "final", name))
+    return _figure("final", name, caption, final_figure(result))
