@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from meso_robust import units
 from meso_robust.bounds import Box, Verdict, VerdictWord
@@ -29,6 +29,7 @@ from meso_robust.certificates.words import (
     words,
 )
 from meso_robust.planning.document import BoxDocument, RuleDocument, box_document
+from meso_robust.planning.plan_file import Document
 from meso_robust.primitives.names import Inequality, Named, ObligationId
 from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox, setup_of
@@ -42,11 +43,7 @@ TIPS = "point tips"
 """What the verdict of every plan is about, whatever the tips of the laboratory."""
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
-
-class NamedDocument(_Model):
+class NamedDocument(Document):
     """A stable id and its data."""
 
     id: str
@@ -72,7 +69,7 @@ class ObligationDocument(NamedDocument):
     """PROVED: the box it holds on; else the witness, or the widest undecided box."""
 
 
-class ExactBox(_Model):
+class ExactBox(Document):
     """A box of poses, exactly."""
 
     x_m: HexPair
@@ -83,7 +80,7 @@ class ExactBox(_Model):
     """[low, high] of the orientation, rad."""
 
 
-class StepDocument(_Model):
+class StepDocument(Document):
     """One certified move."""
 
     step: PaperStep
@@ -108,7 +105,7 @@ class StepDocument(_Model):
     """The inequalities that the move was reduced to."""
 
 
-class ClaimDocument(_Model):
+class ClaimDocument(Document):
     """What the certificate is about: for all uncertainties and starts every motion ends in the goal."""
 
     id: str
@@ -123,7 +120,7 @@ class ClaimDocument(_Model):
     """All inequalities of all moves, each with its derivation; null: interval arithmetic."""
 
 
-class UndecidedDocument(_Model):
+class UndecidedDocument(Document):
     """Why the verdict is UNKNOWN."""
 
     move: MoveNumber
@@ -153,7 +150,7 @@ class LimitDocument(NamedDocument):
     """Which motion the move is."""
 
 
-class UndecidedReading(_Model):
+class UndecidedReading(Document):
     """Why the verdict is UNKNOWN, in words."""
 
     claim: str
@@ -164,7 +161,7 @@ class UndecidedReading(_Model):
     """What would settle it."""
 
 
-class ReadingDocument(_Model):
+class ReadingDocument(Document):
     """The certificate in words, for people: rendered from the ids, and compared by nobody."""
 
     claim: str
@@ -185,7 +182,7 @@ class ReadingDocument(_Model):
     """How the run of the witness ends."""
 
 
-class WitnessDocument(_Model):
+class WitnessDocument(Document):
     """A run that breaks the claim, as the simulator replays it; SI units, hexadecimal."""
 
     outcome: str
@@ -209,7 +206,7 @@ class WitnessDocument(_Model):
     """Position error of the single tip in each move, [x, y], m."""
 
 
-class MarginDocument(_Model):
+class MarginDocument(Document):
     """How much more uncertainty the plan could bear; see ``meso_robust.certificates.margin``."""
 
     factor: Factor
@@ -225,7 +222,7 @@ class MarginDocument(_Model):
     """What fails first at `refused_at`."""
 
 
-class SimulationDocument(_Model):
+class SimulationDocument(Document):
     """The cross-check by the simulator: evidence beside the proof, not part of it."""
 
     samples: Count
@@ -246,7 +243,7 @@ class SimulationDocument(_Model):
     """Largest change of a pose when the simulation step is halved."""
 
 
-class CertificateDocument(_Model):
+class CertificateDocument(Document):
     """A certificate."""
 
     schema_: Annotated[Literal["meso-robust/certificate/2"], Field(alias="schema")] = (

@@ -7,6 +7,7 @@ which is which.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -163,38 +164,37 @@ class Feedback:
 
     def rows_of(self, draws: Draws) -> Floats:
         """(N, D) draws as rows, number for number."""
-        parts = [draws.start, draws.friction, draws.film_ratio, draws.misalignment]
-        for k, rule in enumerate(self.rules):
-            if k > 0:
-                parts.append(draws.sensing[:, k])
-            parts.append(draws.dual[:, k])
-            if rule.single is not None:
-                parts.append(draws.single[:, k])
-        return np.column_stack(parts)
+        of_a_run = (draws.start, draws.friction, draws.film_ratio, draws.misalignment)
+        return np.column_stack([*of_a_run, *self._of_moves(draws)])
 
     def draws_of(self, rows: Floats) -> Draws:
         """Rows as draws; errors of a probe that is not there are zero."""
         runs, moves = len(rows), len(self.rules)
-        sensing = np.zeros((runs, moves, 3))
-        dual, single = np.zeros((runs, moves, 2)), np.zeros((runs, moves, 2))
-        # the first pose is sensed as the task states it
-        sensing[:, 0] = np.array(self.setup.start.mid) - rows[:, START]
-        at = OF_A_RUN
-        for k, rule in enumerate(self.rules):
-            targets = [sensing[:, k]] if k > 0 else []
-            targets += [dual[:, k]] + ([] if rule.single is None else [single[:, k]])
-            for target in targets:
-                target[:] = rows[:, at : at + target.shape[1]]
-                at += target.shape[1]
-        return Draws(
+        draws = Draws(
             start=rows[:, START].copy(),
             friction=rows[:, FRICTION].copy(),
             film_ratio=rows[:, FILM].copy(),
             misalignment=rows[:, MISALIGNMENT].copy(),
-            sensing=sensing,
-            dual=dual,
-            single=single,
+            sensing=np.zeros((runs, moves, 3)),
+            dual=np.zeros((runs, moves, 2)),
+            single=np.zeros((runs, moves, 2)),
         )
+        # the first pose is sensed as the task states it
+        draws.sensing[:, 0] = np.array(self.setup.start.mid) - draws.start
+        at = OF_A_RUN
+        for target in self._of_moves(draws):
+            target[:] = rows[:, at : at + target.shape[1]]
+            at += target.shape[1]
+        return draws
+
+    def _of_moves(self, draws: Draws) -> Iterator[Floats]:
+        """(N, 2) or (N, 3) views of what belongs to single moves, in the order of ``columns``."""
+        for k, rule in enumerate(self.rules):
+            if k > 0:
+                yield draws.sensing[:, k]
+            yield draws.dual[:, k]
+            if rule.single is not None:
+                yield draws.single[:, k]
 
 
 def miss(runs: PlanRun, setup: Setup) -> Floats:

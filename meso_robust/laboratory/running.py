@@ -139,7 +139,7 @@ def carry_out(
     for k, decide in enumerate(rounds):
         sensed = laboratory.sense(k, poses, going)
         orders = decide(sensed, going)
-        going = np.zeros_like(going)
+        going = np.zeros_like(going)  # a run that gets no order is over
         for order in orders:
             tips = laboratory.place(k, order)
             inside = order.runs & laboratory.blocked(tips, poses)

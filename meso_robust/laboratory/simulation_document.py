@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from meso_robust.planning.document import BoxDocument
-
-
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+from meso_robust.planning.plan_file import BoxDocument, Document
 
 
-class FinalPose(_Model):
+class FinalPose(Document):
     """The part at the end of a run."""
 
     x_um: float
@@ -24,7 +20,7 @@ class FinalPose(_Model):
     """Orientation, deg."""
 
 
-class RunDocument(_Model):
+class RunDocument(Document):
     """One run."""
 
     run: str
@@ -43,7 +39,7 @@ class RunDocument(_Model):
     """Whether the run was completed and ended in the goal."""
 
 
-class UncertainDocument(_Model):
+class UncertainDocument(Document):
     """Something uncertain in a run, SI; the name ends in the unit."""
 
     name: str
@@ -56,7 +52,7 @@ class UncertainDocument(_Model):
     """Upper end of its range, hexadecimal."""
 
 
-class CaseDocument(_Model):
+class CaseDocument(Document):
     """A run with everything that was uncertain in it, exactly."""
 
     run: RunDocument
@@ -65,7 +61,7 @@ class CaseDocument(_Model):
     """Every uncertain quantity."""
 
 
-class AdversaryDocument(_Model):
+class AdversaryDocument(Document):
     """The worst run that was found."""
 
     note: str = "found by a search: a run that misses breaks the plan, none found proves nothing"
@@ -76,7 +72,7 @@ class AdversaryDocument(_Model):
     """The worst of them."""
 
 
-class EndingDocument(_Model):
+class EndingDocument(Document):
     """A way in which sampled runs did not end in the goal."""
 
     move: int | None
@@ -87,7 +83,7 @@ class EndingDocument(_Model):
     """Number of such runs."""
 
 
-class SampledDocument(_Model):
+class SampledDocument(Document):
     """The random runs in short."""
 
     runs: int
@@ -102,7 +98,7 @@ class SampledDocument(_Model):
     """Most frequent first."""
 
 
-class SimulationDocument(_Model):
+class SimulationDocument(Document):
     """A simulation."""
 
     schema_: Annotated[Literal["meso-robust/simulation/1"], Field(alias="schema")] = (

@@ -20,11 +20,13 @@ Commanded = Annotated[float, Field(json_schema_extra={"minimum": -1e6, "maximum"
 Pair = tuple[Commanded, Commanded]
 
 
-class _Model(BaseModel):
+class Document(BaseModel):
+    """What a program writes: every key is known, no value changes."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
 
-class AimDocument(_Model):
+class AimDocument(Document):
     """A commanded coordinate: ``offset_um`` from the sensed part or from the world's origin."""
 
     relative_to: Literal["sensed part", "world"]
@@ -33,7 +35,7 @@ class AimDocument(_Model):
     """The offset, um, along the axis that the key names."""
 
 
-class RuleDocument(_Model):
+class RuleDocument(Document):
     """A move as a function of the pose sensed before it."""
 
     step: PaperStep
@@ -60,7 +62,7 @@ class RuleDocument(_Model):
     """Whether the y axis of these axes is mirrored."""
 
 
-class ProbeDocument(_Model):
+class ProbeDocument(Document):
     """A probe of a move; an active one travels and is lifted out of the plane afterwards.
 
     Places are those of the tip's centre; a certificate holds for tips that are points there.
@@ -76,7 +78,7 @@ class ProbeDocument(_Model):
     """Whether the tip rests while the others travel."""
 
 
-class BoxDocument(_Model):
+class BoxDocument(Document):
     """A box of poses."""
 
     x_um: tuple[Um, Um]
@@ -87,7 +89,7 @@ class BoxDocument(_Model):
     """[low, high] of the orientation, deg."""
 
 
-class MoveDocument(_Model):
+class MoveDocument(Document):
     """What the hardware does."""
 
     step: PaperStep
@@ -104,7 +106,7 @@ class MoveDocument(_Model):
     """Certified box of the part's pose after the move, rounded outward; null if not certified."""
 
 
-class PlanDocument(_Model):
+class PlanDocument(Document):
     """A quasi-open-loop plan."""
 
     schema_: Annotated[Literal["meso-robust/plan/1"], Field(alias="schema")] = "meso-robust/plan/1"

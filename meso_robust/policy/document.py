@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from meso_robust import units
 from meso_robust.bounds import Interval
-from meso_robust.certificates.document import ExactBox, exact_box
+from meso_robust.certificates.document import ExactBox, HexPair, exact_box
 from meso_robust.certificates.words import premise_words
 from meso_robust.errors import InputError
 from meso_robust.planning.document import (
@@ -26,6 +26,7 @@ from meso_robust.planning.document import (
     box_document,
     plan_document,
 )
+from meso_robust.planning.plan_file import Document
 from meso_robust.planning.reading import first_of, read_text, wrong_headings, wrong_rules
 from meso_robust.planning.rules import rules_of
 from meso_robust.policy.cells import Cell, Policy, resting
@@ -38,14 +39,9 @@ from meso_robust.task import Task
 from meso_robust.wording import counted
 
 SCHEMA: Literal["meso-robust/policy/1"] = "meso-robust/policy/1"
-HexPair = tuple[str, str]
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
-
-class CellDocument(_Model):
+class CellDocument(Document):
     """One move for all sensed poses of a box."""
 
     moves: MoveNumber
@@ -64,7 +60,7 @@ class CellDocument(_Model):
     """Whether the move ends in the goal from all of the cell."""
 
 
-class RegionDocument(_Model):
+class RegionDocument(Document):
     """How far the certified starts reach near one orientation of the part."""
 
     near_deg: Deg
@@ -79,7 +75,7 @@ class RegionDocument(_Model):
     """Share of the hull that the cells fill (rounded down)."""
 
 
-class PolicyClaim(_Model):
+class PolicyClaim(Document):
     """What is proved."""
 
     words: str
@@ -88,7 +84,7 @@ class PolicyClaim(_Model):
     """What the proof assumes, a sentence each."""
 
 
-class PolicyDocument(_Model):
+class PolicyDocument(Document):
     """A certified feedback policy."""
 
     schema_: Annotated[Literal["meso-robust/policy/1"], Field(alias="schema")] = SCHEMA
