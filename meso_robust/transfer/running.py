@@ -28,7 +28,7 @@ from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
 from meso_robust.simulator.observation import observe
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.task import Task
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats, Ints
 from meso_robust.wording import up
 
 HANDLING_S = 10.0
@@ -74,7 +74,7 @@ class _Laboratory:
         radius = 0.0 if self.document.probe is None else self.document.probe.tip_radius_um
         return Round(units.UM * radius) if radius > 0.0 else Point()
 
-    def physics(self, rows: npt.NDArray[np.int64]) -> Physics:
+    def physics(self, rows: Ints) -> Physics:
         """The physics of some."""
         return self.document.made().physics(self.values[rows])
 
@@ -203,7 +203,7 @@ def _commands(
     return commanded.tips + np.stack(errors, axis=1) + along[:, None], commanded.travel
 
 
-def _inside(tips: Floats, poses: Floats, lab: _Laboratory) -> npt.NDArray[np.bool_]:
+def _inside(tips: Floats, poses: Floats, lab: _Laboratory) -> Flags:
     """(N,) whether a tip would be lowered onto the part."""
     corners = rectangle(lab.setup)
     table = lab.physics(np.arange(len(poses))).effects.table
@@ -216,9 +216,7 @@ def _inside(tips: Floats, poses: Floats, lab: _Laboratory) -> npt.NDArray[np.boo
     return np.asarray((np.abs(own) < half[:, None]).all(axis=2).any(axis=1))
 
 
-def _push(
-    poses: Floats, tips: Floats, travel: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory
-) -> Push:
+def _push(poses: Floats, tips: Floats, travel: Floats, rows: Ints, lab: _Laboratory) -> Push:
     physics = lab.physics(rows)
     felt = physics.effects.without(_MECHANICS)
     pulled = felt.is_on(*PULL_SLOTS)
@@ -255,7 +253,7 @@ def _way(tips: Floats, travel: Floats, lab: _Laboratory, *, back: bool) -> tuple
     return np.stack(waypoints, axis=1), np.stack(times, axis=1)
 
 
-def _rest(poses: Floats, rows: npt.NDArray[np.int64], lab: _Laboratory) -> None:
+def _rest(poses: Floats, rows: Ints, lab: _Laboratory) -> None:
     """What the stage does to parts that nothing touches, until the next move."""
     if not rows.size or not lab.physics(rows).effects.is_on(*FORCE_SLOTS):
         return
