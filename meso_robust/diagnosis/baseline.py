@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.noise import Noise, weighed
 from meso_robust.diagnosis.tangent import Tangent, tangent
-from meso_robust.identification.identify import Identification, identify
+from meso_robust.identification.identify import Identification, Told, identify
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.identification.problem import Fits, Settings
 from meso_robust.recordings import RecordingSet
-from meso_robust.types import Floats
-
-Told = Callable[[str, int, int], None]
+from meso_robust.types import Flags, Floats
 
 _FINER = 4.0  # by how much shorter the steps of the other solver are
 _LONGEST = 0.2  # s, of a step: forces that act on a part at rest move it evenly
@@ -56,7 +52,7 @@ class Baseline:
     noise: Noise
 
     @property
-    def seen(self) -> npt.NDArray[np.bool_]:
+    def seen(self) -> Flags:
         """(R, T, 3) whether there is a datum."""
         return np.isfinite(self.prepared.seen)
 

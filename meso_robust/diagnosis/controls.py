@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.detect import Span
@@ -27,7 +26,7 @@ from meso_robust.diagnosis.windows import tips_of, windowed
 from meso_robust.identification.prepared import Prepared
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.contact import gaps
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
 SAME = 0.2
 """σ: predictions that differ by less in every frame of a span are the same."""
@@ -138,7 +137,7 @@ def decoy(at: Tangent, columns: Floats, rng: np.random.Generator) -> Floats:
     return np.concatenate([flat, moved[..., 3 * frames :]], axis=2)
 
 
-def _elsewhere(count: int, rng: np.random.Generator) -> npt.NDArray[np.int64]:
+def _elsewhere(count: int, rng: np.random.Generator) -> Ints:
     """(R,) a cycle through all recordings: none keeps its own."""
     order = rng.permutation(count)
     where = np.empty(count, dtype=np.int64)

@@ -16,12 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2, norm
 
-from meso_robust.diagnosis.baseline import Baseline, Told
+from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.signatures import Signature, Visibility, signatures, visibilities
 from meso_robust.diagnosis.store import Store
 from meso_robust.diagnosis.tangent import Tangent
 from meso_robust.diagnosis.trials import trials
+from meso_robust.identification.identify import Told
 from meso_robust.identification.prepared import Prepared
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.phases import phases

@@ -13,7 +13,7 @@ import numpy as np
 
 from meso_robust import __version__
 from meso_robust.diagnosis.acceptance import Accepted, accepted
-from meso_robust.diagnosis.baseline import Baseline, Told, fitted_baseline
+from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, decoys
 from meso_robust.diagnosis.detect import Detected, detected, spans_of
@@ -32,6 +32,7 @@ from meso_robust.diagnosis.validation import (
     worth,
 )
 from meso_robust.identification.answer import set_hash
+from meso_robust.identification.identify import Told
 from meso_robust.identification.verdict import doubts
 from meso_robust.recordings import RecordingSet
 

@@ -17,13 +17,13 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import chi2 as chi2_law
 
 from meso_robust.diagnosis.runs import FEWEST, SINGLES, Run, from_start, longer, offered, runs_of
 from meso_robust.identification.models.model import centroid
 from meso_robust.identification.prepared import Prepared
-from meso_robust.types import Floats
+from meso_robust.recordings.outline import gyration
+from meso_robust.types import Flags, Floats
 
 _SAME = 1e-6  # of the size: how well corners must fall on corners
 _ALIKE = 5e-6  # m: contacts and paths that are farther apart are not the same push
@@ -81,14 +81,6 @@ def symmetries(outline: Floats) -> tuple[Symmetry, ...]:
             kind: Literal["same", "turn", "mirror"] = "mirror" if mirrored else "turn"
             found.append(Symmetry(matrix, centre - matrix @ centre, "same" if same else kind))
     return tuple(sorted(found, key=lambda one: one.kind != "same"))
-
-
-def gyration(outline: Floats) -> float:
-    """Radius of gyration in m of the area of an outline (V, 2) about its centroid."""
-    x, y = (outline - centroid(outline)).T
-    across = x * np.roll(y, -1) - np.roll(x, -1) * y
-    squares = sum(c * c + c * np.roll(c, -1) + np.roll(c, -1) ** 2 for c in (x, y))
-    return float(np.sqrt(across @ squares / (6.0 * across.sum())))
 
 
 def _angle(start: Floats, end: Floats) -> float:
@@ -273,7 +265,7 @@ def _tolerance(
     place = np.sqrt((apart @ along) ** 2 + (reach * angle) ** 2 + starts[0] + reach**2 * starts[2])
     centre = centroid(prepared.outline)
     x, y = first.point - centre
-    arm, k = x * first.normal[1] - y * first.normal[0], gyration(prepared.outline)
+    arm, k = x * first.normal[1] - y * first.normal[0], gyration(prepared.outline - centre)
     slope = way * (abs(k**2 - arm**2) / (k**2 + arm**2) ** 2 + _SHARE / k**2)
     square[2] += (slope * place) ** 2
     square[:2] += (reach * slope * place) ** 2 + (way * angle) ** 2
@@ -301,7 +293,7 @@ def _blur(prepared: Prepared, run: Run) -> float:
     return float(np.hypot(run.start_sigma[0], prepared.length * run.start_sigma[2]))
 
 
-def _present(prepared: Prepared, run: Run) -> npt.NDArray[np.bool_]:
+def _present(prepared: Prepared, run: Run) -> Flags:
     """(P,) whether a recording has a probe."""
     away = prepared.waypoints[run.recording] == -prepared.parked
     return ~np.all(away, axis=(0, 2))

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.document import Channel, Component
@@ -27,7 +26,7 @@ from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.contact import gaps
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
 Frame = Literal["stage", "part"]
 
@@ -96,7 +95,7 @@ def followed(
     sigma: Floats,
     names: tuple[str, ...],
     table: Floats,
-    recording: npt.NDArray[np.int64],
+    recording: Ints,
     seed: int,
 ) -> tuple[Covariate, ...]:
     """Max-T over slacks (W, 5), σ likewise, and covariates (W, K) of windows of recordings (W,)."""

@@ -7,7 +7,6 @@ sees. Several answers that the recordings do not tell apart are all given; none 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,9 +29,8 @@ from meso_robust.diagnosis.refit import Refit, refined, refitted
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, estimate
 from meso_robust.diagnosis.store import NOWHERE, Store
+from meso_robust.identification.identify import Told
 from meso_robust.types import Floats
-
-Told = Callable[[str, int, int], None]
 
 _REFITTED_FORMS = 2  # of an effect, those that promise most
 _EXTENDED_SETS = {True: 2, False: 3}  # that a further effect is added to, if quick and if not

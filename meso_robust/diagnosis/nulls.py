@@ -8,13 +8,12 @@ frames that the camera lost are lost again.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.identification.forward import Prediction, predicted
 from meso_robust.identification.problem import Arrow
 from meso_robust.simulator import Outcome
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 _ROUNDS = 3  # Newton's steps of a refit that starts next to its end
 _EXCLUDED = 9.0  # χ² of what no refit takes of a change of the parameters: three σ
@@ -99,9 +98,7 @@ def _coloured(baseline: Baseline, shape: tuple[int, ...], rng: np.random.Generat
     return np.asarray(fresh * sigma * (1.0 + spread)[:, None, None])
 
 
-def _refitted(
-    baseline: Baseline, seen: Floats, noise: Floats, failed: npt.NDArray[np.bool_]
-) -> Floats:
+def _refitted(baseline: Baseline, seen: Floats, noise: Floats, failed: Flags) -> Floats:
     """White residuals (B, R, M) of data (B, R, T, 3) after a fit of everything to each.
 
     Of a parameter that hardly shows a step may lead away: the best round counts.

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
 from meso_robust.diagnosis.signatures import Signature, estimate, extended, start_of, within
@@ -20,7 +19,7 @@ from meso_robust.identification.forward import corrected
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
 from meso_robust.identification.problem import Fits, Fitted
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 WIDTH = 10.0
 """Standard deviation of the size of an effect before any recording, in typical changes."""
@@ -202,7 +201,7 @@ def _scored(
     )
 
 
-def _loose(model: Model, values: Floats) -> npt.NDArray[np.bool_]:
+def _loose(model: Model, values: Floats) -> Flags:
     """(n,) whether a number is away from the ends of its range: only then it takes of the data."""
     low = np.array([parameter.low for parameter in model.parameters])
     high = np.array([parameter.high for parameter in model.parameters])

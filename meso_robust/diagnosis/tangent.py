@@ -10,11 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import norm
 
 from meso_robust.identification.models import Model, Parameter
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 CONFIDENCE = 0.9
 """Probability with which an interval shall cover."""
@@ -22,7 +21,7 @@ _RANK = 1e-8  # of the largest singular value, below which a direction is none
 _PRIOR = 4  # offsets of the tips, with a prior of their own
 
 
-def whitened(residuals: Floats, seen: npt.NDArray[np.bool_], correlation: float) -> Floats:
+def whitened(residuals: Floats, seen: Flags, correlation: float) -> Floats:
     """Residuals (…, R, T, 3) in σ with the colour taken out; zero where not seen (R, T, 3).
 
     A frame after one that was not seen is as uncertain as a first one.
@@ -55,7 +54,7 @@ class Tangent:
 
     own: Floats
     shared: Floats
-    seen: npt.NDArray[np.bool_]
+    seen: Flags
     correlation: float
 
     def rows(self, residuals: Floats, offsets: Floats | None = None) -> Floats:
@@ -80,9 +79,7 @@ class Tangent:
         return np.asarray(flat - (flat @ self.shared) @ self.shared.T)
 
 
-def tangent(
-    jacobian: Floats, parameters: int, seen: npt.NDArray[np.bool_], correlation: float
-) -> Tangent:
+def tangent(jacobian: Floats, parameters: int, seen: Flags, correlation: float) -> Tangent:
     """The tangent of a fit.
 
     Parameters

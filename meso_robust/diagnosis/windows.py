@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.diagnosis.document import Channel, PhaseName
 from meso_robust.diagnosis.hidden_inputs import (
@@ -32,7 +31,7 @@ from meso_robust.recordings import RecordingSet, unwrapped
 from meso_robust.recordings.contact import gaps, margin
 from meso_robust.recordings.phases import phases
 from meso_robust.simulator import Outcome
-from meso_robust.types import Floats, Ints
+from meso_robust.types import Flags, Floats, Ints
 
 FEWEST = 5
 """Frames with a whole pose that a window must have: a start and a drift take two of them."""
@@ -102,7 +101,7 @@ def _cut(recordings: RecordingSet, prepared: Prepared, r: int) -> list[Cut]:
     return found
 
 
-def _pieces(inside: Ints, two: npt.NDArray[np.bool_]) -> list[Ints]:
+def _pieces(inside: Ints, two: Flags) -> list[Ints]:
     """Frames of a contact cut where a second tip comes or goes, and into equal pieces."""
     changes = 1 + np.flatnonzero(np.diff(two[inside]))
     parts = [part for part in np.split(inside, changes) if len(part)]

@@ -23,7 +23,7 @@ from meso_robust.simulator.observation import (
     unseen,
 )
 from meso_robust.simulator.stage import SLOTS
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 _AT_ONCE = 400_000  # instants recorded in one call of the simulator: about 50 MB
 _CAUGHT = 0.04  # steps of overlap that count as touching; the simulator refuses 0.05
@@ -54,7 +54,7 @@ class Prediction:
     shifts: Floats
 
     @property
-    def completed(self) -> npt.NDArray[np.bool_]:
+    def completed(self) -> Flags:
         """(K,) whether all runs of a vector came to their end."""
         return np.asarray(np.all(self.outcomes == Outcome.COMPLETED, axis=1))
 
@@ -246,7 +246,7 @@ def _drifting(prepared: Prepared, offsets: Floats) -> Floats:
 
 def _freed(
     prepared: Prepared, physics: Physics, poses: Floats, tips: Floats
-) -> tuple[Floats, npt.NDArray[np.bool_]]:
+) -> tuple[Floats, Flags]:
     """Shifts that free the starts, and which cannot be freed."""
     table = physics.effects.table
     shift, left = freed(

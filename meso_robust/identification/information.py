@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.experiment import PlannedPush
@@ -20,7 +19,7 @@ from meso_robust.identification.models import Model, characteristic_length
 from meso_robust.identification.rollout import Setting, rollout, start_of
 from meso_robust.recordings import SensorInfo
 from meso_robust.simulator import Outcome
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 _INTERVALS = 60
 _STEP = 2e-3
@@ -43,7 +42,7 @@ class Information:
     """
 
     matrices: Floats
-    completed: npt.NDArray[np.bool_]
+    completed: Flags
 
 
 def information(

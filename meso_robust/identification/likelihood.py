@@ -25,7 +25,7 @@ from meso_robust.identification.problem import (
     Problem,
     Settings as Settings,
 )
-from meso_robust.types import Flags as Bools, Floats, Ints
+from meso_robust.types import Flags, Floats, Ints
 
 _GOOD = 0.3  # share of the expected fall of χ² that shows that derivatives still do
 _LADDER = (0.1, 1.0, 10.0)  # dampings that are tried at once
@@ -41,7 +41,7 @@ def fit(
     *,
     starts: Floats | None = None,
     offsets: Floats | None = None,
-    held: Bools | None = None,
+    held: Flags | None = None,
     jacobian: Floats | None = None,
 ) -> Fitted:
     """Fit B times, from B vectors of parameters, all in common batches.
@@ -87,7 +87,7 @@ class _Descent:
     """B fits on their way down."""
 
     def __init__(
-        self, problem: Problem, present: Fits, free: Bools, jacobian: Floats | None
+        self, problem: Problem, present: Fits, free: Flags, jacobian: Floats | None
     ) -> None:
         self.problem, self.present, self.free = problem, present, free
         count = len(present)
@@ -159,7 +159,7 @@ class _Descent:
 
 
 def _best_step(
-    problem: Problem, fits: Fits, arrow: Arrow, damping: Floats, free: Bools
+    problem: Problem, fits: Fits, arrow: Arrow, damping: Floats, free: Flags
 ) -> tuple[Fits, Ints, Floats]:
     """The best of the steps on the ladder of dampings, its rung, and the fall of χ² hoped for."""
     moving = problem.moving(fits, arrow.pull(), free)

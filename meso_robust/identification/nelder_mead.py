@@ -11,9 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats, Ints
 
 Function = Callable[[Floats], Floats]
 """(K, m) points to (K,) values; infinite outside the constraints."""
@@ -38,8 +37,8 @@ class Simplexes:
     points: Floats
     values: Floats
     sizes: Floats
-    iterations: npt.NDArray[np.int64]
-    evaluations: npt.NDArray[np.int64]
+    iterations: Ints
+    evaluations: Ints
 
 
 def size(points: Floats) -> Floats:
@@ -48,9 +47,7 @@ def size(points: Floats) -> Floats:
     return np.asarray(np.sqrt(np.sum(away**2, axis=2)).mean(axis=1))
 
 
-def around(
-    starts: Floats, edge: float, inside: Callable[[Floats], npt.NDArray[np.bool_]]
-) -> Floats:
+def around(starts: Floats, edge: float, inside: Callable[[Floats], Flags]) -> Floats:
     """Simplexes (S, m + 1, m) with edges along the axes, turned inwards where they leave a range.
 
     Parameters
@@ -130,7 +127,7 @@ class _Search:
         self.values = np.take_along_axis(self.values, order, axis=1)
         self.points = np.take_along_axis(self.points, order[..., None], axis=1)
 
-    def step(self, which: npt.NDArray[np.int64]) -> None:
+    def step(self, which: Ints) -> None:
         """One iteration of some of the simplexes, which are sorted."""
         self.iterations[which] += 1
         best, second = self.values[which, 0], self.values[which, -2]
@@ -152,7 +149,7 @@ class _Search:
         if np.any(shrink):
             self._shrink(which[shrink])
 
-    def _tried(self, which: npt.NDArray[np.int64], factor: float | Floats) -> tuple[Floats, Floats]:
+    def _tried(self, which: Ints, factor: float | Floats) -> tuple[Floats, Floats]:
         """Points along the line from the worst point through the centre of the others."""
         centre = self.points[which, :-1].mean(axis=1)
         way = np.broadcast_to(factor, len(which))[:, None]
@@ -164,7 +161,7 @@ class _Search:
     def _replace(
         kept: Floats,
         kept_value: Floats,
-        far: npt.NDArray[np.bool_],
+        far: Flags,
         expanded: Floats,
         found: Floats,
         value: Floats,
@@ -173,7 +170,7 @@ class _Search:
         where = np.flatnonzero(far)[better]
         kept[where], kept_value[where] = expanded[better], found[better]
 
-    def _shrink(self, which: npt.NDArray[np.int64]) -> None:
+    def _shrink(self, which: Ints) -> None:
         """Draw all points half way to the best."""
         first = self.points[which, :1]
         points = first + SHRINK * (self.points[which, 1:] - first)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.identification.models.model import characteristic_length
@@ -18,7 +17,7 @@ from meso_robust.recordings.noise import estimated_sensor, roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
 from meso_robust.simulator.tips import Tip
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 from meso_robust.wording import counted
 
 Source = Literal["stated", "estimated", "fitted", "unknown"]
@@ -140,7 +139,7 @@ class Prepared:
     notes: tuple[Note, ...]
 
     @property
-    def counts(self) -> npt.NDArray[np.int64]:
+    def counts(self) -> Ints:
         """(R, 3) number of seen x, y and θ."""
         return np.asarray(np.sum(np.isfinite(self.seen), axis=1))
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
-from meso_robust.types import Flags as Bools, Floats, Ints
+from meso_robust.types import Flags, Floats, Ints
 
 _FLOOR = 1e-9  # of a damping, so that a direction without any information does not move
 _SHIFT = 0.3  # σ: root mean square change of what is seen over the step of a difference
@@ -94,7 +94,7 @@ class Fits:
         """Number of fits."""
         return len(self.values)
 
-    def of(self, rows: Ints | Bools | list[int]) -> Fits:
+    def of(self, rows: Ints | Flags | list[int]) -> Fits:
         """Some of the fits."""
         return Fits(**{item.name: getattr(self, item.name)[rows] for item in fields(self)})
 
@@ -124,7 +124,7 @@ class Fitted:
     information: Floats
     gradients: Floats
     jacobian: Floats
-    converged: Bools
+    converged: Flags
     iterations: int
 
     def of(self, row: int) -> Fitted:
@@ -157,7 +157,7 @@ class Arrow:
     slope: Floats
     parameters: int
 
-    def step(self, damping: Floats, moving: Bools) -> tuple[Floats, Floats]:
+    def step(self, damping: Floats, moving: Flags) -> tuple[Floats, Floats]:
         """Damped step of Levenberg and Marquardt.
 
         Parameters
@@ -264,7 +264,7 @@ class Problem:
             slope[..., own] -= fits.offsets / self.settings.offset
         return Arrow(normal=normal, slope=slope, parameters=n)
 
-    def jacobian(self, fits: Fits, spans: Floats, free: Bools) -> Floats:
+    def jacobian(self, fits: Fits, spans: Floats, free: Flags) -> Floats:
         """Derivatives (B, R, 3 T, n + d) by differences over steps (B, n) of the coordinates."""
         sides = (1.0, -1.0) if self.settings.central else (1.0,)
         shared = [k for k in range(free.shape[1]) if np.any(free[:, k])]
@@ -312,7 +312,7 @@ class Problem:
             offsets[..., k - 3] += way * self.settings.units[k]
         return fits.values, starts, offsets, np.full(len(fits), way)
 
-    def tried(self, fits: Fits, steps: Floats, nuisances: Floats, free: Bools) -> Fits:
+    def tried(self, fits: Fits, steps: Floats, nuisances: Floats, free: Flags) -> Fits:
         """Fits after a step; χ² is infinite where the values would not be valid."""
         values = self.model.values(self.model.coordinates(fits.values) + steps)
         low, high = self.ends
@@ -339,7 +339,7 @@ class Problem:
         span = _SHIFT * np.sqrt(seen / np.maximum(squares, 1e-12))
         return np.asarray(np.clip(span, *_SPANS))
 
-    def moving(self, fits: Fits, pull: Floats, free: Bools) -> Bools:
+    def moving(self, fits: Fits, pull: Floats, free: Flags) -> Flags:
         """(B, n) parameters that are free and not pressed against an end of their range."""
         low, high = self.ends
         stuck = ((fits.values <= low) & (pull < 0.0)) | ((fits.values >= high) & (pull > 0.0))

@@ -16,7 +16,7 @@ from scipy.stats import chi2 as chi2_law
 from meso_robust.identification.likelihood import Fits, Fitted, Settings, fit
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared
-from meso_robust.types import Flags as Bools, Floats
+from meso_robust.types import Flags, Floats
 
 CONFIDENCE = 0.9
 """Default probability with which an interval covers."""
@@ -145,7 +145,7 @@ def profiled(
     return Profiled(profiles=tuple(made), better=better)
 
 
-def _conditionals(information: Floats, fitted: Bools) -> tuple[Floats, Floats]:
+def _conditionals(information: Floats, fitted: Flags) -> tuple[Floats, Floats]:
     """How all others follow a parameter (n, n), row by row, and its standard deviation (n,)."""
     n = len(information)
     slopes, widths = np.eye(n), np.full(n, np.inf)

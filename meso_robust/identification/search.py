@@ -17,7 +17,7 @@ from meso_robust.identification.models.model import Model
 from meso_robust.identification.nelder_mead import around, minimised
 from meso_robust.identification.prepared import Prepared
 from meso_robust.simulator import Outcome
-from meso_robust.types import Flags as Bools, Floats
+from meso_robust.types import Flags, Floats
 
 THRESHOLD = 10e-6
 """Size of a simplex at which a search ends, m, the paper's; for a part of `PART`."""
@@ -51,7 +51,7 @@ class Scores:
     values: Floats
     trials: Floats
     axes: Floats
-    valid: npt.NDArray[np.bool_]
+    valid: Flags
     outcomes: npt.NDArray[np.int8]
 
 
@@ -171,7 +171,7 @@ def searched(
         coordinates[:, fitted] = points
         return model.values(coordinates)
 
-    def inside(points: Floats) -> Bools:
+    def inside(points: Floats) -> Flags:
         return model.valid(whole(points))
 
     def cost(points: Floats) -> Floats:

@@ -24,7 +24,7 @@ from meso_robust.identification.voting import Arms, arms
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.simulator import Outcome
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 MOST_GROWTH = 2.0
 """An error of the start that more than doubles makes a start pathological."""
@@ -108,7 +108,7 @@ class Sensitivity:
     starts: Floats
     ends: Floats
     paths: Floats
-    completed: npt.NDArray[np.bool_]
+    completed: Flags
     modes: npt.NDArray[np.int8]
     growth: float
     sampled_growth: float
@@ -252,7 +252,7 @@ class _Runs:
 
     starts: Floats
     paths: Floats
-    completed: npt.NDArray[np.bool_]
+    completed: Flags
     modes: npt.NDArray[np.int8]
 
 

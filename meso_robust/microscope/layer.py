@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.microscope.looks import Metal, Oil, Part, Probe
 from meso_robust.microscope.outline import rounded_distance
 from meso_robust.microscope.texture import marks, rolled
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Singles
 
-Texels = npt.NDArray[np.float32]
+Texels = Singles
 
 COVERAGE, RADIANCE, SHADE, RELIEF_X, RELIEF_Y = range(5)
 DISTANCE = 3  # of a smooth texel, which has no relief

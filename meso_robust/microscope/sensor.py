@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.microscope.optics import Optics
-from meso_robust.types import Image
+from meso_robust.types import Image, Singles
 
-Irradiance = npt.NDArray[np.float32]
+Irradiance = Singles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

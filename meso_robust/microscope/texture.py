@@ -9,7 +9,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-Field = npt.NDArray[np.float32]
+from meso_robust.types import Singles
+
+Field = Singles
 
 
 def smooth_noise(shape: tuple[int, int], sigma: tuple[float, float], seed: int) -> Field:

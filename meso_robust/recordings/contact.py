@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings.values import Recording, RecordingSet
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 SHORTEST = 1e-9
 """Time in s that a speed is taken over at least: no camera is faster, and no speed is infinite."""
@@ -88,7 +87,7 @@ def margin(recordings: RecordingSet, recording: Recording) -> float:
     return max(0.005 * size(recordings.part.outline), 4.0 * scatter(recording.poses[:, :2]))
 
 
-def still(recordings: RecordingSet, recording: Recording) -> npt.NDArray[np.bool_]:
+def still(recordings: RecordingSet, recording: Recording) -> Flags:
     """(T,) whether the part was seen, all tips were free and none had been near it before."""
     gap, far = nearest_gap(recordings, recording), margin(recordings, recording)
     return (gap > far) & ~np.logical_or.accumulate(gap <= far)

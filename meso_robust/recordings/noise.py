@@ -17,11 +17,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings.contact import still
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo, unwrapped
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 Source = Literal["stated", "estimated", "unknown"]
 """From ``set.toml``, from still frames, or neither."""
@@ -285,7 +284,7 @@ class _Line:
 
     times: Floats
     residuals: Floats
-    kept: npt.NDArray[np.bool_]
+    kept: Flags
     basis: Floats
 
 

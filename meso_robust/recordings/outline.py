@@ -117,6 +117,14 @@ def outline_fault(corners: Floats) -> str | None:
     return None
 
 
+def gyration(corners: Floats) -> float:
+    """Radius of gyration in m of the evenly filled outline (V, 2) about the origin of its axes."""
+    x, y = corners.T
+    across = x * np.roll(y, -1) - np.roll(x, -1) * y
+    squares = sum(c * c + c * np.roll(c, -1) + np.roll(c, -1) ** 2 for c in (x, y))
+    return float(np.sqrt(across @ squares / (6.0 * across.sum())))
+
+
 def _first_crossing(corners: Floats, sides: Floats) -> tuple[int, int] | None:
     """First two sides that share more than the corner between neighbours."""
     ends = corners + sides

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.recordings.contact import margin, nearest_gap
 from meso_robust.recordings.values import Recording, RecordingSet
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
 PhaseName = Literal["approach", "contact", "retract", "rest", "unknown"]
 _NAMES: tuple[PhaseName, ...] = ("approach", "contact", "retract", "rest", "unknown")
@@ -57,7 +56,7 @@ def phases(recordings: RecordingSet, recording: Recording) -> tuple[Phase, ...]:
     )
 
 
-def _codes(recordings: RecordingSet, recording: Recording) -> npt.NDArray[np.int64]:
+def _codes(recordings: RecordingSet, recording: Recording) -> Ints:
     gap = nearest_gap(recordings, recording)
     way = np.zeros(gap.size)
     for tip in recording.probes.transpose(1, 0, 2):
@@ -78,7 +77,7 @@ def _change(values: Floats) -> Floats:
         return np.asarray(values[after] - values[before])
 
 
-def _merged(codes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _merged(codes: Ints) -> Ints:
     """Codes without unknown frames after the first known one and without short phases."""
     merged = codes.copy()
     for k in range(1, merged.size):

@@ -7,7 +7,8 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
+
+from meso_robust.types import Floats
 
 # Not from `units`: that module encloses its products and loads the interval arithmetic for it.
 UM = 1e-6
@@ -68,7 +69,7 @@ def twice_fault(names: Sequence[str]) -> str | None:
     return None
 
 
-def clock_fault(times: npt.NDArray[np.float64]) -> tuple[int, str] | None:
+def clock_fault(times: Floats) -> tuple[int, str] | None:
     """First wrong instant of a clock with its value and the rule, or None."""
     rule = "must be a finite number of seconds"
     for wrong in np.flatnonzero(~np.isfinite(times))[:1]:

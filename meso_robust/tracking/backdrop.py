@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.tracking.alpha_matting import Window
 from meso_robust.tracking.edge_profile import Behind, behind
 from meso_robust.tracking.needle import Needle
-from meso_robust.types import Floats, Image, Singles
+from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _AROUND = 32  # px of the frame around the window that are kept
 _MARGIN = 6.0  # px beside the needle that its meniscus changes
@@ -47,7 +46,7 @@ class Glimpse:
     """
 
     tip: Floats
-    corner: npt.NDArray[np.int64]
+    corner: Ints
     grey: Image
     size: tuple[int, int]
     outline: Floats | None
@@ -92,7 +91,7 @@ class Backdrop:
     relative: Singles
     variance: Singles
     used: Singles
-    near: npt.NDArray[np.int64]
+    near: Ints
     film: float
 
 
@@ -218,7 +217,7 @@ def _placed(needle: Needle, tip: Floats) -> Needle:
     return replace(needle, tip=(float(tip[0]), float(tip[1])))
 
 
-def _in_frame(one: Glimpse) -> npt.NDArray[np.bool_]:
+def _in_frame(one: Glimpse) -> Flags:
     """(h, w) which pixels are not repeated ones."""
     v, u = np.mgrid[: one.grey.shape[0], : one.grey.shape[1]]
     u, v = u + one.corner[0], v + one.corner[1]

@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from meso_robust.recordings.rules import DEG, UM
 from meso_robust.toml_files import checked, read_toml, toml_text
 from meso_robust.tracking.calibration import MOST_K1, Calibration, Interval
 
 SCHEMA = "meso-robust/calibration/1"
-UM, DEG = 1e-6, math.pi / 180.0
 
 Positive = Annotated[FiniteFloat, Field(gt=0, le=1e4)]
 Coordinate = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]

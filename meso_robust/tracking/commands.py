@@ -12,10 +12,9 @@ import numpy as np
 
 from meso_robust.errors import InputError
 from meso_robust.reading import foreign_table, shown, text_of
+from meso_robust.recordings.rules import UM
 from meso_robust.types import Floats
 from meso_robust.wording import counted
-
-UM = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

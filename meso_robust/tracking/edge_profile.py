@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.tracking.needle import Needle
-from meso_robust.types import Floats, Image, Singles
+from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _REACH = 12.0  # px to either side of the edge that differ from the film
 _NEAR, _FAR = 5.0, 40.0  # px from the needle; from the foot, that an edge is read over
@@ -48,10 +47,10 @@ class Behind:
         K times (L, D, 2) px, where they were read.
     """
 
-    rows: npt.NDArray[np.int64]
+    rows: Ints
     distance: Floats
     normals: Floats
-    edge: npt.NDArray[np.int64]
+    edge: Ints
     profiles: Floats
     rays: tuple[Singles, ...]
 
@@ -126,7 +125,7 @@ def behind(
     )
 
 
-def _near(outline: Floats, places: Floats) -> npt.NDArray[np.int64]:
+def _near(outline: Floats, places: Floats) -> Ints:
     """Which places are within reach of the border."""
     low = np.floor(places.min(axis=0)) - 1.0
     size = (np.ceil(places.max(axis=0)) - low).astype(int) + 2
@@ -145,8 +144,8 @@ class _Border:
     along: Floats
     outward: Floats
     lengths: Floats
-    sharp: npt.NDArray[np.bool_]
-    edges: npt.NDArray[np.int64]
+    sharp: Flags
+    edges: Ints
 
 
 def _border(outline: Floats) -> _Border:
@@ -169,7 +168,7 @@ def _border(outline: Floats) -> _Border:
     )
 
 
-def _close_sides(border: _Border, about: Floats) -> npt.NDArray[np.int64]:
+def _close_sides(border: _Border, about: Floats) -> Ints:
     """Sides whose box comes within reach of the box of some places."""
     ends = border.starts + border.lengths[:, None] * border.along
     low, high = np.minimum(border.starts, ends), np.maximum(border.starts, ends)

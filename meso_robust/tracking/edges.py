@@ -20,7 +20,7 @@ import numpy as np
 
 from meso_robust.tracking.covariance import side_modes
 from meso_robust.tracking.sampling import Patch, profiles
-from meso_robust.types import Flags as Bools, Floats, Ints
+from meso_robust.types import Flags, Floats, Ints
 
 Map = Callable[[Floats], Floats]
 
@@ -132,7 +132,7 @@ class EdgeFit(NamedTuple):
     delta: float
     residual: Floats
     weight: Floats
-    visible: Bools
+    visible: Flags
 
 
 def rotation(angle: float) -> Floats:

@@ -13,7 +13,7 @@ from meso_robust.tracking.edges import EdgeFit, Lens, Outline, placed, rotation
 from meso_robust.tracking.memory import Memory
 from meso_robust.tracking.sampling import Patch
 from meso_robust.tracking.ssd import registered
-from meso_robust.types import Flags as Bools, Floats
+from meso_robust.types import Flags, Floats
 
 AGREES = 0.8
 """px; a found edge this near to the outline at the fitted pose agrees with it."""
@@ -115,7 +115,7 @@ def judged(piece: Patch, outline: Outline, fit: EdgeFit, memory: Memory, lens: L
     return Measured(fit, piece, pose, covariance, edge_pose, noise, score, share, fault)
 
 
-def _support(design: Floats, visible: Bools, agrees: Bools) -> float:
+def _support(design: Floats, visible: Flags, agrees: Flags) -> float:
     """How much of what the visible outline could tell of any motion agrees, 0...1, at worst.
 
     A rectangle that slides along itself agrees along its long sides; its short ones object.

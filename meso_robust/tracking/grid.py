@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.errors import InputError
-from meso_robust.types import Floats, Image
+from meso_robust.types import Flags, Floats, Image, Ints
 
 LEAST_POINTS = 12
 """Fewer would leave nothing to judge the fit by."""
@@ -45,7 +45,7 @@ class GridPoints:
 
     kind: str
     seen: Floats
-    index: npt.NDArray[np.int64]
+    index: Ints
     radius: float = 0.0
 
 
@@ -97,9 +97,7 @@ def _corners(image: Image) -> Floats:
     return corners[_alike_opposite(smooth, corners, 1.4 * half)]
 
 
-def _alike_opposite(
-    smooth: npt.NDArray[Any], points: Floats, reach: float
-) -> npt.NDArray[np.bool_]:
+def _alike_opposite(smooth: npt.NDArray[Any], points: Floats, reach: float) -> Flags:
     """(N,) whether a corner looks alike after half a turn; one on the rim of a board does not."""
     if not len(points):
         return np.zeros(0, dtype=bool)

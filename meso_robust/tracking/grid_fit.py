@@ -13,7 +13,7 @@ from scipy.stats import t as student
 from meso_robust.errors import InputError
 from meso_robust.tracking.calibration import MOST_K1, Calibration, Interval
 from meso_robust.tracking.grid import LEAST_POINTS, GridPoints, find_grid
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 _MOST_RMS = 0.5  # px; beyond it the points are no plane grid of equal pitch seen from above
 _OUTLIER = 5.0  # standard deviations; dust on a dot, a damaged corner
@@ -39,7 +39,7 @@ class GridFit:
 
     calibration: Calibration
     points: GridPoints
-    kept: npt.NDArray[np.bool_]
+    kept: Flags
     rms: float
 
 
@@ -91,9 +91,7 @@ class _Fit:
     rms: float
 
 
-def _fit(
-    points: GridPoints, kept: npt.NDArray[np.bool_], pitch: float, size: tuple[int, int]
-) -> _Fit:
+def _fit(points: GridPoints, kept: Flags, pitch: float, size: tuple[int, int]) -> _Fit:
     """Fit with the centre of distortion in the middle, and free where the data tell it."""
     plain = _solved(points, kept, pitch, size, free_centre=False)
     interval = plain.calibration.interval
@@ -107,7 +105,7 @@ def _fit(
 
 def _solved(
     points: GridPoints,
-    kept: npt.NDArray[np.bool_],
+    kept: Flags,
     pitch: float,
     size: tuple[int, int],
     free_centre: bool,
@@ -175,7 +173,7 @@ def _start(points: GridPoints, pitch: float, size: tuple[int, int]) -> Calibrati
     return replace(plain, centre=(float(shift[0]), float(shift[1])))
 
 
-def _inliers(residuals: Floats) -> npt.NDArray[np.bool_]:
+def _inliers(residuals: Floats) -> Flags:
     """(N,) points within five standard deviations, measured by the median."""
     size = np.linalg.norm(residuals, axis=1)
     sigma = np.median(size) / 1.1774  # of a Rayleigh distribution

@@ -12,7 +12,7 @@ import numpy as np
 from meso_robust.errors import InputError
 from meso_robust.recordings import Polygon, Rectangle
 from meso_robust.recordings.document import load_document
-from meso_robust.recordings.rules import probe_fault
+from meso_robust.recordings.rules import DEG, UM, probe_fault
 from meso_robust.task import PolygonPart, load_task
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import load_calibration
@@ -23,7 +23,6 @@ from meso_robust.types import Floats
 if TYPE_CHECKING:
     from meso_robust.tracking.grid_fit import GridFit
 
-UM, DEG = 1e-6, math.pi / 180.0
 _PROBE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)=([^,]+),([^,]+)")
 
 

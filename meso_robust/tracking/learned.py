@@ -13,11 +13,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.tracking.edge_profile import Behind, behind
 from meso_robust.tracking.needle import Needle, coverage, fit_needle
-from meso_robust.types import Flags, Floats, Image, Singles
+from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 LEARNED = 40
 """Frames that the image of a needle is the mean of."""
@@ -319,7 +318,7 @@ def _cubic(part: float) -> Singles:
     return np.where(t <= 1.0, near, far).astype(np.float32)
 
 
-def _cut(frame: Image, low: npt.NDArray[np.int64], shape: tuple[int, int]) -> tuple[Image, Flags]:
+def _cut(frame: Image, low: Ints, shape: tuple[int, int]) -> tuple[Image, Flags]:
     """A piece of a frame, repeated beyond its border, and which pixels are not."""
     height, width = frame.shape
     rows = np.arange(low[1], low[1] + shape[0])

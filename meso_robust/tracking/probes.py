@@ -13,14 +13,13 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.tracking.alpha_matting import Window, window_of
 from meso_robust.tracking.backdrop import Canvas, Glimpse, backdrop, canvas, glimpse, glimpse_at
 from meso_robust.tracking.learned import Learned, Tip, lost
 from meso_robust.tracking.needle import Needle, fit_needle
 from meso_robust.tracking.tip_fit import Matte, fit_matte, place
-from meso_robust.types import Floats, Image
+from meso_robust.types import Floats, Image, Ints
 
 LEAST = 8
 """Frames that the needle is fitted to; fewer do not tell it from what is behind it."""
@@ -108,7 +107,7 @@ def _clearance(one: Glimpse) -> float:
     return min(-cv2.pointPolygonTest(one.outline.astype(np.float32), at, True), _CLEAR)
 
 
-def _spread(order: npt.NDArray[np.int64], free: Floats) -> npt.NDArray[np.int64]:
+def _spread(order: Ints, free: Floats) -> Ints:
     """The clearest frames, evenly over time if there are more than needed."""
     clear = np.flatnonzero(free >= _CLEAR)
     if len(clear) <= LEAST:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.frames import Frames
@@ -18,7 +17,7 @@ from meso_robust.tracking.pose import Lens, PartTracker, Sighting
 from meso_robust.tracking.probe_search import SPREAD, moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker
 from meso_robust.tracking.scene import Scene as Scene, Start as Start
-from meso_robust.types import Floats, Image
+from meso_robust.types import Flags, Floats, Image
 
 _MOTION_FRAMES = 300  # searched for moving probes
 _SIDES = 8  # pieces of an edge, so that its image may bend
@@ -74,7 +73,7 @@ class Track:
     turns: int = 1
 
     @property
-    def found(self) -> npt.NDArray[np.bool_]:
+    def found(self) -> Flags:
         """(T,) whether the part has a pose."""
         return np.asarray(np.isfinite(self.poses[:, 0]))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
@@ -14,6 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from meso_robust import __version__
+from meso_robust.recordings.rules import DEG, UM
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_values
 from meso_robust.wording import counted
@@ -21,7 +21,6 @@ from meso_robust.wording import counted
 if TYPE_CHECKING:
     from meso_robust.tracking.track import Track
 
-UM, DEG = 1e-6, math.pi / 180.0
 _CHUNK = 1 << 20
 
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meso_robust.recordings import Polygon, Recording, RecordingSet, Rectangle, SensorInfo
+from meso_robust.recordings.rules import DEG, UM
 from meso_robust.tracking.commands import Commands
 
 if TYPE_CHECKING:
     from meso_robust.tracking.track import Track
 
-UM, DEG = 1e-6, math.pi / 180.0
 _CLOCK = 6  # decimals of a second that two clocks are compared to
 
 _PART = ("xx_um2", "xy_um2", "xt_um_deg", "yy_um2", "yt_um_deg", "tt_deg2")

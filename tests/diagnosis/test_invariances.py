@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from meso_robust.diagnosis.invariances import Pair, compared, gyration, pairs, symmetries
+from meso_robust.diagnosis.invariances import Pair, compared, pairs, symmetries
 from meso_robust.identification.prepared import Prepared, prepare
+from meso_robust.recordings.outline import gyration
 from tests.diagnosis.designs import SIGMA, Given, Plan, random_plans, recorded_plans
 from tests.identification.sets import PART, UM, turned
 
@@ -88,7 +89,9 @@ def test_the_image_of_a_motion_is_the_motion_of_the_image() -> None:
 
 def test_gyration_of_a_rectangle() -> None:
     expected = np.sqrt((PART.length**2 + PART.width**2) / 12.0)
-    assert gyration(PART.outline + np.array([1e-3, 2e-3])) == pytest.approx(expected, rel=1e-9)
+    assert gyration(PART.outline) == pytest.approx(expected, rel=1e-9)
+    away = gyration(PART.outline + np.array([3e-4, 4e-4]))  # Huygens and Steiner
+    assert away == pytest.approx(np.hypot(expected, 5e-4), rel=1e-9)
 
 
 def test_planned_twins_are_found_by_what_they_differ_in() -> None:

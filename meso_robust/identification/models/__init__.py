@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-import numpy as np
-import numpy.typing as npt
-
 from meso_robust.identification.models.limit_surface import limit_surface as limit_surface
 from meso_robust.identification.models.model import (
     Model as Model,
@@ -18,8 +15,9 @@ from meso_robust.identification.models.model import (
 from meso_robust.identification.models.three_point import three_point as three_point
 from meso_robust.identification.models.uniform_pressure import uniform_pressure as uniform_pressure
 from meso_robust.identification.models.viscous import viscous as viscous
+from meso_robust.types import Floats
 
-MODELS: Mapping[str, Callable[[npt.NDArray[np.float64]], Model]] = {
+MODELS: Mapping[str, Callable[[Floats], Model]] = {
     "viscous": viscous,
     "three_point": three_point,
     "limit_surface": limit_surface,

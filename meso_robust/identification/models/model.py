@@ -197,12 +197,6 @@ def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> M
     )
 
 
-def off(model: Model, values: Floats, extended: Model) -> Floats:
-    """Values (K, n) of a model as values of its extension with the added effects off."""
-    extra = len(extended.parameters) - len(model.parameters)
-    return np.hstack([values, np.zeros((len(values), extra))])
-
-
 def _parameter(effect: str, key: str, scale: float) -> Parameter:
     parameter = parameter_of("scales", effect, key)
     if not 0.0 < scale < np.inf:

@@ -17,7 +17,7 @@ from meso_robust.identification.models.viscous import FINENESS, tip_friction
 from meso_robust.simulator import Effects, ThreePoints
 from meso_robust.simulator.checks import depth_inside
 from meso_robust.simulator.support_models import Tables
-from meso_robust.types import Flags as Bools, Floats
+from meso_robust.types import Flags, Floats
 
 POINTS = slice(2, 8)
 """Columns of x1, y1, x2, y2, x3, y3 in a vector."""
@@ -89,7 +89,7 @@ def three_point(outline: Floats) -> Model:
         for a, axis in enumerate("xy")
     )
 
-    def constraint(values: Floats) -> Bools:
+    def constraint(values: Floats) -> Flags:
         points = values[:, POINTS].reshape(-1, 3, 2)
         return _inside(outline, points) & (_loads(points - centre).min(axis=1) > LEAST_LOAD)
 
@@ -130,7 +130,7 @@ def _place(axis: str, k: int, low: float, high: float, length: float) -> Paramet
     )
 
 
-def _inside(outline: Floats, points: Floats) -> Bools:
+def _inside(outline: Floats, points: Floats) -> Flags:
     """(N,) whether three points (N, 3, 2) lie in the part."""
     depth = depth_inside(outline, points.reshape(-1, 2)).reshape(-1, 3)
     return np.asarray(np.all(depth >= 0.0, axis=1))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from meso_robust.recordings.checks.view import View, turn
-from meso_robust.recordings.outline import Polygon, Rectangle
+from meso_robust.recordings.outline import gyration
 from meso_robust.recordings.problem import Problem
 from meso_robust.types import Flags, Floats, Indices as Integers
 from meso_robust.wording import counted
@@ -119,16 +119,8 @@ def allowed(view: View, seconds: Floats) -> tuple[Floats, Floats]:
     """
     way = _PUSH * view.tip_speed * np.maximum(seconds, view.period)
     position, orientation = view.sigma
-    gyration = gyration_radius(view.recordings.part)
-    return way + _NOISE * position, way / gyration + _NOISE * orientation
-
-
-def gyration_radius(part: Rectangle | Polygon) -> float:
-    """Radius of gyration in m of the evenly filled outline about its reference point."""
-    a, b = part.outline, np.roll(part.outline, -1, axis=0)
-    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    second = np.sum(cross * np.sum(a * a + a * b + b * b, axis=1)) / 12.0
-    return math.sqrt(float(second) / (0.5 * float(np.sum(cross))))
+    turned = way / gyration(view.recordings.part.outline)
+    return way + _NOISE * position, turned + _NOISE * orientation
 
 
 def _allowed_text(view: View) -> str:

@@ -14,7 +14,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.reading import json_values
@@ -23,7 +22,7 @@ from meso_robust.recordings.importers.imported import Imported, Importer, Left, 
 from meso_robust.recordings.importers.streams import forward, sampled
 from meso_robust.recordings.outline import Rectangle
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 PARTS: Mapping[str, Rectangle] = MappingProxyType({"rect1": Rectangle(length=0.090, width=0.090)})
 """Outlines by the name that the file's name gives."""
@@ -124,7 +123,7 @@ def _push(file: Path) -> tuple[Recording, list[Left]]:
     return recording, [entry for entry in left if entry.rows]
 
 
-def _left(file: Path, name: str, rows: npt.NDArray[np.bool_], reason: str) -> Left:
+def _left(file: Path, name: str, rows: Flags, reason: str) -> Left:
     return Left(
         file=file.name,
         place=name,

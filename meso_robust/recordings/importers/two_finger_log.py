@@ -13,7 +13,6 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.recordings.importers.files import candidates, files_of, one_kind, text_of
@@ -21,7 +20,7 @@ from meso_robust.recordings.importers.imported import Imported, Importer, Left, 
 from meso_robust.recordings.importers.streams import forward
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo
-from meso_robust.types import Flags, Floats
+from meso_robust.types import Flags, Floats, Indices
 
 _LONG, _SHORT = 58.0e-3, 27.5e-3  # legs of the right-angled triangle
 _BLOCK = Rectangle(length=0.050, width=0.035)
@@ -158,7 +157,7 @@ def fingers(pusher: Floats) -> Floats:
     return pusher[:, None, :2] + sides * across[:, None]
 
 
-def _ends(times: Floats) -> npt.NDArray[np.intp]:
+def _ends(times: Floats) -> Indices:
     return np.flatnonzero(np.diff(times) > HOLE) + 1
 
 
