@@ -97,11 +97,7 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
                 ("campaign", pages.code(answer.campaign.hash)),
                 ("code", pages.code(provenance.code())),
                 after=again,
-                using={
-                    "meso-robust": __version__,
-                    **provenance.versions(),
-                    "commit": commit(),
-                },
+                using={"meso-robust": __version__, **provenance.versions(), "commit": commit()},
             ),
             styles=("diagnosis.css", "campaign.css"),
         )

@@ -108,10 +108,7 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
                 ),
                 pages.section(body, "overlays", "Recorded and simulated motion", "Recordings"),
                 pages.section(
-                    body,
-                    "maps",
-                    f"Residuals{' before and after' if extended else ''}",
-                    "Residuals",
+                    body, "maps", f"Residuals{' before and after' if extended else ''}", "Residuals"
                 ),
                 pages.section(body, "where", "Where the plain model fails", "Where"),
                 pages.section(body, "chance", "Could it be chance?", "Chance"),
@@ -130,11 +127,7 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
                 f"meso-robust diagnose {quote(source)} --model {document.baseline.model} "
                 f"--seed {origin.seed}{' --quick' * origin.quick}",
                 ("recordings (SHA-256)", pages.code(origin.recordings_sha256)),
-                using={
-                    **made_with(),
-                    "meso-robust": origin.meso_robust,
-                    "seed": str(origin.seed),
-                },
+                using={**made_with(), "meso-robust": origin.meso_robust, "seed": str(origin.seed)},
                 notes=origin.notes,
             ),
             styles=("diagnosis.css",),

@@ -60,11 +60,7 @@ def identification_report(document: ModelDocument, found: Identification, source
                 f"--objective {document.objective} --starts {origin.starts} --seed {origin.seed}",
                 ("recordings (SHA-256)", pages.code(origin.recordings_sha256)),
                 *((("noise of x and y", noise_words(document.sensor)),) if document.sensor else ()),
-                using={
-                    **made_with(),
-                    "meso-robust": origin.meso_robust,
-                    "seed": str(origin.seed),
-                },
+                using={**made_with(), "meso-robust": origin.meso_robust, "seed": str(origin.seed)},
                 notes=origin.notes,
             ),
         )

@@ -121,11 +121,7 @@ def prose(template: str, *folders: Path, **values: Any) -> Any:
 
 
 def section(
-    body: Any,
-    anchor: str,
-    title: str | Markup,
-    link: str | None = None,
-    look: str | None = None,
+    body: Any, anchor: str, title: str | Markup, link: str | None = None, look: str | None = None
 ) -> Section:
     """The section whose body is the macro ``section_ANCHOR`` of `prose`.
 

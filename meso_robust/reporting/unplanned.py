@@ -65,9 +65,7 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
                     ),
                 ),
                 pages.Section(
-                    "task",
-                    "The task",
-                    (task_body, *[pages.bullets(notes)] * bool(notes)),
+                    "task", "The task", (task_body, *[pages.bullets(notes)] * bool(notes))
                 ),
             ),
             made=pages.made(

@@ -94,7 +94,7 @@ def _answers(made_items: Mapping[str, Made]) -> pages.Section:
     return pages.Section("answers", "Answers", (body,))
 
 
-def _section(one: Made) -> pages.Section:
+def _section(item: Made) -> pages.Section:
     heads = "quantity | #printed | #ours | #difference | unit | why"
     rows = [
         (
@@ -105,25 +105,25 @@ def _section(one: Made) -> pages.Section:
             worded(row.unit),
             worded(row.why),
         )
-        for row in one.found.rows
+        for row in item.found.rows
     ]
     head = (
         '<p class="muted">{} · <code>meso-robust reproduce {}</code> · {:.1f} s</p>\n'
         "<p><strong>{}</strong></p>"
     )
     body = [
-        pages.html(head, one.item.where, one.name, one.seconds, worded(one.found.answer)),
-        pages.table(f"Numbers of {one.item.title}", heads, rows, look="roomy"),
+        pages.html(head, item.item.where, item.name, item.seconds, worded(item.found.answer)),
+        pages.table(f"Numbers of {item.item.title}", heads, rows, look="roomy"),
     ]
-    if one.found.missing:
-        texts = pages.bullets([worded(text) for text in one.found.missing])
+    if item.found.missing:
+        texts = pages.bullets([worded(text) for text in item.found.missing])
         summary = "What the paper leaves out, and what was taken"
         body.append(pages.html("<details open><summary>{}</summary>\n{}</details>", summary, texts))
     pictures = (
-        replace(each, caption=worded(each.caption), look="bounded") for each in one.found.figures
+        replace(each, caption=worded(each.caption), look="bounded") for each in item.found.figures
     )
     body.append(pages.figure(*pictures))
-    return pages.Section(one.name, one.item.title, body)
+    return pages.Section(item.name, item.item.title, body)
 
 
 def shown(value: Value) -> str:
