@@ -13,15 +13,7 @@ from derivations.report.figures import Picture
 from derivations.report.formulas import to_html
 from derivations.report.register import MARKS, Chapter, tally
 from derivations.report.witnesses import values
-from meso_robust.reporting.report import (
-    Banner,
-    Report,
-    Section,
-    code,
-    page as render,
-    prose,
-    section,
-)
+from meso_robust.reporting import pages
 
 STANDS = (Verdict.CONFIRMED, Verdict.SHARPENED)
 
@@ -40,7 +32,7 @@ def page(register: tuple[Chapter, ...], drawn: tuple[Picture, ...]) -> str:
         Names the claim of a text that cannot be typeset.
     """
     here = Path(__file__).parent
-    body = prose(
+    body = pages.prose(
         "register.html.j2",
         here,
         register=register,
@@ -52,9 +44,9 @@ def page(register: tuple[Chapter, ...], drawn: tuple[Picture, ...]) -> str:
         values=values,
         code=_code,
     )
-    return render(
-        Report(
-            banner=Banner(
+    return pages.page(
+        pages.Report(
+            banner=pages.Banner(
                 verb="derive",
                 subject="register of claims",
                 word=headline(register),
@@ -63,12 +55,12 @@ def page(register: tuple[Chapter, ...], drawn: tuple[Picture, ...]) -> str:
                 answers=body.answers(),
             ),
             sections=(
-                section(body, "overview", "Overview"),
-                section(body, "notation", "Notation and signs", "Notation"),
-                section(body, "pictures", "Pictures"),
-                section(body, "checking", "How to check"),
+                pages.section(body, "overview", "Overview"),
+                pages.section(body, "notation", "Notation and signs", "Notation"),
+                pages.section(body, "pictures", "Pictures"),
+                pages.section(body, "checking", "How to check"),
                 *(
-                    Section(
+                    pages.Section(
                         f"file-{chapter.name}",
                         to_html(chapter.title, chapter.name),
                         link=chapter.name.replace("_", " "),
@@ -79,10 +71,13 @@ def page(register: tuple[Chapter, ...], drawn: tuple[Picture, ...]) -> str:
                 ),
             ),
             made=(
-                ("to reproduce", code("meso-robust derive", "; written by it, not to be edited")),
+                (
+                    "to reproduce",
+                    pages.code("meso-robust derive", "; written by it, not to be edited"),
+                ),
                 (
                     "to check",
-                    code("meso-robust derive --check", " fails if anything on disk differs"),
+                    pages.code("meso-robust derive --check", " fails if anything on disk differs"),
                 ),
             ),
             styles=("register.css",),

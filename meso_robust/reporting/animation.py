@@ -17,7 +17,7 @@ from meso_robust.laboratory.simulation import Simulated, in_goal, order
 from meso_robust.laboratory.simulation_document import SimulationDocument
 from meso_robust.laboratory.trajectories import probe_names
 from meso_robust.provenance import commit
-from meso_robust.reporting.report import Banner, Report, code, made, page, prose
+from meso_robust.reporting import pages
 from meso_robust.types import Floats
 from meso_robust.wording import counted
 
@@ -44,9 +44,9 @@ def animation(found: Simulated, answer: SimulationDocument) -> str:
     """
     moves = len(answer.moves)
     how = "feedback policy" if answer.kind == "feedback" else "open-loop moves"
-    return page(
-        Report(
-            banner=Banner(
+    return pages.page(
+        pages.Report(
+            banner=pages.Banner(
                 verb="simulate",
                 subject=answer.task,
                 about=f"{how}, {counted(moves, 'move')}",
@@ -54,12 +54,12 @@ def animation(found: Simulated, answer: SimulationDocument) -> str:
                 colour="PROVED" if answer.all_in_goal else "REFUTED",
                 meaning=_meaning(answer),
             ),
-            lead=prose("animation.html.j2", data=embedded(data(found))).player(),
+            lead=pages.prose("animation.html.j2", data=embedded(data(found))).player(),
             sections=(),
-            made=made(
+            made=pages.made(
                 f"meso-robust simulate TASK.toml PLAN.json --seed {answer.seed}",
-                ("task hash (SHA-256)", code(answer.task_hash)),
-                ("plan hash (SHA-256)", code(answer.plan_hash)),
+                ("task hash (SHA-256)", pages.code(answer.task_hash)),
+                ("plan hash (SHA-256)", pages.code(answer.plan_hash)),
                 after=f" with the files of these hashes; step {answer.step_um:g} µm",
                 using={**answer.made_with, "commit": commit(), "seed": str(answer.seed)},
             ),

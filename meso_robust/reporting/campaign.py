@@ -10,26 +10,14 @@ from meso_robust.campaigns.answer import Answer
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table
 from meso_robust.campaigns.store import Session
 from meso_robust.provenance import commit
-from meso_robust.reporting import campaign_figures as figures, campaign_words as words
-from meso_robust.reporting.report import (
-    Banner,
-    Colour,
-    Figure,
-    Report,
-    Section,
-    code,
-    made,
-    page,
-    prose,
-    section,
-)
+from meso_robust.reporting import campaign_figures as figures, campaign_words as words, pages
 
 MOST_RUNS = 6
 """Runs of one view that are drawn."""
 MOST_TROUBLES = 100
 """Rows of the table of troubles, the last ones."""
 
-_COLOURS: Mapping[str, Colour] = {
+_COLOURS: Mapping[str, pages.Colour] = {
     "held": "PROVED",
     "broken": "REFUTED",
     "open": "UNKNOWN",
@@ -57,7 +45,7 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
     """
     sessions = answer.sessions
     undone = any(part.done < part.planned for part in answer.parts)
-    body = prose(
+    body = pages.prose(
         "campaign.html.j2",
         answer=answer,
         missing=missing or {},
@@ -70,14 +58,14 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
         tools=_TOOLS,
         words=words,
     )
-    incomplete = section(body, "missing", "Not everything was done", "", "notice")
+    incomplete = pages.section(body, "missing", "Not everything was done", "", "notice")
     again = (
         ", with the file above; the same campaign and code give the same totals, however the work "
         "is split and however often it ends"
     )
-    return page(
-        Report(
-            banner=Banner(
+    return pages.page(
+        pages.Report(
+            banner=pages.Banner(
                 verb="campaign",
                 subject=answer.campaign.name,
                 word=answer.verdict.upper(),
@@ -88,9 +76,9 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
             ),
             sections=(
                 *[incomplete] * undone,
-                section(body, "parts", "Parts"),
+                pages.section(body, "parts", "Parts"),
                 *(
-                    Section(
+                    pages.Section(
                         f"part-{number}",
                         body.title(part),
                         link=part.part.name,
@@ -99,21 +87,17 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
                     )
                     for number, part in enumerate(answer.parts, start=1)
                 ),
-                section(body, "throughput", "Throughput"),
-                section(body, "troubles", "Troubles"),
-                section(body, "stated", "Campaign file"),
+                pages.section(body, "throughput", "Throughput"),
+                pages.section(body, "troubles", "Troubles"),
+                pages.section(body, "stated", "Campaign file"),
             ),
-            made=made(
+            made=pages.made(
                 f"meso-robust campaign CAMPAIGN.toml --seed {answer.campaign.seed}",
-                ("totals", code(answer.totals_digest)),
-                ("campaign", code(answer.campaign.hash)),
-                ("code", code(provenance.code())),
+                ("totals", pages.code(answer.totals_digest)),
+                ("campaign", pages.code(answer.campaign.hash)),
+                ("code", pages.code(provenance.code())),
                 after=again,
-                using={
-                    "meso-robust": __version__,
-                    **provenance.versions(),
-                    "commit": commit(),
-                },
+                using={"meso-robust": __version__, **provenance.versions(), "commit": commit()},
             ),
             styles=("diagnosis.css", "campaign.css"),
         )
@@ -169,7 +153,7 @@ def _speeds(sessions: tuple[Session, ...]) -> Bars | None:
     )
 
 
-def _drawings(view: Paths, name: str) -> list[Figure]:
+def _drawings(view: Paths, name: str) -> list[pages.Figure]:
     return figures.drawings(view, MOST_RUNS, name)
 
 

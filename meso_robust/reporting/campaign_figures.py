@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from meso_robust import units
 from meso_robust.campaigns.kind import Bars, Coverage, Paths
 from meso_robust.reporting import canvas
-from meso_robust.reporting.report import Figure as Picture
+from meso_robust.reporting.pages import Figure as Picture
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.types import Floats
 from meso_robust.wording import worded

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from meso_robust.reporting.report import environment
+from meso_robust.reporting.pages import environment
 from meso_robust.reporting.svg import style, to_svg
 
 _EVERYWHERE = re.compile(r"<style[^>]*>\s*\*\s*\{([^}]*)\}\s*</style>")

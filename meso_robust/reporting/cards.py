@@ -324,10 +324,7 @@ def tracked_card(found: Tracked, text: str) -> str:
         colour="PROVED" if found.answer.tracked else "REFUTED",
         about=", ".join(one.video for one in videos),
         meaning="Frames that cannot be trusted stay empty, with the reason.",
-        figures=(
-            ("videos", str(len(videos))),
-            ("frames with a pose", f"{seen} of {frames}"),
-        ),
+        figures=(("videos", str(len(videos))), ("frames with a pose", f"{seen} of {frames}")),
         picture=drawn,
         caption="The first recording: the way of part and tips; x, y, θ over time.",
         text=text,

@@ -11,6 +11,7 @@ from markupsafe import Markup
 from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.provenance import made_with
+from meso_robust.reporting import pages
 from meso_robust.reporting.diagnosis_figures import (
     LEVELS,
     held_out_figure,
@@ -36,7 +37,6 @@ from meso_robust.reporting.diagnosis_words import (
     unit_words,
 )
 from meso_robust.reporting.equations import typeset
-from meso_robust.reporting.report import Banner, Figure, Report, code, made, page, prose, section
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import STAGES
 from meso_robust.reporting.words import number, significant
@@ -67,7 +67,7 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
     with style():
         pictures = _pictures(document, evidence)
     origin, extended = document.provenance, bool(document.effects)
-    body = prose(
+    body = pages.prose(
         "diagnosis.html.j2",
         document=document,
         pictures=pictures,
@@ -91,11 +91,11 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         counted=counted,
     )
     better = "Does the fit improve?" if extended else "Error on held-out recordings"
-    return page(
-        Report(
+    return pages.page(
+        pages.Report(
             banner=_banner(document, source),
             sections=(
-                section(
+                pages.section(
                     body,
                     "answer",
                     "What the plain model leaves out" if extended else "The answer",
@@ -104,33 +104,30 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
                 *(
                     ()
                     if pictures["held_out"] is None
-                    else (section(body, "better", better, "Held out"),)
+                    else (pages.section(body, "better", better, "Held out"),)
                 ),
-                section(body, "overlays", "Recorded and simulated motion", "Recordings"),
-                section(
-                    body,
-                    "maps",
-                    f"Residuals{' before and after' if extended else ''}",
-                    "Residuals",
+                pages.section(body, "overlays", "Recorded and simulated motion", "Recordings"),
+                pages.section(
+                    body, "maps", f"Residuals{' before and after' if extended else ''}", "Residuals"
                 ),
-                section(body, "where", "Where the plain model fails", "Where"),
-                section(body, "chance", "Could it be chance?", "Chance"),
-                section(body, "candidates", "Candidates"),
-                section(body, "invariances", "Invariances"),
-                section(body, "blind", "What these recordings could not show", "Not identifiable"),
-                section(body, "next", "The next experiment", "Next experiment", look="notice next"),
-                section(body, "noise", "Noise", ""),
-                section(body, "limits", "What this does not say"),
+                pages.section(body, "where", "Where the plain model fails", "Where"),
+                pages.section(body, "chance", "Could it be chance?", "Chance"),
+                pages.section(body, "candidates", "Candidates"),
+                pages.section(body, "invariances", "Invariances"),
+                pages.section(
+                    body, "blind", "What these recordings could not show", "Not identifiable"
+                ),
+                pages.section(
+                    body, "next", "The next experiment", "Next experiment", look="notice next"
+                ),
+                pages.section(body, "noise", "Noise", ""),
+                pages.section(body, "limits", "What this does not say"),
             ),
-            made=made(
+            made=pages.made(
                 f"meso-robust diagnose {quote(source)} --model {document.baseline.model} "
                 f"--seed {origin.seed}{' --quick' * origin.quick}",
-                ("recordings (SHA-256)", code(origin.recordings_sha256)),
-                using={
-                    **made_with(),
-                    "meso-robust": origin.meso_robust,
-                    "seed": str(origin.seed),
-                },
+                ("recordings (SHA-256)", pages.code(origin.recordings_sha256)),
+                using={**made_with(), "meso-robust": origin.meso_robust, "seed": str(origin.seed)},
                 notes=origin.notes,
             ),
             styles=("diagnosis.css",),
@@ -138,9 +135,9 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
     )
 
 
-def _banner(document: DiagnosisDocument, source: str) -> Banner:
+def _banner(document: DiagnosisDocument, source: str) -> pages.Banner:
     look = LOOKS[document.verdict]
-    return Banner(
+    return pages.Banner(
         verb="diagnose",
         subject=source,
         about=f"plain model {document.baseline.model}",
@@ -199,22 +196,22 @@ def _shades() -> list[tuple[str, str]]:
 
 def _pictures(
     document: DiagnosisDocument, evidence: Evidence
-) -> dict[str, Figure | list[Figure] | None]:
+) -> dict[str, pages.Figure | list[pages.Figure] | None]:
     """Everything that is drawn; None where there is nothing to draw."""
     worst = np.argsort(-size(residuals(evidence, evidence.baseline)), kind="stable").tolist()
     vectors, scale = vectors_figure(evidence)
     rows = sorted(worst[:MOST_ROWS])
     held, spans = _held_out(document), document.mismatch.where
     noise = document.held_out.noise_floor_sigma, document.held_out.repeatability_sigma
-    pictures: dict[str, Figure | list[Figure] | None] = {
+    pictures: dict[str, pages.Figure | list[pages.Figure] | None] = {
         "held_out": None,
         "strip": None,
-        "map": Figure(
+        "map": pages.Figure(
             svg=to_svg(map_figure(evidence, rows), "map", "Residuals by recording and time"),
             caption="Root mean square of x, y and θ over the noise in each sixtieth of the longest "
             "recording; empty where nothing was seen.",
         ),
-        "vectors": Figure(
+        "vectors": pages.Figure(
             svg=to_svg(vectors, "vectors", "Residuals by place on the stage"),
             title="By place on the stage",
             caption=f"Recorded less simulated position, {scale:g} times enlarged, at the place of "
@@ -225,17 +222,17 @@ def _pictures(
     }
     if held:
         drawing = held_out_figure(held, noise, bool(document.effects))
-        pictures["held_out"] = Figure(svg=to_svg(drawing, "held", "Held-out errors"))
+        pictures["held_out"] = pages.Figure(svg=to_svg(drawing, "held", "Held-out errors"))
     if spans:
         drawing = strip_figure(spans, evidence, _marked(document, evidence))
-        pictures["strip"] = Figure(
+        pictures["strip"] = pages.Figure(
             svg=to_svg(drawing, "strip", "Spans of misfit"),
             caption="Grey: the recording. In every row x, y and θ from top to bottom; the colour is "
             "the stage of the chain whose hidden input explains the span best.",
         )
     if len(evidence.null_statistics):
         svg = to_svg(null_figure(evidence, document), "null", "Local tests without a mismatch")
-        pictures["null"] = Figure(svg=svg, wide=False)
+        pictures["null"] = pages.Figure(svg=svg, wide=False)
     return pictures
 
 
@@ -246,10 +243,10 @@ def _marked(document: DiagnosisDocument, evidence: Evidence) -> list[int]:
     return sorted(rows[:MOST_ROWS])
 
 
-def _recording(evidence: Evidence, row: int) -> Figure:
+def _recording(evidence: Evidence, row: int) -> pages.Figure:
     file = evidence.files[row]
     kind = "held out" if file in evidence.held_out else "training"
     if file in evidence.extrapolation:
         kind += ", extrapolation"
     svg = to_svg(overlay_figure(evidence, row), f"rec{row}", f"Recording {file} beside the models")
-    return Figure(svg=svg, title=f"{file} ({kind})")
+    return pages.Figure(svg=svg, title=f"{file} ({kind})")

@@ -14,7 +14,7 @@ from meso_robust.diagnosis.document import (
     Verdict,
     WhereSection,
 )
-from meso_robust.reporting.report import Colour
+from meso_robust.reporting.pages import Colour
 from meso_robust.reporting.words import number, signed, significant
 from meso_robust.wording import counted, down, down_to, up, up_to
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Drawing
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
 from meso_robust import units
@@ -13,19 +13,8 @@ from meso_robust.identification.design import Design, Interval, shrinking
 from meso_robust.identification.experiment import Experiment, PlannedPush
 from meso_robust.identification.models import Model
 from meso_robust.provenance import made_with
+from meso_robust.reporting import pages
 from meso_robust.reporting.canvas import BEFORE, GHOST, GRID, TIP, outline
-from meso_robust.reporting.report import (
-    Banner,
-    Figure,
-    Report,
-    Section,
-    code,
-    figure,
-    html,
-    made,
-    page,
-    table,
-)
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import number, significant
 from meso_robust.wording import counted
@@ -57,13 +46,13 @@ def experiment_page(
     if found and model:
         sections.append(_expected(found, model))
     if experiment.left_out:
-        rows = [(code(name), why) for name, why in experiment.left_out]
-        unused = table("Points that are not used", " | ", rows, named=False)
-        sections.append(Section("unused", "Not used", (unused,)))
+        rows = [(pages.code(name), why) for name, why in experiment.left_out]
+        unused = pages.table("Points that are not used", " | ", rows, named=False)
+        sections.append(pages.Section("unused", "Not used", (unused,)))
     again = f"meso-robust identify --{f'design {len(experiment.pushes)}' if found else 'plan'}"
-    return page(
-        Report(
-            banner=Banner(
+    return pages.page(
+        pages.Report(
+            banner=pages.Banner(
                 verb="identify",
                 subject=counted(len(experiment.pushes), "push", "pushes"),
                 about=f"{bench.trials} {times} each",
@@ -79,18 +68,18 @@ def experiment_page(
                 ),
             ),
             sections=sections,
-            made=made(again, after=" with the same part and options", using=made_with()),
+            made=pages.made(again, after=" with the same part and options", using=made_with()),
         )
     )
 
 
-def _pushes(experiment: Experiment) -> Section:
-    picture = Figure(
+def _pushes(experiment: Experiment) -> pages.Section:
+    picture = pages.Figure(
         svg=drawing(experiment),
         title="Start of every push",
         caption="The field of view; the arrow is the tip's travel.",
     )
-    words = html(
+    words = pages.html(
         "<p>µm and deg; the origin is the middle of the field, x to the right, y up. A place is "
         "measured from the middle of its edge, counter-clockwise; none is nearer to a corner than "
         "{} µm.</p>",
@@ -98,15 +87,15 @@ def _pushes(experiment: Experiment) -> Section:
     )
     heads = "push | ~part x, y, θ | ~tip | ~travel | ~place | "
     rows = [_row(push) for push in experiment.pushes]
-    return Section(
+    return pages.Section(
         "pushes",
         "The pushes",
-        (figure(picture), words, table("Pushes", heads, rows, named=False)),
+        (pages.figure(picture), words, pages.table("Pushes", heads, rows, named=False)),
     )
 
 
-def _expected(design: Design, model: Model) -> Section:
-    words = html(
+def _expected(design: Design, model: Model) -> pages.Section:
+    words = pages.html(
         "<p>Intervals of 90 % by the normal approximation at the values taken for the truth, starts "
         "unknown; chosen by: {}.</p>",
         design.criterion,
@@ -114,7 +103,7 @@ def _expected(design: Design, model: Model) -> Section:
     heads = "parameter | ~taken for the truth | ~before | ~after | times shorter"
     rows = [
         (
-            code(parameter.key),
+            pages.code(parameter.key),
             significant(before.value / parameter.to_si),
             _ends(before, parameter.to_si),
             _ends(after, parameter.to_si),
@@ -124,10 +113,10 @@ def _expected(design: Design, model: Model) -> Section:
             design.before, design.after, model.parameters, strict=True
         )
     ]
-    return Section(
+    return pages.Section(
         "expected",
         "What is to be expected",
-        (words, table("Expected intervals", heads, rows, named=False)),
+        (words, pages.table("Expected intervals", heads, rows, named=False)),
     )
 
 
@@ -136,7 +125,7 @@ def drawing(experiment: Experiment) -> Markup:
     rows = -(-len(experiment.pushes) // _COLUMNS)
     wide, high = np.array(experiment.bench.field) / units.UM
     with style():
-        drawn = Drawing(figsize=(9.4, 0.35 + rows * (0.3 + 2.2 * high / wide)))
+        drawn = Figure(figsize=(9.4, 0.35 + rows * (0.3 + 2.2 * high / wide)))
         grid = drawn.add_gridspec(rows, _COLUMNS, wspace=0.06, hspace=0.28)
         grid.update(left=0.01, right=0.99, top=1.0 - 0.09 / rows, bottom=0.01)
         for k, push in enumerate(experiment.pushes):
@@ -171,12 +160,12 @@ def _row(push: PlannedPush) -> tuple[str, ...]:
         asked, moved = push.asked / units.UM, push.moved_from_corner / units.UM
         note = f"asked for {number(asked)}, at the corner; moved inwards by {number(moved)}"
     return (
-        code(push.name),
+        pages.code(push.name),
         f"{_um(x)}, {_um(y)}, {number(theta / units.DEG)}°",
         f"{_um(push.tip[0])}, {_um(push.tip[1])}",
         f"{_um(push.travel[0])}, {_um(push.travel[1])}",
         f"edge {push.edge}, {_um(push.place)}",
-        html('<span class="muted">{}</span>', note),
+        pages.html('<span class="muted">{}</span>', note),
     )
 
 

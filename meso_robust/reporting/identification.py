@@ -13,24 +13,12 @@ from meso_robust.identification.identify import Identification
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.verdict import COLOURS, meaning, p_words, verdict
 from meso_robust.provenance import made_with
+from meso_robust.reporting import pages
 from meso_robust.reporting.identification_figures import (
     DRAWN_MINIMA,
     profile_figure,
     recording_figure,
     support_figure,
-)
-from meso_robust.reporting.report import (
-    Banner,
-    Figure,
-    Report,
-    Section,
-    bullets,
-    code,
-    figure,
-    html,
-    made,
-    page,
-    table,
 )
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.words import about, high_end, low_end, sentence, signed, significant
@@ -63,27 +51,23 @@ def identification_report(document: ModelDocument, found: Identification, source
             _minima(document, found),
             _recordings(document, found),
         )
-    return page(
-        Report(
+    return pages.page(
+        pages.Report(
             banner=_banner(document, found.model, source),
             sections=sections,
-            made=made(
+            made=pages.made(
                 f"meso-robust identify {quote(source)} --model {document.model} "
                 f"--objective {document.objective} --starts {origin.starts} --seed {origin.seed}",
-                ("recordings (SHA-256)", code(origin.recordings_sha256)),
+                ("recordings (SHA-256)", pages.code(origin.recordings_sha256)),
                 *((("noise of x and y", noise_words(document.sensor)),) if document.sensor else ()),
-                using={
-                    **made_with(),
-                    "meso-robust": origin.meso_robust,
-                    "seed": str(origin.seed),
-                },
+                using={**made_with(), "meso-robust": origin.meso_robust, "seed": str(origin.seed)},
                 notes=origin.notes,
             ),
         )
     )
 
 
-def _banner(document: ModelDocument, model: Model, source: str) -> Banner:
+def _banner(document: ModelDocument, model: Model, source: str) -> pages.Banner:
     word, best = verdict(document), document.minima[0]
     figures = [
         ("recordings", str(len(document.recording))),
@@ -94,7 +78,7 @@ def _banner(document: ModelDocument, model: Model, source: str) -> Banner:
     if (quality := document.quality) is not None:
         test = f"{quality.chi2:,.0f} on {quality.freedom:,}, {p_words(quality.p_value)}"
         figures.append(("χ² on degrees of freedom", test))
-    return Banner(
+    return pages.Banner(
         verb="identify",
         subject=source,
         about=f"model {document.model}",
@@ -141,29 +125,29 @@ def _high(one: ParameterSection) -> str:
     return "?" if one.open_high else high_end(one.high)
 
 
-def _parameters(document: ModelDocument, found: Identification) -> Section:
+def _parameters(document: ModelDocument, found: Identification) -> pages.Section:
     heads = "parameter | #value | #low | #high"
     rows = [
         (
-            code(key),
+            pages.code(key),
             significant(fitted.value),
             "no lower bound" if fitted.open_low else signed(down_to(fitted.low, 6)),
             "no upper bound" if fitted.open_high else signed(up_to(fitted.high, 6)),
         )
         for key, fitted in document.parameters.items()
     ]
-    body = [table("Parameters", heads, rows)]
+    body = [pages.table("Parameters", heads, rows)]
     if document.quality is not None and document.quality.inflation > 1:
         body.append(_misfit(document.quality))
     if (sensor := document.sensor) is not None:
         words = "<p>Noise: {} µm ({}) and {}° ({}).</p>"
         position = significant(sensor.position_sigma_um, 3), sensor.position_source
         angle = significant(sensor.orientation_sigma_deg, 3), sensor.orientation_source
-        body.append(html(words, *position, *angle))
+        body.append(pages.html(words, *position, *angle))
     if found.fitted is not None:
         body.append(
-            figure(
-                Figure(
+            pages.figure(
+                pages.Figure(
                     svg=to_svg(
                         profile_figure(found), "profiles", "Rise of χ² along every parameter"
                     ),
@@ -174,13 +158,13 @@ def _parameters(document: ModelDocument, found: Identification) -> Section:
                 )
             )
         )
-    return Section("parameters", "Parameters", body)
+    return pages.Section("parameters", "Parameters", body)
 
 
 def _misfit(quality: QualitySection) -> Markup:
     rejected = quality.rejected
     advice = " <code>meso-robust diagnose</code> looks for what it leaves out." if rejected else ""
-    return html(
+    return pages.html(
         '<div class="notice"><h2>{}</h2>\n<p>χ² = {} for {} degrees of freedom ({}), and neighbouring '
         "residuals correlate by {:.2f}. The intervals are {:.3g} times as wide as the sensor's noise "
         f"alone would make them, and hold only for what this model can describe.{advice}</p></div>",
@@ -193,17 +177,17 @@ def _misfit(quality: QualitySection) -> Markup:
     )
 
 
-def _not_identifiable(document: ModelDocument) -> Section:
-    rows = [(code(each.name), f"{each.why}.") for each in document.not_identifiable]
-    return Section(
+def _not_identifiable(document: ModelDocument) -> pages.Section:
+    rows = [(pages.code(each.name), f"{each.why}.") for each in document.not_identifiable]
+    return pages.Section(
         "unknown",
         "What the recordings do not determine",
         link="Not identifiable",
-        body=(table("What is not determined", "what | why", rows),),
+        body=(pages.table("What is not determined", "what | why", rows),),
     )
 
 
-def _minima(document: ModelDocument, found: Identification) -> Section:
+def _minima(document: ModelDocument, found: Identification) -> pages.Section:
     heads = ("minimum", "starts", "F, µm", "x, µm", "y, µm", "θ, °", *document.minima[0].parameters)
     rows = [
         (
@@ -218,24 +202,24 @@ def _minima(document: ModelDocument, found: Identification) -> Section:
         for number, minimum in enumerate(document.minima, start=1)
     ]
     body = [
-        html(
+        pages.html(
             "<p>{} random starts (seed {}). F is the paper's eq. (4), each recording taken from its "
             "first pose as seen.</p>",
             document.provenance.starts,
             document.provenance.seed,
         ),
-        table("Local minima", " | #".join(heads), rows),
+        pages.table("Local minima", " | #".join(heads), rows),
     ]
     if found.model.name.startswith("three_point"):
         drawn = "all" if len(rows) <= DRAWN_MINIMA else f"the first {DRAWN_MINIMA}"
         caption = f"Support points of {drawn} minima; + is the reference point."
         label = "Support points of the local minima"
         svg = to_svg(support_figure(found), "supports", label)
-        body.append(figure(Figure(svg=svg, caption=caption, wide=False)))
-    return Section("minima", "Local minima", link="Minima", body=body)
+        body.append(pages.figure(pages.Figure(svg=svg, caption=caption, wide=False)))
+    return pages.Section("minima", "Local minima", link="Minima", body=body)
 
 
-def _recordings(document: ModelDocument, found: Identification) -> Section:
+def _recordings(document: ModelDocument, found: Identification) -> pages.Section:
     heads = "recording | #frames | #x, µm | #y, µm | #θ, ° | simulated push"
     rows = [
         (
@@ -248,11 +232,11 @@ def _recordings(document: ModelDocument, found: Identification) -> Section:
         )
         for each in document.recording
     ]
-    body = [table("Recordings", heads, rows)]
+    body = [pages.table("Recordings", heads, rows)]
     if document.provenance.notes:
         body += [
-            html("<h3>Taken otherwise than it stands in the files</h3>"),
-            bullets(document.provenance.notes),
+            pages.html("<h3>Taken otherwise than it stands in the files</h3>"),
+            pages.bullets(document.provenance.notes),
         ]
     drawn = [_recording(found, row) for row in _worst(found)]
     words = (
@@ -262,8 +246,8 @@ def _recordings(document: ModelDocument, found: Identification) -> Section:
     )
     if len(drawn) < len(rows):
         words += f" The {len(drawn)} recordings with the largest residuals of {len(rows)}."
-    body += [html(f"{words}</p>"), figure(*drawn)]
-    return Section("recordings", "Recordings", body)
+    body += [pages.html(f"{words}</p>"), pages.figure(*drawn)]
+    return pages.Section("recordings", "Recordings", body)
 
 
 def _worst(found: Identification) -> list[int]:
@@ -274,7 +258,7 @@ def _worst(found: Identification) -> list[int]:
     return [int(row) for row in np.argsort(-mean)[:MOST_PICTURES]]
 
 
-def _recording(found: Identification, row: int) -> Figure:
+def _recording(found: Identification, row: int) -> pages.Figure:
     name = found.prepared.files[row]
     svg = to_svg(recording_figure(found, row), f"rec{row}", f"Recording {name} beside the model")
-    return Figure(svg=svg, title=name)
+    return pages.Figure(svg=svg, title=name)

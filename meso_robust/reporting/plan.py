@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from matplotlib.figure import Figure as Drawing
+from matplotlib.figure import Figure
 
 from meso_robust.bounds import Verdict
 from meso_robust.even_film import remarks
 from meso_robust.laboratory.running import excess
 from meso_robust.pipeline import Planned
-from meso_robust.reporting import rows
+from meso_robust.reporting import pages, rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
 from meso_robust.reporting.reading import Standing, ending, endings, standings, through
-from meso_robust.reporting.report import Banner, Figure, Report, code, made, page, prose, section
 from meso_robust.reporting.steps import step_rows, title
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.tube_figures import (
@@ -58,7 +57,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
             "tubes": _tubes(result),
             "end": _end(result),
         }
-    body = prose(
+    body = pages.prose(
         "plan.html.j2",
         task=result.task,
         certificate=certificate,
@@ -76,7 +75,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         margins=rows.margin_rows(result),
         excesses=rows.excess_rows(result),
         ends=rows.end_rows(result),
-        endings=endings(result.check),
+        endings=[(count, where, how) for where, how, count in endings(result.check)],
         policy=rows.policy_rows(result),
         nominal=rows.nominal_rows(result),
         quantities=QUANTITIES,
@@ -93,14 +92,14 @@ def report(result: Planned, promise: Promise | None = None) -> str:
     sections = []
     if said.open is not None:
         title = f"What is open: {said.open.where}"
-        sections.append(section(body, "open", title, "", f"notice {said.verdict}"))
+        sections.append(pages.section(body, "open", title, "", f"notice {said.verdict}"))
     if said.witness is not None:
-        sections.append(section(body, "witness", "A run that fails", "", "notice REFUTED"))
+        sections.append(pages.section(body, "witness", "A run that fails", "", "notice REFUTED"))
     if promise is not None:
-        sections.append(section(body, "model", "What the fitted model says", ""))
-    return page(
-        Report(
-            banner=Banner(
+        sections.append(pages.section(body, "model", "What the fitted model says", ""))
+    return pages.page(
+        pages.Report(
+            banner=pages.Banner(
                 verb="plan",
                 subject=certificate.task,
                 word=said.verdict,
@@ -111,18 +110,18 @@ def report(result: Planned, promise: Promise | None = None) -> str:
             lead=body.claim(),
             sections=(
                 *sections,
-                section(body, "plan", "The plan"),
-                section(body, "steps", "Proof move by move"),
-                section(body, "tubes", "Certified against simulated"),
-                section(body, "margin", "Margin"),
-                section(body, "simulation", "Simulation"),
-                section(body, "policy", "Commands"),
-                section(body, "assumptions", "Assumptions"),
-                section(body, "derivations", "Derivations"),
+                pages.section(body, "plan", "The plan"),
+                pages.section(body, "steps", "Proof move by move"),
+                pages.section(body, "tubes", "Certified against simulated"),
+                pages.section(body, "margin", "Margin"),
+                pages.section(body, "simulation", "Simulation"),
+                pages.section(body, "policy", "Commands"),
+                pages.section(body, "assumptions", "Assumptions"),
+                pages.section(body, "derivations", "Derivations"),
             ),
-            made=made(
+            made=pages.made(
                 f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}",
-                ("task hash (SHA-256)", code(certificate.task_hash)),
+                ("task hash (SHA-256)", pages.code(certificate.task_hash)),
                 after=" with the task file of this hash",
                 using=certificate.made_with,
             ),
@@ -132,11 +131,11 @@ def report(result: Planned, promise: Promise | None = None) -> str:
     )
 
 
-def _figure(name: str, title: str, caption: str, drawing: Drawing) -> Figure:
-    return Figure(svg=to_svg(drawing, name, title), title=title, caption=caption, wide=False)
+def _figure(name: str, title: str, caption: str, drawing: Figure) -> pages.Figure:
+    return pages.Figure(svg=to_svg(drawing, name, title), title=title, caption=caption, wide=False)
 
 
-def _move(result: Planned, index: int) -> Figure:
+def _move(result: Planned, index: int) -> pages.Figure:
     x, y = result.plan.moves[index].travel_um
     heading = result.found.rules[index].frame.heading.replace("-", MINUS)
     standing = standings(result.chain, len(result.found.rules))[index]
@@ -151,14 +150,14 @@ def _move(result: Planned, index: int) -> Figure:
     return _figure(f"move{index}", name, caption, move_figure(result, index))
 
 
-def _overview(result: Planned) -> Figure:
+def _overview(result: Planned) -> pages.Figure:
     last = len(result.found.rules)
     caption = f"0: the start; 1 to {last}: the part after each move of the nominal run."
     svg = to_svg(overview_figure(result), "overview", "The whole plan from start to goal")
-    return Figure(svg=svg, title="The whole plan", caption=caption)
+    return pages.Figure(svg=svg, title="The whole plan", caption=caption)
 
 
-def _spread(result: Planned, index: int) -> Figure:
+def _spread(result: Planned, index: int) -> pages.Figure:
     alive = through(result.check, index)
     caption = (
         f"{int(alive.sum())} of {counted(len(alive), 'run')} completed; {_inside(result, index)}."
@@ -186,7 +185,7 @@ def _inside(result: Planned, index: int) -> str:
     )
 
 
-def _tubes(result: Planned) -> list[Figure]:
+def _tubes(result: Planned) -> list[pages.Figure]:
     pictures = []
     for index in range(len(result.found.rules)):
         if not has_tube(result, index):
@@ -202,7 +201,7 @@ def _tubes(result: Planned) -> list[Figure]:
     return pictures
 
 
-def _end(result: Planned) -> Figure:
+def _end(result: Planned) -> pages.Figure:
     done = int(result.check.sampled.completed.sum())
     name = "Final poses in the goal"
     box = "certified box in blue" if result.chain.verdict is Verdict.PROVED else "no certified box"

@@ -16,28 +16,15 @@ from meso_robust.recordings.problem import KINDS, lines_text
 from meso_robust.recordings.problems import line_numbers
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.summary import Checked, RecordingSummary, TipSummary, summary
+from meso_robust.reporting import pages
 from meso_robust.reporting.recording_figures import recording_figure
-from meso_robust.reporting.report import (
-    Banner,
-    Colour,
-    Figure,
-    Report,
-    Section,
-    bullets,
-    code,
-    figure,
-    html,
-    made,
-    page,
-    table,
-)
 from meso_robust.reporting.svg import style, to_svg
 
 MOST_PICTURES = 16
 """Recordings that are drawn; those with problems come first."""
 MOST_ROWS = 500
 """Rows of one table."""
-_COLOURS: dict[str, Colour] = {
+_COLOURS: dict[str, pages.Colour] = {
     "CLEAN": "PROVED",
     "USABLE WITH CARE": "UNKNOWN",
     "NOT USABLE AS IT IS": "REFUTED",
@@ -65,14 +52,14 @@ def recordings_report(checked: Checked) -> str:
     """
     summaries = {each.file: each for each in summary(checked.recordings)}
     repair = " --repair" if checked.repairs else ""
-    notes = Section(
+    notes = pages.Section(
         "notes",
         "What the import says",
         link="",
-        body=(bullets(checked.notes, most=MOST_ROWS, file="summary.json"),),
+        body=(pages.bullets(checked.notes, most=MOST_ROWS, file="summary.json"),),
     )
-    return page(
-        Report(
+    return pages.page(
+        pages.Report(
             banner=_banner(checked, tuple(summaries.values())),
             sections=(
                 _problems(checked),
@@ -82,19 +69,19 @@ def recordings_report(checked: Checked) -> str:
                 _numbers(tuple(summaries.values())),
                 _pictures(checked, summaries),
             ),
-            made=made(
+            made=pages.made(
                 f"meso-robust recordings {quote(checked.source)}{repair}",
-                ("values as shown (SHA-256)", code(set_hash(checked.recordings))),
+                ("values as shown (SHA-256)", pages.code(set_hash(checked.recordings))),
                 using=made_with(),
             ),
         )
     )
 
 
-def _banner(checked: Checked, summaries: tuple[RecordingSummary, ...]) -> Banner:
+def _banner(checked: Checked, summaries: tuple[RecordingSummary, ...]) -> pages.Banner:
     errors = sum(problem.severity == "error" for problem in checked.remaining)
     seen, lost = sum(each.seen for each in summaries), sum(each.lost for each in summaries)
-    return Banner(
+    return pages.Banner(
         verb="recordings",
         subject=checked.source,
         about=f"format {checked.format}",
@@ -111,7 +98,7 @@ def _banner(checked: Checked, summaries: tuple[RecordingSummary, ...]) -> Banner
     )
 
 
-def _problems(checked: Checked) -> Section:
+def _problems(checked: Checked) -> pages.Section:
     order = list(_TAGS)  # errors first, then warnings
     problems = sorted(checked.remaining, key=lambda problem: order.index(problem.severity))
     rows = [
@@ -126,15 +113,15 @@ def _problems(checked: Checked) -> Section:
         for problem in problems
     ]
     heads = "weight | where | what | found; rule; what to do"
-    return Section(
+    return pages.Section(
         "problems",
         "Problems that are left" if checked.repairs else "Problems",
         link="Problems",
-        body=(_table("Problems", heads, rows) if rows else html("<p>None.</p>"),),
+        body=(_table("Problems", heads, rows) if rows else pages.html("<p>None.</p>"),),
     )
 
 
-def _repairs(checked: Checked) -> Section:
+def _repairs(checked: Checked) -> pages.Section:
     none = "made; --repair makes those that invent no data" if checked.found else "needed"
     words = (
         "<p>What was no measurement is taken as not seen or left out. Nothing was filled in, and no "
@@ -144,24 +131,24 @@ def _repairs(checked: Checked) -> Section:
         (_where(repair.file, repair.rows), KINDS[repair.kind], repair.done)
         for repair in checked.repairs
     ]
-    return Section(
+    return pages.Section(
         "repairs",
         "Repairs",
-        (html(words), _table("Repairs", "where | what | done", rows))
+        (pages.html(words), _table("Repairs", "where | what | done", rows))
         if rows
-        else (html("<p>None was {}.</p>", none),),
+        else (pages.html("<p>None was {}.</p>", none),),
     )
 
 
 def _table(label: str, heads: str, rows: Sequence[tuple[str, ...]]) -> Markup:
-    return table(label, heads, rows, named=False, most=MOST_ROWS, file="summary.json")
+    return pages.table(label, heads, rows, named=False, most=MOST_ROWS, file="summary.json")
 
 
 def _where(file: str, rows: tuple[int, ...]) -> str:
     return f"{file}, {lines_text(rows)}" if rows else file
 
 
-def _noise(checked: Checked) -> Section:
+def _noise(checked: Checked) -> pages.Section:
     stated, found = checked.recordings.sensor, estimated_sensor(checked.recordings).noise
     coordinates = (
         ("x", stated.position_sigma, found.x, UM, "µm"),
@@ -187,7 +174,7 @@ def _noise(checked: Checked) -> Section:
         "frame to frame. A systematic error (of the outline, the lens, the place in the image) stays "
         "from frame to frame: it is what σ has beyond the repeatability.</p>"
     )
-    return Section("noise", "Noise", (html(words), table("Noise", heads, rows)))
+    return pages.Section("noise", "Noise", (pages.html(words), pages.table("Noise", heads, rows)))
 
 
 def _estimate(spread: Spread, unit: float, letter: str) -> str:
@@ -197,7 +184,7 @@ def _estimate(spread: Spread, unit: float, letter: str) -> str:
     return f"{spread.sigma / unit:.4g} ± {error / unit:.2g} {letter}"
 
 
-def _numbers(summaries: tuple[RecordingSummary, ...]) -> Section:
+def _numbers(summaries: tuple[RecordingSummary, ...]) -> pages.Section:
     heads = "recording | #s | frames | #part moves, µm | #turns, ° | tips: way, mean speed | phases"
     rows = [
         (
@@ -211,8 +198,8 @@ def _numbers(summaries: tuple[RecordingSummary, ...]) -> Section:
         )
         for each in summaries
     ]
-    body = table("Numbers", heads, rows, most=MOST_ROWS, file="summary.json")
-    return Section("numbers", "Numbers", (body,))
+    body = pages.table("Numbers", heads, rows, most=MOST_ROWS, file="summary.json")
+    return pages.Section("numbers", "Numbers", (body,))
 
 
 def _speeds(tip: TipSummary) -> str:
@@ -241,7 +228,7 @@ def _short(value: float) -> str:
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
-def _pictures(checked: Checked, summaries: Mapping[str, RecordingSummary]) -> Section:
+def _pictures(checked: Checked, summaries: Mapping[str, RecordingSummary]) -> pages.Section:
     with style():
         pictures = [
             _picture(checked, recording, summaries[recording.file], k)
@@ -256,7 +243,9 @@ def _pictures(checked: Checked, summaries: Mapping[str, RecordingSummary]) -> Se
         words += (
             f"{len(pictures)} of {len(summaries)} recordings are drawn, those with problems first."
         )
-    return Section("pictures", "Pictures", (html(f"{words}</p>"), figure(*pictures)))
+    return pages.Section(
+        "pictures", "Pictures", (pages.html(f"{words}</p>"), pages.figure(*pictures))
+    )
 
 
 def _drawn(checked: Checked) -> list[Recording]:
@@ -270,7 +259,7 @@ def _drawn(checked: Checked) -> list[Recording]:
 
 def _picture(
     checked: Checked, recording: Recording, numbers: RecordingSummary, index: int
-) -> Figure:
+) -> pages.Figure:
     rows = {
         row
         for problem in checked.remaining
@@ -280,7 +269,7 @@ def _picture(
     lines = line_numbers(recording, checked.lines)
     marked = frozenset(k for k, line in enumerate(lines) if line in rows)
     drawing = recording_figure(checked.recordings, recording, marked, numbers.phases)
-    return Figure(
+    return pages.Figure(
         svg=to_svg(drawing, f"rec{index}", f"Recording {recording.file}"),
         title=recording.file,
         caption=f"{numbers.duration:.3g} s, {_frames(numbers)}; the part moves by "

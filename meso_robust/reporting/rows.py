@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
+from typing import Literal, NamedTuple
+
+from markupsafe import Markup
 
 from meso_robust.certificates.margin import LARGEST
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import RuleDocument
+from meso_robust.reporting import pages
 from meso_robust.reporting.canvas import COLUMN, Coordinate, ends, poses_shown
 from meso_robust.reporting.reading import Standing, standings
 from meso_robust.reporting.steps import title
@@ -16,7 +19,6 @@ from meso_robust.reporting.words import (
     MINUS,
     command,
     factor,
-    number,
     outward,
     point,
     signed,
@@ -142,8 +144,7 @@ def _judge(
     return "above" if any(a > b for a, b in zip(excess, error, strict=True)) else "within"
 
 
-@dataclass(frozen=True, slots=True)
-class EndRow:
+class EndRow(NamedTuple):
     """One coordinate of the last poses: goal, certified, simulated, and what is to spare."""
 
     name: str
@@ -189,36 +190,19 @@ def _spare(limit: tuple[float, float], middle: float, reach: float, digits: int)
     return signed(down(room, digits))
 
 
-@dataclass(frozen=True, slots=True)
-class PolicyRow:
-    """What to command in one move, from the pose sensed before it."""
-
-    number: int
-    title: str
-    axes: str
-    """How the move's axes lie in the world; empty if they are the world's."""
-    dual_x: str
-    dual_y: str
-    dual_end: str
-    single_x: str
-    single_y: str
-
-
-def policy_rows(result: Planned) -> tuple[PolicyRow, ...]:
-    """The policy, move by move."""
-    return tuple(
-        PolicyRow(
-            number=index + 1,
-            title=title(result, index),
-            axes=_axes(rule),
-            dual_x=command("x", rule.dual_x),
-            dual_y=command("y", rule.dual_y),
-            dual_end=command("x", rule.dual_end_x),
-            single_x=command("x", rule.single_x),
-            single_y=command("y", rule.single_y),
+def policy_rows(result: Planned) -> list[tuple[str, ...]]:
+    """What to command in each move, from the pose sensed before it: the move, then five commands."""
+    return [
+        (
+            " · ".join(filter(None, (str(number), title(result, number - 1), _axes(rule)))),
+            command("x", rule.dual_x),
+            command("y", rule.dual_y),
+            command("x", rule.dual_end_x),
+            command("x", rule.single_x),
+            command("y", rule.single_y),
         )
-        for index, rule in enumerate(result.certificate.policy)
-    )
+        for number, rule in enumerate(result.certificate.policy, start=1)
+    ]
 
 
 def _axes(rule: RuleDocument) -> str:
@@ -228,29 +212,19 @@ def _axes(rule: RuleDocument) -> str:
     return f"{push}, y mirrored" if rule.mirrored else push
 
 
-@dataclass(frozen=True, slots=True)
-class NominalRow:
-    """One move of the nominal run."""
-
-    number: int
-    title: str
-    probes: tuple[tuple[str, str], ...]
-    travel: str
-    speed: str
-
-
-def nominal_rows(result: Planned) -> tuple[NominalRow, ...]:
-    """What the hardware does when every error is zero."""
-    return tuple(
-        NominalRow(
-            number=index + 1,
-            title=title(result, index),
-            probes=tuple(
-                (f"{probe.name}{' (passive)' if probe.passive else ''}", point(probe.start_um))
+def nominal_rows(result: Planned) -> list[tuple[str, ...]]:
+    """What the hardware does when every error is zero: move, probes, their starts, travel, speed."""
+    line = Markup("<br>")
+    return [
+        (
+            f"{number} · {title(result, number - 1)}",
+            line.join(
+                pages.code(f"{probe.name}{' (passive)' if probe.passive else ''}")
                 for probe in move.probes
             ),
-            travel=f"{number(move.travel_um[0])}, {number(move.travel_um[1])}",
-            speed=f"{move.speed_um_s:g}",
+            line.join(point(probe.start_um) for probe in move.probes),
+            point(move.travel_um),
+            f"{move.speed_um_s:g}",
         )
-        for index, move in enumerate(result.plan.moves)
-    )
+        for number, move in enumerate(result.plan.moves, start=1)
+    ]

@@ -9,27 +9,13 @@ from typing import Any
 
 import numpy as np
 from markupsafe import Markup
-from matplotlib.figure import Figure as Drawing
+from matplotlib.figure import Figure
 
 from meso_robust.provenance import commit
 from meso_robust.recordings import RecordingSet
+from meso_robust.reporting import pages
 from meso_robust.reporting.canvas import CERTIFIED, OPEN, TIP
 from meso_robust.reporting.recording_figures import recording_figure
-from meso_robust.reporting.report import (
-    Banner,
-    Figure,
-    Report,
-    Rows,
-    Section,
-    bullets,
-    code,
-    facts,
-    figure,
-    html,
-    made,
-    page,
-    table,
-)
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
@@ -38,7 +24,7 @@ from meso_robust.wording import counted
 MOST_PICTURES = 8
 """Videos that are drawn."""
 MOST_ROWS = 300
-"""Rows of one table."""
+"""pages.Rows of one table."""
 UM, DEG = 1e-6, math.pi / 180.0
 
 
@@ -64,20 +50,20 @@ def tracking_report(
     with style():
         pictures = [] if recordings is None else _pictures(answer, tracks, recordings)
     lost = [row for video in answer.videos for row in _lost(video)]
-    return page(
-        Report(
+    return pages.page(
+        pages.Report(
             banner=_banner(answer),
             sections=(
-                Section("videos", "Videos", _videos(answer)),
-                Section(
+                pages.Section("videos", "Videos", _videos(answer)),
+                pages.Section(
                     "lost",
                     "Lost frames",
                     (
-                        html(
+                        pages.html(
                             "<p>Frames that cannot be trusted have no pose: their cells are empty, "
                             "nothing is filled in.</p>"
                         ),
-                        table(
+                        pages.table(
                             "Lost frames",
                             "video | ~frames | state | reason",
                             lost,
@@ -86,23 +72,23 @@ def tracking_report(
                         ),
                     )
                     if lost
-                    else (html("<p>None: the part has a pose in every frame.</p>"),),
+                    else (pages.html("<p>None: the part has a pose in every frame.</p>"),),
                 ),
-                Section("camera", "Camera", (facts(_camera(answer)),)),
-                Section("pictures", "Pictures", (figure(*pictures),)),
+                pages.Section("camera", "Camera", (pages.facts(_camera(answer)),)),
+                pages.Section("pictures", "Pictures", (pages.figure(*pictures),)),
             ),
             made=_made(answer),
         )
     )
 
 
-def _banner(answer: TrackDocument) -> Banner:
+def _banner(answer: TrackDocument) -> pages.Banner:
     frames = sum(video.frames for video in answer.videos)
     with_pose = sum(video.found for video in answer.videos)
     places = [video.rms_um for video in answer.videos if video.rms_um is not None]
     angles = [video.rms_deg for video in answer.videos if video.rms_deg is not None]
     share = f"{100 * answer.most_lost:g} %"
-    return Banner(
+    return pages.Banner(
         verb="track",
         subject=", ".join(video.video for video in answer.videos),
         about=counted(len(answer.videos), "video"),
@@ -120,15 +106,15 @@ def _banner(answer: TrackDocument) -> Banner:
     )
 
 
-def _made(answer: TrackDocument) -> Rows:
+def _made(answer: TrackDocument) -> pages.Rows:
     names = " ".join(quote(video.video) for video in answer.videos)
     programs = {key: value for key, value in answer.provenance.items() if isinstance(value, str)}
     asked = answer.provenance.get("asked", {})
-    return made(
+    return pages.made(
         f"meso-robust track {names}",
         ("options", ", ".join(f"{key} {value}" for key, value in asked.items()) or "none"),
         *(
-            (f"SHA-256 of {video.video}", code(video.sha256))
+            (f"SHA-256 of {video.video}", pages.code(video.sha256))
             for video in answer.videos
             if video.sha256
         ),
@@ -142,7 +128,7 @@ def _videos(answer: TrackDocument) -> tuple[Markup, ...]:
     rows = [
         (
             video.video,
-            code(video.file) if video.file else "none",
+            pages.code(video.file) if video.file else "none",
             video.frames,
             video.found,
             _number(video.rms_px, 3),
@@ -153,13 +139,13 @@ def _videos(answer: TrackDocument) -> tuple[Markup, ...]:
         for video in answer.videos
     ]
     notes = [
-        html("<h3>Notes on {}</h3>", video.video) + bullets(video.notes)
+        pages.html("<h3>Notes on {}</h3>", video.video) + pages.bullets(video.notes)
         for video in answer.videos
         if video.notes
     ]
     return (
-        table("Videos", heads, rows),
-        html(
+        pages.table("Videos", heads, rows),
+        pages.html(
             "<p>σ is the root mean square of the standard deviations that the tracker states for "
             "each frame; the covariance of each frame stands in "
             "<code>&lt;recording&gt;_covariance.csv</code>.</p>"
@@ -213,9 +199,9 @@ def _camera(answer: TrackDocument) -> list[tuple[str, str]]:
 
 def _pictures(
     answer: TrackDocument, tracks: Sequence[Track], recordings: RecordingSet
-) -> list[Figure]:
+) -> list[pages.Figure]:
     by_file = {recording.file: recording for recording in recordings.recordings}
-    pictures: list[Figure] = []
+    pictures: list[pages.Figure] = []
     for k, (video, track) in enumerate(zip(answer.videos, tracks, strict=True)):
         if video.file is None or len(pictures) >= 2 * MOST_PICTURES:
             continue
@@ -223,13 +209,13 @@ def _pictures(
         drawing = recording_figure(recordings, by_file[video.file], frozenset(), ())
         deviations = f"{video.video}: standard deviations"
         pictures += [
-            Figure(
+            pages.Figure(
                 svg=to_svg(drawing, f"way{k}", way),
                 title=way,
                 caption="Outlines of the part on its way, tips, and x, y, θ over time; orange: not "
                 "seen.",
             ),
-            Figure(
+            pages.Figure(
                 svg=to_svg(_spread(track), f"spread{k}", deviations),
                 title=deviations,
                 caption="As the tracker states them for each frame; gaps are lost frames.",
@@ -238,9 +224,9 @@ def _pictures(
     return pictures
 
 
-def _spread(track: Track) -> Drawing:
+def _spread(track: Track) -> Figure:
     """Standard deviations over time."""
-    drawing = Drawing(figsize=(11.6, 2.6))
+    drawing = Figure(figsize=(11.6, 2.6))
     place = drawing.add_axes((0.057, 0.19, 0.41, 0.77))
     angle = drawing.add_axes((0.56, 0.19, 0.43, 0.77))
     names = (("x", CERTIFIED, 0), ("y", OPEN, 1))

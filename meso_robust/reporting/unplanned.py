@@ -4,18 +4,7 @@ from __future__ import annotations
 
 from meso_robust.even_film import remarks
 from meso_robust.provenance import made_with
-from meso_robust.reporting.report import (
-    Banner,
-    Figure,
-    Report,
-    Section,
-    bullets,
-    code,
-    figure,
-    html,
-    made,
-    page,
-)
+from meso_robust.reporting import pages
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.task_card import task_figure
 from meso_robust.reporting.words import sentence
@@ -44,9 +33,9 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
     reason, advice = (why[:cut], why[cut + 2 :]) if cut > 0 else (why, "")
     with style():
         picture = to_svg(task_figure(task), "task", "Start and goal")
-    settled = html("<p><strong>What would settle it:</strong> {}.</p>", worded(advice))
-    task_body = figure(
-        Figure(
+    settled = pages.html("<p><strong>What would settle it:</strong> {}.</p>", worded(advice))
+    task_body = pages.figure(
+        pages.Figure(
             svg=picture,
             title="Start and goal",
             caption="Solid: the part at the start; dashed: in the middle of the goal.",
@@ -54,9 +43,9 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
         )
     )
     notes = [worded(remark) for remark in remarks(task)]
-    return page(
-        Report(
-            banner=Banner(
+    return pages.page(
+        pages.Report(
+            banner=pages.Banner(
                 verb=verb,
                 subject=task.name,
                 word="UNKNOWN",
@@ -65,22 +54,23 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
                 "stated.",
             ),
             sections=(
-                Section(
+                pages.Section(
                     "open",
                     "Why there is no plan to judge",
                     link="What is open",
                     look="notice UNKNOWN",
-                    body=(html("<p>{}</p>", sentence(worded(reason))), *[settled] * bool(advice)),
+                    body=(
+                        pages.html("<p>{}</p>", sentence(worded(reason))),
+                        *[settled] * bool(advice),
+                    ),
                 ),
-                Section(
-                    "task",
-                    "The task",
-                    (task_body, *[bullets(notes)] * bool(notes)),
+                pages.Section(
+                    "task", "The task", (task_body, *[pages.bullets(notes)] * bool(notes))
                 ),
             ),
-            made=made(
+            made=pages.made(
                 f"meso-robust {verb} TASK.toml",
-                ("task hash (SHA-256)", code(task.hash)),
+                ("task hash (SHA-256)", pages.code(task.hash)),
                 after=" with the task file of this hash",
                 using=made_with(("numpy", "pydantic")),
             ),

@@ -161,22 +161,13 @@ def sentence(text: str) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class WitnessMove:
-    """Errors of a witness in one move, in words."""
-
-    number: int
-    sensing: str
-    dual: str
-    single: str
-
-
-@dataclass(frozen=True, slots=True)
 class Witness:
     """A run that breaks the claim, in words."""
 
     outcome: str
     facts: tuple[tuple[str, str], ...]
-    moves: tuple[WitnessMove, ...]
+    moves: tuple[tuple[str, ...], ...]
+    """Number, and errors of sensing and of both probes."""
 
 
 def witness_words(witness: WitnessDocument, outcome: str) -> Witness:
@@ -194,11 +185,11 @@ def witness_words(witness: WitnessDocument, outcome: str) -> Witness:
         outcome=outcome,
         facts=facts,
         moves=tuple(
-            WitnessMove(
-                number=index,
-                sensing=_pose(*(float.fromhex(value) for value in sensing)),
-                dual=_offset(dual),
-                single=_offset(single),
+            (
+                str(index),
+                _pose(*(float.fromhex(value) for value in sensing)),
+                _offset(dual),
+                _offset(single),
             )
             for index, (sensing, dual, single) in enumerate(moves, start=1)
         ),

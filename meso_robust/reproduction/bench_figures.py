@@ -10,7 +10,7 @@ from matplotlib.figure import Figure as Drawing
 from matplotlib.patches import Polygon
 
 from meso_robust.reporting.canvas import AFTER, BEFORE, CERTIFIED, GHOST, INK, MUTED, TIP
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.reporting.theme import WALL
 from meso_robust.reproduction.bench import Place, Plan, corners
 from meso_robust.reproduction.drawing import drawn

@@ -8,7 +8,7 @@ from typing import ParamSpec
 
 from matplotlib.figure import Figure as Drawing
 
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.reporting.svg import style, to_svg
 
 Given = ParamSpec("Given")

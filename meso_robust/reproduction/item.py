@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from meso_robust.campaigns.intervals import share_interval
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.types import Floats
 
 Value: TypeAlias = float | tuple[float, float] | str | None

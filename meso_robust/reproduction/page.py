@@ -10,18 +10,7 @@ from dataclasses import replace
 from markupsafe import Markup
 
 from meso_robust.provenance import made_with
-from meso_robust.reporting.report import (
-    Banner,
-    Report,
-    Section,
-    bullets,
-    code,
-    figure,
-    html,
-    made,
-    page,
-    table,
-)
+from meso_robust.reporting import pages
 from meso_robust.reporting.words import MINUS
 from meso_robust.reproduction.document import Made
 from meso_robust.reproduction.item import Agreement, Row, Setting, Value
@@ -57,7 +46,7 @@ def reproduction_report(made_items: Mapping[str, Made], setting: Setting) -> str
     """
     rows = [row for one in made_items.values() for row in one.found.rows]
     counts = Counter(row.agreement for row in rows if not row.loose)
-    banner = Banner(
+    banner = pages.Banner(
         verb="reproduce",
         subject="Automated Assembly for Mesoscale Parts",
         word=_headline(made_items),
@@ -76,23 +65,23 @@ def reproduction_report(made_items: Mapping[str, Made], setting: Setting) -> str
     )
     which = f" {next(iter(made_items))}" if len(made_items) == 1 else ""
     quick = " --quick" * setting.quick
-    return page(
-        Report(
+    return pages.page(
+        pages.Report(
             banner=banner,
             sections=(
                 *[_answers(made_items)] * (len(made_items) > 1),
                 *(_section(item) for item in made_items.values()),
             ),
-            made=made(
+            made=pages.made(
                 f"meso-robust reproduce{which}{quick} --seed {setting.seed}",
-                ("the same numbers", code("reproduction.json")),
+                ("the same numbers", pages.code("reproduction.json")),
                 using={**made_with(), "seed": str(setting.seed)},
             ),
         )
     )
 
 
-def _answers(made_items: Mapping[str, Made]) -> Section:
+def _answers(made_items: Mapping[str, Made]) -> pages.Section:
     rows = [
         (
             Markup('<a href="#{}">{}</a>').format(name, each.item.title),
@@ -101,11 +90,11 @@ def _answers(made_items: Mapping[str, Made]) -> Section:
         )
         for name, each in made_items.items()
     ]
-    body = table("Answers", "item | in the paper | what came of it", rows)
-    return Section("answers", "Answers", (body,))
+    body = pages.table("Answers", "item | in the paper | what came of it", rows)
+    return pages.Section("answers", "Answers", (body,))
 
 
-def _section(one: Made) -> Section:
+def _section(item: Made) -> pages.Section:
     heads = "quantity | #printed | #ours | #difference | unit | why"
     rows = [
         (
@@ -116,25 +105,25 @@ def _section(one: Made) -> Section:
             worded(row.unit),
             worded(row.why),
         )
-        for row in one.found.rows
+        for row in item.found.rows
     ]
     head = (
         '<p class="muted">{} · <code>meso-robust reproduce {}</code> · {:.1f} s</p>\n'
         "<p><strong>{}</strong></p>"
     )
     body = [
-        html(head, one.item.where, one.name, one.seconds, worded(one.found.answer)),
-        table(f"Numbers of {one.item.title}", heads, rows, look="roomy"),
+        pages.html(head, item.item.where, item.name, item.seconds, worded(item.found.answer)),
+        pages.table(f"Numbers of {item.item.title}", heads, rows, look="roomy"),
     ]
-    if one.found.missing:
-        texts = bullets([worded(text) for text in one.found.missing])
+    if item.found.missing:
+        texts = pages.bullets([worded(text) for text in item.found.missing])
         summary = "What the paper leaves out, and what was taken"
-        body.append(html("<details open><summary>{}</summary>\n{}</details>", summary, texts))
+        body.append(pages.html("<details open><summary>{}</summary>\n{}</details>", summary, texts))
     pictures = (
-        replace(each, caption=worded(each.caption), look="bounded") for each in one.found.figures
+        replace(each, caption=worded(each.caption), look="bounded") for each in item.found.figures
     )
-    body.append(figure(*pictures))
-    return Section(one.name, one.item.title, body)
+    body.append(pages.figure(*pictures))
+    return pages.Section(item.name, item.item.title, body)
 
 
 def shown(value: Value) -> str:

@@ -24,7 +24,7 @@ from meso_robust.reporting.canvas import (
     outline,
     poses_shown,
 )
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.reproduction.certified import CertifiedPlan
 from meso_robust.reproduction.drawing import drawn
 from meso_robust.types import Floats

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure as Drawing
 
 from meso_robust.reporting.canvas import CERTIFIED, GHOST, MUTED, OPEN
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.reproduction.drawing import drawn, pictured
 from meso_robust.reproduction.item import success
 

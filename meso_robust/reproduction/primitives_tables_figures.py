@@ -10,7 +10,7 @@ from matplotlib.figure import Figure as Drawing
 from meso_robust.bounds import HALF_PI
 from meso_robust.conditions import values
 from meso_robust.reporting.canvas import CERTIFIED, GOAL, INK, MUTED
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.reporting.theme import BLUE, ORANGE, PURPLE
 from meso_robust.reproduction.drawing import drawn
 from meso_robust.reproduction.primitive_runs import YTranslations, turned_deg

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.reproduction import printed
 from meso_robust.reproduction.baselines import REPORTED, successes
 from meso_robust.reproduction.bench import (

@@ -28,9 +28,9 @@ from meso_robust.reporting.campaign import campaign_report
 from meso_robust.reporting.diagnosis import diagnosis_report
 from meso_robust.reporting.experiment import experiment_page
 from meso_robust.reporting.identification import identification_report
+from meso_robust.reporting.pages import Figure
 from meso_robust.reporting.plan import report
 from meso_robust.reporting.recordings import recordings_report
-from meso_robust.reporting.report import Figure
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.tracking import tracking_report
 from meso_robust.reproduction.document import Made

@@ -6,7 +6,7 @@ import pytest
 from markupsafe import Markup
 
 from meso_robust.reporting.diagnosis import diagnosis_report
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from tests.reporting.diagnoses import document, evidence
 
 

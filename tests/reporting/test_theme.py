@@ -11,7 +11,7 @@ import pytest
 from markupsafe import Markup
 
 from meso_robust.reporting import theme
-from meso_robust.reporting.report import environment
+from meso_robust.reporting.pages import environment
 
 Floats = npt.NDArray[np.float64]
 

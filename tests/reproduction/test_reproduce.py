@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from meso_robust.cli import app
 from meso_robust.errors import InputError
-from meso_robust.reporting.report import Figure
+from meso_robust.reporting.pages import Figure
 from meso_robust.reproduction.document import Made, document, text
 from meso_robust.reproduction.item import Found, Item, Row, Setting, Value
 from meso_robust.reproduction.items import ITEMS, asked, item

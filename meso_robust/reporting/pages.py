@@ -99,7 +99,7 @@ def page(report: Report, *folders: Path) -> str:
     str
         The page; it asks for nothing from outside.
     """
-    return environment(*folders).get_template("report.html.j2").render(report=report)
+    return environment(*folders).get_template("page.html.j2").render(report=report)
 
 
 def prose(template: str, *folders: Path, **values: Any) -> Any:
@@ -121,11 +121,7 @@ def prose(template: str, *folders: Path, **values: Any) -> Any:
 
 
 def section(
-    body: Any,
-    anchor: str,
-    title: str | Markup,
-    link: str | None = None,
-    look: str | None = None,
+    body: Any, anchor: str, title: str | Markup, link: str | None = None, look: str | None = None
 ) -> Section:
     """The section whose body is the macro ``section_ANCHOR`` of `prose`.
 
@@ -152,6 +148,7 @@ def environment(*folders: Path) -> Environment:
         keep_trailing_newline=True,
     )
     templates.filters.update(themed=themed, slim=slim)
+    templates.globals["table"] = table
     templates.globals["parts"] = templates.get_template("parts.html.j2").module
     return templates
 
