@@ -11,7 +11,6 @@ from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.design import design
 from meso_robust.certificates.document import (
-    TIPS,
     CertificateDocument,
     SimulationDocument,
     WitnessDocument,
@@ -60,7 +59,8 @@ class Planned:
         """The answer in a few lines."""
         check, runs = self.check, len(self.check.in_goal)
         lines = [
-            f"{self.certificate.verdict} ({TIPS}): {self.task.name}, {counted(len(self.found.rules), 'move')}",
+            f"{self.certificate.verdict} ({self.task.tips}): {self.task.name}, "
+            f"{counted(len(self.found.rules), 'move')}",
             f"simulated: {int(check.in_goal.sum())} of {counted(runs, 'run')} {do(runs, 'end')} in the goal",
         ]
         if self.certificate.verdict == "PROVED":

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-import tomlkit
 from pydantic import BaseModel, ValidationError
 
 from meso_robust.errors import InputError
@@ -29,9 +28,15 @@ def read_toml(path: Path, advice: str) -> dict[str, Any]:
 
 
 def checked(
-    document: type[_Document], values: Mapping[str, Any], source: str, *, whole: str, keys: str
+    document: type[_Document],
+    values: Mapping[str, Any],
+    source: str,
+    *,
+    whole: str,
+    keys: str,
+    index: str = "[{}]",
 ) -> _Document:
-    """The document that some values make.
+    """The document that a user's values make.
 
     Parameters
     ----------
@@ -45,6 +50,8 @@ def checked(
         What a fault of no single key is a fault of.
     keys
         Where all keys are listed.
+    index
+        How a place in a list is written in a key.
 
     Raises
     ------
@@ -52,10 +59,11 @@ def checked(
         A value breaks a rule.
     """
     try:
-        # through JSON, because strict checking of a TOML array as a tuple would refuse the list
-        return document.model_validate_json(json.dumps(values, allow_nan=True))
+        # as JSON, in which an array is what a file has: strict checking of Python's values would
+        # refuse its list for a tuple, and tell the user of tuples
+        return document.model_validate_json(json.dumps(dict(values), allow_nan=True))
     except ValidationError as error:
-        fault = first_fault(error, document, whole=whole, keys=keys, index="[{}]")
+        fault = first_fault(error, document, whole=whole, keys=keys, index=index)
         raise InputError(f"{source}: {fault}") from error
     except (TypeError, ValueError) as error:
         raise InputError(
@@ -65,6 +73,8 @@ def checked(
 
 def toml_text(values: Mapping[str, Any]) -> str:
     """Values as a TOML file."""
+    import tomlkit  # a task is read by runs that write no TOML
+
     return tomlkit.dumps(values)
 
 

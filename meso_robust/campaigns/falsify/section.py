@@ -8,10 +8,9 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from meso_robust.campaigns.falsify.draws import Draw
-from meso_robust.campaigns.kind import Part
-from meso_robust.campaigns.planned import PlanSection
+from meso_robust.campaigns.kind import Part, PlanSection
 
+Draw = Literal["uniform", "corners", "mixed", "adversarial"]
 SearchName = Literal["climb", "corner-walk", "face-walk", "cma-es", "splitting"]
 Method = Literal[  # one list, so that a message about a wrong one names them all
     "uniform",
