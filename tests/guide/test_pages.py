@@ -27,7 +27,7 @@ from tests.strategies import paper_chain
 ROOT = Path(meso_robust.__file__).parent.parent
 PAGES = sorted(GUIDE.glob("*.md"))
 NAMES = [page.name for page in PAGES]
-_TO_MAKE = {"<name>", "two_drags"}
+_TO_MAKE = {"<name>", "two_drags", "/area.py"}
 """What stands for a file that a reader is to write."""
 
 
