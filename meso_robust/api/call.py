@@ -100,16 +100,17 @@ def arguments(call: Callable[..., object]) -> Mapping[str, Argument]:
         to import.
     """
     function: Any = inspect.unwrap(call)
-    parameters = inspect.signature(function).parameters.values()
+    parameters = list(inspect.signature(function).parameters.values())
     texts = {one.name: one.annotation for one in parameters if one.annotation is not one.empty}
     # of a class, since that of the function has also what is returned, which need not be imported yet
     stated = type("Stated", (), {"__annotations__": texts})
     types_ = inspect.get_annotations(stated, globals=function.__globals__, eval_str=True)
+    leaves = {one.name: tuple(_leaves(types_.get(one.name, Any))) for one in parameters}
     return {
         one.name: Argument(
             name=one.name,
-            kinds=tuple(_kinds(types_.get(one.name, Any))),
-            option=next(_options(types_.get(one.name, Any)), Option()),
+            kinds=tuple(leaf for leaf in leaves[one.name] if not isinstance(leaf, Option)),
+            option=next((leaf for leaf in leaves[one.name] if isinstance(leaf, Option)), Option()),
             default=one.default,
             positional=one.kind is not one.KEYWORD_ONLY,
         )
@@ -117,23 +118,13 @@ def arguments(call: Callable[..., object]) -> Mapping[str, Argument]:
     }
 
 
-def _kinds(stated: Any) -> Iterator[Any]:
-    """The types of a union, without what they are annotated with."""
-    if get_origin(stated) is Annotated:
-        yield from _kinds(get_args(stated)[0])
-    elif get_origin(stated) in (Union, types.UnionType):
+def _leaves(stated: Any) -> Iterator[Any]:
+    """The types of a union, and what they are annotated with."""
+    if get_origin(stated) in (Annotated, Union, types.UnionType):
         for one in get_args(stated):
-            yield from _kinds(one)
+            yield from _leaves(one)
     else:
         yield stated
-
-
-def _options(stated: Any) -> Iterator[Option]:
-    if get_origin(stated) is Annotated:
-        yield from (one for one in get_args(stated)[1:] if isinstance(one, Option))
-    elif get_origin(stated) in (Union, types.UnionType):
-        for one in get_args(stated):
-            yield from _options(one)
 
 
 def check_arguments(call: Callable[..., object], values: Mapping[str, object]) -> None:
@@ -218,7 +209,7 @@ def _fits(value: object, kind: Any) -> bool:
     if origin is Literal:
         return isinstance(value, str)
     if origin is Sequence:
-        each = tuple(_kinds(get_args(kind)[0]))
+        each = tuple(_leaves(get_args(kind)[0]))
         return isinstance(value, Sequence) and all(
             any(_fits(one, inner) for inner in each) for one in value
         )
@@ -240,7 +231,7 @@ def _kind_in_words(kind: Any) -> str:
     if origin is Literal:
         return _WORDS[str]
     if origin is Sequence:
-        return f"a sequence of which each is {_in_words(tuple(_kinds(get_args(kind)[0])))}"
+        return f"a sequence of which each is {_in_words(tuple(_leaves(get_args(kind)[0])))}"
     if isinstance(kind, ForwardRef):
         return f"a {kind.__forward_arg__}"
     return "a path" if origin is PathLike else _WORDS.get(kind, f"a {kind.__name__}")

@@ -49,14 +49,11 @@ class Checked(Result):
         return self.answer.verdict
 
     @property
-    def verified(self) -> bool:
+    def positive(self) -> bool:
         """Whether the certificate proves that its plan reaches the goal."""
         return self.answer.positive
 
-    @property
-    def positive(self) -> bool:
-        """The same as ``verified``."""
-        return self.verified
+    verified = positive
 
     @property
     def brief(self) -> str:

@@ -11,7 +11,7 @@ from meso_robust.api.inputs import path_of
 from meso_robust.api.options import Seed, StrPath
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
-from meso_robust.api.result import Result, text_of
+from meso_robust.api.result import Result
 
 if TYPE_CHECKING:
     from meso_robust.diagnosis.diagnose import Diagnosis
@@ -44,14 +44,11 @@ class Diagnosed(Result):
         return self.document.verdict
 
     @property
-    def explained(self) -> bool:
+    def positive(self) -> bool:
         """Whether nothing is left out, or what is left out has one name."""
         return self.verdict in ("consistent", "named")
 
-    @property
-    def positive(self) -> bool:
-        """The same as ``explained``."""
-        return self.explained
+    explained = positive
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -78,10 +75,6 @@ class Diagnosed(Result):
         from meso_robust.diagnosis import model_file
 
         return model_file.model_toml(self.diagnosis, __version__)
-
-    def text(self) -> str:
-        """The text of ``diagnosis.json``."""
-        return text_of(self.document)
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name."""

@@ -14,7 +14,7 @@ from meso_robust.api.inputs import task_of
 from meso_robust.api.options import Confidence, Objective, Pushes, Seed, Starts, TaskGiven
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
-from meso_robust.api.result import Result, text_of
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
 
 if TYPE_CHECKING:
@@ -79,10 +79,6 @@ class Identified(Result):
         from meso_robust.reporting.cards import identified_card
 
         return identified_card(self.document, self.fit, str(self))
-
-    def text(self) -> str:
-        """The text of ``identification.json``."""
-        return text_of(self.document)
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name, such as ``model.toml``."""

@@ -55,14 +55,11 @@ class Planned(Result):
         return self.certificate.verdict
 
     @property
-    def proved(self) -> bool:
+    def positive(self) -> bool:
         """Whether the plan is proved to work."""
         return self.verdict == "PROVED"
 
-    @property
-    def positive(self) -> bool:
-        """Whether the plan is proved to work."""
-        return self.proved
+    proved = positive
 
     @property
     def task(self) -> Task:
@@ -79,22 +76,21 @@ class Planned(Result):
         """The content of ``certificate.json``."""
         return self.result.certificate
 
+    document = certificate
+
     @property
     def margin(self) -> Margin:
         """How much more uncertainty the plan would bear, and which one binds first."""
         return self.result.margin
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """What the stated part and film differ in from an even film; not part of the verdict."""
         from meso_robust.even_film import remarks
 
         return remarks(self.task)
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """The same as ``remarks``."""
-        return self.remarks
+    remarks = notes
 
     def __str__(self) -> str:
         from meso_robust.transfer import answer
@@ -112,10 +108,6 @@ class Planned(Result):
         from meso_robust.reporting.cards import planned_card
 
         return planned_card(self.result, self.promise, str(self))
-
-    def text(self) -> str:
-        """The text of ``certificate.json``."""
-        return text_of(self.certificate)
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name, such as ``plan.json``."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from meso_robust.api.call import call
 from meso_robust.api.inputs import keep_apart
@@ -35,6 +35,12 @@ class Result(ABC):
     inputs: tuple[Path, ...] = ()
     source: Path | None = None
 
+    if TYPE_CHECKING:  # a field of some results, which must not find a default here
+
+        @property
+        def document(self) -> Any:
+            """What was found out, as plain values."""
+
     @property
     @abstractmethod
     def positive(self) -> bool:
@@ -44,9 +50,9 @@ class Result(ABC):
     def __str__(self) -> str:
         """The answer in a few lines, as the command line prints it."""
 
-    @abstractmethod
     def text(self) -> str:
-        """The text of the result document, as ``--json`` prints it."""
+        """The text of the result document, as its file has it and ``--json`` prints it."""
+        return text_of(self.document)
 
     @abstractmethod
     def files(self) -> dict[str, str]:

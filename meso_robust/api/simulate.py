@@ -20,7 +20,7 @@ from meso_robust.api.options import (
 )
 from meso_robust.api.plan import PlanGiven, plan_of
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.api.result import Result, text_of
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,14 +48,11 @@ class Simulated(Result):
     document: SimulationDocument
 
     @property
-    def all_in_goal(self) -> bool:
+    def positive(self) -> bool:
         """Whether every run that was made ended in the goal."""
         return self.document.all_in_goal
 
-    @property
-    def positive(self) -> bool:
-        """The same as ``all_in_goal``."""
-        return self.all_in_goal
+    all_in_goal = positive
 
     @property
     def shown(self) -> dict[str, str]:
@@ -75,10 +72,6 @@ class Simulated(Result):
         from meso_robust.reporting.cards import simulated_card
 
         return simulated_card(self.runs, self.document, str(self))
-
-    def text(self) -> str:
-        """The text of ``simulation.json``."""
-        return text_of(self.document)
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name."""

@@ -12,7 +12,7 @@ from meso_robust.api.call import call
 from meso_robust.api.inputs import path_of
 from meso_robust.api.options import Folder, Option, Share, StrPath
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.api.result import Result, text_of
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,14 +44,11 @@ class Tracked(Result):
         return self.found.recordings
 
     @property
-    def tracked(self) -> bool:
+    def positive(self) -> bool:
         """Whether the part was found in all frames of all videos, except the share that may be lost."""
         return self.document.tracked
 
-    @property
-    def positive(self) -> bool:
-        """The same as ``tracked``."""
-        return self.tracked
+    tracked = positive
 
     @property
     def why_not(self) -> str:
@@ -82,10 +79,6 @@ class Tracked(Result):
         from meso_robust.reporting.cards import tracked_card
 
         return tracked_card(self.found, str(self))
-
-    def text(self) -> str:
-        """The text of ``track.json``."""
-        return text_of(self.document)
 
     def files(self) -> dict[str, str]:
         """The texts of the recording set, covariances, camera and report by name; without overlays."""

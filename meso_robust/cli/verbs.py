@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -26,22 +26,27 @@ class Verbs(TyperGroup):
 
     def __init__(self, **stated: Any) -> None:
         super().__init__(**stated)
-        self.commands: Any = _Commands()
+        # names alone, which Click searches when one is misspelt
+        self.commands: Any = dict.fromkeys(name for names in VERBS.values() for name in names)
 
     def list_commands(self, ctx: Any) -> list[str]:
         """The names in the order of the table; not one verb is imported."""
         return list(self.commands)
 
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """A verb; None if there is none of this name."""
+        if name not in self.commands:
+            return None
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+        alone.command()(guarded(_function(name)))
+        return typer.main.get_command(alone)
+
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write each heading with its verbs."""
         widest = max(map(len, self.commands))
         for heading, names in VERBS.items():
-            rows = [
-                (name.ljust(widest), (_function(name).__doc__ or "").partition("\n")[0])
-                for name in names
-            ]
             with formatter.section(heading):
-                formatter.write_dl(rows)
+                formatter.write_dl([(name.ljust(widest), _sentence(name)) for name in names])
 
 
 def _function(name: str) -> Callable[..., None]:
@@ -49,23 +54,6 @@ def _function(name: str) -> Callable[..., None]:
     return function
 
 
-class _Commands(Mapping[str, Any]):
-    """Commands by name, each made when it is first looked up: no run needs the others."""
-
-    def __init__(self) -> None:
-        self._made: dict[str, Any] = {}
-
-    def __getitem__(self, name: str) -> Any:
-        if name not in self._made:
-            if name not in list(self):
-                raise KeyError(name)
-            alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-            alone.command()(guarded(_function(name)))
-            self._made[name] = typer.main.get_command(alone)
-        return self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return (name for names in VERBS.values() for name in names)
-
-    def __len__(self) -> int:
-        return sum(map(len, VERBS.values()))
+def _sentence(name: str) -> str:
+    """The first sentence on a verb, without the options, which take long to make."""
+    return (_function(name).__doc__ or "").partition("\n")[0]

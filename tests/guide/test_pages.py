@@ -104,12 +104,13 @@ def test_files_that_are_named_exist(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_commands_have_the_options_that_are_named(name: str) -> None:
     group: Any = typer.main.get_command(app)
-    for block in re.findall(r"^```\n(.*?)^```", text(name), re.DOTALL | re.MULTILINE):
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```", text(name), re.DOTALL | re.MULTILINE)
+    for language, block in blocks:
         for line in block.splitlines():
-            if "meso-robust" not in line:
+            if language or "meso-robust" not in line:
                 continue
             verb, *words = shlex.split(line.split("meso-robust ", 1)[1])
-            known = {one for option in group.commands[verb].params for one in option.opts}
+            known = {one for option in group.get_command(None, verb).params for one in option.opts}
             assert {word for word in words if word.startswith("--")} <= known, line
 
 
