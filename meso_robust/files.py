@@ -141,5 +141,16 @@ def _check_target(folder: Path, name: str, inputs: Iterable[Path]) -> None:
 
 
 def why(error: Exception) -> str:
-    """The reason in an error, without the name of the file."""
+    """The reason in an error, without the name of the file.
+
+    Parameters
+    ----------
+    error
+        What came of writing or reading a file.
+
+    Returns
+    -------
+    str
+        In the words of the system.
+    """
     return getattr(error, "strerror", None) or str(error)

@@ -91,6 +91,11 @@ def make(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> Planne
     doing
         Shows what is being done while a stage runs.
 
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
+
     Raises
     ------
     NotApplicableError
@@ -107,6 +112,18 @@ def make_best(task: Task, samples: int, seed: int, doing: Doing = _quietly) -> P
     """Search the design with the widest margin, and judge its plan.
 
     The result's task may have another ``tip_spacing_um``; everything else is as for :func:`make`.
+
+    Parameters
+    ----------
+    task
+        What to plan for.
+    samples, seed, doing
+        As for :func:`make`.
+
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
     """
     with doing("optimising spacing, offsets and travels (one to three minutes)"):
         best = design(task)
@@ -122,6 +139,11 @@ def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = _qui
         The task and the plan for it, whoever made it.
     samples, seed, doing
         As for :func:`make`.
+
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
 
     Raises
     ------

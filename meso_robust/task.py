@@ -357,6 +357,16 @@ class Task(_Section):
 def load_task(path: Path) -> Task:
     """Read and check a task file.
 
+    Parameters
+    ----------
+    path
+        A TOML file.
+
+    Returns
+    -------
+    Task
+        Every value within its limits.
+
     Raises
     ------
     InputError
@@ -370,6 +380,16 @@ def load_task(path: Path) -> Task:
 def task_text(path: Path) -> str:
     """The text of a task file.
 
+    Parameters
+    ----------
+    path
+        A TOML file.
+
+    Returns
+    -------
+    str
+        As its author wrote it.
+
     Raises
     ------
     InputError
@@ -380,6 +400,18 @@ def task_text(path: Path) -> str:
 
 def with_spacing(text: str, spacing_um: float) -> str:
     """The text of a task file with another ``tip_spacing_um``, all else as its author wrote it.
+
+    Parameters
+    ----------
+    text
+        Of a task file.
+    spacing_um
+        Distance of the tips, um.
+
+    Returns
+    -------
+    str
+        The text with the one line changed.
 
     Raises
     ------
@@ -396,6 +428,18 @@ def with_spacing(text: str, spacing_um: float) -> str:
 
 def parse_task(values: Mapping[str, Any], source: str) -> Task:
     """Check the values of a task; ``source`` names them in messages.
+
+    Parameters
+    ----------
+    values
+        As a task file has them, tables as nested mappings.
+    source
+        Names them in messages.
+
+    Returns
+    -------
+    Task
+        Every value within its limits.
 
     Raises
     ------

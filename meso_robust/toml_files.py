@@ -18,6 +18,18 @@ _Document = TypeVar("_Document", bound=BaseModel)
 def read_toml(path: Path, advice: str) -> dict[str, Any]:
     """Values of a TOML file.
 
+    Parameters
+    ----------
+    path
+        The file.
+    advice
+        What to give instead of one that cannot be read.
+
+    Returns
+    -------
+    dict
+        Tables as nested dictionaries.
+
     Raises
     ------
     InputError
@@ -53,6 +65,11 @@ def checked(
     index
         How a place in a list is written in a key.
 
+    Returns
+    -------
+    BaseModel
+        An instance of the model.
+
     Raises
     ------
     InputError
@@ -72,12 +89,34 @@ def checked(
 
 
 def toml_text(values: Mapping[str, Any]) -> str:
-    """Values as a TOML file."""
+    """Values as a TOML file.
+
+    Parameters
+    ----------
+    values
+        Tables as nested mappings.
+
+    Returns
+    -------
+    str
+        The text of the file.
+    """
     import tomlkit  # a task is read by runs that write no TOML
 
     return tomlkit.dumps(values)
 
 
 def toml_of(document: BaseModel) -> str:
-    """A document as a TOML file, without what is None."""
+    """A document as a TOML file, without what is None.
+
+    Parameters
+    ----------
+    document
+        The document.
+
+    Returns
+    -------
+    str
+        Keys as the file format names them.
+    """
     return toml_text(document.model_dump(mode="json", by_alias=True, exclude_none=True))

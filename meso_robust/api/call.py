@@ -98,6 +98,11 @@ def arguments(call: Callable[..., object]) -> Mapping[str, Argument]:
     call
         A function, or what :func:`call` made of it, whose signature needs no module that takes long
         to import.
+
+    Returns
+    -------
+    Mapping[str, Argument]
+        In the order of the signature.
     """
     function: Any = inspect.unwrap(call)
     parameters = list(inspect.signature(function).parameters.values())

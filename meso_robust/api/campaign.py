@@ -132,6 +132,11 @@ def campaign(  # every option of the verb is an argument
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Campaigned
+        Whatever the verdict.
+
     Raises
     ------
     InputError

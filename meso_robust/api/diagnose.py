@@ -117,6 +117,11 @@ def diagnose(
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Diagnosed
+        Whatever the verdict.
+
     Raises
     ------
     InputError

@@ -69,6 +69,11 @@ def drive(task: TaskGiven, plan: StrPath, *, progress: Progress = SILENT) -> Dri
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Driver
+        Answers sensed poses.
+
     Raises
     ------
     InputError

@@ -126,6 +126,11 @@ def identify(  # every option of the verb is an argument
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Identified
+        Whatever the verdict.
+
     Raises
     ------
     InputError
@@ -297,6 +302,11 @@ def standard_tests(source: TaskGiven) -> StandardTests:
     ----------
     source
         A task, the name of its file, or the folder of a recording set.
+
+    Returns
+    -------
+    StandardTests
+        Places and travels of the pushes, which suit a bench with the speed or the tips that are stated.
 
     Raises
     ------

@@ -39,6 +39,13 @@ def files_of(*given: object) -> tuple[Path, ...]:
 def keep_apart(folder: Path, source: Path | None) -> None:
     """Refuse to write results over what they come from.
 
+    Parameters
+    ----------
+    folder
+        For the results.
+    source
+        The recordings; None if they come from no folder.
+
     Raises
     ------
     InputError

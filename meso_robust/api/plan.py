@@ -236,6 +236,11 @@ def certify(
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
+
     Raises
     ------
     InputError

@@ -149,6 +149,11 @@ def read_recordings(
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Recordings
+        Also of recordings that cannot be used as they are.
+
     Raises
     ------
     InputError

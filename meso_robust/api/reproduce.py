@@ -97,6 +97,11 @@ def reproduce(
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Reproduced
+        The values that were found, beside the printed ones.
+
     Raises
     ------
     InputError

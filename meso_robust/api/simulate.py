@@ -148,6 +148,11 @@ def simulate(
     progress
         Shows what is being done.
 
+    Returns
+    -------
+    Simulated
+        Whatever became of the runs.
+
     Raises
     ------
     InputError
@@ -212,6 +217,11 @@ def camera_of(
         Share of lost frames.
     latency_ms
         Delay of the camera.
+
+    Returns
+    -------
+    Camera
+        For :meth:`Simulated.filmed`.
 
     Raises
     ------

@@ -258,7 +258,20 @@ def _paths(given: StrPath | Sequence[StrPath]) -> tuple[Path, ...]:
 
 
 def tracked(job: Job, *, progress: Progress = SILENT) -> Tracked:
-    """Do a job that is stated already; see :func:`track`."""
+    """Do a job that is stated already; see :func:`track`.
+
+    Parameters
+    ----------
+    job
+        What to track.
+    progress
+        Shows what is being done.
+
+    Returns
+    -------
+    Tracked
+        Also if the part was lost.
+    """
     from meso_robust.tracking.job import prepared, run
 
     return Tracked(found=run(prepared(job), progress.counting))
@@ -266,6 +279,13 @@ def tracked(job: Job, *, progress: Progress = SILENT) -> Tracked:
 
 def keep_videos(folder: Path, job: Job) -> None:
     """Refuse a folder in which a result could overwrite a video.
+
+    Parameters
+    ----------
+    folder
+        For the results.
+    job
+        Names the videos.
 
     Raises
     ------

@@ -17,7 +17,7 @@ NEGATIVE, BAD_INPUT = 1, 2
 INTERRUPTED = 130
 """What shells give for a run that was ended by Ctrl-C."""
 
-LINE_EVERY = 10.0  # s
+LINE_EVERY = 10.0  # s: a log of a campaign of a day then has some thousand lines a part
 
 
 class Reporter:
