@@ -22,55 +22,38 @@ from __future__ import annotations
 TYPE_CHECKING = False  # as in `typing`, which takes longer to import than the rest of this file
 
 if TYPE_CHECKING:
-    from meso_robust.api.campaign import Campaigned, campaign
-    from meso_robust.api.check import Checked, check
-    from meso_robust.api.diagnose import Diagnosed, diagnose
-    from meso_robust.api.drive import Driver, drive
-    from meso_robust.api.identify import Identified, StandardTests, identify, standard_tests
-    from meso_robust.api.plan import Planned, certify, plan
-    from meso_robust.api.progress import Progress
-    from meso_robust.api.recordings import Recordings, read_recordings
-    from meso_robust.api.reproduce import Reproduced, reproduce
-    from meso_robust.api.simulate import Simulated, camera_of, simulate
-    from meso_robust.api.task import Task
-    from meso_robust.api.track import Tracked, track
-    from meso_robust.cli.console import Reporter
-    from meso_robust.errors import InputError, NotApplicableError
+    from meso_robust.api.campaign import Campaigned as Campaigned, campaign as campaign
+    from meso_robust.api.check import Checked as Checked, check as check
+    from meso_robust.api.diagnose import Diagnosed as Diagnosed, diagnose as diagnose
+    from meso_robust.api.drive import Driver as Driver, drive as drive
+    from meso_robust.api.identify import (
+        Identified as Identified,
+        StandardTests as StandardTests,
+        identify as identify,
+        standard_tests as standard_tests,
+    )
+    from meso_robust.api.plan import Planned as Planned, certify as certify, plan as plan
+    from meso_robust.api.progress import Progress as Progress
+    from meso_robust.api.recordings import (
+        Recordings as Recordings,
+        read_recordings as read_recordings,
+    )
+    from meso_robust.api.reproduce import Reproduced as Reproduced, reproduce as reproduce
+    from meso_robust.api.result import Result as Result
+    from meso_robust.api.simulate import (
+        Simulated as Simulated,
+        camera_of as camera_of,
+        simulate as simulate,
+    )
+    from meso_robust.api.task import Task as Task
+    from meso_robust.api.track import Tracked as Tracked, track as track
+    from meso_robust.cli.console import Reporter as Reporter
+    from meso_robust.errors import (
+        InputError as InputError,
+        NotApplicableError as NotApplicableError,
+    )
 
 __version__ = "0.1.0"
-
-__all__ = [
-    "Campaigned",
-    "Checked",
-    "Diagnosed",
-    "Driver",
-    "Identified",
-    "InputError",
-    "NotApplicableError",
-    "Planned",
-    "Progress",
-    "Recordings",
-    "Reporter",
-    "Reproduced",
-    "Simulated",
-    "StandardTests",
-    "Task",
-    "Tracked",
-    "__version__",
-    "camera_of",
-    "campaign",
-    "certify",
-    "check",
-    "diagnose",
-    "drive",
-    "identify",
-    "plan",
-    "read_recordings",
-    "reproduce",
-    "simulate",
-    "standard_tests",
-    "track",
-]
 
 _MODULES = {
     "api.campaign": ("Campaigned", "campaign"),
@@ -82,6 +65,7 @@ _MODULES = {
     "api.progress": ("Progress",),
     "api.recordings": ("Recordings", "read_recordings"),
     "api.reproduce": ("Reproduced", "reproduce"),
+    "api.result": ("Result",),
     "api.simulate": ("Simulated", "camera_of", "simulate"),
     "api.task": ("Task",),
     "api.track": ("Tracked", "track"),
@@ -90,6 +74,7 @@ _MODULES = {
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 """Module of every public name: it is loaded when the name is first used, which takes seconds."""
+__all__ = ["__version__", *sorted(_WHERE)]  # all are texts
 
 if not TYPE_CHECKING:  # a type checker knows the names from the imports above, and no others
 

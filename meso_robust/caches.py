@@ -20,7 +20,18 @@ NAME = "meso-robust"
 
 
 def user_folder(environ: Mapping[str, str] = os.environ) -> Path | None:
-    """The user's cache folder by the custom of the system; None for a user without a home."""
+    """The user's cache folder by the custom of the system; None for a user without a home.
+
+    Parameters
+    ----------
+    environ
+        Of the process.
+
+    Returns
+    -------
+    Path | None
+        It need not be there.
+    """
     if sys.platform == "win32":
         named = environ.get("LOCALAPPDATA")
     else:
@@ -35,7 +46,18 @@ def user_folder(environ: Mapping[str, str] = os.environ) -> Path | None:
 
 
 def kernels(environ: Mapping[str, str] = os.environ) -> str:
-    """Where Numba keeps compiled kernels, in words."""
+    """Where Numba keeps compiled kernels, in words.
+
+    Parameters
+    ----------
+    environ
+        Of the process.
+
+    Returns
+    -------
+    str
+        A folder, or a pattern of folders.
+    """
     if environ.get("NUMBA_CACHE_DIR"):
         return environ["NUMBA_CACHE_DIR"]
     if _writable(PACKAGE):
@@ -49,6 +71,11 @@ def prepare(environ: MutableMapping[str, str] = os.environ) -> None:
 
     What the user has set stays. Numba cannot compile where it finds no place for its kernels, so
     without any it is given a temporary one.
+
+    Parameters
+    ----------
+    environ
+        Of the process; the names are set in it.
     """
     folder = user_folder(environ)
     if folder is not None and _writable(folder):

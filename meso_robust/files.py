@@ -10,20 +10,31 @@ from pathlib import Path
 from meso_robust.errors import InputError
 
 
-def write_all(folder: Path, contents: Mapping[str, str]) -> None:
+def write_all(
+    folder: Path, contents: Mapping[str, str], inputs: Iterable[Path | None] = ()
+) -> None:
     """Write all files into ``folder`` (made if needed), each under a temporary name and renamed.
+
+    Parameters
+    ----------
+    folder
+        Where to.
+    contents
+        Texts by the names of their files, which may lie in folders below.
+    inputs
+        Files that are not to be replaced.
 
     Raises
     ------
     InputError
-        If the folder or a file cannot be written; then none is.
+        If the folder or a file cannot be written, or one would replace an input; then none is.
     """
-    check_folder(folder, contents)
+    check_folder(folder, contents, inputs)
     drafts: dict[str, str] = {}
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for name, text in contents.items():
-            drafts[name] = _draft(folder, text)
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            drafts[name] = _draft((folder / name).parent, text)
         for name in contents:
             os.replace(drafts[name], folder / name)
             del drafts[name]
@@ -130,5 +141,16 @@ def _check_target(folder: Path, name: str, inputs: Iterable[Path]) -> None:
 
 
 def why(error: Exception) -> str:
-    """The reason in an error, without the name of the file."""
+    """The reason in an error, without the name of the file.
+
+    Parameters
+    ----------
+    error
+        What came of writing or reading a file.
+
+    Returns
+    -------
+    str
+        In the words of the system.
+    """
     return getattr(error, "strerror", None) or str(error)

@@ -9,7 +9,6 @@ from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.design import design
 from meso_robust.certificates.document import (
-    TIPS,
     CertificateDocument,
     SimulationDocument,
     WitnessDocument,
@@ -53,7 +52,8 @@ class Planned:
         """The answer in a few lines."""
         check, runs = self.check, len(self.check.in_goal)
         lines = [
-            f"{self.certificate.verdict} ({TIPS}): {self.task.name}, {counted(len(self.found.rules), 'move')}",
+            f"{self.certificate.verdict} ({self.task.tips}): {self.task.name}, "
+            f"{counted(len(self.found.rules), 'move')}",
             f"simulated: {int(check.in_goal.sum())} of {counted(runs, 'run')} {do(runs, 'end')} in the goal",
         ]
         if self.certificate.verdict == "PROVED":
@@ -84,6 +84,11 @@ def make(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned
     doing
         Shows what is being done while a stage runs.
 
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
+
     Raises
     ------
     NotApplicableError
@@ -100,6 +105,18 @@ def make_best(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Pl
     """Search the design with the widest margin, and judge its plan.
 
     The result's task may have another ``tip_spacing_um``; everything else is as for :func:`make`.
+
+    Parameters
+    ----------
+    task
+        What to plan for.
+    samples, seed, doing
+        As for :func:`make`.
+
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
     """
     with doing("optimising spacing, offsets and travels (one to three minutes)"):
         best = design(task)
@@ -115,6 +132,11 @@ def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = quie
         The task and the plan for it, whoever made it.
     samples, seed, doing
         As for :func:`make`.
+
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
 
     Raises
     ------

@@ -20,6 +20,11 @@ def made_with(packages: Iterable[str] = ("numba", "numpy", "scipy")) -> dict[str
     ----------
     packages
         What else bears on the result, by distribution name.
+
+    Returns
+    -------
+    dict
+        Name and version.
     """
     return {
         **{name: version(name) for name in ("meso-robust", *packages)},
@@ -34,6 +39,11 @@ def commit() -> str:
     """Commit of the checkout that the package runs from, or why there is none.
 
     An installed package can lie in a folder of somebody else's repository, whose commit says nothing.
+
+    Returns
+    -------
+    str
+        The short hash, or why there is none.
     """
     if not ((ROOT / ".git").exists() and (ROOT / "pyproject.toml").is_file()):
         return NONE
@@ -42,7 +52,7 @@ def commit() -> str:
             ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"],
             capture_output=True,
             text=True,
-            timeout=5,
+            timeout=5,  # s: a repository on a network that does not answer must not hold up a plan
             check=False,
         )
     except (OSError, subprocess.TimeoutExpired):

@@ -22,16 +22,21 @@ from meso_robust.errors import InputError
 
 MIB = 2**20
 LARGEST_STATED = 4 * MIB
-"""Bytes of a file that someone writes by hand: task, set.toml, model.toml, campaign."""
+"""Bytes of a file that someone writes by hand: task, set.toml, model.toml, campaign. A thousand times the
+longest that is shipped."""
 LARGEST_DATA = 64 * MIB
-"""Bytes of a file that a program writes: plan, policy, certificate, witness, table."""
+"""Bytes of a file that a program writes: plan, policy, certificate, witness, table. A hundred times
+the policy of the paper's task."""
 DEEPEST = 64
-"""Lists and sections within each other."""
+"""Lists and sections within each other. No document has ten; far from a thousand, where Python's own
+readers of JSON and TOML reach the end of the stack."""
 _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+\s*", re.ASCII)
 LONGEST_SHOWN = 60
-"""Characters of a wrong value in a message."""
-_ALIKE = 0.7  # share of letters in common
+"""Characters of a wrong value in a message, which then stays readable in a line of a terminal or two."""
+_ALIKE = (
+    0.7  # share of letters in common: two slips in seven letters; a wrong guess is a question only
+)
 
 
 # Numbers of documents that programs write. A limit is far beyond all that is written in earnest; it
@@ -61,6 +66,11 @@ def bytes_of(path: Path, advice: str, largest: int = LARGEST_DATA) -> bytes:
         What to give instead of one that cannot be read.
     largest
         Bytes that it may have.
+
+    Returns
+    -------
+    bytes
+        All of it.
 
     Raises
     ------
@@ -95,6 +105,11 @@ def text_of(path: Path, advice: str, form: str, largest: int = LARGEST_DATA) -> 
     form
         What the file should be, such as "a JSON file".
 
+    Returns
+    -------
+    str
+        All of it.
+
     Raises
     ------
     InputError
@@ -108,6 +123,18 @@ def text_of(path: Path, advice: str, form: str, largest: int = LARGEST_DATA) -> 
 
 def json_values(text: str, source: str) -> Any:
     """Values of a JSON text; ``source`` names it in messages.
+
+    Parameters
+    ----------
+    text
+        The text.
+    source
+        Names it in messages.
+
+    Returns
+    -------
+    Any
+        Plain values.
 
     Raises
     ------
@@ -126,6 +153,18 @@ def json_values(text: str, source: str) -> Any:
 
 def toml_values(text: str, source: str) -> dict[str, Any]:
     """Values of a TOML text; ``source`` names it in messages.
+
+    Parameters
+    ----------
+    text
+        The text.
+    source
+        Names it in messages.
+
+    Returns
+    -------
+    dict
+        Tables as nested dictionaries.
 
     Raises
     ------
@@ -151,6 +190,11 @@ def foreign_table(cells: Sequence[str], columns: int) -> str:
         Of the line, as commas part it.
     columns
         How many there should be.
+
+    Returns
+    -------
+    str
+        Begins with a small letter, to stand after the place.
     """
     apart = next((name for mark, name in _OTHER_MARKS.items() if any(mark in c for c in cells)), "")
     if len(cells) < columns and apart:
@@ -164,13 +208,37 @@ def foreign_table(cells: Sequence[str], columns: int) -> str:
 
 
 def shown(value: object) -> str:
-    """A wrong value as a message shows it, cut where it is long."""
+    """A wrong value as a message shows it, cut where it is long.
+
+    Parameters
+    ----------
+    value
+        What was given.
+
+    Returns
+    -------
+    str
+        At most ``LONGEST_SHOWN`` characters and an ellipsis.
+    """
     text = repr(value)
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
 
 
 def like(name: str, names: Iterable[str]) -> str:
-    """The question whether the one of ``names`` that ``name`` resembles was meant; empty if none does."""
+    """The question whether the one of ``names`` that ``name`` resembles was meant; empty if none does.
+
+    Parameters
+    ----------
+    name
+        What was given.
+    names
+        What may be given.
+
+    Returns
+    -------
+    str
+        Ends with a space, to stand before further advice.
+    """
     known = sorted(names)
     found = [one for one in known if one.startswith(f"{name}_")]  # its unit was left out
     found = found or difflib.get_close_matches(name, known, n=1, cutoff=_ALIKE)
@@ -196,6 +264,11 @@ def first_fault(
         Where all keys are listed.
     index
         How a place in a list is written in a key.
+
+    Returns
+    -------
+    str
+        A line; the file is not named in it.
     """
     faults = error.errors(include_url=False)
     schema = model.model_json_schema()
@@ -274,6 +347,16 @@ def _forms(node: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterable[Mappi
 
 def each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """The section that JSON gives as pairs.
+
+    Parameters
+    ----------
+    pairs
+        Key and value, in the order of the text.
+
+    Returns
+    -------
+    dict
+        The section.
 
     Raises
     ------

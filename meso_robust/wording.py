@@ -18,6 +18,18 @@ _MICRO = re.compile(r"\bum(2|\^2)?(?!\w)")
 def down(value: float | Fraction, digits: int) -> str:
     """With so many digits after the point, not above the value.
 
+    Parameters
+    ----------
+    value
+        The number, exactly as the double has it.
+    digits
+        Digits after the point.
+
+    Returns
+    -------
+    str
+        A decimal number.
+
     Examples
     --------
     >>> down(1.21875, 2), down(-0.001, 1), up(1e-9, 2)
@@ -27,17 +39,55 @@ def down(value: float | Fraction, digits: int) -> str:
 
 
 def up(value: float | Fraction, digits: int) -> str:
-    """With so many digits after the point, not below the value."""
+    """With so many digits after the point, not below the value.
+
+    Parameters
+    ----------
+    value
+        The number, exactly as the double has it.
+    digits
+        Digits after the point.
+
+    Returns
+    -------
+    str
+        A decimal number.
+    """
     return _fixed(value, digits, math.ceil)
 
 
 def down_to(value: float, digits: int) -> str:
-    """With at most so many significant digits, not above the decimal that the value spells."""
+    """With at most so many significant digits, not above the decimal that the value spells.
+
+    Parameters
+    ----------
+    value
+        The number.
+    digits
+        Significant digits.
+
+    Returns
+    -------
+    str
+        A number without needless zeros.
+    """
     return _significant(value, digits, ROUND_FLOOR)
 
 
 def up_to(value: float, digits: int) -> str:
     """With at most so many significant digits, not below the decimal that the value spells.
+
+    Parameters
+    ----------
+    value
+        The number.
+    digits
+        Significant digits.
+
+    Returns
+    -------
+    str
+        A number without needless zeros.
 
     Examples
     --------
@@ -50,6 +100,20 @@ def up_to(value: float, digits: int) -> str:
 def counted(count: int, noun: str, plural: str = "") -> str:
     """So many of something.
 
+    Parameters
+    ----------
+    count
+        How many.
+    noun
+        Of one.
+    plural
+        Of several, where it is not the noun with an s.
+
+    Returns
+    -------
+    str
+        The count and the noun.
+
     Examples
     --------
     >>> counted(1, "move"), counted(2, "move"), counted(0, "axis", "axes")
@@ -59,12 +123,35 @@ def counted(count: int, noun: str, plural: str = "") -> str:
 
 
 def do(count: int, verb: str) -> str:
-    """What so many do: one ends, two end."""
+    """What so many do: one ends, two end.
+
+    Parameters
+    ----------
+    count
+        How many.
+    verb
+        As of several.
+
+    Returns
+    -------
+    str
+        The verb with an s or without.
+    """
     return verb + "s" if count == 1 else verb
 
 
 def worded(text: str) -> str:
     """Words with the sign of the unit, as people read it; keys of files stay as they are.
+
+    Parameters
+    ----------
+    text
+        A message, or lines of an answer.
+
+    Returns
+    -------
+    str
+        The same with µm for um.
 
     Examples
     --------

@@ -238,7 +238,7 @@ def sentences_compared(source: ast.AST) -> Iterator[tuple[int, str]]:
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
             held = node.args if node.func.attr in _ASKED else []
         elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load):
-            typed = isinstance(node.value, ast.Name) and node.value.id == "Literal"
+            typed = isinstance(node.value, ast.Name) and node.value.id in {"Annotated", "Literal"}
             held = [] if typed else [node.slice]
         for inner in (one for expression in held for one in ast.walk(expression)):
             if isinstance(inner, ast.Constant) and isinstance(inner.value, str):

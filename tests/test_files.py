@@ -36,8 +36,13 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("set.toml", "push.csv", "calibration.toml"):
         (tmp_path / name).write_text("mine", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    for call in ("plan.plan", "plan.certify", "simulate.simulate", "track.tracked"):
-        monkeypatch.setattr(f"meso_robust.api.{call}", _never)
+    for work in (
+        "pipeline.make",
+        "pipeline.judge",
+        "laboratory.simulation.simulated",
+        "tracking.job.run",
+    ):
+        monkeypatch.setattr(f"meso_robust.{work}", _never)
     return tmp_path
 
 

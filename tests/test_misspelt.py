@@ -14,7 +14,8 @@ from meso_robust.checker.reading import read_certificate
 from meso_robust.errors import InputError
 from meso_robust.identification.document import read_model
 from meso_robust.planning.reading import read_plan
-from meso_robust.policy.document import PolicyDocument, read_policy
+from meso_robust.policy.document import read_policy
+from meso_robust.policy.policy_file import PolicyDocument
 from meso_robust.policy.pose import PoseError, parse
 from meso_robust.reading import like
 from meso_robust.recordings import read_set

@@ -10,28 +10,35 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, at_least, path_of, within
+from meso_robust.api.inputs import path_of
+from meso_robust.api.options import Folder, Option, Seed, StrPath, Workers
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.campaigns.answer import Answer, answered, document, summary
-from meso_robust.campaigns.document import Campaign, read_campaign
-from meso_robust.campaigns.executor import Crew, Processes
-from meso_robust.campaigns.kind import Result, Verdict
-from meso_robust.campaigns.kinds import kind_of
-from meso_robust.campaigns.provenance import code
-from meso_robust.campaigns.store import NAME, Store
-from meso_robust.campaigns.work import carry_out, missing
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
-from meso_robust.files import check_folder, write_all
-from meso_robust.limits import MOST_WORKERS
+from meso_robust.files import check_folder
 
+if TYPE_CHECKING:
+    from meso_robust.campaigns.answer import Answer
+    from meso_robust.campaigns.document import Campaign
+    from meso_robust.campaigns.executor import Crew
+    from meso_robust.campaigns.kind import Result as Replayed, Verdict
+    from meso_robust.campaigns.store import Store
+
+Examples: TypeAlias = Annotated[
+    StrPath,
+    Option(
+        words="Folder where failing examples are kept, and tried again by every campaign that is "
+        "given it; the results' own by default."
+    ),
+]
 NEGATIVE = ("broken", "incomplete", "open")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Campaigned:
+class Campaigned(Result):
     """What came of a campaign.
 
     Attributes
@@ -59,7 +66,8 @@ class Campaigned:
         return self.verdict not in NEGATIVE
 
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
+        from meso_robust.campaigns.answer import summary
+
         return summary(self.answer)
 
     def __repr__(self) -> str:
@@ -74,39 +82,31 @@ class Campaigned:
         """The text of ``campaign.json``."""
         return json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
-    @call
-    def save(self, folder: StrPath) -> None:
-        """Write failures, ``campaign.json`` and ``report.html`` into a folder.
-
-        Raises
-        ------
-        InputError
-            They cannot be written.
-        """
+    def files(self) -> dict[str, str]:
+        """The texts of ``campaign.json``, ``report.html``, and those of each failure in its folder."""
         from meso_robust.reporting.campaign import campaign_report
 
-        for below, files in self._failures():
-            write_all(Path(folder) / below, files)
+        failures = {
+            f"{one.folder}/{name}": text
+            for part in self.answer.parts
+            for one in part.shown
+            if one.folder
+            for name, text in one.failure.files.items()
+        }
         page = campaign_report(self.answer, self.left)
-        write_all(Path(folder), {"campaign.json": self.text(), "report.html": page})
-
-    def _failures(self) -> Iterator[tuple[str, dict[str, str]]]:
-        for one in self.answer.parts:
-            for shown in one.shown:
-                if shown.folder:
-                    yield shown.folder, dict(shown.failure.files)
+        return {**failures, "campaign.json": self.text(), "report.html": page}
 
 
 @call
 def campaign(  # every option of the verb is an argument
     campaign: StrPath,
-    folder: StrPath | None = None,
+    folder: Folder | None = None,
     *,
-    examples: StrPath | None = None,
-    workers: int | None = None,
+    examples: Examples | None = None,
+    workers: Workers | None = None,
     scheduler: str | None = None,
     resume: bool = False,
-    seed: int | None = None,
+    seed: Seed | None = None,
     progress: Progress = SILENT,
 ) -> Campaigned:
     """Run a campaign in small seeded chunks, in processes of its own.
@@ -116,21 +116,26 @@ def campaign(  # every option of the verb is an argument
     Parameters
     ----------
     campaign
-        The campaign file (TOML).
+        Campaign file (TOML).
     folder
         For the store, from which an interrupted campaign resumes; a temporary one if left out.
     examples
         Folder where failing examples are kept, and tried again by every campaign that is given it.
     workers
-        Processes; one for each core if left out.
+        Processes; one for each core by default.
     scheduler
-        Dask scheduler to use instead, such as ``tcp://host:8786``.
+        Dask scheduler to use instead of local processes, such as ``tcp://host:8786``.
     resume
-        Go on with what the folder's store holds.
+        Resume from the results already in the folder.
     seed
-        Instead of the one in the file.
+        Overrides the seed in the file.
     progress
         Shows what is being done.
+
+    Returns
+    -------
+    Campaigned
+        Whatever the verdict.
 
     Raises
     ------
@@ -164,8 +169,9 @@ def campaign(  # every option of the verb is an argument
         raise InputError(
             "--workers, --scheduler: mutually exclusive; give one of them, as a cluster has its own workers"
         )
-    within(1, MOST_WORKERS, workers=1 if workers is None else workers)
-    at_least(0, seed=0 if seed is None else seed)
+    from meso_robust.campaigns.answer import answered, document
+    from meso_robust.campaigns.document import read_campaign
+
     kept = path_of(examples)
     with progress.doing("reading the campaign and its files"):
         stated = read_campaign(Path(campaign), seed)
@@ -197,6 +203,9 @@ def _stored(folder: Path | None, resume: bool, stated: Campaign) -> Iterator[Sto
 
 
 def _opened(folder: Path, resume: bool, stated: Campaign) -> Store:
+    from meso_robust.campaigns.provenance import code
+    from meso_robust.campaigns.store import NAME, Store
+
     check_folder(folder)
     path = folder / NAME
     if path.exists() and not resume:
@@ -213,8 +222,10 @@ def _opened(folder: Path, resume: bool, stated: Campaign) -> Store:
     return Store(path, stated.values, code())
 
 
-def _replayed(stated: Campaign, examples: Path | None) -> dict[str, Result]:
+def _replayed(stated: Campaign, examples: Path | None) -> dict[str, Replayed]:
     """What comes of trying again what earlier campaigns kept in the folder."""
+    from meso_robust.campaigns.kinds import kind_of
+
     found = {}
     for part in stated.parts:
         replay = kind_of(part.kind).replay
@@ -225,6 +236,8 @@ def _replayed(stated: Campaign, examples: Path | None) -> dict[str, Result]:
 
 def _keep(examples: Path, answer: Answer) -> None:
     """Save what later campaigns in this folder should try again."""
+    from meso_robust.campaigns.kinds import kind_of
+
     for one in answer.parts:
         keep = kind_of(one.part.kind).keep
         try:
@@ -241,6 +254,9 @@ def _work(
     stated: Campaign, store: Store, progress: Progress, workers: int | None, scheduler: str | None
 ) -> None:
     """Do what is missing, and show how it goes."""
+    from meso_robust.campaigns.kinds import kind_of
+    from meso_robust.campaigns.work import carry_out, missing
+
     left = sum(1 for _ in missing(stated, store))
     if left == 0:
         return
@@ -265,11 +281,15 @@ def _crew(workers: int | None, scheduler: str | None) -> Crew:
         from meso_robust.campaigns.cluster import Cluster
 
         return Cluster(scheduler)
+    from meso_robust.campaigns.executor import Processes
+
     return Processes(workers or os.cpu_count() or 1)
 
 
 def _left(stated: Campaign, store: Store) -> dict[str, list[int]]:
     """Chunks that were not done, by the name of their part."""
+    from meso_robust.campaigns.work import missing
+
     found: dict[str, list[int]] = {}
     for ticket in missing(stated, store):
         found.setdefault(ticket.part, []).append(ticket.chunk)

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Union
 
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, task_of
+from meso_robust.api.inputs import files_of, task_of
+from meso_robust.api.options import Option, TaskGiven
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.checker.document import Certificate
-from meso_robust.checker.reading import parse_certificate, read_certificate
-from meso_robust.checker.verdict import Answer, Word, check as verified
-from meso_robust.errors import InputError
-from meso_robust.reading import shown
-from meso_robust.task import Task
+from meso_robust.api.result import Result
 
 if TYPE_CHECKING:  # nothing of what is checked is imported: a check shares no code with it
     from meso_robust.api.plan import Planned
     from meso_robust.certificates.document import CertificateDocument
+    from meso_robust.checker.document import Certificate
+    from meso_robust.checker.verdict import Answer, Word
+    from meso_robust.task import Task
+
+CertificateGiven: TypeAlias = Annotated[
+    Union["CertificateDocument", "Planned", str, PathLike[str]],
+    Option(words="The certificate (certificate.json)."),
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Checked:
+class Checked(Result):
     """What came of checking a certificate.
 
     Attributes
@@ -44,9 +49,21 @@ class Checked:
         return self.answer.verdict
 
     @property
-    def verified(self) -> bool:
+    def positive(self) -> bool:
         """Whether the certificate proves that its plan reaches the goal."""
         return self.answer.positive
+
+    verified = positive
+
+    @property
+    def brief(self) -> str:
+        """The verdict; of a rejected certificate also the reason."""
+        return self.verdict if self.answer.refused is None else str(self)
+
+    @property
+    def shown(self) -> dict[str, str]:
+        """Nothing: the answer says all."""
+        return {}
 
     @property
     def document(self) -> dict[str, Any]:
@@ -70,17 +87,25 @@ class Checked:
             "not_checked": list(self.answer.not_checked),
         }
 
+    def text(self) -> str:
+        """``document`` as JSON."""
+        return json.dumps(self.document, indent=2, ensure_ascii=False) + "\n"
+
+    def files(self) -> dict[str, str]:
+        """The answer as the only file, ``check.json``."""
+        return {"check.json": self.text()}
+
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
         refused = self.answer.refused
+        verdict = f"{self.verdict} ({self.task.tips})"
         if refused is not None:
-            head = f"{self.verdict}: {refused.claim}"
+            head = f"{verdict}: {refused.claim}"
             return "\n".join([head, f"stated: {refused.stated}", f"found: {refused.found}"])
         evidence = [f"not checked (evidence, not proof): {one}" for one in self.answer.not_checked]
         premises = (
             [f"taken for granted: {', '.join(self.answer.premises)}"] if self.verified else []
         )
-        return "\n".join([f"{self.verdict}: {self.answer.claims}", *premises, *evidence])
+        return "\n".join([f"{verdict}: {self.answer.claims}", *premises, *evidence])
 
     def __repr__(self) -> str:
         return f"<Checked {self.verdict}: {self.task.name}>"
@@ -93,8 +118,8 @@ class Checked:
 
 @call
 def check(
-    certificate: CertificateDocument | Planned | StrPath,
-    task: Task | StrPath,
+    certificate: CertificateGiven,
+    task: TaskGiven,
     *,
     thorough: bool = False,
     progress: Progress = SILENT,
@@ -108,7 +133,7 @@ def check(
     task
         The task it is about, or the name of its file.
     thorough
-        Also prove the margin of each uncertainty alone.
+        Also the margin of each uncertainty alone.
     progress
         Shows what is being done.
 
@@ -134,26 +159,25 @@ def check(
 
     >>> changed = planned.certificate.model_copy(update={"verdict": "UNKNOWN"})
     >>> print(mr.check(changed, task))
-    REJECTED: digest: the SHA-256 of all other values
+    REJECTED (point tips): digest: the SHA-256 of all other values
     stated: ...
     found: ...
     """
+    from meso_robust.checker.verdict import check as verified
+
     known = task_of(task)
     found, digest = _read(certificate, known)
     with progress.doing("verifying"):
         answer = verified(found, digest, known, thorough=thorough)
-    return Checked(answer=answer, certificate=found, task=known)
+    return Checked(answer=answer, certificate=found, task=known, inputs=files_of(certificate, task))
 
 
-def _read(
-    certificate: CertificateDocument | Planned | StrPath, task: Task
-) -> tuple[Certificate, str]:
+def _read(certificate: CertificateGiven, task: Task) -> tuple[Certificate, str]:
+    from meso_robust.checker.reading import accepted_certificate, read_certificate
+
     if isinstance(certificate, str | PathLike):
         return read_certificate(Path(certificate), task)
-    held: Any = certificate  # a document, or a plan that has one
-    document: CertificateDocument = getattr(held, "certificate", held)
-    if not hasattr(document, "model_dump_json"):
-        raise InputError(
-            f"certificate = {shown(certificate)}: must be a certificate, a plan or a path; give one"
-        )
-    return parse_certificate(document.model_dump_json(by_alias=True), "certificate", task)
+    document: Any = getattr(certificate, "certificate", certificate)  # of a plan, that which it has
+    return accepted_certificate(
+        document.model_dump(mode="json", by_alias=True, warnings=False), "certificate", task
+    )

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from meso_robust import __version__
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, at_least, keep_apart, path_of
+from meso_robust.api.inputs import path_of
+from meso_robust.api.options import Seed, StrPath
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.api.recordings import Recordings, name_of, set_of
-from meso_robust.diagnosis import answer, diagnose as diagnosing, evidence
-from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.document import FILE, DiagnosisDocument
-from meso_robust.files import write_all
-from meso_robust.identification import usable
-from meso_robust.identification.identify import check_model
-from meso_robust.recordings import RecordingSet
+from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
+from meso_robust.api.result import Result
+
+if TYPE_CHECKING:
+    from meso_robust.diagnosis.diagnose import Diagnosis
+    from meso_robust.diagnosis.document import DiagnosisDocument
 
 Verdict = Literal["consistent", "named", "ambiguous", "unknown"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Diagnosed:
+class Diagnosed(Result):
     """What the plain model leaves out of recordings.
 
     Attributes
@@ -34,14 +32,11 @@ class Diagnosed:
         The content of ``diagnosis.json``.
     warnings
         What to keep in mind about the recordings, a line each.
-    source
-        Where the recording set is from; None if it was given by value.
     """
 
     diagnosis: Diagnosis
     document: DiagnosisDocument
     warnings: tuple[str, ...]
-    source: Path | None
 
     @property
     def verdict(self) -> Verdict:
@@ -49,9 +44,11 @@ class Diagnosed:
         return self.document.verdict
 
     @property
-    def explained(self) -> bool:
+    def positive(self) -> bool:
         """Whether nothing is left out, or what is left out has one name."""
         return self.verdict in ("consistent", "named")
+
+    explained = positive
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -59,7 +56,6 @@ class Diagnosed:
         return tuple(effect.name for effect in self.document.effects)
 
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
         from meso_robust.reporting.diagnosis_words import summary
 
         return "\n".join([summary(self.document), *(f"  {line}" for line in self.warnings)])
@@ -68,6 +64,7 @@ class Diagnosed:
         return f"<Diagnosed {self.verdict}: {', '.join(self.effects) or 'no effects'}>"
 
     def _repr_html_(self) -> str:
+        from meso_robust.diagnosis import evidence
         from meso_robust.reporting.cards import diagnosed_card
 
         return diagnosed_card(self.document, evidence.evidence(self.diagnosis), str(self))
@@ -75,40 +72,31 @@ class Diagnosed:
     @property
     def model_toml(self) -> str:
         """The extended model, for ``plan(..., model=...)``."""
+        from meso_robust.diagnosis import answer
+
         return answer.model_toml(self.diagnosis, __version__)
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name."""
+        from meso_robust.diagnosis import evidence
+        from meso_robust.diagnosis.document import FILE
         from meso_robust.reporting import diagnosis as page
 
         drawn = evidence.evidence(self.diagnosis)
         return {
-            FILE: self.document.model_dump_json(by_alias=True, indent=2) + "\n",
+            FILE: self.text(),
             "model.toml": self.model_toml,
             "report.html": page.diagnosis_report(self.document, drawn, name_of(self.source)),
         }
 
-    @call
-    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
-        """Write the result files into a folder, which is made if needed; all of them or none.
-
-        Raises
-        ------
-        InputError
-            They cannot be written, or the folder is that of the recordings.
-        """
-        keep_apart(Path(folder), self.source)
-        with progress.doing("writing the results"):
-            write_all(Path(folder), self.files())
-
 
 @call
 def diagnose(
-    recordings: RecordingSet | Recordings | StrPath,
+    recordings: RecordingsGiven,
     *,
     model: str = "viscous",
     quick: bool = False,
-    seed: int = 0,
+    seed: Seed = 0,
     store: StrPath | None = None,
     progress: Progress = SILENT,
 ) -> Diagnosed:
@@ -119,15 +107,20 @@ def diagnose(
     recordings
         A recording set, or the name of its folder.
     model
-        The plain model, ``viscous`` …
+        The plain model: viscous …
     quick
         Fewer simulated sets and candidates; a coarser answer.
     seed
-        Of everything random.
+        Seed of everything random.
     store
         Folder for intermediate results, from which an interrupted diagnosis resumes.
     progress
         Shows what is being done.
+
+    Returns
+    -------
+    Diagnosed
+        Whatever the verdict.
 
     Raises
     ------
@@ -145,9 +138,13 @@ def diagnose(
     >>> diagnosed.save("diagnosis")  # doctest: +SKIP
     >>> mr.plan("task.toml", model="diagnosis/model.toml")  # doctest: +SKIP
     """
-    at_least(0, seed=seed)
-    check_model(model)
     found, source = set_of(recordings)
+
+    from meso_robust.diagnosis import answer, diagnose as diagnosing
+    from meso_robust.identification import usable
+    from meso_robust.identification.identify import check_model
+
+    check_model(model)
     with progress.doing("checking the recordings"):
         warnings = usable.warnings_of(found)
     with progress.following() as told:

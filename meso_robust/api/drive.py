@@ -5,22 +5,16 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, task_of
-from meso_robust.planning.document import box_document
-from meso_robust.policy.controller import (
-    Controller,
-    Done,
-    Refused,
-    Reply,
-    commanded,
-    controller_of,
-    rehearsed,
-)
-from meso_robust.policy.pose import PoseError, parse
-from meso_robust.task import Task
+from meso_robust.api.inputs import task_of
+from meso_robust.api.options import StrPath, TaskGiven
+from meso_robust.api.progress import SILENT, Progress
+
+if TYPE_CHECKING:
+    from meso_robust.policy.controller import Controller, Reply
+    from meso_robust.task import Task
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,6 +48,8 @@ class Driver:
             A move, ``{"done": True, "within": ...}``, ``{"refused": "..."}`` (nothing is proved from
             there) or ``{"error": "..."}`` (no pose; nothing is changed).
         """
+        from meso_robust.policy.pose import PoseError, parse
+
         try:
             return _told(self.controller.answer(parse(line)), self.task)
         except PoseError as error:
@@ -61,7 +57,7 @@ class Driver:
 
 
 @call
-def drive(task: Task | StrPath, plan: StrPath) -> Driver:
+def drive(task: TaskGiven, plan: StrPath, *, progress: Progress = SILENT) -> Driver:
     """Prove a plan before anything is moved, and make ready what answers sensed poses.
 
     Parameters
@@ -69,7 +65,14 @@ def drive(task: Task | StrPath, plan: StrPath) -> Driver:
     task
         The task, or the name of its file.
     plan
-        A ``plan.json`` or a ``policy.json`` for it.
+        Plan (``plan.json``) or policy (``policy.json``) for it.
+    progress
+        Shows what is being done.
+
+    Returns
+    -------
+    Driver
+        Answers sensed poses.
 
     Raises
     ------
@@ -93,13 +96,29 @@ def drive(task: Task | StrPath, plan: StrPath) -> Driver:
     {'refused': '...'}
     """
     known = task_of(task)
-    driver = Driver(controller=controller_of(Path(plan), known), task=known)
-    for reply in rehearsed(driver.controller):  # imports and compiles what an answer needs
-        _told(reply, known)
+    _check_form(Path(plan), known)
+
+    from meso_robust.policy.controller import controller_of, rehearsed
+
+    with progress.doing("proving the plan before anything is moved"):
+        driver = Driver(controller=controller_of(Path(plan), known), task=known)
+        for reply in rehearsed(driver.controller):  # imports and compiles what an answer needs
+            _told(reply, known)
     return driver
 
 
+def _check_form(plan: Path, task: Task) -> None:
+    """Refuse a bad file before the imports that take seconds."""
+    from meso_robust.planning.reading import read_plan, read_text
+    from meso_robust.policy.policy_file import read_document
+
+    (read_document if '"meso-robust/policy/' in read_text(plan) else read_plan)(plan, task)
+
+
 def _told(reply: Reply, task: Task) -> dict[str, Any]:
+    from meso_robust.planning.document import box_document
+    from meso_robust.policy.controller import Done, Refused, commanded
+
     if isinstance(reply, Refused):
         return {"refused": reply.why}
     if isinstance(reply, Done):

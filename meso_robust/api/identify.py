@@ -4,37 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from os import PathLike
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING
 
 from meso_robust import __version__
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, at_least, keep_apart
+from meso_robust.api.inputs import task_of
+from meso_robust.api.options import Confidence, Objective, Pushes, Seed, Starts, TaskGiven
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.api.recordings import Recordings, name_of, set_of
+from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
-from meso_robust.files import write_all
-from meso_robust.identification import identify as fitting
-from meso_robust.identification.answer import document as documented, summary
-from meso_robust.identification.design import DETERMINANT, design as designed
-from meso_robust.identification.document import FitWord, ModelDocument
-from meso_robust.identification.experiment import Bench, Experiment, standard_tests as tests_of
-from meso_robust.identification.experiment_document import experiment_files
-from meso_robust.identification.identify import Identification, check_model
-from meso_robust.identification.rollout import Setting
-from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
-from meso_robust.identification.verdict import NEGATIVE_WORDS, doubts, verdict
-from meso_robust.laboratory.filming import recorded_part
-from meso_robust.recordings import RecordingSet, read_set
-from meso_robust.task import Task
-from meso_robust.toml_files import toml_of
-from meso_robust.wording import counted
 
-Objective = Literal["likelihood", "printed"]
+if TYPE_CHECKING:
+    from meso_robust.identification.document import FitWord, ModelDocument
+    from meso_robust.identification.experiment import Bench, Experiment
+    from meso_robust.identification.identify import Identification
+    from meso_robust.recordings import RecordingSet
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Identified:
+class Identified(Result):
     """A fitted model.
 
     Attributes
@@ -45,8 +36,6 @@ class Identified:
         The content of ``model.toml``: values, intervals, minima, what cannot be identified.
     remarks
         What to keep in mind about the recordings, a line each.
-    source
-        Where the recording set is from; None if it was given by value.
     more
         Texts of the files of the pushes that were designed, by name.
     """
@@ -54,17 +43,20 @@ class Identified:
     fit: Identification
     document: ModelDocument
     remarks: tuple[str, ...]
-    source: Path | None
     more: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def verdict(self) -> FitWord:
         """IDENTIFIED, PARTLY IDENTIFIED, NOT IDENTIFIED, FITTED (untested) or FIT REJECTED (by χ²)."""
+        from meso_robust.identification.verdict import verdict
+
         return verdict(self.document)
 
     @property
     def positive(self) -> bool:
         """Whether something is identified, and the recordings do not reject the model."""
+        from meso_robust.identification.verdict import NEGATIVE_WORDS
+
         return self.verdict not in NEGATIVE_WORDS
 
     @property
@@ -73,7 +65,8 @@ class Identified:
         return self.fit.determined
 
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
+        from meso_robust.identification.answer import summary
+
         return "\n".join([summary(self.document), *(f"  {line}" for line in self.remarks)])
 
     def __repr__(self) -> str:
@@ -90,39 +83,26 @@ class Identified:
     def files(self) -> dict[str, str]:
         """The texts of all result files by name, such as ``model.toml``."""
         from meso_robust.reporting.identification import identification_report
+        from meso_robust.toml_files import toml_of
 
         return {
             "model.toml": toml_of(self.document),
-            "identification.json": self.document.model_dump_json(by_alias=True, indent=2) + "\n",
+            "identification.json": self.text(),
             "report.html": identification_report(self.document, self.fit, name_of(self.source)),
             **self.more,
         }
 
-    @call
-    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
-        """Write the result files into a folder, which is made if needed; all of them or none.
-
-        Raises
-        ------
-        InputError
-            They cannot be written, or the folder is that of the recordings.
-        """
-        keep_apart(Path(folder), self.source)
-        with progress.doing("writing the results"):
-            files = self.files()
-        write_all(Path(folder), files)
-
 
 @call
 def identify(  # every option of the verb is an argument
-    recordings: RecordingSet | Recordings | StrPath,
+    recordings: RecordingsGiven,
     *,
     model: str = "viscous",
-    starts: int = 20,
+    starts: Starts = 20,
     objective: Objective = "likelihood",
-    confidence: float = 0.9,
-    design: int = 0,
-    seed: int = 0,
+    confidence: Confidence = 0.9,
+    design: Pushes = 0,
+    seed: Seed = 0,
     progress: Progress = SILENT,
 ) -> Identified:
     """Fit a model to recorded pushes: values, intervals, and what cannot be known from them.
@@ -136,15 +116,20 @@ def identify(  # every option of the verb is an argument
     starts
         Random starts of the search.
     objective
-        ``likelihood``, with intervals, or ``printed``, the paper's objective alone.
+        ``likelihood``, with intervals; ``printed``: the paper's objective alone.
     confidence
         Probability of the intervals.
     design
         Also propose this many of the most informative pushes.
     seed
-        Of the random starts.
+        Seed of the random starts.
     progress
         Shows what is being done.
+
+    Returns
+    -------
+    Identified
+        Whatever the verdict.
 
     Raises
     ------
@@ -165,9 +150,17 @@ def identify(  # every option of the verb is an argument
       mu = 0.3...   [0.3..., 0.3...]
       ...
     """
-    _check(starts, objective, confidence, design, seed)
-    check_model(model)
+    if design and objective == "printed":
+        raise InputError("--design: needs the information of a likelihood; leave --objective out")
     found, source = set_of(recordings)
+
+    from meso_robust.identification.answer import document
+    from meso_robust.identification.identify import check_model
+    from meso_robust.identification.verdict import doubts
+    from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
+    from meso_robust.wording import counted
+
+    check_model(model)
     with progress.doing("checking the recordings"):
         by_camera = found.position_source == "camera"  # of seen tips the noise must be known first
         warnings = warnings_of(found, frozenset() if by_camera else NOISE_IS_FITTED)
@@ -184,22 +177,11 @@ def identify(  # every option of the verb is an argument
             more = _designed(found, fit, design)
     return Identified(
         fit=fit,
-        document=documented(found, fit, __version__, remarks),
+        document=document(found, fit, __version__, remarks),
         remarks=remarks,
         source=source,
         more=more,
     )
-
-
-def _check(starts: int, objective: str, confidence: float, design: int, seed: int) -> None:
-    at_least(1, starts=starts)
-    at_least(0, design=design, seed=seed)
-    if not 0.5 <= confidence <= 0.999:
-        raise InputError(f"confidence = {confidence}: must be from 0.5 to 0.999; 0.9 is usual")
-    if objective not in ("likelihood", "printed"):
-        raise InputError(f"--objective {objective}: must be likelihood or printed; choose one")
-    if design and objective == "printed":
-        raise InputError("--design: needs the information of a likelihood; leave --objective out")
 
 
 def _fitted(
@@ -210,6 +192,9 @@ def _fitted(
     confidence: float,
 ) -> Identification:
     """The fit, reporting the searches that have ended."""
+    from meso_robust.identification import identify as fitting
+    from meso_robust.wording import counted
+
     model, starts, objective = how
     with progress.counting(f"fitting {model} from {counted(starts, 'start')}", starts) as advance:
         ended = 0
@@ -233,6 +218,10 @@ def _fitted(
 
 def _designed(recordings: RecordingSet, found: Identification, count: int) -> dict[str, str]:
     """Files of the most informative pushes to add to the recordings."""
+    from meso_robust.identification.design import DETERMINANT, design
+    from meso_robust.identification.experiment import Bench
+    from meso_robust.identification.experiment_document import experiment_files
+    from meso_robust.identification.rollout import Setting
     from meso_robust.reporting.experiment import experiment_page
 
     settings, fitted, quality = found.settings, found.fitted, found.quality
@@ -244,7 +233,7 @@ def _designed(recordings: RecordingSet, found: Identification, count: int) -> di
         position_sigma=settings.position,
         orientation_sigma=settings.orientation,
     )
-    made = designed(
+    made = design(
         Setting(part=recordings.part, bench=bench, model=found.model),
         found.best,
         sensor,
@@ -257,7 +246,7 @@ def _designed(recordings: RecordingSet, found: Identification, count: int) -> di
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class StandardTests:
+class StandardTests(Result):
     """The paper's tests A-H for a part.
 
     Attributes
@@ -266,49 +255,58 @@ class StandardTests:
         The pushes.
     bench
         The bench they are planned for.
-    source
-        Folder of the recordings that stated the part; None if a task did.
     """
 
     experiment: Experiment
     bench: Bench
-    source: Path | None = None
+
+    @property
+    def positive(self) -> bool:
+        """Always: the tests follow from the part."""
+        return True
+
+    @property
+    def shown(self) -> dict[str, str]:
+        """The page of the tests."""
+        return {"drawing": "experiment.html"}
 
     def __str__(self) -> str:
-        """The answer in a line, as the command line prints it."""
+        from meso_robust.wording import counted
+
         return f"{counted(len(self.experiment.pushes), 'push', 'pushes')}, {counted(self.bench.trials, 'time')} each"
 
     def __repr__(self) -> str:
         return f"<StandardTests: {self}>"
 
+    def text(self) -> str:
+        """The text of ``experiment.json``."""
+        return self._documents()["experiment.json"]
+
     def files(self) -> dict[str, str]:
         """The texts of all result files by name, such as ``experiment.json``."""
         from meso_robust.reporting.experiment import experiment_page
 
-        files = experiment_files(self.experiment)
-        return {**files, "experiment.html": experiment_page(self.experiment)}
+        return {**self._documents(), "experiment.html": experiment_page(self.experiment)}
 
-    @call
-    def save(self, folder: StrPath) -> None:
-        """Write the result files into a folder, which is made if needed; all of them or none.
+    def _documents(self) -> Mapping[str, str]:
+        from meso_robust.identification.experiment_document import experiment_files
 
-        Raises
-        ------
-        InputError
-            They cannot be written, or the folder is that of the recordings.
-        """
-        keep_apart(Path(folder), self.source)
-        write_all(Path(folder), self.files())
+        return experiment_files(self.experiment)
 
 
 @call
-def standard_tests(source: Task | StrPath) -> StandardTests:
+def standard_tests(source: TaskGiven) -> StandardTests:
     """The paper's tests A-H for the part of a task or of a recording set.
 
     Parameters
     ----------
     source
         A task, the name of its file, or the folder of a recording set.
+
+    Returns
+    -------
+    StandardTests
+        Places and travels of the pushes, which suit a bench with the speed or the tips that are stated.
 
     Raises
     ------
@@ -321,11 +319,17 @@ def standard_tests(source: Task | StrPath) -> StandardTests:
     >>> print(mr.standard_tests(mr.Task.paper()))
     8 pushes, 3 times each
     """
-    path = None if isinstance(source, Task) else Path(source)
-    if path is not None and path.is_dir():
-        recordings = read_set(path)
-        bench = Bench(tip_radius=recordings.tip_radius)
-        return StandardTests(experiment=tests_of(recordings.part, bench), bench=bench, source=path)
-    task = source if isinstance(source, Task) else Task.load(source)
-    bench = Bench(speed=1e-6 * task.probe.speed_um_s)
-    return StandardTests(experiment=tests_of(recorded_part(task.part), bench), bench=bench)
+    folder = None
+    if isinstance(source, str | PathLike) and Path(source).is_dir():
+        folder = Path(source)
+    stated = task_of(source) if folder is None else set_of(folder)[0]
+
+    from meso_robust.identification.experiment import Bench, standard_tests
+    from meso_robust.laboratory.filming import recorded_part
+    from meso_robust.task import Task
+
+    if isinstance(stated, Task):
+        part, bench = recorded_part(stated.part), Bench(speed=1e-6 * stated.probe.speed_um_s)
+    else:
+        part, bench = stated.part, Bench(tip_radius=stated.tip_radius)
+    return StandardTests(experiment=standard_tests(part, bench), bench=bench, source=folder)

@@ -1,16 +1,16 @@
-"""What callers give: tasks and files by value or by name, and numbers that have a least value."""
+"""What callers give by value or by name: tasks, files and folders."""
 
 from __future__ import annotations
 
-from numbers import Integral
 from os import PathLike
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING
 
+from meso_robust.api.options import StrPath
 from meso_robust.errors import InputError
-from meso_robust.task import Task
 
-StrPath: TypeAlias = str | PathLike[str]
+if TYPE_CHECKING:
+    from meso_robust.task import Task
 
 
 def task_of(task: Task | StrPath) -> Task:
@@ -21,7 +21,9 @@ def task_of(task: Task | StrPath) -> Task:
     InputError
         The file cannot be read, or a value breaks a rule.
     """
-    return task if isinstance(task, Task) else Task.load(task)
+    from meso_robust.task import load_task
+
+    return load_task(Path(task)) if isinstance(task, str | PathLike) else task
 
 
 def path_of(path: StrPath | None) -> Path | None:
@@ -34,37 +36,15 @@ def files_of(*given: object) -> tuple[Path, ...]:
     return tuple(Path(one) for one in given if isinstance(one, str | PathLike))
 
 
-def at_least(least: int, **numbers: int) -> None:
-    """Refuse a number below ``least``.
-
-    Raises
-    ------
-    InputError
-        There is one, or it is not a whole number.
-    """
-    for name, value in numbers.items():
-        if not isinstance(value, Integral):
-            raise InputError(f"{name} = {value!r}: must be a whole number; give {least} or more")
-        if value < least:
-            raise InputError(f"{name} = {value}: must be at least {least}; give a larger number")
-
-
-def within(least: int, most: int, **numbers: int) -> None:
-    """Refuse a number below ``least`` or above ``most``.
-
-    Raises
-    ------
-    InputError
-        There is one, or it is not a whole number.
-    """
-    at_least(least, **numbers)
-    for name, value in numbers.items():
-        if value > most:
-            raise InputError(f"{name} = {value}: must be at most {most:,}; give a smaller number")
-
-
 def keep_apart(folder: Path, source: Path | None) -> None:
     """Refuse to write results over what they come from.
+
+    Parameters
+    ----------
+    folder
+        For the results.
+    source
+        The recordings; None if they come from no folder.
 
     Raises
     ------

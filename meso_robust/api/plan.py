@@ -5,39 +5,35 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias, Union
 
-from meso_robust import pipeline
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, at_least, files_of, task_of, within
+from meso_robust.api.inputs import files_of, task_of
+from meso_robust.api.options import Option, Samples, Seed, StrPath, TaskGiven
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.bounds import VerdictWord
-from meso_robust.certificates.document import CertificateDocument
-from meso_robust.certificates.margin import Margin
+from meso_robust.api.result import Result, text_of
 from meso_robust.errors import InputError, NotApplicableError
-from meso_robust.even_film import remarks
-from meso_robust.files import check_folder, write_all
-from meso_robust.limits import MOST_SAMPLES
-from meso_robust.planning.compose import Found
-from meso_robust.planning.document import PlanDocument
-from meso_robust.planning.inference import inferred
-from meso_robust.planning.reading import parse_plan, read_plan
-from meso_robust.planning.remedy import Remedy
-from meso_robust.planning.rules import rules_of
-from meso_robust.policy.build import make_policy
-from meso_robust.policy.document import policy_document
-from meso_robust.policy.region import sensed_start, tube
-from meso_robust.primitives.setup import setup_of
-from meso_robust.task import Task, task_text, with_spacing
-from meso_robust.toml_files import toml_of
-from meso_robust.transfer import answer as promised
-from meso_robust.transfer.promise import Promise, promise, read
-from meso_robust.wording import counted
+
+if TYPE_CHECKING:
+    from meso_robust.bounds import VerdictWord
+    from meso_robust.certificates.document import CertificateDocument
+    from meso_robust.certificates.margin import Margin
+    from meso_robust.pipeline import Planned as Judged
+    from meso_robust.planning.document import PlanDocument
+    from meso_robust.task import Task
+    from meso_robust.transfer.promise import Promise
+
+PlanGiven: TypeAlias = Annotated[
+    Union["PlanDocument", "Planned", str, PathLike[str]],
+    Option(words="Plan for this task (plan.json)."),
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Planned:
-    """A plan and what is known of it; ``print`` it, show it in a notebook, or ``save`` it.
+class Planned(Result):
+    """A plan and what is known of it.
 
     Attributes
     ----------
@@ -47,14 +43,11 @@ class Planned:
         What a fitted model made of the task; None if there was none.
     more
         Texts of further files by name: those that were asked for, and those of a promise.
-    inputs
-        Files that it was made from, which ``save`` never replaces.
     """
 
-    result: pipeline.Planned
+    result: Judged
     promise: Promise | None = None
     more: Mapping[str, str] = field(default_factory=dict)
-    inputs: tuple[Path, ...] = ()
 
     @property
     def verdict(self) -> VerdictWord:
@@ -62,9 +55,11 @@ class Planned:
         return self.certificate.verdict
 
     @property
-    def proved(self) -> bool:
+    def positive(self) -> bool:
         """Whether the plan is proved to work."""
         return self.verdict == "PROVED"
+
+    proved = positive
 
     @property
     def task(self) -> Task:
@@ -81,21 +76,30 @@ class Planned:
         """The content of ``certificate.json``."""
         return self.result.certificate
 
+    document = certificate
+
     @property
     def margin(self) -> Margin:
         """How much more uncertainty the plan would bear, and which one binds first."""
         return self.result.margin
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """What the stated part and film differ in from an even film; not part of the verdict."""
+        from meso_robust.even_film import remarks
+
         return remarks(self.task, () if self.promise is None else self.promise.changed.keys)
 
+    remarks = notes
+
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
-        return self.result.summary if self.promise is None else promised.summary(self.promise)
+        from meso_robust.transfer import answer
+
+        return self.result.summary if self.promise is None else answer.summary(self.promise)
 
     def __repr__(self) -> str:
+        from meso_robust.wording import counted
+
         return (
             f"<Planned {self.verdict}: {self.task.name}, {counted(len(self.plan.moves), 'move')}>"
         )
@@ -109,35 +113,21 @@ class Planned:
         """The texts of all result files by name, such as ``plan.json``."""
         from meso_robust.reporting.plan import report
 
-        documents = {"plan.json": self.plan, "certificate.json": self.certificate}
-        texts = {
-            name: document.model_dump_json(by_alias=True, indent=2) + "\n"
-            for name, document in documents.items()
+        return {
+            "plan.json": text_of(self.plan),
+            "certificate.json": self.text(),
+            "report.html": report(self.result, self.promise),
+            **self.more,
         }
-        return {**texts, "report.html": report(self.result, self.promise), **self.more}
-
-    @call
-    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
-        """Write the result files into a folder, which is made if needed; all of them or none.
-
-        Raises
-        ------
-        InputError
-            They cannot be written, or one would replace a file that the plan was made from.
-        """
-        with progress.doing("writing the report"):
-            files = self.files()
-        check_folder(Path(folder), files, self.inputs)
-        write_all(Path(folder), files)
 
 
 @call
 def plan(  # every option of the verb is an argument
-    task: Task | StrPath,
+    task: TaskGiven,
     *,
     model: StrPath | None = None,
-    samples: int = 1000,
-    seed: int = 0,
+    samples: Samples = 1000,
+    seed: Seed = 0,
     widest: bool = False,
     policy: bool = False,
     maps: bool = False,
@@ -150,16 +140,19 @@ def plan(  # every option of the verb is an argument
     task
         The task, or the name of its file.
     model
-        A fitted model (``model.toml``): plan for the task as it says the laboratory is, or say which
-        premise of the proof it breaks.
-    samples, seed
-        Random runs in the simulator, and the seed of their draws.
+        Fitted model (``model.toml``): plan the task with its parameters, or report which premise of
+        the proof it violates; also writes the resulting task and ``premises.json``.
+    samples
+        Random runs in the simulator.
+    seed
+        Seed of the random runs.
     widest
-        Search tip spacing, push offsets and travels for the widest margin (minutes).
+        Search tip spacing, push offsets and travels for the widest margin (minutes); also writes the
+        task with that spacing.
     policy
-        Also certify a feedback policy (``policy.json``).
+        Also certify a feedback policy: ``policy.json`` for ``drive``, ``region.svg`` of its starts.
     maps
-        Also draw where each primitive may push, and from which start.
+        Also draw where each primitive may push, and from which starts (SVG, JSON).
     progress
         Shows what is being done.
 
@@ -193,25 +186,23 @@ def plan(  # every option of the verb is an argument
     >>> [move.primitive for move in planned.plan.moves]
     ['y_translation', 'y_translation', 'rotation', 'x_translation']
     """
-    within(1, MOST_SAMPLES, samples=samples)
-    at_least(0, seed=seed)
-    known = task_of(task)
+    if model is not None and (widest or policy or maps):
+        raise InputError(
+            "--model: cannot be combined with --widest, --policy or --maps, which need only a task; "
+            "plan with the model first, then with the task it returns (task.toml)"
+        )
+    stated = task_of(task)
     for asked, use in ((policy, "--policy"), (maps, "--maps"), (model, "--model")):
         if asked:
-            known.rectangle(use)
+            stated.rectangle(use)
     if model is not None:
-        if widest or policy or maps:
-            raise InputError(
-                "model: cannot be combined with widest, policy or maps, which need only a task; plan "
-                "with the model first, then with the task it returns"
-            )
-        made = promise(known, read(Path(model), known), samples, seed, progress.doing)
-        return _promised(made, files_of(task, model))
-    result = (pipeline.make_best if widest else pipeline.make)(known, samples, seed, progress.doing)
-    more = {}
-    if widest:
-        text = toml_of(task) if isinstance(task, Task) else task_text(Path(task))
-        more["task.toml"] = with_spacing(text, result.task.probe.tip_spacing_um)
+        return _promised(stated, Path(model), samples, seed, progress, files_of(task, model))
+
+    from meso_robust import pipeline
+
+    make = pipeline.make_best if widest else pipeline.make
+    result = make(stated, samples, seed, progress.doing)
+    more = _widest(task, result) if widest else {}
     if policy:
         more |= _policy(result.task, progress)
     if maps:
@@ -223,11 +214,11 @@ def plan(  # every option of the verb is an argument
 
 @call
 def certify(
-    task: Task | StrPath,
-    plan: PlanDocument | Planned | StrPath,
+    task: TaskGiven,
+    plan: PlanGiven,
     *,
-    samples: int = 1000,
-    seed: int = 0,
+    samples: Samples = 1000,
+    seed: Seed = 0,
     progress: Progress = SILENT,
 ) -> Planned:
     """Certify a plan that someone else made, whether it states a policy or bare moves.
@@ -238,8 +229,17 @@ def certify(
         The task, or the name of its file.
     plan
         The plan, or the name of its file (``plan.json``).
-    samples, seed, progress
-        As for :func:`plan`.
+    samples
+        Random runs in the simulator.
+    seed
+        Seed of the random runs.
+    progress
+        Shows what is being done.
+
+    Returns
+    -------
+    Planned
+        Whatever the verdict.
 
     Raises
     ------
@@ -266,21 +266,23 @@ def certify(
     not proved in step 4 (straighten): the second tip touches before the probe stops
     what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan
     """
-    within(1, MOST_SAMPLES, samples=samples)
-    at_least(0, seed=seed)
     known = task_of(task)
     stated = plan_of(plan, known)
+
+    from meso_robust import pipeline
+    from meso_robust.planning.compose import Found
+    from meso_robust.planning.inference import inferred
+    from meso_robust.planning.remedy import Remedy
+    from meso_robust.planning.rules import rules_of
+    from meso_robust.primitives.setup import setup_of
+
     rules = rules_of(stated) or inferred(stated, known, setup_of(known))
-    found = Found(
-        rules=rules,
-        scale=1.0,
-        remedy=Remedy.CHANGE_MOVE,
-    )
+    found = Found(rules=rules, scale=1.0, remedy=Remedy.CHANGE_MOVE)
     result = pipeline.judge(known, found, samples, seed, progress.doing)
     return Planned(result=result, inputs=files_of(task, plan))
 
 
-def plan_of(plan: PlanDocument | Planned | StrPath, task: Task) -> PlanDocument:
+def plan_of(plan: PlanGiven, task: Task) -> PlanDocument:
     """A plan for a task, read if it is named, and checked like a file in any case.
 
     Raises
@@ -288,24 +290,51 @@ def plan_of(plan: PlanDocument | Planned | StrPath, task: Task) -> PlanDocument:
     InputError
         It cannot be read, a value breaks a rule, or it was made for another task.
     """
-    stated = plan.plan if isinstance(plan, Planned) else plan
-    if isinstance(stated, PlanDocument):
-        return parse_plan(stated.model_dump_json(by_alias=True), "plan", task)
-    return read_plan(Path(stated), task)
+    from meso_robust.planning.reading import accepted_plan, read_plan
+
+    if isinstance(plan, str | PathLike):
+        return read_plan(Path(plan), task)
+    return accepted_plan(plan.plan if isinstance(plan, Planned) else plan, "plan", task)
 
 
-def _promised(made: Promise, inputs: tuple[Path, ...]) -> Planned:
+def _promised(
+    task: Task,
+    model: Path,
+    samples: int,
+    seed: int,
+    progress: Progress,
+    inputs: tuple[Path, ...],
+) -> Planned:
     """The plan for the task as a fitted model says it is, with that task and its premises."""
-    document = promised.document(made)
+    from meso_robust.toml_files import read_toml, toml_of
+
+    read_toml(model, "give a model.toml")  # before the imports that take seconds
+
+    from meso_robust.transfer import answer
+    from meso_robust.transfer.promise import promise, read
+
+    made = promise(task, read(model, task), samples, seed, progress.doing)
     more = {
         "task.toml": toml_of(made.changed.task),
-        "premises.json": document.model_dump_json(by_alias=True, indent=2) + "\n",
+        "premises.json": text_of(answer.document(made)),
     }
     return Planned(result=made.planned, promise=made, more=more, inputs=inputs)
 
 
+def _widest(task: TaskGiven, result: Judged) -> dict[str, str]:
+    """The task with the spacing that was found, otherwise as its author wrote it."""
+    from meso_robust.task import task_text, with_spacing
+    from meso_robust.toml_files import toml_of
+
+    text = task_text(Path(task)) if isinstance(task, str | PathLike) else toml_of(task)
+    return {"task.toml": with_spacing(text, result.task.probe.tip_spacing_um)}
+
+
 def _policy(task: Task, progress: Progress) -> dict[str, str]:
     """The certified feedback policy, its picture, and both in words."""
+    from meso_robust.policy.build import make_policy
+    from meso_robust.policy.document import policy_document
+    from meso_robust.policy.region import sensed_start, tube
     from meso_robust.reporting.policy import draw, summary
 
     before = time.perf_counter()

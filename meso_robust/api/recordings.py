@@ -6,26 +6,30 @@ import json
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Union
 
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath
+from meso_robust.api.options import Option, StrPath
 from meso_robust.api.progress import SILENT, Progress
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
-from meso_robust.files import write_all
-from meso_robust.recordings import RecordingSet, read_set, write_set
-from meso_robust.recordings.checking import OWN, checked
-from meso_robust.recordings.problem import Problem
-from meso_robust.recordings.reading import read_outline
-from meso_robust.recordings.repair import Repair
-from meso_robust.recordings.summary import Checked, answer, document
 
+if TYPE_CHECKING:
+    from meso_robust.recordings import RecordingSet
+    from meso_robust.recordings.problem import Problem
+    from meso_robust.recordings.repair import Repair
+    from meso_robust.recordings.summary import Checked
+
+RecordingsGiven: TypeAlias = Annotated[
+    Union["RecordingSet", "Recordings", str, PathLike[str]],
+    Option(words="Recording set (folder)."),
+]
 FOLDER = "recordings"
 """Where a set that was repaired or imported is written, below the results."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Recordings:
+class Recordings(Result):
     """A recording set with everything that is wrong with it.
 
     Attributes
@@ -60,12 +64,20 @@ class Recordings:
         return self.checked.repairs
 
     @property
+    def positive(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.problems
+
+    @property
     def document(self) -> dict[str, Any]:
         """The content of ``summary.json``."""
+        from meso_robust.recordings.summary import document
+
         return document(self.checked)
 
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
+        from meso_robust.recordings.summary import answer
+
         return answer(self.checked)
 
     def __repr__(self) -> str:
@@ -76,44 +88,41 @@ class Recordings:
 
         return recordings_card(self.checked, str(self))
 
+    def text(self) -> str:
+        """The text of ``summary.json``."""
+        return json.dumps(self.document, indent=2, allow_nan=False) + "\n"
+
     def files(self) -> dict[str, str]:
-        """The texts of the result files by name, without the set itself."""
+        """The texts of the result files by name; of a set that was repaired or imported, its own too."""
+        from meso_robust.recordings.writing import set_files
         from meso_robust.reporting.recordings import recordings_report
 
-        text = json.dumps(self.document, indent=2, allow_nan=False) + "\n"
-        return {"summary.json": text, "report.html": recordings_report(self.checked)}
+        rewritten = set_files(self.set) if self.rewritten else {}
+        return {
+            **{f"{FOLDER}/{name}": text for name, text in rewritten.items()},
+            "summary.json": self.text(),
+            "report.html": recordings_report(self.checked),
+        }
 
-    @call
-    def check_save(self, folder: StrPath) -> None:
-        """Refuse a folder in which ``save`` would overwrite the original recordings.
+    @property
+    def shown(self) -> dict[str, str]:
+        """The report, and the set if it was repaired or imported."""
+        return {"report": "report.html"} | ({"recording set": FOLDER} if self.rewritten else {})
+
+    def check_folder(self, folder: Path) -> None:
+        """Refuse a folder in which the set would overwrite the original recordings.
 
         Raises
         ------
         InputError
             It would.
         """
-        sub, source = Path(folder) / FOLDER, Path(self.checked.source).resolve()
+        sub, source = folder / FOLDER, Path(self.checked.source).resolve()
         if self.rewritten and sub.resolve() in (source, source.parent):
             raise InputError(
                 f"--out {folder}: would overwrite the recordings in {sub}, which must stay as "
                 "they were made; give another folder"
             )
-
-    @call
-    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
-        """Write summary, report, and in ``recordings`` the set if it was repaired or imported.
-
-        Raises
-        ------
-        InputError
-            They cannot be written, or the recordings would be overwritten.
-        """
-        self.check_save(folder)
-        with progress.doing("writing the results"):
-            files = self.files()
-            if self.rewritten:
-                write_set(Path(folder) / FOLDER, self.set)
-            write_all(Path(folder), files)
 
 
 @call
@@ -130,15 +139,20 @@ def read_recordings(
     Parameters
     ----------
     path
-        Folder of a recording set, or recordings in another format.
+        Recording set, or recordings in another format.
     format
-        ``set`` or the name of another format; found out if left out.
+        ``set`` or the name of another format; detected by default.
     repair
-        Repair what can be without inventing data.
+        Repair what can be repaired without inventing data.
     outline
-        File with the ``[part]`` of a ``set.toml``, for recordings in a format that does not say it.
+        TOML file with ``[part]`` as in ``set.toml``, for a format that does not state the outline.
     progress
         Shows what is being done.
+
+    Returns
+    -------
+    Recordings
+        Also of recordings that cannot be used as they are.
 
     Raises
     ------
@@ -159,13 +173,16 @@ def read_recordings(
     >>> recordings.verdict
     'CLEAN'
     """
+    from meso_robust.recordings.checking import OWN, checked
+    from meso_robust.recordings.reading import read_outline
+
     with progress.doing("reading and checking"):
         part = None if outline is None else read_outline(Path(outline))
         found = checked(Path(path), format, repair, part)
     return Recordings(checked=found, rewritten=repair or found.format != OWN)
 
 
-def set_of(recordings: RecordingSet | Recordings | StrPath) -> tuple[RecordingSet, Path | None]:
+def set_of(recordings: RecordingsGiven) -> tuple[RecordingSet, Path | None]:
     """A set, read strictly if it is named, and where it is from.
 
     Raises
@@ -176,6 +193,8 @@ def set_of(recordings: RecordingSet | Recordings | StrPath) -> tuple[RecordingSe
     if isinstance(recordings, Recordings):
         return recordings.set, Path(recordings.checked.source)
     if isinstance(recordings, str | PathLike):
+        from meso_robust.recordings import read_set
+
         return read_set(Path(recordings)), Path(recordings)
     return recordings, None
 

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, at_least
+from meso_robust.api.options import Seed
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.files import write_all
-from meso_robust.reproduction.document import Made, document, text
-from meso_robust.reproduction.item import Setting
-from meso_robust.reproduction.items import asked, reproduced
+from meso_robust.api.result import Result
+
+if TYPE_CHECKING:
+    from meso_robust.reproduction.document import Made
+    from meso_robust.reproduction.item import Setting
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Reproduced:
+class Reproduced(Result):
     """Tables and figures of the paper, made again.
 
     Attributes
@@ -31,12 +32,23 @@ class Reproduced:
     setting: Setting
 
     @property
+    def positive(self) -> bool:
+        """Always: the answer stands beside what was printed, and is nobody's verdict."""
+        return True
+
+    @property
+    def shown(self) -> dict[str, str]:
+        """The page of all items."""
+        return {"report": "index.html"}
+
+    @property
     def document(self) -> dict[str, object]:
         """The content of ``reproduction.json``."""
+        from meso_robust.reproduction.document import document
+
         return document(self.items, self.setting)
 
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
         return "\n".join(f"{one.name}: {one.found.answer}" for one in self.items.values())
 
     def __repr__(self) -> str:
@@ -50,6 +62,8 @@ class Reproduced:
 
     def text(self) -> str:
         """The text of ``reproduction.json``."""
+        from meso_robust.reproduction.document import text
+
         return text(self.document)
 
     def files(self) -> dict[str, str]:
@@ -61,24 +75,13 @@ class Reproduced:
             "index.html": reproduction_report(dict(self.items), self.setting),
         }
 
-    @call
-    def save(self, folder: StrPath) -> None:
-        """Write the result files into a folder, which is made if needed; all of them or none.
-
-        Raises
-        ------
-        InputError
-            They cannot be written.
-        """
-        write_all(Path(folder), self.files())
-
 
 @call
 def reproduce(
     item: str | None = None,
     *,
     quick: bool = False,
-    seed: int = 0,
+    seed: Seed = 0,
     progress: Progress = SILENT,
 ) -> Reproduced:
     """Make the paper's tables and figures again.
@@ -86,13 +89,18 @@ def reproduce(
     Parameters
     ----------
     item
-        One of them, such as ``table-1`` or ``rrt``; all if left out (minutes).
+        One of them, such as ``table-1`` or ``rrt``; all by default (minutes).
     quick
-        Fewer runs: a first look.
+        Fewer runs, for a first look.
     seed
-        Of the random runs.
+        Seed of the random runs.
     progress
         Shows what is being done.
+
+    Returns
+    -------
+    Reproduced
+        The values that were found, beside the printed ones.
 
     Raises
     ------
@@ -106,7 +114,9 @@ def reproduce(
     Traceback (most recent call last):
     meso_robust.errors.InputError: ITEM: 'table-9'; must be one of tests, ..., or none for all
     """
-    at_least(0, seed=seed)
+    from meso_robust.reproduction.item import Setting
+    from meso_robust.reproduction.items import asked, reproduced
+
     names = asked(item)
     with progress.following() as told:
         setting = Setting(quick=quick, seed=seed, told=told)

@@ -2,36 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, at_least, task_of, within
-from meso_robust.api.plan import Planned, plan_of
+from meso_robust.api.inputs import files_of, path_of, task_of
+from meso_robust.api.options import (
+    Dropout,
+    Latency,
+    Noise,
+    Samples,
+    Seed,
+    StrPath,
+    TaskGiven,
+)
+from meso_robust.api.plan import PlanGiven, plan_of
 from meso_robust.api.progress import SILENT, Progress
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
-from meso_robust.files import write_all
-from meso_robust.laboratory.filming import Camera, film_plan
-from meso_robust.laboratory.simulation import Simulated as Runs, player_of, simulated
-from meso_robust.laboratory.simulation_answer import document, summary
-from meso_robust.laboratory.simulation_document import SimulationDocument
-from meso_robust.laboratory.trajectories import trajectories
-from meso_robust.laboratory.witness import read_witness
-from meso_robust.limits import LONGEST_LATENCY_MS, MOST_SAMPLES
-from meso_robust.planning.document import PlanDocument
-from meso_robust.primitives.setup import setup_of
-from meso_robust.recordings import RecordingSet, write_set
-from meso_robust.simulator import Effects
-from meso_robust.simulator.observation import Sensor
-from meso_robust.task import Task
+
+if TYPE_CHECKING:
+    from meso_robust.laboratory.filming import Camera
+    from meso_robust.laboratory.simulation import Simulated as Runs
+    from meso_robust.laboratory.simulation_document import SimulationDocument
+    from meso_robust.recordings import RecordingSet
 
 FRAME_RATE_HZ = 30.0  # of the paper's camera, Section IV
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Simulated:
+class Simulated(Result):
     """Runs of a plan, and what became of them.
 
     Attributes
@@ -46,12 +48,20 @@ class Simulated:
     document: SimulationDocument
 
     @property
-    def all_in_goal(self) -> bool:
+    def positive(self) -> bool:
         """Whether every run that was made ended in the goal."""
         return self.document.all_in_goal
 
+    all_in_goal = positive
+
+    @property
+    def shown(self) -> dict[str, str]:
+        """The moving picture of the runs."""
+        return {"animation": "animation.html"}
+
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
+        from meso_robust.laboratory.simulation_answer import summary
+
         return summary(self.document)
 
     def __repr__(self) -> str:
@@ -65,25 +75,14 @@ class Simulated:
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name."""
+        from meso_robust.laboratory.trajectories import trajectories
         from meso_robust.reporting.animation import animation
 
         return {
-            "simulation.json": self.document.model_dump_json(by_alias=True, indent=2) + "\n",
+            "simulation.json": self.text(),
             "trajectories.csv": trajectories(self.runs),
             "animation.html": animation(self.runs, self.document),
         }
-
-    @call
-    def save(self, folder: StrPath, *, progress: Progress = SILENT) -> None:
-        """Write the result files into a folder, which is made if needed; all of them or none.
-
-        Raises
-        ------
-        InputError
-            They cannot be written.
-        """
-        with progress.doing("writing the results"):
-            write_all(Path(folder), self.files())
 
     def filmed(self, runs: int, camera: Camera | None = None, seed: int = 0) -> RecordingSet:
         """The nominal and the first sampled runs as a camera would record them.
@@ -97,7 +96,12 @@ class Simulated:
         seed
             Of noise and lost frames.
         """
-        at_least(1, runs=runs)
+        import numpy as np
+
+        from meso_robust.laboratory.filming import film_plan
+
+        if runs < 1:
+            raise InputError(f"runs = {runs}: must be at least 1; give a larger number")
         rng = np.random.default_rng(seed)
         return film_plan(self.runs, camera or camera_of(), rng, runs)
 
@@ -111,16 +115,18 @@ class Simulated:
         InputError
             It cannot be written.
         """
+        from meso_robust.recordings import write_set
+
         write_set(Path(folder), self.filmed(runs, camera, seed))
 
 
 @call
 def simulate(
-    task: Task | StrPath,
-    plan: PlanDocument | Planned | StrPath,
+    task: TaskGiven,
+    plan: PlanGiven,
     *,
-    samples: int = 200,
-    seed: int = 0,
+    samples: Samples = 200,
+    seed: Seed = 0,
     adversarial: bool = False,
     witness: StrPath | None = None,
     progress: Progress = SILENT,
@@ -131,14 +137,21 @@ def simulate(
     ----------
     task, plan
         The task and a plan for it, or the names of their files.
-    samples, seed
-        Random runs within the task's uncertainties, and the seed of their draws.
+    samples
+        Random runs.
+    seed
+        Seed of the random runs.
     adversarial
-        Also search the uncertainties for the worst run.
+        Search the uncertainties for the worst run.
     witness
-        Also replay this ``witness.json``, or the witness of a REFUTED certificate.
+        Replay this ``witness.json``, or the witness in a REFUTED certificate.
     progress
         Shows what is being done.
+
+    Returns
+    -------
+    Simulated
+        Whatever became of the runs.
 
     Raises
     ------
@@ -158,11 +171,20 @@ def simulate(
     >>> [one.file for one in filmed.recordings][0]
     'run_00_move_1.csv'
     """
-    within(1, MOST_SAMPLES, samples=samples)
-    at_least(0, seed=seed)
     known = task_of(task)
     stated = plan_of(plan, known)
+    if witness is not None:
+        from meso_robust.laboratory.witness_form import check_form
+
+        check_form(Path(witness))  # before the imports that take seconds
+
+    from meso_robust.laboratory.simulation import player_of, simulated
+    from meso_robust.laboratory.simulation_answer import document
+    from meso_robust.laboratory.witness import read_witness
+    from meso_robust.primitives.setup import setup_of
+
     player = player_of(stated, setup_of(known))
+    path = path_of(witness)
     found = simulated(
         known,
         stated,
@@ -170,26 +192,36 @@ def simulate(
         samples=samples,
         seed=seed,
         adversarial=adversarial,
-        witness=None if witness is None else read_witness(Path(witness), known, stated, player),
+        witness=None if path is None else read_witness(path, known, stated, player),
         doing=progress.doing,
     )
-    return Simulated(runs=found, document=document(found))
+    return Simulated(runs=found, document=document(found), inputs=files_of(task, plan, witness))
 
 
 @call
 def camera_of(
-    noise_um: float = 1.2, noise_deg: float = 0.08, dropout: float = 0.0, latency_ms: float = 0.0
+    noise_um: Noise = 1.2,
+    noise_deg: Noise = 0.08,
+    dropout: Dropout = 0.0,
+    latency_ms: Latency = 0.0,
 ) -> Camera:
     """A camera of 30 frames a second.
 
     Parameters
     ----------
-    noise_um, noise_deg
-        Standard deviations of recorded positions and angles.
+    noise_um
+        Noise of recorded positions.
+    noise_deg
+        Noise of recorded angles.
     dropout
-        Share of frames that are lost.
+        Share of lost frames.
     latency_ms
-        Delay of the frames.
+        Delay of the camera.
+
+    Returns
+    -------
+    Camera
+        For :meth:`Simulated.filmed`.
 
     Raises
     ------
@@ -202,19 +234,16 @@ def camera_of(
     >>> mr.camera_of(noise_um=0.5, dropout=0.1).sensor.dropout
     0.1
     """
-    if not 0.0 <= latency_ms <= LONGEST_LATENCY_MS:
-        raise InputError(
-            f"latency_ms = {latency_ms}: must be from 0 to {LONGEST_LATENCY_MS:.0f}; give such a delay"
-        )
-    try:
-        return Camera(
-            sensor=Sensor(
-                position_sigma=1e-6 * noise_um,
-                orientation_sigma=float(np.radians(noise_deg)),
-                frame_rate=FRAME_RATE_HZ,
-                dropout=dropout,
-            ),
-            effects=Effects({"camera_latency": {"time_ms": latency_ms}}),
-        )
-    except ValueError as error:
-        raise InputError(f"--noise-um, --noise-deg, --dropout, --latency-ms: {error}") from error
+    from meso_robust.laboratory.filming import Camera
+    from meso_robust.simulator import Effects
+    from meso_robust.simulator.observation import Sensor
+
+    return Camera(
+        sensor=Sensor(
+            position_sigma=1e-6 * noise_um,
+            orientation_sigma=math.radians(noise_deg),
+            frame_rate=FRAME_RATE_HZ,
+            dropout=dropout,
+        ),
+        effects=Effects({"camera_latency": {"time_ms": latency_ms}}),
+    )

@@ -6,21 +6,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from meso_robust.api.call import call
-from meso_robust.api.inputs import StrPath, path_of
+from meso_robust.api.inputs import path_of
+from meso_robust.api.options import Folder, Option, Share, StrPath
 from meso_robust.api.progress import SILENT, Progress
+from meso_robust.api.result import Result
 from meso_robust.errors import InputError
-from meso_robust.reading import shown
-from meso_robust.recordings import RecordingSet
-from meso_robust.tracking.job import Found, Job, prepared, run, write
-from meso_robust.tracking.track_document import TrackDocument
-from meso_robust.wording import counted
+
+if TYPE_CHECKING:
+    from meso_robust.recordings import RecordingSet
+    from meso_robust.tracking.job import Found, Job
+    from meso_robust.tracking.track_document import TrackDocument
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Tracked:
+class Tracked(Result):
     """What was seen in videos.
 
     Attributes
@@ -42,12 +44,22 @@ class Tracked:
         return self.found.recordings
 
     @property
-    def tracked(self) -> bool:
+    def positive(self) -> bool:
         """Whether the part was found in all frames of all videos, except the share that may be lost."""
         return self.document.tracked
 
+    tracked = positive
+
+    @property
+    def why_not(self) -> str:
+        """What was lost, of the first video that was not tracked."""
+        from meso_robust.tracking.track_document import lost_in_words
+
+        return "" if self.tracked else lost_in_words(self.document)
+
     def __str__(self) -> str:
-        """The answer in a few lines, as the command line prints it."""
+        from meso_robust.wording import counted
+
         lines = []
         for video in self.document.videos:
             lines.append(
@@ -57,6 +69,8 @@ class Tracked:
         return "\n".join(lines)
 
     def __repr__(self) -> str:
+        from meso_robust.wording import counted
+
         videos = self.document.videos
         found, frames = sum(one.found for one in videos), sum(one.frames for one in videos)
         return f"<Tracked {counted(len(videos), 'video')}: part found in {found} of {counted(frames, 'frame')}>"
@@ -66,8 +80,26 @@ class Tracked:
 
         return tracked_card(self.found, str(self))
 
+    def files(self) -> dict[str, str]:
+        """The texts of the recording set, covariances, camera and report by name; without overlays."""
+        from meso_robust.reporting.tracking import tracking_report
+        from meso_robust.tracking.job import texts
+
+        page = tracking_report(self.document, self.found.tracks, self.recordings)
+        return texts(self.found, page)
+
+    def check_folder(self, folder: Path) -> None:
+        """Refuse a folder in which a result could overwrite a video.
+
+        Raises
+        ------
+        InputError
+            There is such a video.
+        """
+        keep_videos(folder, self.found.ready.job)
+
     @call
-    def save(self, folder: StrPath, *, overlay: bool = True, progress: Progress = SILENT) -> None:
+    def save(self, folder: Folder, *, overlay: bool = True, progress: Progress = SILENT) -> None:
         """Write the recording set, covariances, camera, report, and overlay videos.
 
         Parameters
@@ -75,7 +107,7 @@ class Tracked:
         folder
             Made if needed.
         overlay
-            Whether to write videos with what was seen.
+            Write a video with the tracked poses drawn in.
         progress
             Shows what is being done.
 
@@ -84,19 +116,21 @@ class Tracked:
         InputError
             Something cannot be written (nothing is left half written), or the folder holds a video.
         """
-        from meso_robust.reporting.tracking import tracking_report
+        from meso_robust.tracking.job import write
 
-        keep_videos(Path(folder), self.found.ready.job)
-        page = tracking_report(self.document, self.found.tracks, self.recordings)
-        write(Path(folder), self.found, page, progress.counting if overlay else None)
+        self.check_folder(Path(folder))
+        write(Path(folder), self.found, self.files(), progress.counting if overlay else None)
 
 
 @call
 def track(  # noqa: PLR0913  # everything that can be stated about videos is an argument
-    videos: StrPath | Sequence[StrPath],
+    videos: Annotated[
+        StrPath | Sequence[StrPath],
+        Option(words="Video files, TIFF stacks or folders of images."),
+    ],
     *,
     task: StrPath | None = None,
-    set_file: StrPath | None = None,
+    set_file: Annotated[StrPath, Option(flag="set")] | None = None,
     length_um: float | None = None,
     width_um: float | None = None,
     tip_radius_um: float | None = None,
@@ -105,11 +139,11 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     grid: StrPath | None = None,
     pitch_um: float | None = None,
     start: tuple[float | None, float | None, float | None] | None = None,
-    probes: Mapping[str, tuple[float, float]] | None = None,
+    probes: Annotated[Mapping[str, tuple[float, float]], Option(flag="probe")] | None = None,
     commands: StrPath | Sequence[StrPath] | None = None,
     frame_rate_hz: float | None = None,
     allow_truncated: bool = False,
-    most_lost: float = 0.1,
+    most_lost: Share = 0.1,
     progress: Progress = SILENT,
 ) -> Tracked:
     """Track part and probes in videos.
@@ -118,25 +152,35 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     ----------
     videos
         A video file, TIFF stack or folder of images, or several.
-    task, set_file
-        File that states the part: a task, or the ``set.toml`` of recordings.
-    length_um, width_um, tip_radius_um
-        Sides of the part and radius of the tips, where no file states them.
-    calibration, pixel_um
-        ``calibration.toml``, or the size of a pixel; if left out, what a TIFF stack says.
-    grid, pitch_um
-        Image of a stage grid (chessboard or dots), and its pitch: the camera is calibrated with it.
+    task
+        Task file that states the part.
+    set_file
+        ``set.toml`` that states part and tip radius.
+    length_um
+        Long side of the part.
+    width_um
+        Short side of the part.
+    tip_radius_um
+        Radius of the tips.
+    calibration
+        ``calibration.toml``.
+    pixel_um
+        Size of a pixel; read from a TIFF by default.
+    grid
+        Image of a stage grid (chessboard or dots).
+    pitch_um
+        Pitch of that grid.
     start
         Pose in the first frame (um, um, deg) as far as it is known: ``(None, None, 90.0)``.
     probes
         Tips in the first frame by name, um; found by their motion if left out.
     commands
-        Files of commanded positions (``time_s,<probe>_x_um,<probe>_y_um``), one a video, or their
-        folder, which has one of each video's name.
+        Commanded positions: ``time_s,<probe>_x_um,<probe>_y_um``; a folder has a CSV file of each
+        video's name.
     frame_rate_hz
-        Instead of the file's.
+        Overrides the file's frame rate.
     allow_truncated
-        Use the frames before a video's break.
+        Accept a truncated video and use the frames before the break.
     most_lost
         Largest share of frames that may be lost.
     progress
@@ -179,11 +223,12 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     >>> bool(np.abs(tracked.recordings.recordings[0].poses[:, :2]).max() < 5e-6)  # a pixel
     True
     """
-    if not 0.0 <= most_lost <= 1.0:
-        raise InputError(f"most_lost = {most_lost}: must be from 0 to 1; 0.1 is usual")
     several = _paths(videos)
     if not several:
         raise InputError("videos: none are given; give a video or a folder of images")
+
+    from meso_robust.tracking.job import Job
+
     job = Job(
         videos=several,
         task=path_of(task),
@@ -213,12 +258,34 @@ def _paths(given: StrPath | Sequence[StrPath]) -> tuple[Path, ...]:
 
 
 def tracked(job: Job, *, progress: Progress = SILENT) -> Tracked:
-    """Do a job that is stated already; see :func:`track`."""
+    """Do a job that is stated already; see :func:`track`.
+
+    Parameters
+    ----------
+    job
+        What to track.
+    progress
+        Shows what is being done.
+
+    Returns
+    -------
+    Tracked
+        Also if the part was lost.
+    """
+    from meso_robust.tracking.job import prepared, run
+
     return Tracked(found=run(prepared(job), progress.counting))
 
 
 def keep_videos(folder: Path, job: Job) -> None:
     """Refuse a folder in which a result could overwrite a video.
+
+    Parameters
+    ----------
+    folder
+        For the results.
+    job
+        Names the videos.
 
     Raises
     ------
@@ -240,6 +307,8 @@ def _listed(name: str, values: Any, count: int) -> str:
             raise ValueError
         return ",".join("" if value is None else repr(float(value)) for value in values)
     except (TypeError, ValueError) as error:
+        from meso_robust.reading import shown
+
         like = "(None, None, 90.0)" if name == "start" else "(0.0, 700.0)"
         raise InputError(
             f"{name} = {shown(values)}: must be {count} numbers; give a tuple such as {like}"

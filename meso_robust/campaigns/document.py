@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from meso_robust.campaigns.encoding import canonical, digest, slug
 from meso_robust.campaigns.kind import Part, Section, Values
-from meso_robust.campaigns.kinds import KINDS, kind_of
+from meso_robust.campaigns.kinds import KINDS, kind_of, section_of
 from meso_robust.toml_files import checked, read_toml
 
 _ADVICE = "give a campaign file"
@@ -55,7 +55,7 @@ def campaign_document(kinds: Iterable[str] = KINDS) -> type[Stated]:
     # annotations made at run time, which no type checker can follow
     annotated: Any = Annotated
     series: Any = tuple
-    each = functools.reduce(operator.or_, (kind_of(name).section for name in sorted(kinds)))
+    each = functools.reduce(operator.or_, map(section_of, sorted(kinds)))
     parts = series[annotated[each, Field(discriminator="kind")], ...]
     one_or_more = Field(min_length=1)
     found: type[Stated] = create_model(

@@ -1,6 +1,7 @@
 """What a kind of campaign is: how its work is cut into chunks, done, added up and reported.
 
-To add a kind, write a file (or a folder) that makes a :class:`Kind`, and add its line to ``kinds.py``.
+To add a kind, write a folder with a ``kind.py`` that makes a :class:`Kind` and a ``section.py`` with its
+keys, which imports no compiled code; and add its line to ``kinds.py``.
 """
 
 from __future__ import annotations
@@ -30,6 +31,17 @@ class Section(BaseModel):
 
     name: Annotated[str, Field(min_length=1, max_length=80)]
     """What the part is called in the report; each name once."""
+
+
+class PlanSection(Section):
+    """The keys of a part that is about a plan."""
+
+    task: str | None = None
+    """Task file, relative to the campaign file; the paper's task if absent."""
+    plan: str | None = None
+    """Plan for it (``plan.json``); planned again if absent."""
+    factor: Annotated[float, Field(gt=0, le=10)] = 1.0
+    """All uncertainties are scaled about their middles by this."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,8 +180,6 @@ class Kind:
     """As in ``kind = "..."``."""
     unit: str
     """What its runs are: ``executions``, ``examples``, ``certificates`` ..."""
-    section: type[Section]
-    """Its keys of a campaign file."""
     given: Callable[[Any, Path], Values]
     """Reads what a section names, relative to the campaign's folder. Raises InputError."""
     count: Callable[[Part], int]

@@ -5,11 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
 
-from pydantic import Field
-
-from meso_robust.campaigns.kind import Part, Section, Values
+from meso_robust.campaigns.kind import Part, PlanSection, Values
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.laboratory.claims import Claims, claims_of, only_motions
@@ -27,17 +24,6 @@ from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
 from meso_robust.wording import down_to
-
-
-class PlanSection(Section):
-    """The keys of a part that is about a plan."""
-
-    task: str | None = None
-    """Task file, relative to the campaign file; the paper's task if absent."""
-    plan: str | None = None
-    """Plan for it (``plan.json``); planned again if absent."""
-    factor: Annotated[float, Field(gt=0, le=10)] = 1.0
-    """All uncertainties are scaled about their middles by this."""
 
 
 def given_plan(section: PlanSection, folder: Path) -> Values:

@@ -28,19 +28,14 @@ from meso_robust.certificates.words import (
     inequality_words,
     words,
 )
-from meso_robust.planning.document import BoxDocument, RuleDocument, box_document
-from meso_robust.planning.plan_file import Document
+from meso_robust.planning.document import box_document
+from meso_robust.planning.plan_file import BoxDocument, Document, ExactBox, HexPair, RuleDocument
 from meso_robust.primitives.names import Inequality, Named, ObligationId
 from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reading import Count, Distance, Factor, MoveNumber, PaperStep, Seed
 from meso_robust.task import Task
 from meso_robust.wording import up
-
-HexPair = tuple[str, str]
-
-TIPS = "point tips"
-"""What the verdict of every plan is about, whatever the tips of the laboratory."""
 
 
 class NamedDocument(Document):
@@ -67,17 +62,6 @@ class ObligationDocument(NamedDocument):
     """Boxes that branch and bound looked at."""
     over: dict[str, HexPair]
     """PROVED: the box it holds on; else the witness, or the widest undecided box."""
-
-
-class ExactBox(Document):
-    """A box of poses, exactly."""
-
-    x_m: HexPair
-    """[low, high] of the reference point's x, m."""
-    y_m: HexPair
-    """[low, high] of the reference point's y, m."""
-    theta_rad: HexPair
-    """[low, high] of the orientation, rad."""
 
 
 class StepDocument(Document):

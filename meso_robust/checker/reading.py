@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from meso_robust.checker.document import Certificate
 from meso_robust.checker.schema_one import SCHEMA, CertificateOne, certificate_of
@@ -42,26 +43,51 @@ def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, 
             f"{source}: is not a JSON file in UTF-8 ({error}); give a certificate"
         ) from error
     model = CertificateOne if _is_one(values) else Certificate
+    return _accepted(model, lambda: model.model_validate_json(text), source, task), digest(values)
+
+
+def accepted_certificate(
+    values: Mapping[str, Any], source: str, task: Task
+) -> tuple[Certificate, str]:
+    """The same for the values of a certificate, as JSON has them; ``source`` names it in messages."""
+    stated = _tuples(values)
+    certificate = _accepted(Certificate, lambda: Certificate.model_validate(stated), source, task)
+    return certificate, digest(values)
+
+
+def _accepted(
+    model: type[BaseModel],
+    validated: Callable[[], Certificate | CertificateOne],
+    source: str,
+    task: Task,
+) -> Certificate:
+    """The certificate, if it has its form and is about the task."""
     try:
-        found = model.model_validate_json(text)
+        found = validated()
         if found.task_hash != task.hash:
             raise InputError(
                 f"{source}: key task_hash = {found.task_hash!r}: must be the hash {task.hash!r} of "
                 f"the task; the certificate is about another task ({found.task!r}), give that one"
             )
-        named = certificate_of(found, task) if isinstance(found, CertificateOne) else found
+        return certificate_of(found, task) if isinstance(found, CertificateOne) else found
     except ValidationError as error:
         keys = "`meso-robust schema certificate`"
         fault = first_fault(error, model, whole="certificate", keys=keys)
         raise InputError(f"{source}: {fault}; give a certificate") from error
-    return named, digest(values)
+
+
+def _tuples(value: Any) -> Any:
+    """Lists as tuples, which a document has where JSON has arrays."""
+    if isinstance(value, Mapping):
+        return {key: _tuples(one) for key, one in value.items()}
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def _is_one(values: Any) -> bool:
     return isinstance(values, dict) and values.get("schema") == SCHEMA
 
 
-def digest(values: dict[str, Any]) -> str:
+def digest(values: Mapping[str, Any]) -> str:
     """SHA-256 of all values but ``digest``: JSON, keys sorted, no white space, ASCII."""
     rest = {key: value for key, value in values.items() if key != "digest"}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"))

@@ -13,26 +13,8 @@ from typing import Annotated
 import typer
 
 from meso_robust.caches import prepare
-from meso_robust.cli.campaign import campaign
-from meso_robust.cli.certify import certify
-from meso_robust.cli.check import check
-from meso_robust.cli.derive import derive
-from meso_robust.cli.diagnose import diagnose
-from meso_robust.cli.drive import drive
-from meso_robust.cli.example import example
-from meso_robust.cli.help import Verbs
-from meso_robust.cli.identify import identify
-from meso_robust.cli.plan import plan
-from meso_robust.cli.recordings import recordings
-from meso_robust.cli.reproduce import reproduce
-from meso_robust.cli.running import (
-    end_by_a_signal_as_by_ctrl_c,
-    escape_what_cannot_be_shown,
-    guarded,
-)
-from meso_robust.cli.schema import schema
-from meso_robust.cli.simulate import simulate
-from meso_robust.cli.track import track
+from meso_robust.cli.running import end_by_a_signal_as_by_ctrl_c, escape_what_cannot_be_shown
+from meso_robust.cli.verbs import Verbs
 
 app = typer.Typer(
     cls=Verbs,
@@ -43,16 +25,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-_VERBS = {
-    "To begin with": (example,),
-    "From a task to a certified plan": (plan, certify, check, simulate, drive),
-    "From video to an identified model": (track, recordings, identify, diagnose),
-    "Evidence": (campaign, reproduce, derive),
-    "Formats": (schema,),
-}
-for heading, verbs in _VERBS.items():
-    for verb in verbs:
-        app.command(rich_help_panel=heading)(guarded(verb))
 
 
 def _tell_version(asked: bool) -> None:

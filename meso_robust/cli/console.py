@@ -13,11 +13,11 @@ import typer
 from meso_robust.api.progress import Rated, Step, Told
 from meso_robust.errors import ArgumentError
 
-POSITIVE, NEGATIVE, BAD_INPUT = 0, 1, 2
+NEGATIVE, BAD_INPUT = 1, 2
 INTERRUPTED = 130
 """What shells give for a run that was ended by Ctrl-C."""
 
-LINE_EVERY = 10.0  # s
+LINE_EVERY = 10.0  # s: a log of a campaign of a day then has some thousand lines a part
 
 
 class Reporter:

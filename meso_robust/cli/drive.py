@@ -9,7 +9,9 @@ from typing import Annotated
 
 import typer
 
-from meso_robust.cli.console import Reporter, negative, refuse
+from meso_robust.api.drive import drive as call
+from meso_robust.cli.console import Reporter, negative
+from meso_robust.errors import NotApplicableError
 
 
 def drive(
@@ -25,30 +27,16 @@ def drive(
     the next line is the first of the next part; an error (a line that is no pose, a blank one too)
     changes nothing. Ends at end of input.
     """
-    from meso_robust.errors import InputError, NotApplicableError
-
     try:
         _drive(task, plan, Reporter(quiet))
-    except InputError as error:
-        refuse(error)
     except NotApplicableError as error:
         negative(error)
     except KeyboardInterrupt:
         raise typer.Exit from None
 
 
-def _drive(task_file: Path, plan_file: Path, say: Reporter) -> None:
-    from meso_robust.planning.reading import read_plan, read_text
-    from meso_robust.task import load_task
-
-    task = load_task(task_file)
-    if '"meso-robust/policy/' not in read_text(plan_file):
-        read_plan(plan_file, task)  # before the imports that take seconds
-
-    from meso_robust.api.drive import drive as made_ready
-
-    with say.doing("proving the plan before anything is moved"):
-        driver = made_ready(task, plan_file)
+def _drive(task: Path, plan: Path, say: Reporter) -> None:
+    driver = call(task, plan, progress=say)
     with say.doing("ready for sensed poses, one line each"):
         for line in sys.stdin:
             print(json.dumps(driver.answer_line(line), allow_nan=False), flush=True)

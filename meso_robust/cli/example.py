@@ -7,8 +7,6 @@ from typing import Annotated
 
 import typer
 
-from meso_robust.cli.console import refuse
-
 
 def example(
     folder: Annotated[
@@ -17,12 +15,8 @@ def example(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing.")] = False,
 ) -> None:
     """Copy the tutorial, its task and videos, and all shipped tasks into a new folder."""
-    from meso_robust.errors import InputError
     from meso_robust.example import copy_example
 
-    try:
-        copy_example(folder)
-    except InputError as error:
-        refuse(error)
+    copy_example(folder)
     if not quiet:
         print(f"start with {folder / 'tutorial.md'}")

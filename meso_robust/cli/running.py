@@ -20,8 +20,19 @@ _R = TypeVar("_R")
 _ESCAPED = "meso-robust-escaped"
 
 
-def guarded(verb: Callable[_P, _R]) -> Callable[_P, _R]:
-    """The verb; a user's error ends it with exit status 2 and Ctrl-C with 130, both with one line."""
+UNWRITTEN = "no result was written"
+
+
+def guarded(verb: Callable[_P, _R], interrupted: str = UNWRITTEN) -> Callable[_P, _R]:
+    """The verb; a user's error ends it with exit status 2 and Ctrl-C with 130, both with one line.
+
+    Parameters
+    ----------
+    verb
+        Does the work.
+    interrupted
+        What is said after Ctrl-C.
+    """
 
     @functools.wraps(verb)
     def run(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -34,7 +45,7 @@ def guarded(verb: Callable[_P, _R]) -> Callable[_P, _R]:
         except (KeyboardInterrupt, Exception) as error:
             if not _is_interruption(error):
                 raise
-            print("meso-robust: interrupted; no result was written", file=sys.stderr)
+            print(f"meso-robust: interrupted; {interrupted}", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
 
     return run

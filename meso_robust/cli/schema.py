@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 _MODELS = {
     "task": "task:Task",
-    "plan": "planning.document:PlanDocument",
-    "policy": "policy.document:PolicyDocument",
+    "plan": "planning.plan_file:PlanDocument",
+    "policy": "policy.policy_file:PolicyDocument",
     "certificate": "certificates.document:CertificateDocument",
     "campaign": "campaigns.document:campaign_document",
-    "witness": "laboratory.witness_file:WitnessFile",
+    "witness": "laboratory.witness_form:WitnessFile",
     "recordings": "recordings.document:SetDocument",
     "model": "identification.document:ModelDocument",
     "experiment": "identification.experiment_document:ExperimentDocument",

@@ -18,6 +18,8 @@ from meso_robust.task import Heading
 Commanded = Annotated[float, Field(json_schema_extra={"minimum": -1e6, "maximum": 1e6})]
 """um; ``reading`` keeps the limits, with an advice about the unit."""
 Pair = tuple[Commanded, Commanded]
+HexPair = tuple[str, str]
+"""Two doubles as ``float.hex`` writes them: exactly."""
 
 
 class Document(BaseModel):
@@ -87,6 +89,17 @@ class BoxDocument(Document):
     """[low, high] of the reference point's y, um."""
     theta_deg: tuple[Deg, Deg]
     """[low, high] of the orientation, deg."""
+
+
+class ExactBox(Document):
+    """A box of poses, exactly."""
+
+    x_m: HexPair
+    """[low, high] of the reference point's x, m."""
+    y_m: HexPair
+    """[low, high] of the reference point's y, m."""
+    theta_rad: HexPair
+    """[low, high] of the orientation, rad."""
 
 
 class MoveDocument(Document):

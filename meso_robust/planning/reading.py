@@ -42,16 +42,23 @@ def read_plan(path: Path, task: Task) -> PlanDocument:
         The file cannot be read, is not JSON, a value breaks a rule, or the plan was made for
         another task; the message names file, key, value and rule.
     """
-    return parse_plan(read_text(path), str(path), task)
+    text = read_text(path)
+    try:
+        plan = PlanDocument.model_validate_json(text, strict=True)
+    except ValidationError as error:
+        raise InputError(f"{path}: {first_of(error, PlanDocument, 'plan')}") from error
+    if "schema" not in json.loads(text):
+        raise InputError(f"{path}: key schema is missing; `meso-robust schema plan` lists all keys")
+    return _accepted(plan, str(path), task)
 
 
-def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
-    """Read the text of a plan and check that it was made for a task.
+def accepted_plan(plan: PlanDocument, source: str, task: Task) -> PlanDocument:
+    """A plan that is no file, checked like one: pydantic's copies can hold values that break a rule.
 
     Parameters
     ----------
-    text
-        JSON.
+    plan
+        The plan.
     source
         Names it in messages.
     task
@@ -67,7 +74,18 @@ def parse_plan(text: str, source: str, task: Task) -> PlanDocument:
     InputError
         A value breaks a rule, or the plan was made for another task.
     """
-    plan = _parse(text, source)
+    try:
+        values = plan.model_dump(by_alias=True, warnings=False)
+        return _accepted(PlanDocument.model_validate(values, strict=True), source, task)
+    except ValidationError as error:
+        raise InputError(f"{source}: {first_of(error, PlanDocument, 'plan')}") from error
+
+
+def _accepted(plan: PlanDocument, source: str, task: Task) -> PlanDocument:
+    """The plan, if it keeps the rules that its types do not have, and was made for the task."""
+    wrong = next(_wrong(plan), None)
+    if wrong is not None:
+        raise InputError(f"{source}: key {wrong}")
     if plan.task_hash != task.hash:
         raise InputError(
             f"{source}: key task_hash = {plan.task_hash!r}: must be the hash {task.hash!r} of the "
@@ -121,22 +139,6 @@ def first_of(error: ValidationError, model: type[BaseModel], document: str) -> s
     """
     keys = f"`meso-robust schema {document}`"
     return first_fault(error, model, whole=document, keys=keys)
-
-
-def _parse(text: str, source: str) -> PlanDocument:
-    values = json.loads(text)
-    try:
-        plan = PlanDocument.model_validate_json(text, strict=True)
-    except ValidationError as error:
-        raise InputError(f"{source}: {first_of(error, PlanDocument, 'plan')}") from error
-    if "schema" not in values:
-        raise InputError(
-            f"{source}: key schema is missing; `meso-robust schema plan` lists all keys"
-        )
-    wrong = next(_wrong(plan), None)
-    if wrong is not None:
-        raise InputError(f"{source}: key {wrong}")
-    return plan
 
 
 def _wrong(plan: PlanDocument) -> Iterator[str]:

@@ -35,8 +35,9 @@ from meso_robust.policy.cells import (
     widened,
 )
 from meso_robust.policy.cover import ends_of, meet
-from meso_robust.policy.document import SCHEMA, read_policy
+from meso_robust.policy.document import read_policy
 from meso_robust.policy.follow import expected
+from meso_robust.policy.policy_file import SCHEMA
 from meso_robust.policy.pose import Sensed, beyond
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of

@@ -9,104 +9,32 @@ from __future__ import annotations
 import itertools
 import math
 from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError
 
 from meso_robust import units
 from meso_robust.bounds import Interval
-from meso_robust.certificates.document import ExactBox, HexPair, exact_box
+from meso_robust.certificates.document import exact_box
 from meso_robust.certificates.words import premise_words
 from meso_robust.errors import InputError
-from meso_robust.planning.document import (
-    BoxDocument,
-    PlanDocument,
-    RuleDocument,
-    box_document,
-    plan_document,
-)
-from meso_robust.planning.plan_file import Document
-from meso_robust.planning.reading import first_of, read_text, wrong_headings, wrong_rules
+from meso_robust.planning.document import box_document, plan_document
+from meso_robust.planning.plan_file import ExactBox, HexPair, PlanDocument, RuleDocument
+from meso_robust.planning.reading import wrong_headings, wrong_rules
 from meso_robust.planning.rules import rules_of
 from meso_robust.policy.cells import Cell, Policy, resting
+from meso_robust.policy.policy_file import (
+    CellDocument,
+    PolicyClaim,
+    PolicyDocument,
+    RegionDocument,
+    read_document,
+)
 from meso_robust.policy.proof import NotProvedError, recertified
 from meso_robust.policy.region import Region, region_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, setup_of
-from meso_robust.reading import Count, Deg, MoveNumber, Percent
 from meso_robust.task import Task
 from meso_robust.wording import counted
-
-SCHEMA: Literal["meso-robust/policy/1"] = "meso-robust/policy/1"
-
-
-class CellDocument(Document):
-    """One move for all sensed poses of a box."""
-
-    moves: MoveNumber
-    """Bound of the moves to the goal, this one included."""
-    rule: Count
-    """Index into ``rules``."""
-    sensed: BoxDocument
-    """Sensed poses for which the move is made, for reading."""
-    sensed_exact: ExactBox
-    """The same box, exactly."""
-    post: BoxDocument
-    """All true poses after the move, rounded outward."""
-    post_exact: ExactBox
-    """The box after the move, exactly."""
-    ends: bool
-    """Whether the move ends in the goal from all of the cell."""
-
-
-class RegionDocument(Document):
-    """How far the certified starts reach near one orientation of the part."""
-
-    near_deg: Deg
-    """The orientation, deg."""
-    cells: Count
-    """Number of its cells."""
-    moves: MoveNumber
-    """Bound of the moves from here."""
-    extent: BoxDocument
-    """Hull of the cells; not every pose of it is certified."""
-    certified_percent: Percent
-    """Share of the hull that the cells fill (rounded down)."""
-
-
-class PolicyClaim(Document):
-    """What is proved."""
-
-    words: str
-    """The claim in words."""
-    assumptions: tuple[str, ...]
-    """What the proof assumes, a sentence each."""
-
-
-class PolicyDocument(Document):
-    """A certified feedback policy."""
-
-    schema_: Annotated[Literal["meso-robust/policy/1"], Field(alias="schema")] = SCHEMA
-    """Name and version of the format."""
-    task: str
-    """Name of the task."""
-    task_hash: str
-    """SHA-256 of the task's values, independent of the layout of its file."""
-    claim: PolicyClaim
-    """What is proved."""
-    most_moves: Count
-    """N."""
-    region: tuple[RegionDocument, ...]
-    """Extent of the certified starts, an entry for each orientation."""
-    rest: BoxDocument | None
-    """Sensed poses that prove that the part is in the goal; the policy is done there."""
-    rest_exact: ExactBox | None
-    """The same box, exactly; null if sensing cannot prove the goal."""
-    rules: tuple[RuleDocument, ...]
-    """All moves that cells name."""
-    cells: tuple[CellDocument, ...]
-    """Fewest moves first; the first one that holds the sensed pose decides."""
 
 
 def policy_document(policy: Policy) -> PolicyDocument:
@@ -175,15 +103,7 @@ def read_policy(path: Path, task: Task) -> Policy:
     InputError
         The file cannot be read, breaks a rule, was made for another task, or a cell is not proved.
     """
-    try:
-        document = PolicyDocument.model_validate_json(read_text(path), strict=True)
-    except ValidationError as error:
-        raise InputError(f"{path}: {first_of(error, PolicyDocument, 'policy')}") from error
-    if document.task_hash != task.hash:
-        raise InputError(
-            f"{path}: key task_hash = {document.task_hash!r}: must be the hash {task.hash!r} of the "
-            f"task; the policy was made for another task ({document.task!r}), regenerate it"
-        )
+    document = read_document(path, task)
     try:
         return recertified(_policy(document, task))
     except (ValueError, IndexError) as error:

@@ -29,10 +29,28 @@ def write_set(folder: Path, recordings: RecordingSet) -> None:
     InputError
         If a value is beyond the limits of the format, or a file cannot be written.
     """
+    write_all(folder, set_files(recordings, str(folder / SET_FILE)))
+
+
+def set_files(recordings: RecordingSet, source: str = SET_FILE) -> dict[str, str]:
+    """The texts of a recording set by the names of its files, ``set.toml`` last.
+
+    Parameters
+    ----------
+    recordings
+        The set.
+    source
+        Names ``set.toml`` in messages.
+
+    Raises
+    ------
+    InputError
+        A value is beyond the limits of the format.
+    """
     values = _values(recordings)
-    parse_document(values, str(folder / SET_FILE))
+    parse_document(values, source)
     tables = {recording.file: table_text(recording) for recording in recordings.recordings}
-    write_all(folder, {**tables, SET_FILE: toml_text(values)})
+    return {**tables, SET_FILE: toml_text(values)}
 
 
 def _values(recordings: RecordingSet) -> dict[str, Any]:

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from meso_robust import units
-from meso_robust.certificates.document import ExactBox, HexPair, WitnessDocument
+from meso_robust.certificates.document import WitnessDocument
 from meso_robust.certificates.margin import LARGEST
 from meso_robust.planning.document import AimDocument, Pair
+from meso_robust.planning.plan_file import ExactBox, HexPair
 from meso_robust.wording import down, down_to, up, up_to
 
 MINUS = "−"

@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -14,10 +14,11 @@ from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
-from meso_robust.recordings import Polygon, RecordingSet, Rectangle, write_set
+from meso_robust.recordings import Polygon, RecordingSet, Rectangle
 from meso_robust.recordings.checks.copies import copy_problems
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.rules import file_fault
+from meso_robust.recordings.writing import set_files
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
@@ -247,17 +248,47 @@ def _with_copies(
     ]
 
 
-def write(folder: Path, found: Found, report: str, counting: Counting | None) -> None:
-    """Write the results: the set, covariances, track.json, calibration.toml, report and overlays.
+def texts(found: Found, report: str) -> dict[str, str]:
+    """The texts of the results by the names of their files: the set, covariances, camera and report.
+
+    Parameters
+    ----------
+    found
+        What was found.
+    report
+        Text of report.html.
+
+    Raises
+    ------
+    InputError
+        A value is beyond the limits of the format of recordings.
+    """
+    ready = found.ready
+    return {
+        **(set_files(found.recordings) if found.recordings is not None else {}),
+        "calibration.toml": calibration_text(ready.scene.calibration),
+        "report.html": report,
+        "track.json": found.answer.model_dump_json(by_alias=True, indent=2) + "\n",
+        **{
+            covariance_file(file): covariance_text(one)
+            for one, file in zip(found.tracks, ready.files, strict=True)
+        },
+    }
+
+
+def write(
+    folder: Path, found: Found, contents: Mapping[str, str], counting: Counting | None
+) -> None:
+    """Write the results with overlay videos.
 
     Parameters
     ----------
     folder
         Made if needed.
     found
-        What is written.
-    report
-        Text of report.html.
+        What the overlays show.
+    contents
+        See :func:`texts`.
     counting
         Shows the progress of the overlays; None: no overlays.
 
@@ -266,23 +297,13 @@ def write(folder: Path, found: Found, report: str, counting: Counting | None) ->
     InputError
         Something cannot be written; nothing is left half written.
     """
-    ready = found.ready
-    texts = {
-        "calibration.toml": calibration_text(ready.scene.calibration),
-        "report.html": report,
-        "track.json": found.answer.model_dump_json(by_alias=True, indent=2) + "\n",
-    }
-    for one, file in zip(found.tracks, ready.files, strict=True):
-        texts[covariance_file(file)] = covariance_text(one)
     with ExitStack() as opened, _Drafts(folder) as drafts:
         if counting is not None:
             for name, film in _overlays(folder, found, counting):
                 drafts.add(name, opened.enter_context(film))
-        if found.recordings is not None:
-            write_set(folder, found.recordings)
-        elif (folder / "track.json").exists():  # the set of an earlier run is not the answer now
-            (folder / SET_FILE).unlink(missing_ok=True)
-        write_all(folder, texts)
+        if found.recordings is None and (folder / "track.json").exists():
+            (folder / SET_FILE).unlink(missing_ok=True)  # of an earlier run: not the answer now
+        write_all(folder, contents)
         drafts.place()
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from meso_robust.bounds import Verdict
-from meso_robust.certificates.document import TIPS
 from meso_robust.certificates.words import words
 from meso_robust.transfer.assumption_check import BREAKS, Standing, remedy
 from meso_robust.transfer.changing import Changed
@@ -126,7 +125,7 @@ def summary(made: Promise) -> str:
     """
     certificate = made.planned.certificate
     lines = [
-        f"{certificate.verdict} ({TIPS}): {made.before.name}, with the model {made.document.model}"
+        f"{certificate.verdict} ({made.before.tips}): {made.before.name}, with the model {made.document.model}"
     ]
     lines += [
         f"  {one.key}: {one.before} -> {one.after} ({one.because})" for one in made.changed.changes

@@ -36,7 +36,11 @@ def test_a_task_is_read_without_the_numerical_libraries() -> None:
 
 
 def test_a_check_loads_nothing_of_what_it_checks() -> None:
-    code = "import sys, meso_robust as mr; mr.check; print(*sys.modules)"
+    certificate = PLAN.with_name("certificate.json")
+    code = (
+        f"import sys, meso_robust as mr; mr.check({str(certificate)!r}, mr.Task.paper()); "
+        "print(*sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     own = {name.split(".")[1] for name in done.stdout.split() if name.startswith("meso_robust.")}
     assert "checker" in own

@@ -45,7 +45,7 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.track("x", probes={"p": (1.0, "a")}), "probes['p'] = (1.0, 'a'): must be 2"),  # type: ignore[dict-item]
         (lambda: mr.campaign("x", workers=1025), "workers = 1025: must be at most 1,024"),
         (lambda: mr.plan(mr.Task.paper(), seed=-1), "seed = -1: must be at least 0"),
-        (lambda: mr.plan(PAPER, model="m", maps=True), "model: cannot be combined with widest"),
+        (lambda: mr.plan(PAPER, model="m", maps=True), "model=: cannot be combined with widest="),
         (lambda: mr.plan(PAPER, model="no such model"), "no such model"),
         (lambda: mr.certify(PAPER, "no such plan"), "no such plan: cannot be read"),
         (lambda: mr.check("no such certificate", PAPER), "no such certificate: cannot be read"),
@@ -55,7 +55,10 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.identify("no such set"), "no such set"),
         (lambda: mr.identify(clean(), starts=0), "starts = 0"),
         (lambda: mr.identify(clean(), confidence=1.0), "confidence = 1.0"),
-        (lambda: mr.identify(clean(), objective="other"), "objective= other"),  # type: ignore[arg-type]
+        (
+            lambda: mr.identify(clean(), objective="other"),  # type: ignore[arg-type]
+            "objective = other: must be likelihood or printed",
+        ),
         (
             lambda: mr.identify(clean(), objective="printed", design=1),
             "design=: needs the information of a likelihood; leave objective= out",

@@ -36,6 +36,7 @@ def test_check(story: Story, planned: mr.Planned) -> None:
     certificate = story.ours / "plan" / "certificate.json"
     checked = mr.check(certificate, story.task)
     assert checked.verified
+    assert str(checked).startswith("VERIFIED (point tips): From every start ")
     assert story.said("check", certificate, story.task) == f"{checked}\n"
 
     values = json.loads(certificate.read_text(encoding="utf-8"))

@@ -17,7 +17,7 @@ from meso_robust.campaigns.document import Campaign, read_campaign
 from meso_robust.campaigns.encoding import part_of, part_text, result_of, result_text
 from meso_robust.campaigns.intervals import ends_told, percent, share_interval
 from meso_robust.campaigns.kind import Coverage, Paths, Result, Table
-from meso_robust.campaigns.monte_carlo import MONTE_CARLO, drawn
+from meso_robust.campaigns.monte_carlo.kind import MONTE_CARLO, drawn
 from meso_robust.campaigns.planned import largest_factor, plan_of
 from meso_robust.errors import InputError
 from meso_robust.laboratory.replay import Feedback, limits

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from meso_robust.campaigns.kinds import KINDS
 from meso_robust.tasks import PAPER
 from tests.recordings.examples import SET, folder_of
 
@@ -26,6 +27,7 @@ simulate TASK PLAN --witness witness.json
 drive bad.toml PLAN
 drive TASK bad.json
 drive TASK cut.json
+drive TASK policy.json
 identify set
 identify table
 identify --plan bad.toml
@@ -33,6 +35,12 @@ identify --plan set
 diagnose set
 diagnose table
 recordings set
+campaign bad.toml
+campaign monte-carlo.toml
+campaign falsify.toml
+campaign property.toml
+campaign mutation.toml
+campaign blind.toml
 track bad.avi {SIDES}
 track nowhere.avi {SIDES}
 track nowhere.avi --task bad.toml --tip-radius-um 12.5 --pixel-um 5.26
@@ -57,6 +65,11 @@ def test_no_compiled_code_is_imported_for_a_bad_file(tmp_path: Path) -> None:
     (tmp_path / "cut.json").write_text(PLAN.read_text(encoding="utf-8")[:900], encoding="utf-8")
     witness = '{"schema": "meso-robust/witness/1", "factr": 1.0}'
     (tmp_path / "witness.json").write_text(witness, encoding="utf-8")
+    policy = '{"schema": "meso-robust/policy/1", "taks": "paper"}'
+    (tmp_path / "policy.json").write_text(policy, encoding="utf-8")
+    for kind in KINDS:
+        text = f'schema = "meso-robust/campaign/1"\nname = "x"\n[[part]]\nname = "p"\nkind = "{kind}"\n'
+        (tmp_path / f"{kind}.toml").write_text(f"{text}what = 1\n", encoding="utf-8")
     (tmp_path / "bad.avi").write_bytes(b"x")
     for name, text, table in (("set", "what = 1\n", "x"), ("table", SET, "time\n1\n")):
         (tmp_path / name).mkdir()

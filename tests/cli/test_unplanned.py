@@ -35,7 +35,7 @@ def test_the_report_of_an_early_unknown_has_reason_and_advice(verb: str, tmp_pat
     done = CliRunner().invoke(app, words)
 
     assert done.exit_code == 1, done.output
-    assert "UNKNOWN: " in done.stderr
+    assert "UNKNOWN (point tips): " in done.stderr
     assert str(out / "report.html") in done.stderr
     assert {path.name for path in out.iterdir()} == {"report.html"}
     page = (out / "report.html").read_text(encoding="utf-8").casefold()

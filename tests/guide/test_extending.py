@@ -1,4 +1,4 @@
-"""The guide's way to a new support model, followed to the letter in a copy of the package."""
+"""The guide's way to a new support model and to a verb, to the letter in a copy of the package."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from meso_robust.guide import GUIDE
 from reports.guide.adding_an_effect import PACKAGE, run
 
 _PAGE = (GUIDE / "extending.md").read_text(encoding="utf-8")
-_NEW = re.compile(r"New file `([^`]+)`:\n\n```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+_NEW = re.compile(r"New file\s`([^`]+)`:\n\n```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 _LINE = re.compile(
     r"In\s+`([^`]+)`, after the\s+line `([^`]+)`:\n\n```text\n(.*?)^```", re.DOTALL | re.MULTILINE
 )
@@ -59,7 +59,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_support_model_is_added_by_the_steps_of_the_guide(copy: Path) -> None:
-    assert (len(_NEW.findall(_PAGE)), len(_LINE.findall(_PAGE))) == (1, 3)
+    assert (len(_NEW.findall(_PAGE)), len(_LINE.findall(_PAGE))) == (3, 4)
     found = json.loads(run(_LOOK, copy))
 
     assert found["file"].startswith(str(copy))
@@ -78,3 +78,34 @@ def test_the_command_line_of_the_copy_knows_the_model(copy: Path) -> None:
 
     assert "two_drags" in run(code, copy).split()
     assert "two_drags" not in MODELS
+
+
+_CALLED = """
+import sys
+from typer.testing import CliRunner
+from meso_robust.cli import app
+for line in ("--help", "area --help", "area TASK --json", "area TASK --least-um2 2e6", "area TASK --least-um2 -1"):
+    words = [sys.argv[-1] if word == "TASK" else word for word in line.split()]
+    done = CliRunner().invoke(app, words)
+    print(done.exit_code, " ".join(done.output.split()))
+"""
+
+
+def test_a_verb_is_added_by_the_steps_of_the_guide(
+    copy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    task = copy / "meso_robust" / "tasks" / "paper.toml"
+    said = run(_CALLED.replace("sys.argv[-1]", repr(str(task))), copy).splitlines()
+
+    listed, explained, printed, refuted, refused = said
+    assert "Measures: area Tell how large a rectangular part is; write area.json." in listed
+    assert (
+        "--least-um2 <float range> The answer is no for a smaller part. [default: 0.0; x>=0]"
+        in explained
+    )
+    assert printed == '0 {"area_um2": 1352592.0}'  # 1616 times 837
+    assert refuted.startswith("1 ")
+    assert refuted.endswith(f"1.35259e+06 µm² figures: {Path('meso-robust-area', 'area.json')}")
+    assert refused.startswith("2 ")
+    assert "--least-um2" in refused

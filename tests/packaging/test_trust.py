@@ -26,9 +26,11 @@ ALLOWED = {
     ("meso_robust/__init__.py", "calls import_module"),
     ("meso_robust/conditions/formula.py", "calls import_module"),
     ("meso_robust/campaigns/kinds.py", "calls import_module"),
+    ("meso_robust/campaigns/property/registry.py", "calls import_module"),
     ("meso_robust/campaigns/property/laws/derived.py", "calls import_module"),
     ("meso_robust/campaigns/property/laws/routes.py", "calls import_module"),
     ("meso_robust/cli/schema.py", "calls import_module"),
+    ("meso_robust/cli/verbs.py", "calls import_module"),
     ("meso_robust/reporting/conditions.py", "calls import_module"),
     ("meso_robust/reproduction/items.py", "calls import_module"),
     # the name of this machine, for the store

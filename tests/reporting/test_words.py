@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from meso_robust.certificates.document import ExactBox
 from meso_robust.planning.document import AimDocument
+from meso_robust.planning.plan_file import ExactBox
 from meso_robust.reporting import words
 
 

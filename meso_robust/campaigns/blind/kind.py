@@ -5,28 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Literal
-
-from pydantic import Field
 
 from meso_robust.campaigns.blind.asking import asked
 from meso_robust.campaigns.blind.corpus import labels_hash, opened_labels, sets_of
 from meso_robust.campaigns.blind.judging import Judged, judged
 from meso_robust.campaigns.blind.scoring import answer_of, scores
 from meso_robust.campaigns.blind.sealing import SETS
+from meso_robust.campaigns.blind.section import BlindSection
 from meso_robust.campaigns.blind.summary import tell
-from meso_robust.campaigns.kind import Failure, Kind, Part, Result, Section, Values
-
-
-class BlindSection(Section):
-    """A corpus of recording sets in which something is concealed, each diagnosed once."""
-
-    kind: Literal["blind"]
-    """The kind: recordings are diagnosed whose labels are opened afterwards."""
-    corpus: Annotated[str, Field(min_length=1)]
-    """Folder of the corpus, relative to the campaign file; every worker must reach it."""
-    quick: bool = False
-    """Whether the quick form of the diagnosis is asked for."""
+from meso_robust.campaigns.kind import Failure, Kind, Part, Result, Values
 
 
 def given_corpus(section: BlindSection, folder: Path) -> Values:
@@ -108,7 +95,6 @@ def _row(name: str, case: Judged) -> Values:
 BLIND = Kind(
     name="blind",
     unit="cases",
-    section=BlindSection,
     given=given_corpus,
     count=count,
     prepare=prepare,

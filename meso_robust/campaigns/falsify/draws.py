@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 
+from meso_robust.campaigns.falsify.section import Draw
 from meso_robust.laboratory.ascent import shaken
 from meso_robust.laboratory.draws import at_shares
 from meso_robust.types import Floats
 
 Spread = Literal["uniform", "corners", "mixed"]
-Draw = Literal["uniform", "corners", "mixed", "adversarial"]
 
 
 def shares_of(how: Spread, shape: tuple[int, int], rng: np.random.Generator) -> Floats:

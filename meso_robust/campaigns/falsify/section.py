@@ -9,11 +9,10 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from meso_robust.campaigns.falsify.draws import Draw
-from meso_robust.campaigns.kind import Part
-from meso_robust.campaigns.planned import PlanSection
+from meso_robust.campaigns.kind import Part, PlanSection
 from meso_robust.laboratory.claims import OUTCOME, Claim
 
+Draw = Literal["uniform", "corners", "mixed", "adversarial"]
 SearchName = Literal["climb", "corner-walk", "face-walk", "cma-es", "splitting"]
 Method = Literal[  # one list, so that a message about a wrong one names them all
     "uniform",

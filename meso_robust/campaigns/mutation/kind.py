@@ -14,10 +14,10 @@ from meso_robust.campaigns.mutation.answer import ACCEPTED, REJECTED, answered
 from meso_robust.campaigns.mutation.changes import change
 from meso_robust.campaigns.mutation.excuses import excuse
 from meso_robust.campaigns.mutation.forgeries import forge
+from meso_robust.campaigns.mutation.given import given_certificate
 from meso_robust.campaigns.mutation.memory import Remembered
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document, differences, sealed
-from meso_robust.campaigns.mutation.section import MutationSection, given_certificate
 from meso_robust.campaigns.mutation.summary import UNTRUE, tell
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.task import parse_task
@@ -176,7 +176,6 @@ def added(one: Values, other: Values) -> Values:
 MUTATION = Kind(
     name="mutation",
     unit="certificates",
-    section=MutationSection,
     given=given_certificate,
     count=count,
     prepare=prepare,

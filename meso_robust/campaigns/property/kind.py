@@ -5,40 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any
 
-from pydantic import Field, model_validator
-
-from meso_robust.campaigns.kind import Kind, Part, Result, Section, Values
+from meso_robust.campaigns.kind import Kind, Part, Result, Values
 from meso_robust.campaigns.property.kept import entries_of, failure_of, keep, replay
 from meso_robust.campaigns.property.law import Property
 from meso_robust.campaigns.property.registry import PROPERTIES
 from meso_robust.campaigns.property.search import key_of, search
+from meso_robust.campaigns.property.section import PropertySection
 from meso_robust.campaigns.property.summary import tell
-
-
-class PropertySection(Section):
-    """The keys of a part of this kind."""
-
-    kind: Literal["property"]
-    """The kind: laws of the package are tried on random examples."""
-    properties: Annotated[tuple[str, ...], Field(min_length=1)] = tuple(PROPERTIES)
-    """Names of the laws; all if absent."""
-    examples: Annotated[int, Field(ge=1, le=10**9)]
-    """Budget of each law."""
-    chunk: Annotated[int, Field(ge=1, le=10**6)] | None = None
-    """Examples of a chunk; as many as take some seconds if absent."""
-
-    @model_validator(mode="after")
-    def _known_and_once(self) -> Self:
-        for name in self.properties:
-            if name not in PROPERTIES:
-                raise ValueError(
-                    f"{name!r} is not a property; must be one of {', '.join(PROPERTIES)}"
-                )
-            if self.properties.count(name) > 1:
-                raise ValueError(f"property {name!r} is given twice; name each once")
-        return self
 
 
 def _given(section: PropertySection, folder: Path) -> Values:
@@ -122,7 +97,6 @@ def _size_of(example: str) -> tuple[int, str]:
 PROPERTY = Kind(
     name="property",
     unit="examples",
-    section=PropertySection,
     given=_given,
     count=_count,
     prepare=_prepare,

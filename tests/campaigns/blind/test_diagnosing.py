@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 
 from meso_robust.campaigns.blind import asking
-from meso_robust.campaigns.blind.kind import BLIND, BlindSection
+from meso_robust.campaigns.blind.kind import BLIND
+from meso_robust.campaigns.blind.section import BlindSection
 from meso_robust.campaigns.encoding import part_text, result_text
 from meso_robust.campaigns.kind import Part, Result
 from meso_robust.errors import InputError

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from meso_robust.campaigns.blind.asking import essence
-from meso_robust.campaigns.blind.kind import BLIND, BlindSection
+from meso_robust.campaigns.blind.kind import BLIND
 from meso_robust.campaigns.blind.sealing import (
     COMMITMENT,
     SEALED,
@@ -20,6 +20,7 @@ from meso_robust.campaigns.blind.sealing import (
     read_sealed,
     sha256,
 )
+from meso_robust.campaigns.blind.section import BlindSection
 from meso_robust.campaigns.encoding import canonical
 from meso_robust.campaigns.kind import Part, Result, Table
 

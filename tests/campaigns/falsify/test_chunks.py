@@ -21,6 +21,7 @@ from meso_robust.campaigns.falsify.section import (
     METHODS,
     Bisection,
     Bulk,
+    FalsifySection,
     Search,
     Wanted,
     work_of,
@@ -103,7 +104,7 @@ def test_a_plan_of_bare_moves_is_refused(tmp_path: Any) -> None:
     values["policy"] = []
     bare = tmp_path / "bare.json"
     bare.write_text(json.dumps(values), encoding="utf-8")
-    section = FALSIFY.section.model_validate({"name": "a", "kind": "falsify", "plan": str(bare)})
+    section = FalsifySection.model_validate({"name": "a", "kind": "falsify", "plan": str(bare)})
 
     with pytest.raises(InputError, match=r"part 'a': key plan = .*must state a policy"):
         FALSIFY.given(section, ROOT)

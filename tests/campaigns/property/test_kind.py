@@ -14,10 +14,11 @@ from scipy.stats import binom
 
 from meso_robust.campaigns.encoding import result_of, result_text
 from meso_robust.campaigns.kind import Part, Result
-from meso_robust.campaigns.property import kept, kind, registry, summary
+from meso_robust.campaigns.property import kept, kind, registry, section, summary
 from meso_robust.campaigns.property.kept import keep, replay
-from meso_robust.campaigns.property.kind import PROPERTY, PropertySection
+from meso_robust.campaigns.property.kind import PROPERTY
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
+from meso_robust.campaigns.property.section import PropertySection
 
 NUMBERS = st.integers(0, 10**6)
 
@@ -57,7 +58,7 @@ LAWS = {
 
 @pytest.fixture(autouse=True)
 def laws(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (kind, kept, summary, registry):
+    for module in (kind, kept, summary, registry, section):
         monkeypatch.setattr(module, "PROPERTIES", LAWS)
 
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from meso_robust.bounds import Interval
-from meso_robust.campaigns.property.kind import PropertySection
 from meso_robust.campaigns.property.law import Cost
 from meso_robust.campaigns.property.laws import (
     certified,
@@ -28,6 +27,7 @@ from meso_robust.campaigns.property.laws.routes import routes
 from meso_robust.campaigns.property.laws.variants import paper_rules, variants
 from meso_robust.campaigns.property.registry import PROPERTIES
 from meso_robust.campaigns.property.search import Searched, search
+from meso_robust.campaigns.property.section import PropertySection
 from meso_robust.certificates.chain import certify
 from meso_robust.conditions import balls
 from meso_robust.planning.compose import robust_at
@@ -233,7 +233,8 @@ def test_a_certificate_for_smaller_uncertainties(monkeypatch: Patch, name: str) 
     monkeypatch.setattr(certified, "certify", wrong)
     monkeypatch.setattr(certified, "robust_at", lambda task, scale: paper_rules())
     monkeypatch.setattr(certified, "ROWS", 24)
-    monkeypatch.setitem(PROPERTIES, name, replace(PROPERTIES[name], cost=Cost.COSTLY))
+    law = replace(PROPERTIES[name], cost=Cost.COSTLY)
+    monkeypatch.setitem(globals(), "PROPERTIES", {**PROPERTIES, name: law})
     found = broken(name)
     assert found.breach is not None
     assert found.breach.what.startswith("certified, but broken by a run: ")

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, FiniteFloat
 
 from meso_robust.campaigns.coverage import BINS, coverage, histogram
 from meso_robust.campaigns.hardest import HARDEST, hardest, hexadecimal, paths, row_of
@@ -27,7 +26,7 @@ from meso_robust.campaigns.kind import (
     Values,
     Verdict,
 )
-from meso_robust.campaigns.planned import GivenPlan, PlanSection, given_plan, plan_of
+from meso_robust.campaigns.planned import GivenPlan, given_plan, plan_of
 from meso_robust.laboratory.draws import at_shares
 from meso_robust.laboratory.endings import ending, words
 from meso_robust.laboratory.engines import Engine
@@ -50,23 +49,6 @@ FAR = 2.0  # tolerances
 DRAWN = 24  # intervals of each move of a run that is drawn
 CHUNK = {"events": 20_000, "stepper": 1_000}
 """Executions of a chunk, some seconds of work."""
-
-
-class MonteCarloSection(PlanSection):
-    """The keys of a part of this kind."""
-
-    kind: Literal["monte-carlo"]
-    """The kind: the success rate of a plan with its interval."""
-    executions: Annotated[int, Field(ge=1, le=10**12)]
-    """Runs in all."""
-    engine: Literal["events", "stepper"] = "events"
-    """Event-driven, or LCP stepper; bare moves are run by the stepper."""
-    draws: Literal["uniform", "corners"] = "uniform"
-    """Of everything uncertain: within its range, or at its ends."""
-    chunk: Annotated[int, Field(ge=1, le=10**7)] | None = None
-    """Executions of a chunk."""
-    at_least: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
-    """Success that is demanded: ``held`` if the lower end of the interval reaches it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -288,7 +270,6 @@ def _hardest_drawn(ready: _Ready, totals: Values) -> tuple[Paths, ...]:
 MONTE_CARLO = Kind(
     name="monte-carlo",
     unit="executions",
-    section=MonteCarloSection,
     given=given_plan,
     count=_count,
     prepare=_prepare,

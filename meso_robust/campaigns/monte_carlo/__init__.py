@@ -1,0 +1,1 @@
+"""How often a plan ends in its goal, with an exact interval."""
