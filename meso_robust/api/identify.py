@@ -156,8 +156,8 @@ def identify(  # every option of the verb is an argument
 
     from meso_robust.identification.answer import document
     from meso_robust.identification.identify import check_model
-    from meso_robust.identification.verdict import doubts
     from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
+    from meso_robust.identification.verdict import doubts
     from meso_robust.wording import counted
 
     check_model(model)
