@@ -1,7 +1,7 @@
 """What only ``make test-all`` runs, and the code that each line is about.
 
 A line is about tests that take long and repeat, at length, what shorter ones say as well. Where the code
-of a line has changed since the last commit (or in it), ``make test`` runs its tests too.
+of a line differs from the last commit, ``make test`` runs its tests too.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ SLOW: Mapping[str, tuple[str, ...]] = {
 
 
 def changed() -> tuple[str, ...]:
-    """Paths that differ from the commit before the last one; nothing where git does not answer."""
+    """Paths that differ from the last commit; nothing where git does not answer."""
     paths: list[str] = []
     for command in (
-        ("diff", "--name-only", "HEAD~1"),
+        ("diff", "--name-only", "HEAD"),
         ("ls-files", "--others", "--exclude-standard"),
     ):
         done = subprocess.run(
