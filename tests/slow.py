@@ -37,7 +37,11 @@ SLOW: Mapping[str, tuple[str, ...]] = {
     "tests/reproduction": ("meso_robust/reproduction",),
     "tests/test_browser.py": ("meso_robust/reporting",),
     "tests/test_reality.py": ("meso_robust/tracking", "meso_robust/identification"),
-    "tests/tracking": ("meso_robust/tracking", "meso_robust/microscope"),
+    "tests/tracking/test_accuracy.py": ("meso_robust/tracking", "meso_robust/microscope"),
+    "tests/tracking/test_frames.py": ("meso_robust/tracking", "meso_robust/microscope"),
+    "tests/tracking/test_pose.py": ("meso_robust/tracking", "meso_robust/microscope"),
+    "tests/tracking/test_probes.py": ("meso_robust/tracking", "meso_robust/microscope"),
+    "tests/tracking/test_track.py": ("meso_robust/tracking", "meso_robust/microscope"),
 }
 """Tests by path, and the paths of the code that they are about."""
 

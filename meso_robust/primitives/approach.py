@@ -17,10 +17,10 @@ from meso_robust.primitives.tips import Tip
 
 MODULE = "two_sided_rotation"
 # Choices of speed against tightness: a step too long or too many leave a rotation undecided, never wrong.
-APPROACH_STEPS = 50  # per half width d1: a step turns the part by less than 1/50, as |omega| <= 1/d1
-MOST_APPROACH_STEPS = (
-    40  # 0.8 half widths of travel; a passive tip farther off is left undecided
+APPROACH_STEPS = (
+    50  # per half width d1: a step turns the part by less than 1/50, as |omega| <= 1/d1
 )
+MOST_APPROACH_STEPS = 40  # 0.8 half widths of travel; a passive tip farther off is left undecided
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
