@@ -18,7 +18,7 @@ import tempfile
 import time
 import tomllib
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -155,7 +155,9 @@ def main() -> int:
     results = {b.name: Result(**values[b.name]) for b in breaks if b.name in values}
     wanted = [item for item in breaks if item.name in given.names or not given.names]
     with ThreadPoolExecutor(given.workers) as pool:
-        for item, result in zip(wanted, pool.map(planted, wanted), strict=True):
+        running = {pool.submit(planted, item): item for item in wanted}
+        for done in as_completed(running):
+            item, result = running[done], done.result()
             results[item.name] = result
             print(f"{item.name}: {result.noticed_by or f'NOT NOTICED ({result.why})'}", flush=True)
             ordered = {b.name: asdict(results[b.name]) for b in breaks if b.name in results}
