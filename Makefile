@@ -4,6 +4,10 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
+# Compiled sources are kept, whatever the caller's environment says: every worker and every command
+# that a test starts would compile the package anew.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: demo test test-all compiled check lock benchmark reports campaign tutorial nightly package oldest newest clean
 
 demo: $(INSTALLED)

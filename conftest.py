@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,15 +18,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--fast", action="store_true", help="without slow tests of unchanged code")
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark slow tests by the table in ``tests/slow.py``."""
-    touched = changed() if config.getoption("--fast") else ()
-    slow = [item for item in items if is_slow(item.path.relative_to(ROOT).as_posix(), touched)]
-    for item in slow:
-        item.add_marker(pytest.mark.slow)
-    if config.getoption("--fast"):
-        items[:] = [item for item in items if item not in set(slow)]
-        config.hook.pytest_deselected(items=slow)
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave slow tests out before they are imported, which would take seconds in every worker."""
+    if not (config.getoption("--fast") and collection_path.is_relative_to(ROOT)):
+        return None
+    test = collection_path.relative_to(ROOT).as_posix()
+    return is_slow(test, _changed_paths()) or None
+
+
+@cache
+def _changed_paths() -> tuple[str, ...]:
+    return changed()
 
 
 @pytest.fixture(autouse=True)

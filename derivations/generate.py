@@ -80,6 +80,16 @@ class _Printer(PythonCodePrinter):
 def derive_one(name: str) -> Derivation:
     """Run one derivation and check the units and constants of what it would generate.
 
+    Parameters
+    ----------
+    name
+        One of `SOURCES`.
+
+    Returns
+    -------
+    Derivation
+        Its claims, each decided, and its functions.
+
     Raises
     ------
     DerivationError
@@ -95,6 +105,11 @@ def derive_one(name: str) -> Derivation:
 
 def derive_all() -> tuple[Derivation, ...]:
     """Run every derivation, on all cores.
+
+    Returns
+    -------
+    tuple[Derivation, ...]
+        In the order of `SOURCES`.
 
     Raises
     ------
@@ -130,7 +145,18 @@ def _on_all_cores() -> tuple[Derivation, ...]:
 
 
 def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
-    """Contents of the generated files by path: one module a derivation, one script of them all."""
+    """Contents of the generated files by path: one module a derivation, one script of them all.
+
+    Parameters
+    ----------
+    derivations
+        As :func:`derive_all` returns them.
+
+    Returns
+    -------
+    dict[Path, str]
+        The same bytes every time, so that a file that differs was edited or is out of date.
+    """
     files = {GENERATED / f"{d.name}.py": _module(d) for d in derivations if d.functions}
     files[GENERATED / "__init__.py"] = (
         '"""Code generated from derivations/ by `meso-robust derive`; do not edit."""\n'
@@ -140,7 +166,13 @@ def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
 
 
 def on_disk() -> set[Path]:
-    """Every file that lies where :func:`render` writes."""
+    """Every file that lies where :func:`code` and :func:`derivations.report.render` write.
+
+    Returns
+    -------
+    set[Path]
+        What is in it beyond what they write is left over from an earlier state.
+    """
     found = {*GENERATED.glob("*.py"), *GENERATED.glob("*.js"), *report.FOLDER.rglob("*")}
     return {path for path in found if path.is_file()}
 

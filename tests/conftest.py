@@ -20,8 +20,8 @@ def paper_plan() -> Planned:
 
 @pytest.fixture(scope="session")
 def wide_friction_plan() -> Planned:
-    """The same task with friction anywhere from 0.05 to 0.9."""
-    return make(paper_task(uncertainty__friction=[0.05, 0.9]), 100, 0)
+    """The same task with friction anywhere from 0.05 to 0.9, and a probe on one side only."""
+    return make(paper_task(uncertainty__friction=[0.05, 0.9], probe__headings=["-x"]), 100, 0)
 
 
 @pytest.fixture(scope="session")

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import meso_robust
+from tests.sources import tree
 from tests.strategies import paper_chain
 
 PACKAGE = Path(meso_robust.__file__).parent
@@ -83,12 +84,6 @@ ABOVE = {
 def part_of(path: Path) -> str:
     """First name below the package: a folder or a module."""
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
-
-
-@functools.cache
-def tree(path: Path) -> ast.Module:
-    """A file as a syntax tree, read once for all tests."""
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 @functools.cache

@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from tests.sources import tree
+
 ROOT = Path(__file__).parents[1]
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 PROGRAMS = sorted((ROOT / "reports").rglob("*.py"))
@@ -18,14 +20,14 @@ _ELSEWHERE = {".venv", ".git"}
 
 def guarded(path: Path) -> bool:
     """Whether a file does something when it is run: it asks for its own name."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
     return any(
-        isinstance(node, ast.If) and "'__main__'" in ast.unparse(node.test) for node in tree.body
+        isinstance(node, ast.If) and "'__main__'" in ast.unparse(node.test)
+        for node in tree(path).body
     )
 
 
 def imported(path: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

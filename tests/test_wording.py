@@ -15,6 +15,7 @@ from meso_robust.certificates.words import claim_words
 from meso_robust.checker.words import claim
 from meso_robust.wording import counted, do, down, down_to, up, up_to
 from tests.conftest import paper_task
+from tests.sources import tree
 from tests.strategies import REPEATABLE
 
 PACKAGE = Path(meso_robust.__file__).parent
@@ -75,7 +76,7 @@ MEASURED = {
 def nearest(path: Path) -> list[str]:
     """Figures of promises that an f-string rounds to the nearest."""
     found = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree(path)):
         if not (isinstance(node, ast.FormattedValue) and node.format_spec is not None):
             continue
         spec = ast.unparse(node.format_spec).strip("f'\"")

@@ -19,6 +19,11 @@ def render(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
     derivations
         What the derivation files return, in the order in which the register shows them.
 
+    Returns
+    -------
+    dict[Path, str]
+        Pages, stored proofs and pictures.
+
     Raises
     ------
     DerivationError

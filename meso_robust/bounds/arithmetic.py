@@ -16,8 +16,8 @@ from numba import njit
 
 Pair = tuple[float, float]
 
-EPS = 2.0**-52
-TINY = 5e-324
+EPS = 2.0**-52  # spacing of doubles at 1
+TINY = 5e-324  # least positive double: a step outward where EPS times the number is lost
 HALF_PI = (1.5707963267948966, 1.5707963267948968)  # neighbours: the first is below pi/2
 TWO_OVER_PI = 0.6366197723675814
 HALF_PI_HEAD = 1.5707963267341256  # the first 33 bits of pi/2: its product with |k| < 2^20 is exact
@@ -39,8 +39,20 @@ ARGUMENT_LIMIT = 1e3  # beyond it the reduction of an angle is too coarse to be 
 
 @njit(cache=True, inline="always", error_model="numpy")
 def down(x: float) -> float:
-    """Return a double at or below the predecessor of ``x`` (-inf for an undefined one).
+    """Round down by at least one step.
 
+    Parameters
+    ----------
+    x
+        A result that IEEE 754 rounded to nearest.
+
+    Returns
+    -------
+    float
+        A double at or below the predecessor of ``x``; -inf for a NaN.
+
+    Notes
+    -----
     ``|x| 2^-52`` is exact and at least one unit in the last place, so the difference, rounded or
     not, lies at least that far below.
     """
@@ -50,26 +62,70 @@ def down(x: float) -> float:
 
 @njit(cache=True, inline="always", error_model="numpy")
 def up(x: float) -> float:
-    """Return a double at or above the successor of ``x`` (inf for an undefined one)."""
+    """Round up by at least one step, as :func:`down` rounds down.
+
+    Parameters
+    ----------
+    x
+        A result that IEEE 754 rounded to nearest.
+
+    Returns
+    -------
+    float
+        A double at or above the successor of ``x``; inf for a NaN.
+    """
     r = x + (abs(x) * EPS + TINY)
     return r if r == r else np.inf
 
 
 @njit(cache=True, error_model="numpy")
 def add(a: float, b: float, c: float, d: float) -> Pair:
-    """[a, b] + [c, d]."""
+    """[a, b] + [c, d].
+
+    Parameters
+    ----------
+    a, b, c, d
+        Ends of the two ranges.
+
+    Returns
+    -------
+    lower, upper
+        Rounded outward.
+    """
     return down(a + c), up(b + d)
 
 
 @njit(cache=True, error_model="numpy")
 def sub(a: float, b: float, c: float, d: float) -> Pair:
-    """[a, b] - [c, d]."""
+    """[a, b] - [c, d].
+
+    Parameters
+    ----------
+    a, b, c, d
+        Ends of the two ranges.
+
+    Returns
+    -------
+    lower, upper
+        Rounded outward.
+    """
     return down(a - d), up(b - c)
 
 
 @njit(cache=True, error_model="numpy")
 def mul(a: float, b: float, c: float, d: float) -> Pair:
-    """[a, b] * [c, d]."""
+    """[a, b] * [c, d].
+
+    Parameters
+    ----------
+    a, b, c, d
+        Ends of the two ranges.
+
+    Returns
+    -------
+    lower, upper
+        Rounded outward.
+    """
     p, q, r, s = a * c, a * d, b * c, b * d
     if p + q + r + s != p + q + r + s:  # a NaN among them, from 0 * inf or inf - inf
         return -np.inf, np.inf
@@ -78,7 +134,18 @@ def mul(a: float, b: float, c: float, d: float) -> Pair:
 
 @njit(cache=True, error_model="numpy")
 def div(a: float, b: float, c: float, d: float) -> Pair:
-    """[a, b] / [c, d]; the whole line if the divisor may be zero."""
+    """[a, b] / [c, d].
+
+    Parameters
+    ----------
+    a, b, c, d
+        Ends of the two ranges.
+
+    Returns
+    -------
+    lower, upper
+        Rounded outward; the whole line if the divisor may be zero.
+    """
     if not (c > 0.0 or d < 0.0):
         return -np.inf, np.inf
     p, q, r, s = a / c, a / d, b / c, b / d
@@ -166,13 +233,35 @@ def shifted_sine(a: float, b: float, shift: float) -> Pair:
 
 @njit(cache=True, error_model="numpy")
 def sin(a: float, b: float) -> Pair:
-    """Sine."""
+    """Sine.
+
+    Parameters
+    ----------
+    a, b
+        Ends of the angle, rad.
+
+    Returns
+    -------
+    lower, upper
+        Rounded outward; [-1, 1] for angles beyond `ARGUMENT_LIMIT`.
+    """
     return shifted_sine(a, b, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
 def cos(a: float, b: float) -> Pair:
-    """Cosine."""
+    """Cosine.
+
+    Parameters
+    ----------
+    a, b
+        Ends of the angle, rad.
+
+    Returns
+    -------
+    lower, upper
+        Rounded outward; [-1, 1] for angles beyond `ARGUMENT_LIMIT`.
+    """
     return shifted_sine(a, b, 1.0)
 
 

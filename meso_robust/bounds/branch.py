@@ -105,9 +105,22 @@ _one, _many = _compiled()
 def decide(
     of: Bounded, lo: Floats, hi: Floats, any_output: bool, most: int
 ) -> tuple[int, float, int, Floats, Floats]:
-    """Outcome, lower bound, number of boxes, and the box that goes with it (inputs,) twice.
+    """Decide over one box.
 
-    ``lo``, ``hi`` (inputs,): ends of the box; ``most``: how many boxes may be made.
+    Parameters
+    ----------
+    of, any_output
+        As for :func:`decide_many`.
+    lo, hi
+        (inputs,) ends of the box.
+    most
+        How many boxes may be made.
+
+    Returns
+    -------
+    outcome, least, boxes, at_lo, at_hi
+        What was found, the proved lower bound, how many boxes were bounded, and the ends (inputs,) of
+        the box that holds the witness or stayed open.
     """
     for capacity in (min(64, most), most):  # most proofs are short: do not touch a long queue
         queue = np.empty((2, capacity, lo.size))
@@ -133,6 +146,11 @@ def decide_many(
         As for :func:`meso_robust.bounds.prove_positive`.
     most
         How many boxes may be made of each.
+
+    Returns
+    -------
+    NDArray
+        (N,) one of ``PROVED``, ``REFUTED``, ``TOO_MANY``, ``INDIVISIBLE``, ``UNDEFINED`` a box.
     """
     outcomes = np.full(lo.shape[0], UNDEFINED, dtype=np.int8)
     queue = np.empty((2, most, lo.shape[1]))

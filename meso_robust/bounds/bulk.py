@@ -31,7 +31,21 @@ class Bounded:
 
 
 def bounded(name: str, inputs: tuple[str, ...], function: ca.Function) -> Bounded:
-    """Prepare ``function`` (one vector of ``inputs`` to one vector of values).
+    """Prepare a function for bounds.
+
+    Parameters
+    ----------
+    name
+        For messages.
+    inputs
+        Names of the arguments, in the order of the vector.
+    function
+        One vector of ``inputs`` to one vector of values.
+
+    Returns
+    -------
+    Bounded
+        With the tape of its gradient, which is what makes its bounds tight.
 
     Raises
     ------
@@ -68,7 +82,18 @@ class Program(NamedTuple):
 
 
 def program(of: Bounded) -> Program:
-    """Lay out ``of`` for the kernels; the scratch must not be shared between threads."""
+    """Lay out a function for the kernels.
+
+    Parameters
+    ----------
+    of
+        The function.
+
+    Returns
+    -------
+    Program
+        With scratch of its own, which must not be shared between threads.
+    """
     block_lo, block_hi = np.empty((2, of.values.inputs, BLOCK))
     return Program(
         code=of.values.code,
@@ -88,13 +113,26 @@ def program(of: Bounded) -> Program:
 def bound_box(
     program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, seen: Floats
 ) -> None:
-    """Fill ``lower`` and ``upper`` (outputs,) with proved bounds over one box.
+    """Bound all outputs over one box.
 
+    Parameters
+    ----------
+    program
+        The function; its ``slope`` is left filled with the outputs and their gradients.
+    lo, hi
+        (inputs,) ends of the box.
+    lower, upper
+        (outputs,) filled with proved bounds.
+    seen
+        (outputs, 2) filled: the least value is proved to be no more than seen[i, 0], the largest no
+        less than seen[i, 1] (values at points of the box).
+
+    Notes
+    -----
     The best of three: the natural extension; the same on the box collapsed to one end of every side
     along which the gradient over the whole box has one sign (the bound is attained there); and the
-    mean-value form on what is left of the box. ``program.slope`` is left filled with the outputs and
-    their gradients. ``seen`` (outputs, 2): the least value is proved to be
-    no more than seen[i, 0], the largest no less than seen[i, 1] (values at points of the box).
+    mean-value form on what is left of the box (R. E. Moore, R. B. Kearfott, M. J. Cloud 2009,
+    doi:10.1137/1.9780898717716).
     """
     outputs, inputs = lower.size, lo.size
     slope = program.slope

@@ -98,24 +98,59 @@ HALF_PI = Interval(*ia.HALF_PI)
 
 
 def sin(angle: Interval) -> Interval:
-    """Sine of an interval, rad."""
+    """Enclose the sine.
+
+    Parameters
+    ----------
+    angle
+        rad.
+
+    Returns
+    -------
+    Interval
+        Holds the sine of every angle.
+    """
     return Interval(*ia.sin(angle.lo, angle.hi))
 
 
 def cos(angle: Interval) -> Interval:
-    """Cosine of an interval, rad."""
+    """Enclose the cosine.
+
+    Parameters
+    ----------
+    angle
+        rad.
+
+    Returns
+    -------
+    Interval
+        Holds the cosine of every angle.
+    """
     return Interval(*ia.cos(angle.lo, angle.hi))
 
 
 def arcsin(value: Interval) -> Interval:
-    """Enclose the arcsine of an interval inside (-1, 1), rad.
+    """Enclose the arcsine.
 
-    A candidate end is accepted only when its own sine is proved to lie beyond the end of ``value``;
-    the whole line is returned if none is.
+    Parameters
+    ----------
+    value
+        Sines.
+
+    Returns
+    -------
+    Interval
+        Angles between -pi/2 and pi/2, rad; the whole line where ``value`` is not inside (-1, 1) or
+        no end could be proved.
+
+    Notes
+    -----
+    The system's arcsine only proposes an end: it is accepted when its own sine, enclosed here, is
+    proved to lie beyond the end of ``value``.
     """
     if not (value.lo > -1.0 and value.hi < 1.0):
         return Interval(-math.inf, math.inf)
-    slack = 1e-15
+    slack = 1e-15  # a few last digits; doubled until the proof goes through, given up at 0.06 deg
     while slack < 1e-3:
         low, high = math.asin(value.lo) - slack, math.asin(value.hi) + slack
         inside = -ia.HALF_PI[0] < low and high < ia.HALF_PI[0]

@@ -16,7 +16,7 @@ from meso_robust.types import Floats
 
 Box = Mapping[str, Interval]
 
-MOST_BOXES = 4096
+MOST_BOXES = 4096  # a proof that needs more is given up as UNKNOWN
 REASONS = {
     branch.TOO_MANY: f"{MOST_BOXES} boxes did not suffice",
     branch.INDIVISIBLE: "no side can be divided further: zero to within rounding",
@@ -66,6 +66,16 @@ def prove_positive(of: Bounded, box: Box, *, any_output: bool = False) -> Proof:
         An interval for each input.
     any_output
         False: all outputs must be positive at every point. True: at every point at least one.
+
+    Returns
+    -------
+    Proof
+        REFUTED only with a point at which the inequality is proved to fail.
+
+    Raises
+    ------
+    ValueError
+        The box lacks an input.
     """
     lo, hi = _ends(of, box)
     if not np.isfinite(lo).all() or not np.isfinite(hi).all():
@@ -95,6 +105,16 @@ def enclose(of: Bounded, box: Box, *, boxes: int = 64, slack: float = 0.02) -> t
     slack
         ... or when no bound is further from the true range than about this share of its width (plus
         a thousandth of this share of its size). Only how tight the result is depends on it.
+
+    Returns
+    -------
+    tuple[Interval, ...]
+        One an output; the whole line where a side of the box is infinite.
+
+    Raises
+    ------
+    ValueError
+        The box lacks an input.
     """
     lo, hi = _ends(of, box)
     if not np.isfinite(lo).all() or not np.isfinite(hi).all():

@@ -67,6 +67,16 @@ def compile_tape(function: ca.Function) -> Tape:
     CasADi simplifies while a function is built (x/x becomes 1), so a tape can be defined where the
     formula as written is not; the generated formulas hold no such quotient.
 
+    Parameters
+    ----------
+    function
+        Of one vector, to one vector.
+
+    Returns
+    -------
+    Tape
+        Its instructions, each with a slot of its own.
+
     Raises
     ------
     ValueError

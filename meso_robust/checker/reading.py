@@ -20,6 +20,13 @@ from meso_robust.task import Task
 def read_certificate(path: Path, task: Task) -> tuple[Certificate, str]:
     """Read a certificate that was made for ``task``.
 
+    Parameters
+    ----------
+    path
+        Its JSON file, of schema 1 or 2.
+    task
+        The task that it must be about.
+
     Returns
     -------
     tuple[Certificate, str]
@@ -35,7 +42,27 @@ def read_certificate(path: Path, task: Task) -> tuple[Certificate, str]:
 
 
 def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, str]:
-    """The same for a text; ``source`` names it in messages."""
+    """Read a certificate from a text.
+
+    Parameters
+    ----------
+    text
+        JSON, of schema 1 or 2.
+    source
+        What messages call it.
+    task
+        The task that it must be about.
+
+    Returns
+    -------
+    tuple[Certificate, str]
+        The certificate in the form of schema 2, and the digest that the values as given have.
+
+    Raises
+    ------
+    InputError
+        It is not a certificate, or one for another task.
+    """
     try:
         values = json.loads(text, object_pairs_hook=each_once, parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
@@ -88,7 +115,19 @@ def _is_one(values: Any) -> bool:
 
 
 def digest(values: Mapping[str, Any]) -> str:
-    """SHA-256 of all values but ``digest``: JSON, keys sorted, no white space, ASCII."""
+    """The digest that a certificate's values have.
+
+    Parameters
+    ----------
+    values
+        Of the JSON object, ``digest`` itself left out of account.
+
+    Returns
+    -------
+    str
+        SHA-256 in hexadecimal of the JSON with sorted keys, without white space, in ASCII: what the
+        lines and the order of a file are does not matter.
+    """
     rest = {key: value for key, value in values.items() if key != "digest"}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()

@@ -25,9 +25,10 @@ from meso_robust.checker.witness import check_witness
 from meso_robust.task import Task
 
 BITS = 80
-"""Precision of the balls; doubles have 53."""
+"""Precision of the balls; doubles have 53, so 27 bits are left for what a chain of operations loses."""
 NEAR = 1e-14
-"""m and rad: by how much a box that the task gives may be told too large or too small."""
+"""m and rad: by how much a box that the task gives may be told too large or too small. A few last
+digits of doubles up to a metre; that it holds what it must is checked without any room."""
 Word = Literal["VERIFIED", "REJECTED", "WITNESS CONFIRMED", "WITNESS UNDECIDED", "NOTHING CLAIMED"]
 SECTIONS = {"schema_", "name", "part", "start", "goal", "probe", "uncertainty", "plan", "slot"}
 """What the checker's proof takes from a task (``plan`` and the probe's speed are for the planner)."""
@@ -86,6 +87,11 @@ def check(
         Whether the factor of each uncertainty alone is verified as well.
     prover
         Proves the moves.
+
+    Returns
+    -------
+    Answer
+        The verdict; of a rejection, what is stated and what is so.
     """
     with ctx.workprec(BITS):
         try:

@@ -30,6 +30,11 @@ def condition(module: str, name: str) -> Bounded:
     name
         A function of it.
 
+    Returns
+    -------
+    Bounded
+        Prepared once and kept: compiling its tapes takes longer than a bound.
+
     Examples
     --------
     >>> condition("two_sided_rotation", "no_jam").inputs

@@ -16,8 +16,11 @@ from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import Tip
 
 MODULE = "two_sided_rotation"
-APPROACH_STEPS = 50  # per half width of the part
-MOST_APPROACH_STEPS = 40
+# Choices of speed against tightness: a step too long or too many leave a rotation undecided, never wrong.
+APPROACH_STEPS = (
+    50  # per half width d1: a step turns the part by less than 1/50, as |omega| <= 1/d1
+)
+MOST_APPROACH_STEPS = 40  # 0.8 half widths of travel; a passive tip farther off is left undecided
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,6 +82,7 @@ class _Alone:
 
 
 def _inflated(range_: Interval) -> Interval:
+    # any guess is sound, as it is kept only if the motion stays in it; 5 % is enough for the next try
     reach = 0.05 * (range_.hi - range_.lo)
     return Interval(range_.lo - reach, range_.hi + reach)
 

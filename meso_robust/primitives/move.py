@@ -56,12 +56,35 @@ class Aim:
 
 
 def from_part(offset_um: float) -> Aim:
-    """A coordinate measured from the sensed part, rounded to the manipulator's 0.1 um."""
+    """A coordinate measured from the sensed part.
+
+    Parameters
+    ----------
+    offset_um
+        From the part's reference point, um; rounded to 0.1 um, the manipulator's resolution. What is
+        proved is proved of the rounded number, which the plan states.
+
+    Returns
+    -------
+    Aim
+        Commanded as the sensed coordinate plus the offset.
+    """
     return Aim(anchor=Anchor.PART, offset_um=round(float(offset_um), 1))
 
 
 def in_world(offset_um: float) -> Aim:
-    """A coordinate in the world, rounded to the manipulator's 0.1 um."""
+    """A coordinate in the world.
+
+    Parameters
+    ----------
+    offset_um
+        From the world's origin, um; rounded as :func:`from_part` does.
+
+    Returns
+    -------
+    Aim
+        Commanded whatever is sensed.
+    """
     return Aim(anchor=Anchor.WORLD, offset_um=round(float(offset_um), 1))
 
 

@@ -158,7 +158,13 @@ DATA: Mapping[ObligationId, Mapping[str, tuple[StrEnum, ...]]] = {
 
 
 def every_obligation() -> Iterator[Named]:
-    """Every name that an obligation can have."""
+    """Every name that an obligation can have.
+
+    Returns
+    -------
+    Iterator[Named]
+        Ids in the order of `ObligationId`, each with all of its data.
+    """
     for id_ in ObligationId:
         data = DATA.get(id_, {})
         for values in itertools.product(*data.values()):
@@ -170,5 +176,18 @@ TURNS = {1: Turning.COUNTER_CLOCKWISE, -1: Turning.CLOCKWISE}
 
 
 def about(id_: StrEnum, **data: str) -> Named:
-    """A name with its data."""
+    """A name with its data.
+
+    Parameters
+    ----------
+    id_
+        Of an obligation, a property or a reason.
+    **data
+        What tells apart those that bear the same id, always in the same order of keys.
+
+    Returns
+    -------
+    Named
+        Both together.
+    """
     return Named(id_, data)

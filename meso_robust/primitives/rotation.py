@@ -45,7 +45,7 @@ from meso_robust.primitives.tips import (
 )
 
 PI = HALF_PI + HALF_PI
-SLICES = 24  # of the tube that is told
+SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 
 
 def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
@@ -54,7 +54,13 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     Parameters
     ----------
     rule, pre, setup
-        The move (``side`` = 1, with a passive tip), all poses before it, the task.
+        The move (``side`` = 1, with a passive tip), all poses before it, the task; all in the
+        move's axes.
+
+    Returns
+    -------
+    Step
+        In the move's axes; without a ``post`` where the motion could not be enclosed.
 
     Raises
     ------

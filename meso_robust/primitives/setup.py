@@ -134,7 +134,27 @@ class Setup:
 
 
 def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
-    """Convert a task to SI intervals, all uncertainties (or ``only`` one) scaled by ``scale``."""
+    """Convert a task to SI intervals.
+
+    Parameters
+    ----------
+    task
+        As read from its file: every decimal means the number that it spells.
+    scale
+        Factor by which uncertainties are widened about their middle.
+    only
+        The one that is widened; None: all of them.
+
+    Returns
+    -------
+    Setup
+        Everything that is promised against rounded outward, the goal inward.
+
+    Raises
+    ------
+    InputError
+        A tolerance of the goal is so small that rounding leaves nothing of it.
+    """
     u = task.uncertainty
     ratio = units.square_metres(u.film_ratio_um2)
     share = units.plain(u.film_ratio_percent) / Interval.point(100.0)

@@ -40,11 +40,16 @@ def certify_straighten(
     Parameters
     ----------
     rule, pre, setup
-        The move, all poses before it, the task.
+        The move, all poses before it, the task; all in the move's axes.
     tilt
         The tilt that came just before, if any. The centre's height before the straightening hangs
         together with the angle then; using the tilt's own start (``lift`` twice) keeps that, if it
         is the same edge that is pushed.
+
+    Returns
+    -------
+    Step
+        In the move's axes; without a ``post`` where a tip is not proved to hold.
     """
     edge = setup.edge(pre.theta.mid)
     tilt = tilt if tilt is not None and tilt.edge == edge else None

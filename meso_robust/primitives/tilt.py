@@ -55,6 +55,17 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
 
     The lower tip pushes above the middle (``rule.side`` = 1) or the upper one below it (-1), while
     the other tip passes the end of the edge.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        The move, all poses before it, the task; all in the move's axes.
+
+    Returns
+    -------
+    tuple[Step, Turn | None]
+        The step, without a ``post`` where the turn could not be enclosed, and what a straightening
+        that follows may use of it.
     """
     side, edge = rule.side, setup.edge(pre.theta.mid)
     u = setup.uncertainty

@@ -45,7 +45,16 @@ class Tip:
 def tip_of(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Tip:
     """Enclose where the upper (1) or lower (-1) tip is.
 
-    In the axes of a move a positive misalignment puts the upper tip ahead, that is towards -x.
+    Parameters
+    ----------
+    rule, side, pre, setup
+        The move, which tip, all poses before the move, the task; all in the move's axes, where a
+        positive misalignment puts the upper tip ahead, that is towards -x.
+
+    Returns
+    -------
+    Tip
+        Its places, with all errors of sensing and of the probe in them.
     """
     u = setup.uncertainty
     up = Interval.point(float(side)) * HALF * setup.spacing
@@ -61,7 +70,20 @@ def tip_of(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Tip:
 
 
 def second_tip(side: int, setup: Setup) -> tuple[Interval, Interval]:
-    """Vector from the tip on ``side`` to the other one, world axes, m."""
+    """Vector from the tip on ``side`` to the other one.
+
+    Parameters
+    ----------
+    side
+        +1: from the upper tip to the lower one; -1: back.
+    setup
+        The task, for the spacing and the misalignment of the pair.
+
+    Returns
+    -------
+    tuple[Interval, Interval]
+        x and y, in the axes of ``setup``, m.
+    """
     beta = setup.uncertainty.misalignment
     down = Interval.point(-float(side)) * setup.spacing
     return -(down * sin(beta) / cos(beta)), down
@@ -194,14 +216,19 @@ def sticks(
 
 
 def touch(tip: Tip, angle: Interval, edge: Edge) -> tuple[Interval, Interval]:
-    """Where the tip touches, m.
+    """Where the tip touches.
+
+    Parameters
+    ----------
+    tip, angle, edge
+        The tip, all directions of the edge at the touch (rad), the edge.
 
     Returns
     -------
     offset
-        d2 of the contact.
+        d2 of the contact, m.
     reach
-        x of the contact minus x of the part's centre.
+        x of the contact minus x of the part's centre, m.
     """
     return (
         sticking.contact_offset(angle, edge.depth, tip.rise),

@@ -12,7 +12,7 @@ from meso_robust.primitives.obligation import Knot
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox
 
-SLICES = 8  # of a turn about one tip
+SLICES = 8  # of a turn about one tip; more only make the boxes of a turn narrower
 
 
 def turn_tube(
@@ -42,7 +42,7 @@ def turn_tube(
     """
     path = start.hull(end)
     cuts = [float(cut) for cut in np.linspace(path.lo, path.hi, SLICES + 1)]
-    cuts[0], cuts[-1] = path.lo, path.hi
+    cuts[0], cuts[-1] = path.lo, path.hi  # linspace rounds; no angle may fall beside the slices
     slices = [Interval(low, high) for low, high in itertools.pairwise(cuts)]
     found = []
     for angles in slices if side > 0 else reversed(slices):

@@ -20,7 +20,7 @@ from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import Block, PoseBox, Setup
 from meso_robust.primitives.tips import HALF
 
-MOST_SPLITS = 400  # of one slice against one wall
+MOST_SPLITS = 400  # of one slice against one wall; beyond it the pair stays undecided
 TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point, another careful
 # enclosure of the same distance is a little smaller
 

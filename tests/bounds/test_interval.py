@@ -96,6 +96,19 @@ def test_arcsine_holds_the_exact_one(x: Interval) -> None:
         assert found.width <= math.asin(x.hi) - math.asin(x.lo) + 1e-13
 
 
+@pytest.mark.parametrize("off", [1e-10, -1e-10])
+def test_an_arcsine_that_the_system_gets_wrong_is_not_believed(
+    monkeypatch: pytest.MonkeyPatch, off: float
+) -> None:
+    right = math.asin
+    monkeypatch.setattr(math, "asin", lambda value: right(value) + off)
+
+    found = arcsin(Interval.point(0.4))
+
+    assert EXACT.mpf(found.lo) <= EXACT.asin(EXACT.mpf(0.4)) <= EXACT.mpf(found.hi)
+    assert found.width < 1e-8
+
+
 def test_sine_and_cosine_of_a_right_angle() -> None:
     assert 1.0 in sin(HALF_PI)
     assert 0.0 in cos(HALF_PI)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -175,6 +176,29 @@ def test_a_narrower_box_of_the_start_is_rejected(document: Document) -> None:
     ends = found["steps"][0]["pre_exact"]["x_m"]
     ends[0] = (float.fromhex(ends[0]) + 1e-6).hex()
     assert objection(found).startswith("move_value/1: pre")
+
+
+@pytest.mark.parametrize(("side", "unit", "factor"), [("x", "m", 1e6), ("theta", "rad", 57.29578)])
+def test_a_narrower_box_after_a_move_is_rejected(
+    document: Document, side: str, unit: str, factor: float
+) -> None:
+    """Exactly and as people read it, and before the next move as well."""
+    found = copy.deepcopy(document)
+    after, before = found["steps"][1], found["steps"][2]
+    low, high = (float.fromhex(end) for end in after["post_exact"][f"{side}_{unit}"])
+    low += 0.1 * (high - low)
+    for step, which in ((after, "post"), (before, "pre")):
+        step[f"{which}_exact"][f"{side}_{unit}"][0] = low.hex()
+        key = f"{side}_{'um' if unit == 'm' else 'deg'}"
+        step[which][key][0] = math.floor(low * factor * 1e3) / 1e3
+    assert objection(found).startswith("post_holds/2")
+
+
+def test_a_push_where_the_task_has_no_probe_is_rejected(document: Document) -> None:
+    assert {rule["heading"] for rule in document["policy"]} == {"-x"}
+    for headings, says in ((["+x", "+y"], "move_value/1: heading"), (["-x", "+y"], "")):
+        answer = checked(document, paper_task(probe__headings=headings))
+        assert (answer.refused.name.key if answer.refused else "") == says
 
 
 def test_an_exaggerated_margin_is_rejected(document: Document) -> None:

@@ -185,7 +185,10 @@ def test_a_start_too_close_is_unknown_for_a_probe_on_one_side_and_proved_for_any
 
 
 def test_goal_that_is_too_tight_is_not_proved(tmp_path: Path) -> None:
-    task = task_file(tmp_path, "position_tolerance_um = 76.0", "position_tolerance_um = 4.0")
+    task = task_file(tmp_path, "position_tolerance_um = 76.0", "position_tolerance_um = 20.0")
+    text = task.read_text(encoding="utf-8")
+    # a probe on each side would be searched for minutes, and find nothing either
+    task.write_text(text.replace("[probe]", '[probe]\nheadings = ["-x"]'), encoding="utf-8")
 
     result = RUNNER.invoke(
         app, ["plan", str(task), "--out", str(tmp_path / "o"), "--samples", "20"]

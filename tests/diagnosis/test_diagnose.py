@@ -40,6 +40,15 @@ def test_a_hidden_delay_is_named_and_explains_what_no_fit_has_seen(late: Diagnos
     assert late.extended.held_out.whole == pytest.approx(1.0, abs=0.1)
 
 
+def test_places_are_told_from_the_worst_and_each_is_beyond_chance(late: Diagnosis) -> None:
+    assert late.located is not None
+    sigmas = [place.sigma for place in late.located.places]
+
+    assert len(sigmas) > 1
+    assert sigmas == sorted(sigmas, reverse=True)
+    assert sigmas[-1] > 3.0  # one of 20 sets of 40 windows has a larger one by chance
+
+
 def test_a_diagnosis_goes_on_from_what_was_kept_and_ends_the_same(
     monkeypatch: pytest.MonkeyPatch, null: Diagnosis, null_set: RecordingSet, null_store: Path
 ) -> None:

@@ -22,6 +22,7 @@ def test_a_miss_within_the_rounding_of_doubles_refutes_nothing() -> None:
         start__y_um=20.0,
         goal__orientation_tolerance_deg=0.25,
         plan__least_y_translations=0,
+        probe__headings=["-x"],
     )
 
     found = make(task, 60, 0)

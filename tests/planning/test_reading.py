@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -173,3 +174,16 @@ def test_what_is_no_plan_at_all_is_refused(tmp_path: Path, content: bytes, words
 def test_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no\.json: cannot be read"):
         read_plan(tmp_path / "no.json", TASK)
+
+
+def test_a_plan_that_pushes_where_the_task_has_no_probe_is_refused(tmp_path: Path) -> None:
+    """The first move pushes along -x, the second one along +y."""
+    path = tmp_path / "plan.json"
+    for headings, wrong in ((["-x", "+x"], "policy.1.heading = '+y'"), (["-x", "+y"], "")):
+        task = paper_task(probe__headings=headings)
+        path.write_text(json.dumps({**values(), "task_hash": task.hash}), encoding="utf-8")
+        if wrong:
+            with pytest.raises(InputError, match=re.escape(wrong)):
+                read_plan(path, task)
+        else:
+            assert len(read_plan(path, task).policy) == 2

@@ -11,6 +11,7 @@ import numpy as np
 from meso_robust.bounds import Interval
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import PlanRun
+from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Knot
 from tests.motion.first_principles import Floats
 from tests.strategies import paper_chain
@@ -49,6 +50,20 @@ def test_a_tube_less_wide_would_be_left() -> None:
             cut = [replace(k, box=replace(k.box, **{side: cut_off(getattr(k.box, side))}))
                    for k in step.tube]  # fmt: skip
             assert away(move.path, cut).max() > 1.0, (step.rule.action, side)
+
+
+def test_what_one_tip_must_do_until_the_part_rests_is_proved_of_its_whole_way() -> None:
+    """Every pose of the tube at that stage has its angle in the box of the proof."""
+    step = paper_chain().steps[2]
+    edge = paper_chain().setup.edge(step.pre.theta.mid)
+    (proof,) = (o.proof for o in step.obligations if o.name.id is ObligationId.PUSHES_UNTIL_REST)
+    alone = [knot.box for knot in step.tube if knot.stage == "the active tip pushes alone"]
+
+    assert len(alone) > 1
+    for box in alone:
+        angle = edge.angle(box.theta)
+        # turned to the part's orientation and back, each rounded outward
+        assert Interval(angle.lo + 1e-14, angle.hi - 1e-14).within(proof.box["theta"])
 
 
 def cut_off(side: Interval) -> Interval:
