@@ -19,6 +19,16 @@ def hull(corners: Sequence[Corner]) -> tuple[int, ...]:
 
     Corners on a side of the hull are left out.
 
+    Parameters
+    ----------
+    corners
+        Any number, in any order; exact numbers give an exact answer.
+
+    Returns
+    -------
+    tuple
+        Indices into ``corners``, from the lowest one on.
+
     Examples
     --------
     >>> hull([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)])

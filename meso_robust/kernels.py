@@ -18,6 +18,16 @@ def inner(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     It counts no references: its arrays outlive it, and counting was measured to take most of the
     time of a simulation step. Numba refuses to compile a function that makes an array this way.
+
+    Parameters
+    ----------
+    function
+        Written for Numba: numbers and arrays in and out.
+
+    Returns
+    -------
+    callable
+        Compiled at the first call, with the same arguments.
     """
     from numba import njit
 
@@ -28,6 +38,16 @@ def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile as `inner` does, without an entry from Python.
 
     The code that unpacks the arguments can take longer to compile than the function.
+
+    Parameters
+    ----------
+    function
+        Written for Numba: numbers and arrays in and out.
+
+    Returns
+    -------
+    callable
+        For kernels only: Python cannot call it.
     """
     from numba import njit
 
@@ -39,6 +59,16 @@ def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile as `sealed` does, and always into the functions that call it.
 
     For small functions that take or return several numbers: a call hands those on by memory.
+
+    Parameters
+    ----------
+    function
+        Written for Numba: numbers and arrays in and out.
+
+    Returns
+    -------
+    callable
+        For kernels only: Python cannot call it.
     """
     from numba import njit
 
@@ -53,7 +83,18 @@ def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 def maker(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Compile a function that only kernels call and that makes arrays."""
+    """Compile a function that only kernels call and that makes arrays.
+
+    Parameters
+    ----------
+    function
+        Written for Numba: numbers and arrays in and out.
+
+    Returns
+    -------
+    callable
+        Compiled at the first call, with the same arguments.
+    """
     from numba import njit
 
     # Said although it is the default: a function compiled on behalf of another inherits its choice.
@@ -67,6 +108,16 @@ def fingerprint(*packages: str) -> int:
     when a function that it calls from another file does. What a function encloses is part of its key
     on disk, so a kernel that calls into other files must enclose this number (a stale kernel would
     prove with yesterday's arithmetic), and the functions it calls must not be kept by themselves.
+
+    Parameters
+    ----------
+    packages
+        Folders beside this file.
+
+    Returns
+    -------
+    int
+        56 bits of the SHA-256 of the sources.
     """
     digest = hashlib.sha256()
     for package in packages:
@@ -79,13 +130,25 @@ _threads: list[int] = []
 
 
 def threads() -> int:
-    """How many threads a batch of runs may take: all cores, unless :func:`one_thread` is in force."""
+    """How many threads a batch of runs may take: all cores, unless :func:`one_thread` is in force.
+
+    Returns
+    -------
+    int
+        At least one.
+    """
     return _threads[-1] if _threads else os.cpu_count() or 1
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Within the block batches take one thread: where each core has a process of its own."""
+    """Within the block batches take one thread: where each core has a process of its own.
+
+    Returns
+    -------
+    context manager
+        In force until the block ends.
+    """
     _threads.append(1)
     try:
         yield

@@ -10,5 +10,16 @@ Doing = Callable[[str], AbstractContextManager[None]]
 
 
 def quietly(_: str) -> AbstractContextManager[None]:
-    """Show nothing."""
+    """Show nothing.
+
+    Parameters
+    ----------
+    _
+        Name of the stage.
+
+    Returns
+    -------
+    context manager
+        That does nothing.
+    """
     return nullcontext()

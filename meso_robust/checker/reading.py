@@ -76,7 +76,22 @@ def parse_certificate(text: str, source: str, task: Task) -> tuple[Certificate, 
 def accepted_certificate(
     values: Mapping[str, Any], source: str, task: Task
 ) -> tuple[Certificate, str]:
-    """The same for the values of a certificate, as JSON has them; ``source`` names it in messages."""
+    """Check the form of a certificate that is no file, and that it is about the task.
+
+    Parameters
+    ----------
+    values
+        The JSON object of a certificate.
+    source
+        Names it in messages.
+    task
+        What it must be about.
+
+    Returns
+    -------
+    tuple
+        The certificate, and its digest.
+    """
     stated = _tuples(values)
     certificate = _accepted(Certificate, lambda: Certificate.model_validate(stated), source, task)
     return certificate, digest(values)

@@ -274,7 +274,18 @@ class DrawnBench(Bench):
 
 
 def why(code: int) -> str:
-    """Why a run ended, in words, from its value in ``PlanRun.outcomes``."""
+    """What an outcome means.
+
+    Parameters
+    ----------
+    code
+        From ``PlanRun.outcomes``.
+
+    Returns
+    -------
+    str
+        Why the run ended, in words.
+    """
     return WOULD_START_INSIDE if code == STARTS_INSIDE else Outcome(code).message
 
 

@@ -90,6 +90,18 @@ class PolicyDocument(Document):
 def read_document(path: Path, task: Task) -> PolicyDocument:
     """Read a policy that was made for ``task``; nothing of it is proved here.
 
+    Parameters
+    ----------
+    path
+        A ``policy.json``.
+    task
+        What it must have been made for.
+
+    Returns
+    -------
+    PolicyDocument
+        Every value within its rule.
+
     Raises
     ------
     InputError

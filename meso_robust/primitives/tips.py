@@ -190,7 +190,24 @@ def on_edge(which: Which, offset: Interval, edge: Edge) -> Obligation:
 
 
 def one_contact(path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> Box:
-    """What eq. (5) depends on while one contact turns the part to ``side`` along ``path``, SI."""
+    """What eq. (5) depends on while one contact turns the part to ``side`` along ``path``, SI.
+
+    Parameters
+    ----------
+    path
+        Directions of the edge on the way, rad.
+    offset
+        Of the contact along the edge from the foot of the centre (d2), m.
+    side
+        1 if the part turns counter-clockwise, -1 if clockwise.
+    edge, setup
+        The pushed edge, and the task.
+
+    Returns
+    -------
+    dict
+        An interval for each argument of the formulas of one-point sticking, SI.
+    """
     return {
         "theta": path,
         "d1": edge.depth,

@@ -118,7 +118,18 @@ def outline_fault(corners: Floats) -> str | None:
 
 
 def gyration(corners: Floats) -> float:
-    """Radius of gyration in m of the evenly filled outline (V, 2) about the origin of its axes."""
+    """Radius of gyration of the evenly filled outline.
+
+    Parameters
+    ----------
+    corners
+        (V, 2) of the outline, counter-clockwise, m.
+
+    Returns
+    -------
+    float
+        About the origin of the axes, m.
+    """
     x, y = corners.T
     across = x * np.roll(y, -1) - np.roll(x, -1) * y
     squares = sum(c * c + c * np.roll(c, -1) + np.roll(c, -1) ** 2 for c in (x, y))

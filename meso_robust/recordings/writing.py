@@ -33,7 +33,7 @@ def write_set(folder: Path, recordings: RecordingSet) -> None:
 
 
 def set_files(recordings: RecordingSet, source: str = SET_FILE) -> dict[str, str]:
-    """The texts of a recording set by the names of its files, ``set.toml`` last.
+    """The texts of the files of a recording set.
 
     Parameters
     ----------
@@ -41,6 +41,11 @@ def set_files(recordings: RecordingSet, source: str = SET_FILE) -> dict[str, str
         The set.
     source
         Names ``set.toml`` in messages.
+
+    Returns
+    -------
+    dict
+        A text for each name; ``set.toml`` is last, so that a set that lacks files is never complete.
 
     Raises
     ------

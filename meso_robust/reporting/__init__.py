@@ -1,5 +1,4 @@
 """Reports for people; the only package that draws.
 
-Import :mod:`meso_robust.reporting.page` where a report is written, not before: it brings in the
-plotting library.
+Import its modules where a report is written, not before: they bring in the plotting library.
 """

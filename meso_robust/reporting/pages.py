@@ -131,6 +131,11 @@ def section(
         Of `prose`.
     anchor, title, link, look
         As of a `Section`.
+
+    Returns
+    -------
+    Section
+        One piece: what the macro gives.
     """
     pieces = (getattr(body, f"section_{anchor}")(),)
     return Section(anchor, title, pieces, link=link, look=look)
@@ -214,6 +219,11 @@ def bullets(texts: Sequence[str], *, most: int | None = None, file: str = "") ->
         An entry each.
     most, file
         As for a `table`.
+
+    Returns
+    -------
+    Markup
+        An HTML list; texts are escaped.
     """
     return _part("bullets", texts, most or len(texts), file)
 

@@ -43,6 +43,11 @@ def style(*, formulas: bool = False) -> Iterator[None]:
     ----------
     formulas
         Whether text between dollar signs is a formula.
+
+    Returns
+    -------
+    context manager
+        In force until the block ends.
     """
     with matplotlib.rc_context(), warnings.catch_warnings():
         # text is set by the browser, so it does not matter what letters the library's font lacks

@@ -60,6 +60,11 @@ def parameter_of(argument: str, effect: str, key: str) -> Parameter:
     effect, key
         Names in the catalogue.
 
+    Returns
+    -------
+    Parameter
+        Its unit, its range and its meaning.
+
     Raises
     ------
     ValueError
@@ -73,6 +78,16 @@ def parameter_of(argument: str, effect: str, key: str) -> Parameter:
 
 def values_in_si(stated: Values) -> dict[str, dict[str, float | Floats]]:
     """Values in SI of values in the units that the names of their parameters end in.
+
+    Parameters
+    ----------
+    stated
+        Numbers, or (N,) arrays for as many runs, by effect and key.
+
+    Returns
+    -------
+    dict
+        The same in SI.
 
     Raises
     ------

@@ -258,6 +258,11 @@ def texts(found: Found, report: str) -> dict[str, str]:
     report
         Text of report.html.
 
+    Returns
+    -------
+    dict
+        A text for each name.
+
     Raises
     ------
     InputError
