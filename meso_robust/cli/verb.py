@@ -135,11 +135,15 @@ def verb(
     """
 
     def made(work: Callable[..., Result]) -> Callable[..., None]:
-        own = list(inspect.signature(work, eval_str=True).parameters.values())[1:]
-        options = {one.name: one for one in _options(call, *more)}
-        options |= {one.name: one.replace(kind=_KEYWORD) for one in own}
-        for one in _endings(document, out, quiet):
-            options.setdefault(one.name, one)
+        def own() -> list[inspect.Parameter]:
+            return list(inspect.signature(work, eval_str=True).parameters.values())[1:]
+
+        def signature() -> inspect.Signature:
+            options = {one.name: one for one in _options(call, *more)}
+            options |= {one.name: one.replace(kind=_KEYWORD) for one in own()}
+            for one in _endings(document, out, quiet):
+                options.setdefault(one.name, one)
+            return inspect.Signature(list(options.values()))
 
         def command(**given: Any) -> None:
             as_json, silent = given.pop("as_json"), given.pop("quiet")
@@ -150,12 +154,12 @@ def verb(
                 quiet=silent,
                 say=Reporter(silent or as_json),
             )
-            result = work(run, **{one.name: given[one.name] for one in own})
+            result = work(run, **{one.name: given[one.name] for one in own()})
             end(result, run.out, as_json, silent)
 
         command.__name__, command.__doc__ = work.__name__, work.__doc__
         command.__annotations__ = {}  # Typer takes the types from the signature
-        command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
+        command.signature = signature  # type: ignore[attr-defined]  # the list of verbs needs none
         return guarded(command, interrupted)
 
     return made

@@ -37,8 +37,11 @@ class Verbs(TyperGroup):
         """A verb; None if there is none of this name."""
         if name not in self.commands:
             return None
+        function: Any = _function(name)
+        if hasattr(function, "signature"):  # of a call: made now, since it is asked for
+            function.__signature__ = function.signature()
         alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-        alone.command()(guarded(_function(name)))
+        alone.command()(guarded(function))
         return typer.main.get_command(alone)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

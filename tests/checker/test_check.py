@@ -247,7 +247,7 @@ def test_the_command(document: Document, tmp_path: Path) -> None:
     file.write_text(json.dumps(document), encoding="utf-8")
     run = CliRunner().invoke(app, ["check", str(file)])
     assert run.exit_code == 1
-    assert run.stdout.startswith("REJECTED: digest")
+    assert run.stdout.startswith("REJECTED (point tips): digest")
 
 
 @pytest.mark.parametrize(
