@@ -107,11 +107,11 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
 def _meaning(answer: Answer) -> str:
     """The verdict over all in a sentence or two."""
     parts = answer.parts
-    held = [one for one in parts if one.told.verdict == "held"]
-    broken = [f"“{one.part.name}”" for one in parts if one.told.verdict == "broken"]
-    unanswered = [f"“{one.part.name}”" for one in parts if one.told.verdict == "open"]
-    runs = sum(one.runs for one in held)
-    planned, done = sum(one.planned for one in parts), sum(one.done for one in parts)
+    held = [part for part in parts if part.told.verdict == "held"]
+    broken = [f"“{part.part.name}”" for part in parts if part.told.verdict == "broken"]
+    unanswered = [f"“{part.part.name}”" for part in parts if part.told.verdict == "open"]
+    runs = sum(part.runs for part in held)
+    planned, done = sum(part.planned for part in parts), sum(part.done for part in parts)
     return {
         "held": f"{len(held)} of {words.parts(len(parts))} made a claim and looked for what breaks "
         f"it in {runs:,} runs; nothing did. That is evidence, not a proof.",
@@ -128,28 +128,32 @@ def _meaning(answer: Answer) -> str:
 def _figures(answer: Answer) -> tuple[tuple[str, str], ...]:
     """Name and value of what stands under the headline."""
     parts, sessions = answer.parts, answer.sessions
-    done, planned = sum(one.done for one in parts), sum(one.planned for one in parts)
-    took = sum(one.seconds for one in sessions)
-    broken = sum(one.told.verdict == "broken" for one in parts)
+    done, planned = sum(part.done for part in parts), sum(part.planned for part in parts)
+    took = sum(session.seconds for session in sessions)
+    broken = sum(part.told.verdict == "broken" for part in parts)
     return (
-        ("runs", f"{sum(one.runs for one in parts):,}"),
+        ("runs", f"{sum(part.runs for part in parts):,}"),
         ("parts that are broken", f"{broken} of {len(parts)}"),
         ("chunks done", f"{done:,} of {planned:,}"),
-        ("runs/s, over all sessions", words.rate(sum(one.runs for one in sessions), took)),
-        ("of work, added up over the workers", words.duration(sum(one.seconds for one in parts))),
+        ("runs/s, over all sessions", words.rate(sum(session.runs for session in sessions), took)),
+        ("of work, added up over the workers", words.duration(sum(part.seconds for part in parts))),
     )
 
 
 def _speeds(sessions: tuple[Session, ...]) -> Bars | None:
     """Runs a second of each session, if there is something to compare."""
-    timed = [(number, one) for number, one in enumerate(sessions, start=1) if one.seconds > 0.0]
+    timed = [
+        (number, session)
+        for number, session in enumerate(sessions, start=1)
+        if session.seconds > 0.0
+    ]
     if len(timed) < 2:
         return None
     return Bars(
         title="Runs a second, by session",
         unit="runs/s",
         labels=tuple(f"session {number}" for number, _ in timed),
-        values=tuple(one.runs / one.seconds for _, one in timed),
+        values=tuple(session.runs / session.seconds for _, session in timed),
     )
 
 

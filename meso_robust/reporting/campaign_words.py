@@ -34,8 +34,8 @@ def rate(runs: int, seconds: float) -> str:
     """Runs a second to three digits; a dash if no time was taken."""
     if seconds <= 0.0:
         return NONE
-    found = runs / seconds
-    return f"{found:,.0f}" if found >= 100.0 else significant(found, 3)
+    speed = runs / seconds
+    return f"{speed:,.0f}" if speed >= 100.0 else significant(speed, 3)
 
 
 def duration(seconds: float) -> str:
@@ -54,14 +54,14 @@ def instant(text: str) -> str:
 
 def spans(indices: Sequence[int]) -> str:
     """Rising indices, neighbours drawn together: ``0–2, 5``."""
-    found: list[tuple[int, int]] = []
+    stretches: list[tuple[int, int]] = []
     for index in indices:
-        if found and index == found[-1][1] + 1:
-            found[-1] = (found[-1][0], index)
+        if stretches and index == stretches[-1][1] + 1:
+            stretches[-1] = (stretches[-1][0], index)
         else:
-            found.append((index, index))
-    shown = [f"{a:,}" if a == b else f"{a:,}–{b:,}" for a, b in found[:_MOST_SPANS]]
-    more = len(found) - len(shown)
+            stretches.append((index, index))
+    shown = [f"{a:,}" if a == b else f"{a:,}–{b:,}" for a, b in stretches[:_MOST_SPANS]]
+    more = len(stretches) - len(shown)
     return ", ".join(shown) + (f" and {more:,} more places" if more else "")
 
 
@@ -99,7 +99,7 @@ def _numeric(column: Iterable[str]) -> bool:
 
 def grouped(cell: str) -> str:
     """A cell of numbers, thousands grouped."""
-    return _LONG.sub(lambda found: f"{int(found.group()):,}", cell)
+    return _LONG.sub(lambda digits: f"{int(digits.group()):,}", cell)
 
 
 def replay(shown: Shown) -> str:

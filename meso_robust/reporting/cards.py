@@ -197,8 +197,8 @@ def identified_card(document: ModelDocument, found: Identification, text: str) -
         figures=(
             ("recordings", str(len(document.recording))),
             *(
-                (key, f"{about(one.value)} [{low_end(one.low)}, {high_end(one.high)}]")
-                for key, one in list(document.parameters.items())[:3]
+                (key, f"{about(fitted.value)} [{low_end(fitted.low)}, {high_end(fitted.high)}]")
+                for key, fitted in list(document.parameters.items())[:3]
             ),
             ("RMS of x · y", f"{best.x_um:.3g} · {best.y_um:.3g} µm"),
         ),
@@ -234,7 +234,7 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
         document.mismatch,
         document.held_out,
     )
-    worst = sorted(held.each, key=lambda one: -one.baseline_sigma)[:MOST_ROWS]
+    worst = sorted(held.each, key=lambda recording: -recording.baseline_sigma)[:MOST_ROWS]
     figures = [("p-value of the plain model", significant(mismatch.p_value, 2))]
     if held.recordings:
         before, after = (significant(x, 3) for x in (held.baseline_sigma, held.extended_sigma))
@@ -289,7 +289,7 @@ def recordings_card(checked: CheckedSet, text: str) -> str:
         meaning=meaning,
         figures=(
             ("recordings", str(len(found.recordings))),
-            ("rows", str(sum(one.times.size for one in found.recordings))),
+            ("rows", str(sum(recording.times.size for recording in found.recordings))),
             ("errors and warnings", str(len(checked.matters))),
             ("repairs", str(len(checked.repairs))),
         ),
@@ -315,14 +315,14 @@ def tracked_card(found: Tracked, text: str) -> str:
         The card, HTML that can stand in any page.
     """
     videos, recordings = found.answer.videos, found.recordings
-    frames, seen = sum(one.frames for one in videos), sum(one.found for one in videos)
+    frames, seen = sum(video.frames for video in videos), sum(video.found for video in videos)
     drawn = None
     if recordings is not None:
         drawn = cards.picture(lambda: _way(recordings), text, "A recording")
     return cards.card(
         word="TRACKED" if found.answer.tracked else "LOST",
         colour="PROVED" if found.answer.tracked else "REFUTED",
-        about=", ".join(one.video for one in videos),
+        about=", ".join(video.video for video in videos),
         meaning="Frames that cannot be trusted stay empty, with the reason.",
         figures=(("videos", str(len(videos))), ("frames with a pose", f"{seen} of {frames}")),
         picture=drawn,
@@ -353,15 +353,15 @@ def campaigned_card(found: CampaignAnswer, text: str) -> str:
     """
     colour, meaning = _CAMPAIGN[found.verdict]
     parts = found.parts
-    done, planned = sum(one.done for one in parts), sum(one.planned for one in parts)
+    done, planned = sum(part.done for part in parts), sum(part.planned for part in parts)
     return cards.card(
         word=found.verdict.upper(),
         colour=colour,
         about=found.campaign.name,
         meaning=meaning,
         figures=(
-            ("runs", f"{sum(one.runs for one in parts):,}"),
-            ("of them failed", f"{sum(one.failed for one in parts):,}"),
+            ("runs", f"{sum(part.runs for part in parts):,}"),
+            ("of them failed", f"{sum(part.failed for part in parts):,}"),
             ("chunks done", f"{done:,} of {planned:,}"),
         ),
         picture=cards.picture(lambda: shares_figure(parts), text, "Failures by part"),

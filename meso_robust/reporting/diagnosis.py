@@ -152,8 +152,8 @@ def _banner(document: DiagnosisDocument, source: str) -> pages.Banner:
 
 def _meaning(effect: str, key: str) -> str:
     """What the catalogue says of a parameter; nothing for those it does not know."""
-    known = CATALOGUE[effect].parameters if effect in CATALOGUE else ()
-    return next((one.meaning for one in known if one.key == key), "")
+    stated = CATALOGUE[effect].parameters if effect in CATALOGUE else ()
+    return next((parameter.meaning for parameter in stated if parameter.key == key), "")
 
 
 def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
@@ -180,8 +180,8 @@ def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
 
 def _held_out(document: DiagnosisDocument) -> list[HeldOutRecording]:
     """Recordings of the held-out picture and table, worst first."""
-    worst = sorted(document.held_out.each, key=lambda one: -one.baseline_sigma)
-    return sorted(worst, key=lambda one: one.split == "extrapolation")[:MOST_ROWS]
+    worst = sorted(document.held_out.each, key=lambda recording: -recording.baseline_sigma)
+    return sorted(worst, key=lambda recording: recording.split == "extrapolation")[:MOST_ROWS]
 
 
 def _shades() -> list[tuple[str, str]]:

@@ -108,8 +108,8 @@ def _headline(document: ModelDocument, model: Model) -> str:
     """The first two parameters with their units and intervals."""
     units = {parameter.key: parameter.unit for parameter in model.parameters}
     return ", ".join(
-        f"{_symbol(key)} = {about(one.value)} [{_low(one)}, {_high(one)}] {units[key]}".strip()
-        for key, one in list(document.parameters.items())[:2]
+        f"{_symbol(key)} = {about(fitted.value)} [{_low(fitted)}, {_high(fitted)}] {units[key]}".strip()
+        for key, fitted in list(document.parameters.items())[:2]
     )
 
 
@@ -117,12 +117,12 @@ def _symbol(key: str) -> str:
     return key.removesuffix("_um2").removesuffix("_um").replace("rho", "ρ").replace("mu", "µ")
 
 
-def _low(one: ParameterSection) -> str:
-    return "?" if one.open_low else low_end(one.low)
+def _low(fitted: ParameterSection) -> str:
+    return "?" if fitted.open_low else low_end(fitted.low)
 
 
-def _high(one: ParameterSection) -> str:
-    return "?" if one.open_high else high_end(one.high)
+def _high(fitted: ParameterSection) -> str:
+    return "?" if fitted.open_high else high_end(fitted.high)
 
 
 def _parameters(document: ModelDocument, found: Identification) -> pages.Section:
