@@ -11,6 +11,8 @@ from flint import arb
 
 from meso_robust.checker.dual import Dual
 from meso_robust.checker.grip import Grip
+from meso_robust.checker.ranges import ZERO
+from meso_robust.checker.statement import NO_JAM
 
 WIDTH, RATIO, MU = 837e-6, 376900e-12, 0.36  # of the paper's part, at the largest friction
 JAM = WIDTH * math.sqrt(1.0 + MU**2)  # the separation at which the two tips close on the part, m
@@ -46,3 +48,14 @@ def test_the_force_grows_without_bound() -> None:
     assert by_hand(890e-6) > 200.0  # as the guide says
     nearer = [by_hand(JAM * (1.0 + 10.0**-k)) for k in range(3, 9)]
     assert all(after > 9.0 * before for before, after in itertools.pairwise(nearer))
+
+
+@pytest.mark.parametrize(("share", "holds"), [(1e-9, True), (-1e-9, False)])
+def test_the_condition_against_a_jam_ends_where_the_force_has_no_bound(
+    share: float, holds: bool
+) -> None:
+    numbers = {"V": JAM * (1.0 + share), "d1": WIDTH / 2.0, "mu": MU}
+    (margin,) = NO_JAM.of({name: Dual(arb(value)) for name, value in numbers.items()}, ZERO)
+
+    assert bool(margin.value > 0) is holds
+    assert bool(margin.value < 0) is not holds

@@ -14,6 +14,7 @@ from flint import ctx
 from typer.testing import CliRunner
 
 from meso_robust.api.check import check as mr_check
+from meso_robust.checker import replay as replaying
 from meso_robust.checker.document import RuleDocument
 from meso_robust.checker.ids import Must, Named, Objection, named
 from meso_robust.checker.inputs import given
@@ -218,3 +219,20 @@ def test_a_part_that_runs_into_a_wall_is_found(depth: float, meets: bool) -> Non
     assert told == (
         Fate(fails=True, why=named(Objection.MEETS_WALL), move=len(rules)) if meets else None
     )
+
+
+@pytest.mark.parametrize("meets", [False, True])
+def test_a_wall_that_a_run_may_miss_is_no_failure(
+    monkeypatch: pytest.MonkeyPatch, document: Document, meets: bool
+) -> None:
+    """Not being shown to keep clear of a wall is one thing, being shown to meet it another."""
+
+    def not_shown(*_: object) -> None:
+        raise Refused(named(Must.PART_CLEAR_OF_WALLS), "apart from each wall", "not shown")
+
+    monkeypatch.setattr(replaying, "clear_of_walls", not_shown)
+    monkeypatch.setattr(replaying, "meets_a_wall", lambda *_: meets)
+
+    answer = checked(refuting(document, paper_task(), outcome="jam"), paper_task())
+
+    assert answer.verdict == ("WITNESS CONFIRMED" if meets else "WITNESS UNDECIDED")

@@ -320,3 +320,29 @@ def test_of_what_is_not_explained_the_part_is_given_that_carries_over() -> None:
     assert found.best is not None
     assert found.best.effects == ("backlash",)
     assert partial(none, left(1.4), (left(2.1), left(1.5))).best is None
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_what_no_effect_explains_alone_is_looked_for_in_sets(quick: bool) -> None:
+    asked: list[int] = []
+
+    class Alone(Contest):
+        """Nothing answers, and nothing can be added."""
+
+        def _singles(self) -> list[Candidate]:
+            return []
+
+        def _judged(self, field: list[Candidate]) -> list[Candidate]:
+            return field
+
+        def _extended(self, field: list[Candidate]) -> list[Candidate]:
+            asked.append(len(field))
+            return []
+
+    none = cast(Any, None)
+    naming = Alone(
+        baseline=none, signatures=[], spans=(), nulls=none, quick=quick, told=none
+    ).named()
+
+    assert naming.answers == ()
+    assert asked == [0]

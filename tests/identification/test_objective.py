@@ -1,12 +1,15 @@
 """Eqs. (3) and (4) by loops, and what lies outside the constraints."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import viscous
 from meso_robust.identification.prepared import prepare
-from meso_robust.identification.search import score
+from meso_robust.identification.search import score, scores_of
 from meso_robust.recordings import RecordingSet
+from meso_robust.simulator import Outcome
 from tests.identification.sets import PART
 
 MODEL = viscous(PART.outline)
@@ -34,3 +37,17 @@ def test_vectors_outside_the_constraints_cost_infinitely_much(film_set: Recordin
     found = score(prepared, MODEL, np.array([[0.2e-6, 0.5], [0.2e-6, -0.1], [-1.0, 0.5]]))
     assert np.isfinite(found.values).tolist() == [True, False, False]
     assert found.valid.tolist() == [True, False, False]
+
+
+def test_a_run_that_does_not_end_costs_infinitely_much(film_set: RecordingSet) -> None:
+    """However near to what was seen it was stopped."""
+    prepared = prepare(film_set, step=4 * MODEL.step, most_frames=5)
+    prediction = predicted(prepared, MODEL, np.array([[0.2e-6, 0.5]]))
+    outcomes = prediction.outcomes.copy()
+    outcomes[0, 1] = Outcome.JAM
+
+    jammed = scores_of(prepared, replace(prediction, outcomes=outcomes))
+
+    assert np.isfinite(scores_of(prepared, prediction).values).all()
+    assert np.flatnonzero(np.isinf(jammed.trials[0])).tolist() == [1]
+    assert np.isinf(jammed.values).all()

@@ -19,6 +19,7 @@ from meso_robust.recordings import (
     from_simulation,
     unwrapped,
 )
+from meso_robust.recordings.rules import clock_fault
 
 Floats = npt.NDArray[np.float64]
 
@@ -242,3 +243,14 @@ def test_simulated_runs_of_the_wrong_form_are_refused(
 ) -> None:
     with pytest.raises(ValueError, match=f"^{message}"):
         from_simulation(np.array([0.0, 1.0, 2.0]), poses, probes, **SET)
+
+
+@pytest.mark.parametrize(
+    ("times", "row"), [([0.0, 1.0, 1.0], 2), ([0.0, 2.0, 1.0, 3.0], 2), ([0.0, np.nan], 1)]
+)
+def test_a_clock_that_repeats_runs_back_or_stops_is_a_fault(times: list[float], row: int) -> None:
+    fault = clock_fault(np.array(times))
+
+    assert fault is not None
+    assert fault[0] == row
+    assert clock_fault(np.array([0.0, 1e-9])) is None

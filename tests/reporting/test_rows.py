@@ -122,3 +122,14 @@ def test_a_final_box_outside_the_goal_is_told_by_how_far(proved: Planned) -> Non
     assert outside_um > 10.0
     assert abs(said - outside_um) <= 0.05
     assert found.where.startswith("move 4 ")
+
+
+def test_a_bar_is_as_long_as_its_factor(proved: Planned) -> None:
+    """On the scale on which factor 1 is marked."""
+    found, margin = rows.margin_rows(proved), proved.certificate.margin
+    told = {name.replace("_", " "): value for name, value in margin.each_alone.items()}
+
+    for row in found.rows:
+        expected = told.get(row.name, margin.factor)
+        assert row.percent / found.one_percent == pytest.approx(expected, rel=1e-12)
+    assert max(row.percent for row in found.rows) < 100.0

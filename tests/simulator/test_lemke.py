@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.optimize import linprog
 
-from meso_robust.simulator.lemke import RAY, RESIDUAL, SOLVED, _goes_first, lemke
+from meso_robust.simulator.lemke import RAY, RESIDUAL, SOLVED, _goes_first, _read, lemke
 from tests.simulator.problems import contact_problems, random_rows, some_mode_holds
 
 F = npt.NDArray[np.float64]
@@ -143,3 +143,16 @@ def test_tie_goes_to_the_artificial_variable_then_to_the_lexicographically_lower
     index[0] = 4  # z0
     assert _goes_first(2, tableau, index, 2, 0, 1)
     assert not _goes_first(2, tableau, index, 2, 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("z", "status"), [(1.0, SOLVED), (0.5, RESIDUAL), (1.5, RESIDUAL), (-0.5, RESIDUAL)]
+)
+def test_the_residual_of_a_point_is_checked_against_the_problem_as_given(
+    z: float, status: int
+) -> None:
+    """0 ≤ z ⊥ z − 1 ≥ 0 has z = 1 alone: a gap is open, a force pulls, or both are at once."""
+    tableau, index = np.zeros((4, 4)), np.zeros(6, dtype=np.int64)
+    tableau[2, 0], index[0] = z, 1  # the basis holds z, at this value
+
+    assert _read(1, np.eye(1), -np.ones(1), np.zeros(1), tableau, index, -1, 0) == status
