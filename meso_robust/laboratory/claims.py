@@ -6,9 +6,7 @@ judged from tips and poses alone, by plain geometry, so that both engines are ju
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +14,7 @@ from numba import njit
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain
+from meso_robust.laboratory.claim_ids import CARRIED_OUT, REACHES_GOAL, Claim, ClaimId
 from meso_robust.laboratory.geometry import gaps_to, in_part
 from meso_robust.laboratory.meetings import arrives, at_share, crosses
 from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
@@ -27,54 +26,6 @@ from meso_robust.types import Flags, Floats
 UPPER, LOWER, PASSIVE = 0, 1, 2  # tips of a move
 PHASES = {"regrasp": 1, "tilt": 2, "straighten": 3}  # free, one tip sticks, both stick
 CONTACT = 1e-9  # m: a gap that counts as contact; both engines keep it to less
-
-
-class ClaimId(StrEnum):
-    """What is claimed: compared, never reworded; its sentence is rendered from ``_SENTENCES``."""
-
-    CARRIED_OUT = "carried_out"
-    STARTS_FREE = "starts_free"
-    CONTACTS = "contacts"
-    RETRACTS = "retracts"
-    ENDS_IN_BOX = "ends_in_box"
-    STAYS_IN_TUBE = "stays_in_tube"
-    REACHES_GOAL = "reaches_goal"
-
-
-_SENTENCES: Mapping[ClaimId, str] = {
-    ClaimId.CARRIED_OUT: "every move can be carried out",
-    ClaimId.STARTS_FREE: "starts free of contact",
-    ClaimId.CONTACTS: "contacts are as claimed",
-    ClaimId.RETRACTS: "probes withdraw clear of the part",
-    ClaimId.ENDS_IN_BOX: "ends in its box",
-    ClaimId.STAYS_IN_TUBE: "stays in its tube",
-    ClaimId.REACHES_GOAL: "the last pose lies in the goal",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class Claim:
-    """Something that is claimed of every run."""
-
-    id: ClaimId
-    move: int | None = None
-    """From 1; None if it is claimed of the run as a whole."""
-
-    @property
-    def key(self) -> str:
-        """Both as one text, such as ``move_2/ends_in_box``, to sort by."""
-        return self.id if self.move is None else f"move_{self.move}/{self.id}"
-
-    @property
-    def words(self) -> str:
-        """As files and pages state it, such as ``move 2: ends in its box``."""
-        sentence = _SENTENCES[self.id]
-        return sentence if self.move is None else f"move {self.move}: {sentence}"
-
-
-CARRIED_OUT, REACHES_GOAL = Claim(ClaimId.CARRIED_OUT), Claim(ClaimId.REACHES_GOAL)
-OUTCOME = (CARRIED_OUT, REACHES_GOAL)
-"""What counts even where nothing is certified."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

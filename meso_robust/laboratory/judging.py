@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.laboratory.claims import Accuracy, Claim, Claims, broken
+from meso_robust.laboratory.claim_ids import Claim
+from meso_robust.laboratory.claims import Accuracy, Claims, broken
 from meso_robust.laboratory.draws import some
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import STEP, PlanRun

@@ -179,7 +179,7 @@ def test_the_files_are_moves_like_those_of_a_plan_and_a_valid_set() -> None:
 def test_the_page_shows_every_push_and_needs_nothing_else() -> None:
     page = experiment_page(replace_left_out(TESTS))
     for name, (theta, x, y) in BY_HAND.items():
-        row = re.search(rf"<td><code>{name}</code>.*</tr>", page)
+        row = re.search(rf"<td><code>{name}</code>.*?</tr>", page, re.DOTALL)
         assert row is not None
         text = row.group().replace("−", "-")
         assert f"{theta:.1f}°" in text

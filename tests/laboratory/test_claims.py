@@ -10,16 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from meso_robust.laboratory.claims import (
-    CONTACT,
-    REACHES_GOAL,
-    Accuracy,
-    Claim,
-    ClaimId,
-    broken,
-    only_motions,
-    outside,
-)
+from meso_robust.laboratory.claim_ids import REACHES_GOAL, Claim, ClaimId
+from meso_robust.laboratory.claims import CONTACT, Accuracy, broken, only_motions, outside
 from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.meetings import crosses, meets, stick_ratio
 from meso_robust.laboratory.replay import nominal_row

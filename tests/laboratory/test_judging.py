@@ -9,7 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.laboratory.ascent import corners
-from meso_robust.laboratory.claims import CARRIED_OUT, REACHES_GOAL, Claim, ClaimId, Claims
+from meso_robust.laboratory.claim_ids import CARRIED_OUT, REACHES_GOAL, Claim, ClaimId
+from meso_robust.laboratory.claims import Claims
 from meso_robust.laboratory.engines import NOT_RECORDED, Engine
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Feedback, limits, nominal_row

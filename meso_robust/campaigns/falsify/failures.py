@@ -7,7 +7,7 @@ import numpy as np
 from meso_robust.campaigns.falsify.minimising import minimal
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.kind import MOST_FAILURES, Failure
-from meso_robust.laboratory.claims import Claim
+from meso_robust.laboratory.claim_ids import Claim
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Column, nominal_row
 from meso_robust.laboratory.witness_file import replay_files

@@ -10,7 +10,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from meso_robust.campaigns.kind import Part, PlanSection
-from meso_robust.laboratory.claims import OUTCOME, Claim
+from meso_robust.laboratory.claim_ids import OUTCOME, Claim
 
 Draw = Literal["uniform", "corners", "mixed", "adversarial"]
 SearchName = Literal["climb", "corner-walk", "face-walk", "cma-es", "splitting"]

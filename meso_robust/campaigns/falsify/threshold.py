@@ -10,7 +10,8 @@ import numpy as np
 from meso_robust.campaigns.falsify.section import Wanted
 from meso_robust.campaigns.falsify.targets import Target, all_targets, failing
 from meso_robust.laboratory.ascent import Effort, Summit, climb, corners, shaken
-from meso_robust.laboratory.claims import Claim, only_motions
+from meso_robust.laboratory.claim_ids import Claim
+from meso_robust.laboratory.claims import only_motions
 from meso_robust.laboratory.judging import judge
 from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.primitives.setup import Setup

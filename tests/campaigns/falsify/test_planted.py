@@ -16,7 +16,7 @@ from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import Search, work_of
 from meso_robust.campaigns.falsify.views import pooled
 from meso_robust.campaigns.kind import MOST_FAILURES, Failure, Part, Result
-from meso_robust.laboratory.claims import CARRIED_OUT
+from meso_robust.laboratory.claim_ids import CARRIED_OUT
 from meso_robust.laboratory.judging import judge
 from meso_robust.laboratory.replay import limits, nominal_row
 from meso_robust.laboratory.witness_file import WitnessFile, row_of

@@ -15,7 +15,8 @@ from meso_robust.campaigns.falsify.targets import (
     scorer,
     tube_targets,
 )
-from meso_robust.laboratory.claims import Claim, ClaimId, slips
+from meso_robust.laboratory.claim_ids import Claim, ClaimId
+from meso_robust.laboratory.claims import slips
 from meso_robust.laboratory.engines import push_all
 from meso_robust.laboratory.judging import INSTANTS, judge
 from meso_robust.laboratory.replay import limits, nominal_row

@@ -16,7 +16,7 @@ from meso_robust.campaigns.falsify.threshold import (
     threshold,
 )
 from meso_robust.laboratory.ascent import Effort
-from meso_robust.laboratory.claims import CARRIED_OUT, Claim, ClaimId
+from meso_robust.laboratory.claim_ids import CARRIED_OUT, Claim, ClaimId
 from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.primitives.setup import setup_of
 from tests.campaigns.falsify.parts import paper_ready, part_of

@@ -20,7 +20,8 @@ from meso_robust.campaigns.property.laws.variants import (
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.laboratory.ascent import corners, shaken
-from meso_robust.laboratory.claims import OUTCOME, Claim, claims_of, only_motions
+from meso_robust.laboratory.claim_ids import OUTCOME, Claim
+from meso_robust.laboratory.claims import claims_of, only_motions
 from meso_robust.laboratory.judging import Judged, judge
 from meso_robust.laboratory.replay import Feedback, limits
 from meso_robust.laboratory.simulation import order
