@@ -14,10 +14,10 @@ demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
 
 test: compiled
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --fast
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --fast
 
 test-all: compiled
-	$(BIN)/python -m pytest -q -n auto --dist loadfile
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder
 
 # Kernels are compiled once, before several workers would each compile them.
 compiled: $(INSTALLED)

@@ -20,10 +20,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Leave slow tests out before they are imported, which would take seconds in every worker."""
-    if not (config.getoption("--fast") and collection_path.is_relative_to(ROOT)):
+    if not config.getoption("--fast"):
         return None
-    test = collection_path.relative_to(ROOT).as_posix()
-    return is_slow(test, _changed_paths()) or None
+    return is_slow(_path(collection_path), _changed_paths()) or None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the slow files: one that is left for the end keeps a worker busy alone for minutes."""
+    items.sort(key=lambda item: not is_slow(_path(item.path), ()))
+
+
+def _path(file: Path) -> str:
+    return file.relative_to(ROOT).as_posix() if file.is_relative_to(ROOT) else ""
 
 
 @cache
