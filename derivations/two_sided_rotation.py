@@ -1,6 +1,6 @@
 """Rotation between a moving and a passive tip on opposite edges: kinematics, forces, motion.
 
-What follows from it for the paper's eqs. 10, 11 and its remarks is in ``rotation_claims.py``.
+What follows from it for the paper's eqs. 10, 11 and its remarks is in ``rotation_existence.py``.
 
 ``D`` (moving along -x) touches the upper/right edge, ``S`` (at rest) the opposite one, the part is
 ``w = 2 d1`` wide. With ``(h, V)`` the vector from S to D, ``T`` its component along ``a``::

@@ -210,7 +210,11 @@ def _fits(value: object, kind: Any) -> bool:
         return True  # what a tuple holds is checked by those that read it
     if isinstance(kind, ForwardRef):
         # the class may not be imported yet, but then nothing is of it
-        return any(one.__name__ == kind.__forward_arg__ for one in type(value).__mro__)
+        package = __name__.partition(".")[0] + "."  # a caller's own class may have the same name
+        return any(
+            one.__name__ == kind.__forward_arg__ and one.__module__.startswith(package)
+            for one in type(value).__mro__
+        )
     if origin is Literal:
         return isinstance(value, str)
     if origin is Sequence:

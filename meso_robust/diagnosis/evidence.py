@@ -95,7 +95,7 @@ def evidence(found: Diagnosis) -> Evidence:
         tip_radius=found.recordings.tip_radius,
         instants=np.concatenate([_clock(one.instants, frames) for one in prepared]),
         seen=np.concatenate([_padded(one.seen, frames) for one in prepared]),
-        tips=np.concatenate([_padded(_tips(one), frames) for one in prepared]),
+        tips=_tips_of(prepared, frames),
         baseline=_poses(before, frames),
         extended=_poses(after, frames) if len(after) == len(before) else None,
         sigma=found.baseline.noise.sigma,
@@ -108,6 +108,17 @@ def evidence(found: Diagnosis) -> Evidence:
 
 def _poses(errors: list[Errors], frames: int) -> Floats:
     return np.concatenate([_padded(one.poses, frames) for one in errors])
+
+
+def _tips_of(prepared: list[Prepared], frames: int) -> Floats:
+    """(R, frames, P, 2) of all parts, of which one can have fewer tips; NaN for those it has not."""
+    each = [_padded(_tips(part), frames) for part in prepared]
+    found = np.full((sum(map(len, each)), frames, max(tips.shape[2] for tips in each), 2), np.nan)
+    first = 0
+    for tips in each:
+        found[first : first + len(tips), :, : tips.shape[2]] = tips
+        first += len(tips)
+    return found
 
 
 def _padded(values: Floats, frames: int) -> Floats:

@@ -94,13 +94,14 @@ class Inputs:
         return self.spans.shape[1] + 4
 
 
-def with_inputs(model: Model) -> Inputs:
+def with_inputs(model: Model, tip_radius: float = np.inf) -> Inputs:
     """Add the hidden inputs of every channel to a model.
 
     Friction at the tips is the model's input to the contact, its other parameters to the support.
-    What changes the drag of a film is left out of a model without one.
+    What changes the drag of a film is left out of a model without one; ``tip_radius`` is as
+    for `with_effects`.
     """
-    extended = with_effects(model, _applicable(model))
+    extended = with_effects(model, _applicable(model), tip_radius=tip_radius)
     base, parameters = len(model.parameters), extended.parameters
     kinds = [_kind(parameter, k < base) for k, parameter in enumerate(parameters)]
     tips = ["offset", "offset", "drift", "drift"]

@@ -98,7 +98,9 @@ def refitted(
     store
         Where the fit is kept.
     """
-    model = extended(baseline.model, tuple(one.trial for one in chosen))
+    model = extended(
+        baseline.model, tuple(one.trial for one in chosen), baseline.prepared.tip_radius
+    )
     settings = replace(baseline.settings, chord=True, central=False, most=_ROUGH, flat=1.0)
     before = start.fits if start else baseline.fits
 

@@ -44,12 +44,13 @@ class Signature:
         return at.evidence(self.columns)
 
 
-def extended(model: Model, trials: tuple[Trial, ...]) -> Model:
-    """The model with the numbers of some trials."""
+def extended(model: Model, trials: tuple[Trial, ...], tip_radius: float = np.inf) -> Model:
+    """The model with the numbers of some trials; ``tip_radius`` as for `with_effects`."""
     return with_effects(
         model,
         {trial.effect: trial.scales for trial in trials},
         fixed={trial.effect: trial.held for trial in trials if trial.held},
+        tip_radius=tip_radius,
     )
 
 
@@ -85,7 +86,7 @@ def _of_effect(baseline: Baseline, trials: list[Trial], plain: Floats) -> list[S
     for trial in trials:
         groups.setdefault(tuple(sorted(trial.held.items())), []).append(trial)
     for group in groups.values():
-        model = extended(baseline.model, (group[0],))
+        model = extended(baseline.model, (group[0],), baseline.prepared.tip_radius)
         values, owners = [], []
         for trial in group:
             for sizes in np.eye(len(trial.sizes)) if trial.sizes else np.zeros((1, 0)):

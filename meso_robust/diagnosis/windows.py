@@ -307,7 +307,7 @@ def windowed(
     settings = Settings(
         position=sigma[0], orientation=sigma[2], offset=whole.tip_offset or TIP_OFFSET
     )
-    inputs = with_inputs(model)
+    inputs = with_inputs(model, whole.tip_radius)
     extended = np.append(values, np.zeros(len(inputs.model.parameters) - inputs.base))[None]
     problem = Problem(sliced(whole, cuts), inputs.model, settings)
     # commanded tips are where they are said to be; only derivatives ask what if not

@@ -139,6 +139,11 @@ class Prepared:
     notes: tuple[Note, ...]
 
     @property
+    def tip_radius(self) -> float:
+        """Stated radius of the tips, m."""
+        return min(shape.radius for shape in self.shapes)
+
+    @property
     def counts(self) -> Ints:
         """(R, 3) number of seen x, y and θ."""
         return np.asarray(np.sum(np.isfinite(self.seen), axis=1))

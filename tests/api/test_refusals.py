@@ -36,6 +36,7 @@ def test_a_task_comes_from_a_file_by_any_path_from_a_dictionary_and_back() -> No
         (lambda: mr.plan(mr.Task.paper(), samples=0), "samples = 0: must be at least 1"),
         (lambda: mr.plan(PAPER, samples=1_000_001), "samples = 1000001: must be at most 1,000,000"),
         (lambda: mr.plan(PAPER, samples="20"), "samples = '20': must be a whole number"),  # type: ignore[arg-type]
+        (lambda: mr.plan(type("Task", (), {})()), "must be a Task or a text or a path"),
         (lambda: mr.certify(PAPER, PLAN, samples=10**7), "samples = 10000000: must be at most"),
         (lambda: mr.simulate(PAPER, PLAN, samples=10**7), "samples = 10000000: must be at most"),
         (lambda: mr.camera_of(latency_ms=-500.0), "latency_ms = -500.0: must be from 0 to 1000"),

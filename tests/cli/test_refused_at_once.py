@@ -41,6 +41,7 @@ campaign falsify.toml
 campaign property.toml
 campaign mutation.toml
 campaign blind.toml
+campaign second_part.toml
 track bad.avi {SIDES}
 track nowhere.avi {SIDES}
 track nowhere.avi --task bad.toml --tip-radius-um 12.5 --pixel-um 5.26
@@ -70,6 +71,11 @@ def test_no_compiled_code_is_imported_for_a_bad_file(tmp_path: Path) -> None:
     for kind in KINDS:
         text = f'schema = "meso-robust/campaign/1"\nname = "x"\n[[part]]\nname = "p"\nkind = "{kind}"\n'
         (tmp_path / f"{kind}.toml").write_text(f"{text}what = 1\n", encoding="utf-8")
+    parts = (
+        '[[part]]\nname = "a"\nkind = "property"\nexamples = 1\n[[part]]\nname = "b"\nkind = "x"\n'
+    )
+    text = f'schema = "meso-robust/campaign/1"\nname = "x"\n{parts}'
+    (tmp_path / "second_part.toml").write_text(text, encoding="utf-8")
     (tmp_path / "bad.avi").write_bytes(b"x")
     for name, text, table in (("set", "what = 1\n", "x"), ("table", SET, "time\n1\n")):
         (tmp_path / name).mkdir()

@@ -117,3 +117,19 @@ def test_pictures_show_all_recordings(late: Diagnosis, null: Diagnosis) -> None:
         count = int(np.sum(np.isfinite(found.seen[r, :, 0])))
         np.testing.assert_allclose(found.tips[r, :count], one.probes[:count], atol=2e-7)
     assert evidence(null).extended is None
+
+
+def test_recordings_held_out_may_have_more_tips_than_the_others(null: Diagnosis) -> None:
+    held_out = null.plain.held_out
+    assert held_out is not None
+    ways = held_out.prepared.waypoints
+    prepared = replace(held_out.prepared, waypoints=np.concatenate([ways, ways + 1e-3], axis=2))
+    more = replace(null, plain=replace(null.plain, held_out=replace(held_out, prepared=prepared)))
+
+    tips = evidence(more).tips
+
+    count = len(null.baseline.prepared.files)
+    assert tips.shape[2] == 2
+    np.testing.assert_array_equal(tips[:, :, :1], evidence(null).tips)
+    assert np.isnan(tips[:count, :, 1]).all()
+    np.testing.assert_allclose(tips[count:, :, 1], tips[count:, :, 0] + 1e-3)

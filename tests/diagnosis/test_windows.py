@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -55,6 +56,16 @@ def test_without_a_mismatch_gains_are_those_of_noise(null: Windows) -> None:
     scaled = found.slack / found.slack_sigma
     assert np.nanstd(scaled) == pytest.approx(1.0, abs=0.2)
     assert max(total.sigma for total in null.totals()) < 4.0
+
+
+def test_no_tip_is_made_smaller_than_a_point() -> None:
+    """Point tips, as `simulate --recordings` writes them, can only be larger than stated."""
+    rng = np.random.default_rng(3)
+    sharp = replace(recorded_plans(random_plans(rng, 2), rng), tip_radius=0.0)
+
+    found = looked(sharp)
+
+    assert np.isfinite(found.found.gains).all()
 
 
 def test_colour_of_the_noise_is_no_evidence() -> None:

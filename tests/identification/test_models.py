@@ -105,3 +105,9 @@ def test_a_fit_may_end_at_the_end_of_a_range() -> None:
                 values = np.array([[RHO, MU, end]])
                 assert model.valid(values)[0]
                 assert model.physics(values).effects.values[effect][key] == end
+
+
+def test_a_tip_can_lack_no_more_than_its_radius() -> None:
+    model = with_effects(viscous(OUTLINE), {"tip_radius": {"excess_um": 1.0}}, tip_radius=2e-6)
+    plain = np.array([[RHO, MU, excess] for excess in (-2e-6, -2.1e-6, 5e-6)])
+    assert model.valid(plain).tolist() == [True, False, True]

@@ -35,6 +35,9 @@ class _Laws(Mapping[str, "Property"]):
     def __getitem__(self, name: str) -> Property:
         return _law(_PLACES[name])
 
+    def __contains__(self, name: object) -> bool:
+        return name in _PLACES  # that of Mapping looks the name up, which imports
+
     def __iter__(self) -> Iterator[str]:
         return iter(_PLACES)
 

@@ -137,7 +137,9 @@ def about_reference(centre: Floats, moment: Floats) -> Floats:
 Scales = Mapping[str, Mapping[str, float]]
 
 
-def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> Model:
+def with_effects(
+    model: Model, scales: Scales, fixed: Scales | None = None, *, tip_radius: float = np.inf
+) -> Model:
     """The model with parameters of effects, each starting from an effect that is off.
 
     Parameters
@@ -149,6 +151,8 @@ def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> M
         under the name ``effect.parameter``.
     fixed
         ``{effect: {parameter: value}}`` in the units of the catalogue, held.
+    tip_radius
+        Stated radius of the tips, m: no deficit may be larger. Infinite: not known.
 
     Returns
     -------
@@ -162,7 +166,9 @@ def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> M
         If an effect or parameter is not in the catalogue, or a scale is not positive.
     """
     added = tuple(
-        _parameter(effect, key, scale) for effect, of in scales.items() for key, scale in of.items()
+        _parameter(effect, key, scale, tip_radius)
+        for effect, of in scales.items()
+        for key, scale in of.items()
     )
     columns = [(effect, key) for effect, of in scales.items() for key in of]
     held = values_in_si(fixed or {})
@@ -197,10 +203,11 @@ def with_effects(model: Model, scales: Scales, fixed: Scales | None = None) -> M
     )
 
 
-def _parameter(effect: str, key: str, scale: float) -> Parameter:
+def _parameter(effect: str, key: str, scale: float, tip_radius: float) -> Parameter:
     parameter = parameter_of("scales", effect, key)
     if not 0.0 < scale < np.inf:
         raise ValueError(
             f"scales.{effect}.{key}: {scale}; must be positive and finite; give a typical change"
         )
-    return replace(parameter, key=f"{effect}.{key}", scale=scale * parameter.to_si)
+    low = max(parameter.low, -tip_radius) if effect == "tip_radius" else parameter.low
+    return replace(parameter, key=f"{effect}.{key}", scale=scale * parameter.to_si, low=low)
