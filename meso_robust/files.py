@@ -146,7 +146,7 @@ def why(error: Exception) -> str:
     Parameters
     ----------
     error
-        What came of writing or reading a file.
+        The outcome of writing or reading a file.
 
     Returns
     -------

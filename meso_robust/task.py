@@ -111,7 +111,7 @@ Outline = Annotated[
 
 
 class Pose(_Section):
-    """Position of the part's centre in um and orientation in deg, world frame."""
+    """Position of the part's reference point in um and orientation in deg, world frame."""
 
     x_um: Coordinate
     """x of the part's reference point, um, world frame."""
@@ -131,7 +131,7 @@ class Goal(Pose):
 
 
 class Probe(_Section):
-    """The active dual-tip probe, or several alike."""
+    """The active dual-tip probe, or several identical ones."""
 
     tip_spacing_um: Length
     """Distance of the tips across the push, um."""
@@ -249,7 +249,7 @@ class Task(_Section):
     plan: Plan
     """What is demanded of the plan."""
     slot: Slot | None = None
-    """What the part is inserted into, if it is not the bare goal."""
+    """The slot that the part is inserted into; none if left out."""
 
     card: ClassVar[Callable[[Task], str] | None] = None
     """Shows a task in a notebook; put here by the calls, since what draws lies above."""

@@ -1,4 +1,4 @@
-"""What all calls share: arguments are checked, and messages speak of arguments, not options."""
+"""What all calls share: arguments are checked, and messages name arguments, not options."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Argument:
     kinds
         The types that it may have.
     option
-        What else is stated of it.
+        What else is stated about it.
     default
         Its default; ``inspect.Parameter.empty`` if it must be given.
     positional
@@ -165,8 +165,8 @@ def check_arguments(call: Callable[..., object], values: Mapping[str, object]) -
 def call(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Check a call's arguments; say what is wrong in the names of its arguments.
 
-    The rooms below know the options of the command line only; the command line tells the cause of the
-    error, which has their words.
+    The packages below name the options of the command line only; the command line shows the cause of the
+    error, which is in those words.
 
     Raises
     ------

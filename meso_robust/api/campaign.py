@@ -39,7 +39,7 @@ NEGATIVE = ("broken", "incomplete", "open")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Campaigned(Result):
-    """What came of a campaign.
+    """The outcome of a campaign.
 
     Attributes
     ----------

@@ -29,12 +29,12 @@ CertificateGiven: TypeAlias = Annotated[
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Checked(Result):
-    """What came of checking a certificate.
+    """The outcome of checking a certificate.
 
     Attributes
     ----------
     answer
-        The verdict, what is claimed, what was rejected, and what no check can confirm.
+        The verdict, what is claimed, what was rejected, and what cannot be checked.
     certificate, task
         What was checked, and the task it is about.
     """
@@ -140,7 +140,7 @@ def check(
     Returns
     -------
     Checked
-        Whatever the verdict; also a certificate that was tampered with gives a value.
+        Whatever the verdict: a certificate that was tampered with gives a result too.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def check(
     >>> checked, checked.verified
     (<Checked VERIFIED: paper, Section IX-E>, True)
 
-    A changed number is found out:
+    A changed value is detected:
 
     >>> changed = planned.certificate.model_copy(update={"verdict": "UNKNOWN"})
     >>> print(mr.check(changed, task))

@@ -111,7 +111,7 @@ def diagnose(
     quick
         Fewer simulated sets and candidates; a coarser answer.
     seed
-        Seed of everything random.
+        Seed of all random numbers.
     store
         Folder for intermediate results, from which an interrupted diagnosis resumes.
     progress

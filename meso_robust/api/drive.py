@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Driver:
-    """Answers sensed poses, one after the other, of one part after the other.
+    """Answers sensed poses one after another, for one part after another.
 
     ``done`` and ``refused`` end a part: the next pose is taken as the first of the next one.
 
     Attributes
     ----------
     controller
-        Knows what was answered so far.
+        Keeps track of what was answered so far.
     task
         What the plan is for.
     """
@@ -58,7 +58,7 @@ class Driver:
 
 @call
 def drive(task: TaskGiven, plan: StrPath, *, progress: Progress = SILENT) -> Driver:
-    """Prove a plan before anything is moved, and make ready what answers sensed poses.
+    """Prove a plan before anything is moved, and prepare to answer sensed poses.
 
     Parameters
     ----------

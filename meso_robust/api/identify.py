@@ -118,7 +118,7 @@ def identify(  # every option of the verb is an argument
     objective
         ``likelihood``, with intervals; ``printed``: the paper's objective alone.
     confidence
-        Probability of the intervals.
+        Confidence level of the intervals.
     design
         Also propose this many of the most informative pushes.
     seed
@@ -306,7 +306,7 @@ def standard_tests(source: TaskGiven) -> StandardTests:
     Returns
     -------
     StandardTests
-        Places and travels of the pushes, which suit a bench with the speed or the tips that are stated.
+        Places and travels of the pushes, for a bench with the stated speed or tips.
 
     Raises
     ------

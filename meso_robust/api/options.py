@@ -1,8 +1,8 @@
 """What may be given for an argument, stated once: calls check it, and options of the command line follow.
 
-A signature of a call names its argument's type, such as :data:`Samples`; the argument's meaning stands
-in the docstring. Nothing here imports what takes long, since the command line reads all signatures
-before it answers ``--help``. So a class that a value may be of is known by its name.
+A call's signature names the type of each argument, such as :data:`Samples`; the docstring gives its
+meaning. There are no slow imports here, since the command line reads all signatures before it answers
+``--help``; so classes that a value may have are given by name.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Option:
-    """What a type does not say of an argument.
+    """What a type does not say about an argument.
 
     Attributes
     ----------
     low, high
         The least and the largest number; None: any.
     flag
-        Its name on the command line, where that is another than the argument's.
+        Its name on the command line, if that differs from the argument's.
     words
-        What the command line tells of it, where the docstring tells what only a call can be given.
+        Its help on the command line, where the docstring also names what only a call can be given.
     """
 
     low: float | None = None
@@ -35,7 +35,7 @@ class Option:
     words: str = ""
 
 
-# The largest numbers are there against slips: what is beyond them would fill the memory, or never end.
+# The upper limits catch slips: anything beyond them would fill the memory, or never end.
 Samples: TypeAlias = Annotated[int, Option(low=1, high=1_000_000)]
 Seed: TypeAlias = Annotated[int, Option(low=0)]
 Starts: TypeAlias = Annotated[int, Option(low=1, high=10_000)]

@@ -33,7 +33,7 @@ PlanGiven: TypeAlias = Annotated[
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Planned(Result):
-    """A plan and what is known of it.
+    """A plan and what is known about it.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Planned(Result):
     promise
         What a fitted model made of the task; None if there was none.
     more
-        Texts of further files by name: those that were asked for, and those of a promise.
+        Texts of further files by name: those that were requested, and those about a fitted model.
     """
 
     result: Judged
@@ -80,7 +80,7 @@ class Planned(Result):
 
     @property
     def margin(self) -> Margin:
-        """How much more uncertainty the plan would bear, and which one binds first."""
+        """How much more uncertainty the plan would tolerate, and which one binds first."""
         return self.result.margin
 
     @property
@@ -166,8 +166,8 @@ def plan(  # every option of the verb is an argument
     InputError
         A file or a value breaks a rule.
     NotApplicableError
-        No primitive can handle the task, so that there is no plan to judge: what the command line
-        tells as UNKNOWN. The message says which primitive and why.
+        No primitive can handle the task, so there is no plan to judge: the command line reports
+        this as UNKNOWN. The message says which primitive and why.
     SimulatorContradictsProofError
         The simulator and the proof disagree: a fault of this package.
 
@@ -246,7 +246,7 @@ def certify(
     InputError
         A file or a value breaks a rule, or the plan was made for another task.
     NotApplicableError
-        The moves are none that a primitive describes.
+        No primitive describes one of the moves.
     SimulatorContradictsProofError
         The simulator and the proof disagree: a fault of this package.
 

@@ -55,7 +55,7 @@ class Recordings(Result):
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """Errors and warnings that are left."""
+        """Errors and warnings that remain."""
         return self.checked.matters
 
     @property
@@ -134,7 +134,7 @@ def read_recordings(
     outline: StrPath | None = None,
     progress: Progress = SILENT,
 ) -> Recordings:
-    """Read recordings, list what is wrong with them, and repair what can be if asked for.
+    """Read recordings, list what is wrong with them, and on request repair what can be repaired.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def read_recordings(
     Returns
     -------
     Recordings
-        Also of recordings that cannot be used as they are.
+        A result even if the recordings cannot be used as they are.
 
     Raises
     ------

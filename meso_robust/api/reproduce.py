@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Reproduced(Result):
-    """Tables and figures of the paper, made again.
+    """Tables and figures of the paper, reproduced.
 
     Attributes
     ----------
     items
         What was found, by the name of the item.
     setting
-        How it was asked for.
+        The options it was made with.
     """
 
     items: Mapping[str, Made]
@@ -33,7 +33,7 @@ class Reproduced(Result):
 
     @property
     def positive(self) -> bool:
-        """Always: the answer stands beside what was printed, and is nobody's verdict."""
+        """Always: the values are shown next to the printed ones, without a verdict."""
         return True
 
     @property
@@ -84,7 +84,7 @@ def reproduce(
     seed: Seed = 0,
     progress: Progress = SILENT,
 ) -> Reproduced:
-    """Make the paper's tables and figures again.
+    """Reproduce the paper's tables and figures.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def reproduce(
     Returns
     -------
     Reproduced
-        The values that were found, beside the printed ones.
+        The values that were found, next to the printed ones.
 
     Raises
     ------

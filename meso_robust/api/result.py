@@ -60,17 +60,17 @@ class Result(ABC):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is no part of the answer, but should be known: the command line notes it on stderr."""
+        """What is not part of the answer but should be known; the command line writes it to stderr."""
         return ()
 
     @property
     def brief(self) -> str:
-        """What ``--quiet`` leaves of the answer."""
+        """The answer as ``--quiet`` prints it."""
         return ""
 
     @property
     def why_not(self) -> str:
-        """Why the answer is no, where the answer itself does not tell."""
+        """Why the answer is no, if the answer itself does not say."""
         return ""
 
     @property
@@ -79,7 +79,7 @@ class Result(ABC):
         return {"report": "report.html"}
 
     def _repr_html_(self) -> str | None:
-        """The card that a notebook shows; None: the answer in words."""
+        """The card that a notebook shows; None shows the answer in words."""
         return None
 
     def check_folder(self, folder: Path) -> None:

@@ -34,7 +34,7 @@ FRAME_RATE_HZ = 30.0  # of the paper's camera, Section IV
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Simulated(Result):
-    """Runs of a plan, and what became of them.
+    """Runs of a plan, and how they ended.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Simulated(Result):
 
     @property
     def shown(self) -> dict[str, str]:
-        """The moving picture of the runs."""
+        """The animation of the runs."""
         return {"animation": "animation.html"}
 
     def __str__(self) -> str:

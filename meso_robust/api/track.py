@@ -171,7 +171,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     pitch_um
         Pitch of that grid.
     start
-        Pose in the first frame (um, um, deg) as far as it is known: ``(None, None, 90.0)``.
+        What is known of the pose in the first frame (um, um, deg): ``(None, None, 90.0)``.
     probes
         Tips in the first frame by name, um; found by their motion if left out.
     commands
@@ -189,7 +189,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     Returns
     -------
     Tracked
-        Also if the part was lost.
+        A result even if the part was lost.
 
     Raises
     ------
@@ -270,7 +270,7 @@ def tracked(job: Job, *, progress: Progress = SILENT) -> Tracked:
     Returns
     -------
     Tracked
-        Also if the part was lost.
+        A result even if the part was lost.
     """
     from meso_robust.tracking.job import prepared, run
 

@@ -33,7 +33,7 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PartAnswer:
-    """What came of a part."""
+    """The outcome of a part."""
 
     part: Part
     unit: str
@@ -43,7 +43,7 @@ class PartAnswer:
     runs: int
     failed: int
     seconds: float
-    """Of work, added up over the workers."""
+    """Of work, summed over the workers."""
     totals: Values
     told: Told
     shown: tuple[Shown, ...]
@@ -51,7 +51,7 @@ class PartAnswer:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """What came of a campaign."""
+    """The outcome of a campaign."""
 
     campaign: Campaign
     parts: tuple[PartAnswer, ...]

@@ -30,13 +30,13 @@ class Stated(BaseModel):
     name: Annotated[str, Field(min_length=1, max_length=200)]
     """What the campaign is called in answers and reports."""
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
-    """Everything random follows from it."""
+    """Seed of all random numbers."""
     confidence: Annotated[float, Field(gt=0.5, lt=1)] = 0.95
-    """Of all intervals."""
+    """Confidence level of all intervals."""
     chunk_limit_s: Annotated[float, Field(gt=0, le=1e6)] = 3600.0
-    """A chunk that takes longer is ended, tried again, and then reported."""
+    """Time limit of a chunk, s: one that takes longer is stopped, tried again, and then reported."""
     part: tuple[Section, ...]
-    """What is done, one after the other."""
+    """The parts of the campaign, run one after another."""
 
     @model_validator(mode="after")
     def _each_name_once(self) -> Self:

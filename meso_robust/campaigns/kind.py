@@ -78,7 +78,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Result:
-    """What came of a chunk; the same chunk always gives the same result, to the last bit."""
+    """The outcome of a chunk; the same chunk always gives the same result, to the last bit."""
 
     runs: int
     """Executions, examples, certificates, cases: what the rate is counted in."""

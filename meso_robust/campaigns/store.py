@@ -214,7 +214,7 @@ class Store:
                 yield chunk, result_of(text)
 
     def seconds(self, part: str) -> float:
-        """Time of all kept chunks of a part, added up over the workers."""
+        """Time of all kept chunks of a part, summed over the workers."""
         with self._told():
             query = "SELECT COALESCE(SUM(seconds), 0) FROM result WHERE part = ?"
             return float(self._db.execute(query, (part,)).fetchone()[0])

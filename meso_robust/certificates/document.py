@@ -55,7 +55,7 @@ class ObligationDocument(NamedDocument):
     inequality: Inequality
     """The inequality that it was reduced to; `reading.inequalities` has it in symbols."""
     verdict: VerdictWord
-    """Of this inequality."""
+    """Verdict on this inequality."""
     lower_bound: str | None
     """Smallest proved value of the left side in its SI unit, hexadecimal; null if not proved."""
     boxes: Count
@@ -76,7 +76,7 @@ class StepDocument(Document):
     property: NamedDocument
     """What the move is claimed to do; `reading.properties` has it in words."""
     verdict: VerdictWord
-    """Of the move: the worst of its inequalities."""
+    """Verdict on the move: the worst of those on its inequalities."""
     pre: BoxDocument
     """True poses before the move, for reading, rounded outward."""
     pre_exact: ExactBox
@@ -146,7 +146,7 @@ class UndecidedReading(Document):
 
 
 class ReadingDocument(Document):
-    """The certificate in words, for people: rendered from the ids, and compared by nobody."""
+    """The certificate in words, for people: rendered from the ids, and never compared."""
 
     claim: str
     """What is claimed."""
@@ -191,7 +191,7 @@ class WitnessDocument(Document):
 
 
 class MarginDocument(Document):
-    """How much more uncertainty the plan could bear; see ``meso_robust.certificates.margin``."""
+    """How much more uncertainty the plan would tolerate; see ``meso_robust.certificates.margin``."""
 
     factor: Factor
     """Largest factor of all uncertainties at once that was certified; 0 if the plan is not
@@ -199,7 +199,7 @@ class MarginDocument(Document):
     refused_at: Factor | None
     """Smallest factor tried that was not certified; null if the largest tried was certified."""
     binds_first: str | None
-    """Uncertainty that bears the least when it is scaled alone."""
+    """Uncertainty with the smallest factor when scaled alone."""
     each_alone: dict[str, Factor]
     """Largest certified factor of each uncertainty, scaled alone."""
     limit: LimitDocument | None
@@ -207,12 +207,12 @@ class MarginDocument(Document):
 
 
 class SimulationDocument(Document):
-    """The cross-check by the simulator: evidence beside the proof, not part of it."""
+    """The cross-check by the simulator: evidence in addition to the proof, not part of it."""
 
     samples: Count
     """Random runs."""
     seed: Seed
-    """From which all draws follow."""
+    """Seed of all draws."""
     step_um: Annotated[float, Field(gt=0, le=1e6)]
     """Longest travel of a probe in a step of the simulator, um."""
     completed: Count
@@ -220,7 +220,7 @@ class SimulationDocument(Document):
     in_goal: Count
     """Runs that ended in the goal."""
     in_certified_box: Count | None
-    """Runs that kept to every certified box; null if a move has none."""
+    """Runs that stayed in every certified box; null if a move has none."""
     largest_excess_um_um_deg: tuple[tuple[Distance, Distance, Distance], ...]
     """Largest distance outside the certified box after each move."""
     simulator_error_um_um_deg: tuple[Distance, Distance, Distance]
@@ -235,7 +235,7 @@ class CertificateDocument(Document):
     )
     """Name and version of the format."""
     verdict: VerdictWord
-    """Of the whole claim."""
+    """Verdict on the whole claim."""
     task: str
     """Name of the task."""
     task_hash: str
@@ -255,7 +255,7 @@ class CertificateDocument(Document):
     witness: WitnessDocument | None
     """A run that fails; null unless one was found."""
     margin: MarginDocument
-    """How much more uncertainty the plan would bear."""
+    """How much more uncertainty the plan would tolerate."""
     simulation: SimulationDocument
     """The cross-check by the simulator."""
     made_with: dict[str, str]

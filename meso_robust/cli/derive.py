@@ -21,7 +21,7 @@ def derive(
     as_json: Annotated[bool, typer.Option("--json", help="Print the verdicts as JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only the result.")] = False,
 ) -> None:
-    """Derive, prove or refute every printed claim; regenerate the code that comes from it."""
+    """Derive and prove or refute every claim that the paper prints; regenerate the code made from them."""
     from derivations import generate, report
 
     if not (generate.ROOT / "pyproject.toml").exists():

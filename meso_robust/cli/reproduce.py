@@ -13,5 +13,5 @@ from meso_robust.cli.verb import Run, verb
     interrupted="nothing was written",
 )
 def reproduce(run: Run) -> Reproduced:
-    """Make the paper's tables and figures again; write them beside the printed values."""
+    """Reproduce the paper's tables and figures; show them next to the printed values."""
     return run.saved()

@@ -12,7 +12,7 @@ from typer.core import TyperGroup
 from meso_robust.cli.running import guarded
 
 VERBS: Mapping[str, tuple[str, ...]] = {
-    "To begin with": ("example",),
+    "Getting started": ("example",),
     "From a task to a certified plan": ("plan", "certify", "check", "simulate", "drive"),
     "From video to an identified model": ("track", "recordings", "identify", "diagnose"),
     "Evidence": ("campaign", "reproduce", "derive"),

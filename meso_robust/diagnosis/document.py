@@ -89,7 +89,7 @@ class MismatchSection(_Section):
     detected: bool
     """Whether the p-value is at most the threshold, or with few `nulls` the least that they allow."""
     p_value: Probability
-    """Of the largest of all local tests, under recordings simulated without a mismatch."""
+    """p-value of the largest local test, from recordings simulated without a mismatch."""
     threshold: Probability
     """p-value from which on a mismatch counts as detected."""
     nulls: Count
@@ -123,9 +123,9 @@ class CandidateSection(_Section):
     gain: FiniteFloat
     """Log density of left-out training recordings, over that of the plain model."""
     chi2: NotNegative
-    """Squared residuals over the noise, added up over the training recordings."""
+    """Squared residuals over the training recordings, each relative to the noise, summed."""
     probability: Probability
-    """Of this set among all that were refitted."""
+    """Probability of this set among all that were refitted."""
     adequate: bool | None
     """Whether nothing is left that the detector sees; None where that was not asked."""
     rejected: str
@@ -174,7 +174,7 @@ class ChannelSection(_Section):
     channel: Channel
     """The stage."""
     share: FiniteFloat
-    """Of what a hidden input at every stage explains."""
+    """Share of what hidden inputs at all stages together explain."""
     sigma: FiniteFloat
     """Size of what it explains, in standard deviations."""
 
@@ -229,7 +229,7 @@ class HeldOutSection(_Section):
     extended_um: NotNegative
     """The same of the extended model, um."""
     improvement_low: FiniteFloat
-    """Of the relative fall of the error, 90 % bootstrap over recordings."""
+    """Lower end of the relative fall in error, 90 % bootstrap over recordings."""
     improvement_high: FiniteFloat
     """Upper end, likewise."""
     extrapolation: str = ""
@@ -252,7 +252,7 @@ class ControlSection(_Section):
     spans: Annotated[int, Field(ge=1)]
     """Number of the spans."""
     within_sigma: NotNegative
-    """Predictions that differ by less in every frame count as the same."""
+    """Predictions that differ by less than this in every frame count as the same."""
     sigma_before: NotNegative
     """Root mean square over the noise; 1 where the plain model is right."""
     sigma_after: NotNegative
@@ -293,7 +293,7 @@ class NoiseSection(_Section):
     orientation_sigma_deg: NotNegative
     """Standard deviation of theta, deg."""
     correlation: FiniteFloat
-    """Of neighbouring frames."""
+    """Correlation of the noise in neighbouring frames."""
     source: Key
     """Where they are from, in words."""
 
@@ -302,15 +302,15 @@ class ProvenanceSection(_Section):
     """What the diagnosis was made from."""
 
     recordings_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-    """Of the values of the recording set, independent of layout."""
+    """SHA-256 of the recording set's values, independent of layout."""
     seed: Count
-    """From which everything random follows."""
+    """Seed of all random numbers."""
     quick: bool
-    """Whether less was tried, by `--quick`."""
+    """Whether less was tried, because of `--quick`."""
     meso_robust: Key
     """Version of the package."""
     notes: tuple[str, ...] = ()
-    """What of the recordings was left out, interpolated or shifted."""
+    """What was left out of the recordings, interpolated or shifted."""
 
 
 class DiagnosisDocument(_Section):
@@ -351,7 +351,7 @@ class DiagnosisDocument(_Section):
     decoys: Count = 0
     """Signatures of the best set put on other recordings and in wrong frames."""
     decoy_share: Probability | None = None
-    """Of them, that explain as much as the signature where it belongs; None without decoys."""
+    """Share of the decoys that explain as much as the signature where it belongs; None without decoys."""
     control: ControlSection | None = None
     """Spans that must not improve; null if there are none."""
     held_out: HeldOutSection

@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Ground(enum.StrEnum):
-    """What speaks against a set; the value stands in `diagnosis.json`."""
+    """Why a set is rejected; the value is that in `diagnosis.json`."""
 
     NO_GAIN = "no-gain"
     """It is no likelier than the plain model."""

@@ -97,7 +97,7 @@ class MinimumSection(_Section):
     objective_um: NotNegative | None = None
     """F of eq. (4); absent where a push jams."""
     cost: NotNegative
-    """What was minimised: χ² of "likelihood", F in um of "printed"."""
+    """What was minimised: χ² for "likelihood", F in um for "printed"."""
     x_um: NotNegative
     """Root mean square of the residuals in x over all recordings, um."""
     y_um: NotNegative
@@ -114,16 +114,16 @@ class QualitySection(_Section):
     """How well the best fit of the likelihood explains the recordings."""
 
     chi2: NotNegative
-    """Squared residuals over the noise, added up."""
+    """Squared residuals, each relative to the noise, summed."""
     freedom: Annotated[int, Field(ge=-(10**15), le=10**15)]
-    """Degrees of freedom: residuals less fitted values."""
+    """Degrees of freedom: residuals minus fitted values."""
     p_value: Annotated[FiniteFloat, Field(ge=0, le=1)]
     """Probability of such a χ² if model and noise are right; noise that still frames show is known as
     well as they show it."""
     correlation: Number
-    """Of the residuals of neighbouring frames."""
+    """Correlation of the residuals of neighbouring frames."""
     inflation: Annotated[FiniteFloat, Field(ge=1, le=MOST)]
-    """What the variance was multiplied with for the intervals; 1 if residuals look like the noise."""
+    """Factor on the variance for the intervals; 1 if residuals look like the noise."""
     numerical: NotNegative
     """Standard deviations that a parameter moved when predictions were corrected for the steps."""
 
@@ -172,15 +172,15 @@ class ProvenanceSection(_Section):
     """What the model was made from."""
 
     recordings_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-    """Of the values of the recording set, independent of layout."""
+    """SHA-256 of the recording set's values, independent of layout."""
     seed: Annotated[int, Field(ge=0, le=10**80)]
-    """From which the random starts follow."""
+    """Seed of the random starts."""
     starts: Annotated[int, Field(ge=1, le=10**15)]
     """Random starts of the search."""
     meso_robust: Key
     """Version of the package."""
     notes: tuple[str, ...]
-    """What of the recordings was left out, interpolated or shifted."""
+    """What was left out of the recordings, interpolated or shifted."""
 
 
 class ModelDocument(_Section):

@@ -63,7 +63,7 @@ class TipDocument(_Model):
 
 
 class TestDocument(_Model):
-    """A move in the shape of those of ``plan.json``, with what an experiment needs beside it."""
+    """A move as in ``plan.json``, with what an experiment needs in addition."""
 
     step: int
     """Number of the push, from 1."""

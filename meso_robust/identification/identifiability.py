@@ -57,7 +57,7 @@ def check_enough(prepared: Prepared, model: Model) -> None:
         raise InputError(
             f"{counted(len(prepared.files), 'recording')}{still} for {int(model.fitted.sum())} parameters of "
             f"model {model.name}; must be at least {least_pushes(model)} pushes, as each shows two "
-            f"numbers (rotation and sideways motion); record {missing} more, at other places of the long "
+            f"numbers (rotation and sideways motion); record {missing} more, at other places along the long "
             "and the short sides, off the middle so that the part turns"
         )
 
@@ -100,7 +100,7 @@ def found_scale() -> NotIdentifiable:
     return NotIdentifiable(
         name="force_scale",
         why="the motion depends on ratios of forces only (for a film on ρ = e_θ / e_x, not on e_x): "
-        "a support that resists k times as much moves alike; a force sensor at a tip would show it",
+        "on a support that resists k times as much the part moves in the same way; a force sensor at a tip would show it",
     )
 
 

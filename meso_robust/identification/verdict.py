@@ -81,7 +81,7 @@ def meaning(document: ModelDocument) -> str:
             if quality is None
             else "the noise was fitted too"
         )
-        return f"nothing tells whether the model explains the recordings: {why}"
+        return f"nothing shows whether the model explains the recordings: {why}"
     return ""
 
 

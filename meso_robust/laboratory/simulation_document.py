@@ -118,7 +118,7 @@ class SimulationDocument(Document):
     goal: BoxDocument
     """The goal."""
     seed: int
-    """From which all draws follow."""
+    """Seed of all draws."""
     step_um: float
     """Longest probe displacement of a simulation step."""
     all_in_goal: bool

@@ -59,7 +59,7 @@ class RuleDocument(Document):
     single_y: AimDocument | None = None
     """y of the passive tip's centre; null if the move has none."""
     heading: Heading = "-x"
-    """Where the push goes; the offsets are along and across it, in axes turned by as much."""
+    """Direction of the push; the offsets are along and across it, in axes turned with it."""
     mirrored: bool = False
     """Whether the y axis of these axes is mirrored."""
 
@@ -103,7 +103,7 @@ class ExactBox(Document):
 
 
 class MoveDocument(Document):
-    """What the hardware does."""
+    """A move as the hardware carries it out."""
 
     step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that the move belongs to."""

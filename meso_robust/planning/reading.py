@@ -199,7 +199,7 @@ def wrong_headings(rules: Sequence[RuleDocument], task: Task, key: str) -> Itera
         if stated is not None and rule.heading not in stated:
             yield (
                 f"{key}.{k}.heading = {rule.heading!r}: must be one of {list(stated)}, the task's "
-                "probe.headings; plan the task again, or state the probe that pushes that way"
+                "probe.headings; plan the task again, or add a probe that pushes that way"
             )
 
 
@@ -247,7 +247,7 @@ def _wrong_move(move: MoveDocument, key: str) -> Iterator[str]:
     if not 1 <= len(names) <= MOST_PROBES:
         yield f"{key}.probes: {counted(len(names), 'probe')}; must be 1 to {MOST_PROBES}"
     elif not all(names) or len(set(names)) < len(names):
-        yield f"{key}.probes: names {names}; every probe must have a name of its own"
+        yield f"{key}.probes: names {names}; every probe must have its own name"
     elif all(probe.passive for probe in move.probes):
         yield f"{key}.probes: all are passive; at least one must travel"
     if not move.speed_um_s > 0.0:

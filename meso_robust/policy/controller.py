@@ -120,7 +120,7 @@ def controller_of(path: Path, task: Task) -> Controller:
 
 
 def commanded(move: Move, task: Task) -> MoveDocument:
-    """What the hardware does.
+    """A move as the hardware carries it out.
 
     Parameters
     ----------

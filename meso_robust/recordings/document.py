@@ -111,7 +111,7 @@ class RecordingSection(_Section):
     probes: tuple[Annotated[str, AfterValidator(_probe)], ...]
     """Names of its probes, as in the columns."""
     alike_orientations: Annotated[int, Field(ge=1, le=1000)] = 1
-    """Orientations in which the part looks the same and among which none was chosen; 1: theta is sure."""
+    """Number of orientations in which the part looks the same, where none was chosen; 1: theta is certain."""
 
     @model_validator(mode="after")
     def _names_differ(self) -> Self:

@@ -13,8 +13,8 @@ MEANING = {
     "PROVED": "The plan is certified for point tips: it reaches the goal for every error within the stated "
     "bounds.",
     "REFUTED": (
-        "The plan fails: a simulated run, with point tips, that keeps every stated bound does not end in the goal, "
-        "also at half the simulation step."
+        "The plan fails: a simulated run, with point tips and within every stated bound, does not end in the goal, "
+        "even at half the simulation step."
     ),
     "UNKNOWN": "Not proved and not refuted: one inequality is open, and no simulated failure is confirmed.",
 }
@@ -76,7 +76,7 @@ def _meaning(verdict: str, promise: Promise | None) -> str:
         )
     if promise.broken:
         return (
-            "Nothing is proved of this laboratory: the fitted model breaks a premise of the proof, or "
+            "Nothing is proved for this laboratory: the fitted model breaks a premise of the proof, or "
             "leaves a bound open. Boxes and inequalities below are those of the plain model."
         )
     return MEANING[verdict]
@@ -90,7 +90,7 @@ def _promised(result: Planned, promise: Promise) -> Figures:
     runs = "none" if ran is None else f"{ran.in_goal} of {ran.runs}"
     return (
         ("moves", str(len(result.certificate.policy))),
-        ("of the model not absorbed", str(len(promise.broken))),
+        ("parts of the model not absorbed", str(len(promise.broken))),
         ("runs under the model's own physics end in the goal (evidence, not proof)", runs),
     )
 

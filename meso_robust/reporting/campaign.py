@@ -33,7 +33,7 @@ def campaign_report(answer: Answer, missing: Mapping[str, Sequence[int]] | None 
     Parameters
     ----------
     answer
-        What came of the campaign.
+        The outcome of the campaign.
     missing
         Indices of the chunks that were not done, rising, by the name of their part; without it the
         page says only how many they are.
@@ -136,7 +136,7 @@ def _figures(answer: Answer) -> tuple[tuple[str, str], ...]:
         ("parts that are broken", f"{broken} of {len(parts)}"),
         ("chunks done", f"{done:,} of {planned:,}"),
         ("runs/s, over all sessions", words.rate(sum(session.runs for session in sessions), took)),
-        ("of work, added up over the workers", words.duration(sum(part.seconds for part in parts))),
+        ("of work, summed over the workers", words.duration(sum(part.seconds for part in parts))),
     )
 
 

@@ -43,23 +43,23 @@ _CHECKED = {
     "REJECTED": ("REFUTED", "Something that the certificate states was not confirmed."),
     "WITNESS CONFIRMED": (
         "REFUTED",
-        "The plan fails: the run that the certificate tells is proved to.",
+        "The plan fails: the certificate's run is proved to fail.",
     ),
     "WITNESS UNDECIDED": (
         "UNKNOWN",
-        "The plan is said to fail; the checker cannot follow the run, only the simulator can.",
+        "The certificate says that the plan fails; only the simulator can follow the run, the checker cannot.",
     ),
     "NOTHING CLAIMED": ("UNKNOWN", "The certificate claims nothing that could be checked."),
 }
 _CAMPAIGN = {
     "held": ("PROVED", "What was claimed was tested, and nothing broke it: evidence, not a proof."),
     "broken": ("REFUTED", "Something that was claimed does not hold."),
-    "open": ("UNKNOWN", "What was done neither shows nor refutes all that was asked."),
+    "open": ("UNKNOWN", "The results neither confirm nor refute everything that was asked."),
     "measured": ("NEUTRAL", "Rates were measured; no claim was at stake."),
     "incomplete": ("UNKNOWN", "Not everything that was planned was done."),
 }
 _RECORDINGS = {
-    "CLEAN": ("PROVED", "Nothing in these recordings speaks against using them."),
+    "CLEAN": ("PROVED", "No reason was found not to use these recordings."),
     "USABLE WITH CARE": ("UNKNOWN", "They can be used, but read the warnings first."),
     "NOT USABLE AS IT IS": ("REFUTED", "Some recordings cannot be used as they are."),
 }
@@ -102,7 +102,7 @@ def checked_card(checked: Checked, certificate: Certificate, task: Task, text: s
     Parameters
     ----------
     checked
-        What came of the check.
+        The outcome of the check.
     certificate, task
         As read.
     text
@@ -165,7 +165,7 @@ def simulated_card(found: Simulated, document: SimulationDocument, text: str) ->
         figures=tuple(figures),
         picture=cards.picture(lambda: runs_figure(found), text, "Simulated runs"),
         caption="Outlines: the nominal run before the first and after each move; dots: last "
-        "places of the sampled runs, red crosses those outside the goal.",
+        "positions of the sampled runs, red crosses those outside the goal.",
         text=text,
     )
 
@@ -205,11 +205,11 @@ def identified_card(document: ModelDocument, found: Identification, text: str) -
         picture=cards.picture(
             lambda: profile_figure(found) if likely else recording_figure(found, 0),
             text,
-            "Rise of χ² along every parameter" if likely else "A recording beside the model",
+            "Rise of χ² along every parameter" if likely else "A recording with the model",
         ),
-        caption="How the misfit rises to both sides of each fitted parameter."
+        caption="How the misfit rises on both sides of each fitted parameter."
         if likely
-        else "The first recording beside the model.",
+        else "The first recording with the model.",
         text=text,
     )
 
@@ -239,7 +239,7 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
     if held.recordings:
         before, after = (significant(x, 3) for x in (held.baseline_sigma, held.extended_sigma))
         value = f"{before} → {after} σ" if document.effects else f"{before} σ"
-        figures.append(("error on recordings held out", value))
+        figures.append(("error on held-out recordings", value))
 
     def drawn() -> Figure:
         with matplotlib.rc_context({"text.parse_math": False}):  # names of files are no formulas
@@ -258,7 +258,7 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
         meaning=look.meaning,
         figures=tuple(figures),
         picture=cards.picture(drawn, text, "Errors of the models"),
-        caption="Errors on the recordings held out, before and after the effects were added."
+        caption="Errors on the held-out recordings, before and after the effects were added."
         if worst
         else "Residuals by recording and time.",
         text=text,
@@ -294,7 +294,7 @@ def recordings_card(checked: CheckedSet, text: str) -> str:
             ("repairs", str(len(checked.repairs))),
         ),
         picture=cards.picture(lambda: _way(found), text, "A recording"),
-        caption=f"{found.recordings[0].file}: the way of part and tips; x, y, θ over time.",
+        caption=f"{found.recordings[0].file}: the paths of part and tips; x, y, θ over time.",
         text=text,
     )
 
@@ -326,7 +326,7 @@ def tracked_card(found: Tracked, text: str) -> str:
         meaning="Frames that cannot be trusted stay empty, with the reason.",
         figures=(("videos", str(len(videos))), ("frames with a pose", f"{seen} of {frames}")),
         picture=drawn,
-        caption="The first recording: the way of part and tips; x, y, θ over time.",
+        caption="The first recording: the paths of part and tips; x, y, θ over time.",
         text=text,
     )
 
@@ -337,7 +337,7 @@ def _way(recordings: RecordingSet) -> Figure:
 
 
 def campaigned_card(found: CampaignAnswer, text: str) -> str:
-    """What came of a campaign: runs and failures of its parts.
+    """The outcome of a campaign: runs and failures of its parts.
 
     Parameters
     ----------
@@ -361,7 +361,7 @@ def campaigned_card(found: CampaignAnswer, text: str) -> str:
         meaning=meaning,
         figures=(
             ("runs", f"{sum(part.runs for part in parts):,}"),
-            ("of them failed", f"{sum(part.failed for part in parts):,}"),
+            ("failed", f"{sum(part.failed for part in parts):,}"),
             ("chunks done", f"{done:,} of {planned:,}"),
         ),
         picture=cards.picture(lambda: shares_figure(parts), text, "Failures by part"),
@@ -389,7 +389,7 @@ def reproduced_card(names: tuple[str, ...], rows: int, text: str) -> str:
         word="REPRODUCED",
         colour="NEUTRAL",
         about=", ".join(names),
-        meaning="Printed values and ours stand side by side in the report.",
+        meaning="The report shows printed values and ours side by side.",
         figures=(("items", str(len(names))), ("values", str(rows))),
         text=text,
     )

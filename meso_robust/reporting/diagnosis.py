@@ -214,7 +214,7 @@ def _pictures(
         "vectors": pages.Figure(
             svg=to_svg(vectors, "vectors", "Residuals by place on the stage"),
             title="By place on the stage",
-            caption=f"Recorded less simulated position, {scale:g} times enlarged, at the place of "
+            caption=f"Recorded minus simulated position, {scale:g} times enlarged, at the place of "
             "the part.",
         ),
         "null": None,

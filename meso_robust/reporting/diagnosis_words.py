@@ -94,7 +94,7 @@ def value_words(key: str, one: ValueSection) -> str:
     """``0.21 [0.18, 0.24] unit``; what was not fitted has no interval."""
     value, unit = plain(one.value), unit_words(key, one)
     if one.low == one.high:
-        return f"{value}{unit} (held)"
+        return f"{value}{unit} (fixed)"
     return f"{value} [{plain(one.low, 'down')}, {plain(one.high, 'up')}]{unit}"
 
 

@@ -92,7 +92,7 @@ def _banner(document: ModelDocument, model: Model, source: str) -> pages.Banner:
 
 
 def _how(document: ModelDocument) -> str:
-    """What stands behind the intervals."""
+    """What the intervals are based on."""
     if document.confidence is None:
         return (
             "The paper's objective by Nelder and Mead's method; an interval is the last simplex, "
@@ -152,8 +152,8 @@ def _parameters(document: ModelDocument, found: Identification) -> pages.Section
                         profile_figure(found), "profiles", "Rise of χ² along every parameter"
                     ),
                     title="How χ² rises when a parameter is held and all others follow",
-                    caption="Dashed: the quantile that ends the interval (shaded). The rise is "
-                    "divided by what variances were multiplied with, for residuals beyond the noise "
+                    caption="Dashed: the quantile that bounds the interval (shaded). The rise is "
+                    "divided by the factor on the variances, which allows for residuals beyond the noise "
                     "and for the error of the steps.",
                 )
             )
@@ -235,14 +235,14 @@ def _recordings(document: ModelDocument, found: Identification) -> pages.Section
     body = [pages.table("Recordings", heads, rows)]
     if document.provenance.notes:
         body += [
-            pages.html("<h3>Taken otherwise than it stands in the files</h3>"),
+            pages.html("<h3>Used differently from what the files say</h3>"),
             pages.bullets(document.provenance.notes),
         ]
     drawn = [_recording(found, row) for row in _worst(found)]
     words = (
         "<p>Left, to scale: the part at the start (light) and at the end (grey), and where the model "
-        "puts its end (blue, dashed); way of the reference point, seen (dots) and fitted (line); way "
-        "of the tips (orange).\nRight: seen less fitted."
+        "puts its end (blue, dashed); path of the reference point, seen (dots) and fitted (line); paths "
+        "of the tips (orange).\nRight: seen minus fitted."
     )
     if len(drawn) < len(rows):
         words += f" The {len(drawn)} recordings with the largest residuals of {len(rows)}."
@@ -260,5 +260,5 @@ def _worst(found: Identification) -> list[int]:
 
 def _recording(found: Identification, row: int) -> pages.Figure:
     name = found.prepared.files[row]
-    svg = to_svg(recording_figure(found, row), f"rec{row}", f"Recording {name} beside the model")
+    svg = to_svg(recording_figure(found, row), f"rec{row}", f"Recording {name} with the model")
     return pages.Figure(svg=svg, title=name)

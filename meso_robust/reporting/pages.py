@@ -85,14 +85,14 @@ class Report:
 
 
 def page(report: Report, *folders: Path) -> str:
-    """A self-contained HTML page; ``folders`` hold style sheets that are not of this room.
+    """A self-contained HTML page; ``folders`` hold style sheets from outside this package.
 
     Parameters
     ----------
     report
         What stands on it.
     folders
-        Where style sheets lie that are not of this room.
+        Where style sheets from outside this package are.
 
     Returns
     -------

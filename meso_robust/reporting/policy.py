@@ -161,7 +161,9 @@ def _legend(figure: Figure, policy: Policy) -> None:
     ]
     handles += [
         Line2D([], [], color=GOAL, lw=1.4, label="goal"),
-        Line2D([], [], color=TIP, lw=1.1, label="tube from the task's start, after so many moves"),
+        Line2D(
+            [], [], color=TIP, lw=1.1, label="tube from the task's start, after this many moves"
+        ),
     ]
     figure.legend(
         handles=handles, loc="lower center", ncol=6, frameon=False, fontsize=8, labelcolor=INK

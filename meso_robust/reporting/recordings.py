@@ -30,7 +30,7 @@ _COLOURS: dict[str, pages.Colour] = {
     "NOT USABLE AS IT IS": "REFUTED",
 }
 _MEANING = {
-    "CLEAN": "Nothing in these recordings speaks against using them.",
+    "CLEAN": "No reason was found not to use these recordings.",
     "USABLE WITH CARE": "They can be used, but read the warnings first.",
     "NOT USABLE AS IT IS": "Some recordings cannot be used as they are; the errors say why.",
 }
@@ -115,7 +115,7 @@ def _problems(checked: Checked) -> pages.Section:
     heads = "weight | where | what | found; rule; what to do"
     return pages.Section(
         "problems",
-        "Problems that are left" if checked.repairs else "Problems",
+        "Remaining problems" if checked.repairs else "Problems",
         link="Problems",
         body=(_table("Problems", heads, rows) if rows else pages.html("<p>None.</p>"),),
     )
@@ -124,8 +124,8 @@ def _problems(checked: Checked) -> pages.Section:
 def _repairs(checked: Checked) -> pages.Section:
     none = "made; --repair makes those that invent no data" if checked.found else "needed"
     words = (
-        "<p>What was no measurement is taken as not seen or left out. Nothing was filled in, and no "
-        "other value was changed.</p>"
+        "<p>Values that are not measurements were marked as not seen or left out. Nothing was filled in, "
+        "and no other value was changed.</p>"
     )
     rows = [
         (_where(repair.file, repair.rows), KINDS[repair.kind], repair.done)
@@ -169,10 +169,10 @@ def _noise(checked: Checked) -> pages.Section:
         for name, value, spread, unit, letter in coordinates
     ]
     words = (
-        "<p>σ is what a set states: repeatability and systematic error together. The frames before "
+        "<p>σ is the noise that a set states: repeatability and systematic error together. The frames before "
         "the first contact, in which the part is still, show the repeatability, the scatter from "
         "frame to frame. A systematic error (of the outline, the lens, the place in the image) stays "
-        "from frame to frame: it is what σ has beyond the repeatability.</p>"
+        "the same from frame to frame: it is what σ has beyond the repeatability.</p>"
     )
     return pages.Section("noise", "Noise", (pages.html(words), pages.table("Noise", heads, rows)))
 
@@ -185,7 +185,9 @@ def _estimate(spread: Spread, unit: float, letter: str) -> str:
 
 
 def _numbers(summaries: tuple[RecordingSummary, ...]) -> pages.Section:
-    heads = "recording | #s | frames | #part moves, µm | #turns, ° | tips: way, mean speed | phases"
+    heads = (
+        "recording | #s | frames | #part moves, µm | #turns, ° | tips: path, mean speed | phases"
+    )
     rows = [
         (
             each.file,
@@ -235,8 +237,8 @@ def _pictures(checked: Checked, summaries: Mapping[str, RecordingSummary]) -> pa
             for k, recording in enumerate(_drawn(checked))
         ]
     words = (
-        "<p>Left, to scale: the part at the start (dashed), at the end (dark) and in between, the way "
-        "of its reference point (blue) and of the tips (orange).\nRight: contact is shaded blue, holes "
+        "<p>Left, to scale: the part at the start (dashed), at the end (dark) and in between, the paths "
+        "of its reference point (blue) and of the tips (orange).\nRight: contact is shaded blue, gaps "
         "of more than one frame amber; rows with a problem are red.\n"
     )
     if len(pictures) < len(summaries):

@@ -60,8 +60,8 @@ def tracking_report(
                     "Lost frames",
                     (
                         pages.html(
-                            "<p>Frames that cannot be trusted have no pose: their cells are empty, "
-                            "nothing is filled in.</p>"
+                            "<p>Frames that cannot be trusted have no pose: their cells stay empty, "
+                            "and nothing is filled in.</p>"
                         ),
                         pages.table(
                             "Lost frames",
@@ -94,7 +94,7 @@ def _banner(answer: TrackDocument) -> pages.Banner:
         about=counted(len(answer.videos), "video"),
         word="TRACKED" if answer.tracked else "LOST",
         colour="PROVED" if answer.tracked else "REFUTED",
-        meaning=f"In every video part and probes were found in all frames except {share} at most."
+        meaning=f"In every video, part and probes were found in all but at most {share} of the frames."
         if answer.tracked
         else f"{lost_in_words(answer)}.",
         figures=(
@@ -147,7 +147,7 @@ def _videos(answer: TrackDocument) -> tuple[Markup, ...]:
         pages.table("Videos", heads, rows),
         pages.html(
             "<p>σ is the root mean square of the standard deviations that the tracker states for "
-            "each frame; the covariance of each frame stands in "
+            "each frame; the covariance of each frame is in "
             "<code>&lt;recording&gt;_covariance.csv</code>.</p>"
         ),
         *notes,
@@ -212,7 +212,7 @@ def _pictures(
             pages.Figure(
                 svg=to_svg(drawing, f"way{k}", way),
                 title=way,
-                caption="Outlines of the part on its way, tips, and x, y, θ over time; orange: not "
+                caption="Outlines of the part along its path, tips, and x, y, θ over time; orange: not "
                 "seen.",
             ),
             pages.Figure(

@@ -41,7 +41,7 @@ function modeOfGrip(part, tips, { D, S, edge, other }, alone, now) {
   if (best.slack > -EVEN) return gripped(part, tips, grip, best);
   const offset = alone.offset(now), along = -twoSided.pair(h, grip.V, grip.d1)[0] / 2 - sigma;
   const closing = twoSided.closing(angle, grip.d1, offset, along, part.rho, alone.tau)[0];
-  return closing <= 0 ? alone : { jam: true, end: "jams: no contact mode lets the tips go on" };
+  return closing <= 0 ? alone : { jam: true, end: "jams: no contact mode lets the tips keep moving" };
 }
 
 // Tips that the moving part may meet.

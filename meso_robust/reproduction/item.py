@@ -111,7 +111,7 @@ def success(hits: int, runs: int) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Found:
-    """What came of an item.
+    """The outcome of an item.
 
     Attributes
     ----------

@@ -79,7 +79,7 @@ def reproduced(names: Sequence[str], setting: Setting) -> dict[str, Made]:
     Returns
     -------
     dict
-        What came of each, in the same order.
+        The outcome of each, in the same order.
     """
     made = {}
     for name in names:

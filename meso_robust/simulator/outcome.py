@@ -30,7 +30,7 @@ class Outcome(IntEnum):
 _MESSAGES = {
     Outcome.COMPLETED: "the move was completed",
     Outcome.JAM: (
-        "the part jammed: no contact mode balances the support while the tips go on; "
+        "the part jammed: no contact mode balances the support while the tips keep moving; "
         "the pose is that of the last step taken"
     ),
     Outcome.SOLVER_FAILURE: (

@@ -50,7 +50,7 @@ class CalibrationDocument(_Section):
     pixel_um: Positive
     """um a pixel."""
     rotation_deg: Annotated[FiniteFloat, Field(ge=-180, le=180)] = 0.0
-    """Of the camera in the world, counter-clockwise."""
+    """Rotation of the camera in the world, counter-clockwise."""
     centre_um: tuple[Coordinate, Coordinate] = (0.0, 0.0)
     """World point at the middle of the image."""
     k1: Annotated[FiniteFloat, Field(ge=-MOST_K1, le=MOST_K1)] = 0.0

@@ -60,7 +60,7 @@ class VideoDocument(_Section):
     video: str
     """Path of the video or folder as it was given."""
     sha256: str | None
-    """Of the file; null for a folder."""
+    """SHA-256 of the file; null for a folder."""
     file: str | None
     """The recording made of it; null if the part was never found."""
     frames: int

@@ -100,7 +100,7 @@ def cautions(made: Promise) -> tuple[str, ...]:
     model, found = made.document, []
     if model.confidence is not None:
         found.append(
-            f"the ranges are the model's intervals, each of {model.confidence:.0%} by itself: what is "
+            f"the ranges are the model's intervals, {model.confidence:.0%} for each one alone: what is "
             "proved is proved for every value in them"
         )
     if any(one.absorbed is not None and one.absorbed.sensed_um > 0.0 for one in made.standings):

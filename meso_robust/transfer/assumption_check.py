@@ -94,7 +94,7 @@ def _open(verdict: str | None) -> Standing:
     said = {
         "unknown": "something is missing in the model that no effect explains: diagnosis.json says "
         "where",
-        "ambiguous": "several models explain the recordings alike: diagnosis.json lists them",
+        "ambiguous": "several models explain the recordings equally well: diagnosis.json lists them",
     }
     return Standing(
         name="diagnosis",

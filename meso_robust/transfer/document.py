@@ -22,11 +22,11 @@ class ModelMade(_Model):
     name: str
     """Base and effects, as in `model.toml`."""
     sha256: str
-    """Of its values, independent of layout."""
+    """SHA-256 of its values, independent of layout."""
     recordings_sha256: str
-    """Of the recordings that the model was fitted to."""
+    """SHA-256 of the recordings that the model was fitted to."""
     confidence: float | None
-    """Of each interval, by itself."""
+    """Confidence level of each interval, taken alone."""
 
 
 class ChangeMade(_Model):
@@ -43,7 +43,7 @@ class ChangeMade(_Model):
 
 
 class StandingMade(_Model):
-    """A parameter or an effect, and the premise that it bears on."""
+    """A parameter or an effect, and the premise that it affects."""
 
     name: str
     """The parameter or effect."""
@@ -67,7 +67,7 @@ class BeyondMade(_Model):
     claim: str
     """The claim in words."""
     verdict: VerdictWord
-    """Of this claim."""
+    """Verdict on this claim."""
     open: str
     """The first inequality that is not proved; empty if it is PROVED."""
 
@@ -78,7 +78,7 @@ class EvidenceMade(_Model):
     runs: int
     """Random runs."""
     seed: int
-    """From which all draws follow."""
+    """Seed of all draws."""
     completed: int
     """Runs that carried out all moves."""
     in_goal: int
@@ -99,21 +99,21 @@ class PremisesDocument(_Model):
     )
     """Name and version of the format."""
     verdict: VerdictWord
-    """Of the promise with the model."""
+    """Verdict on the plan with the model."""
     why: str
     """Why it is not PROVED; empty if it is."""
     model: ModelMade
     """The model."""
     task_hash_before: str
-    """Of the task as it was stated."""
+    """Hash of the task as it was stated."""
     task_hash: str
-    """Of the changed task, which the certificate is about."""
+    """Hash of the changed task, which the certificate is about."""
     changes: tuple[ChangeMade, ...]
     """What the model changed in the task."""
     standings: tuple[StandingMade, ...]
     """What becomes of each parameter and effect in the proof."""
     conditions: tuple[str, ...]
-    """What the laboratory must keep to beside the certificate's premises."""
+    """What the laboratory must also observe, besides the certificate's premises."""
     beyond: BeyondMade | None
     """A claim for a range of parts; null if the model leaves the part as it is."""
     evidence: EvidenceMade | None
@@ -121,4 +121,4 @@ class PremisesDocument(_Model):
     no_evidence: str
     """Why there were no runs under the model's own physics."""
     caution: tuple[str, ...]
-    """What to bear in mind, a sentence each."""
+    """What to keep in mind, one sentence each."""

@@ -75,7 +75,7 @@ class Promise:
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """What the laboratory must keep to beside the certificate's premises."""
+        """What the laboratory must also observe, besides the certificate's premises."""
         found = [one.absorbed.condition for one in self.standings if one.absorbed is not None]
         points = [] if self.document.probe else ["the tips are points: the model states no radius"]
         return (*points, *(one for one in found if one))

@@ -56,7 +56,7 @@ _MECHANICS = "reference_offset"  # the one effect of the part's motion that is o
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:
-    """What came of the runs."""
+    """The outcome of the runs."""
 
     runs: int
     completed: int

@@ -50,7 +50,7 @@ WARNINGS = ("-W", "ignore::DeprecationWarning", "-W", "ignore::PendingDeprecatio
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """What came of one run."""
+    """The outcome of one run."""
 
     dependencies: str
     python: str

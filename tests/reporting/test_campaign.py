@@ -224,13 +224,13 @@ def test_the_counts_are_those_given(page: str) -> None:
     assert "parts that are broken 1 of 3" in banner
     assert "chunks done 715 of 720" in banner
     # 96 + 155.7 + 96 s of work
-    assert "of work, added up over the workers 5.8 min" in banner
+    assert "of work, summed over the workers 5.8 min" in banner
 
 
 def test_throughput_is_runs_over_seconds(page: str) -> None:
     text = Reader(section(page, '<h2 id="throughput">', '<h2 id="troubles">')).text
     # 1,200,900 runs in 150 s
-    assert "1,200,900 runs in 2.5 min of 2 sessions: 8,006 runs/s over all." in text
+    assert "1,200,900 runs in 2.5 min of 2 sessions: 8,006 runs/s overall." in text
     assert "2026-03-01 08:00:00 UTC killed 2 processes" in text
     assert "1,200,000 60.0 20,000 " in text
     assert "Dask at tcp://h:1" in text
@@ -242,7 +242,7 @@ def test_throughput_is_runs_over_seconds(page: str) -> None:
 
 def test_one_session_has_nothing_to_be_compared_with() -> None:
     page = campaign_report(answer(part("tube", told("held"))))
-    assert "of one session: 20,000 runs/s over all" in Reader(page).text
+    assert "of one session: 20,000 runs/s overall" in Reader(page).text
     assert "by session" not in page
 
 

@@ -163,7 +163,7 @@ def test_what_was_not_fitted_has_no_interval_and_what_is_not_enough_no_probabili
     }
     given = document("unknown", effects=(stribeck,))
     assert summary(given).splitlines()[1] == (
-        "  stribeck_friction (support): ratio 1234567 [−2e+09, 3e+09], speed_um_s 30 µm/s (held), "
+        "  stribeck_friction (support): ratio 1234567 [−2e+09, 3e+09], speed_um_s 30 µm/s (fixed), "
         "not enough alone"
     )
 

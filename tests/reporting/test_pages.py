@@ -27,7 +27,7 @@ def test_a_table_without_heads_or_names_has_none() -> None:
 
 
 def test_what_is_left_out_of_a_table_or_list_is_said() -> None:
-    said = "The first 2 of 3; all stand in <code>all.json</code>."
+    said = "The first 2 of 3; all are in <code>all.json</code>."
     for part in (
         pages.table("t", "a", [("1",), ("2",), ("3",)], most=2, file="all.json"),
         pages.bullets(["1", "2", "3"], most=2, file="all.json"),

@@ -53,7 +53,7 @@ class FalsifySection(PlanSection):
     methods: Annotated[tuple[Method, ...], Field(min_length=1)] = METHODS
     """Draws in bulk, searches, and ``threshold``."""
     executions: Annotated[int, Field(ge=1, le=10**12)] = 1_000_000
-    """Of draws, in all."""
+    """Number of draws in all."""
     chunk: Annotated[int, Field(ge=1, le=10**6)] | None = None
     """Draws of a chunk; 20,000 event-driven or 1,000 stepped ones if absent."""
     restarts: Annotated[int, Field(ge=1, le=10**6)] = 2

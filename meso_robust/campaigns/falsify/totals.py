@@ -18,7 +18,7 @@ Ends = list[list[float]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Totals:
-    """What came of draws; M moves, D columns."""
+    """The outcome of draws; M moves, D columns."""
 
     runs: int = 0
     failed: int = 0

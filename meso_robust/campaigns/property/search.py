@@ -19,7 +19,7 @@ from meso_robust.campaigns.property.law import Breach, Property, Silence, Verdic
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Searched:
-    """What came of some examples of a property."""
+    """The outcome of some examples of a property."""
 
     examples: int
     """That passed through the check, those that only served to simplify a failing one left out."""

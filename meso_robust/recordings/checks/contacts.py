@@ -60,7 +60,7 @@ def _untouched(view: View) -> list[Problem]:
                 stretch,
                 f"the part moves by {far:.3g} µm and {angle:.3g}° while all tips are at least "
                 f"{1e6 * np.min(view.gap[stretch]):.4g} µm away",
-                "a part that no tip touches must rest",
+                "a part that no tip touches must not move",
                 "check clock, outline and frames; else something unseen pushes it",
             )
         )
@@ -139,7 +139,7 @@ def _idle(view: View) -> list[Problem]:
             _NONE,
             "a tip touches the part, and the part does not move by more than its noise",
             "a push moves the part",
-            "check that the tip pushes on and that the part is not stuck",
+            "check that the tip keeps pushing and that the part is not stuck",
         )
     ]
 
@@ -176,7 +176,7 @@ def _rests(view: View, name: str, every: bool) -> Problem:
         "still_probe",
         "warning" if every else "information",
         _NONE,
-        f"{name} stays in its place",
+        f"{name} does not move",
         "a probe that pushes moves",
         "check its columns; the recording only shows noise"
         if every

@@ -76,7 +76,7 @@ def _gaps(view: View) -> list[Problem]:
     """Missing rows and rows without a pose, between the first and the last seen frame."""
     steps = np.diff(view.times[view.seen])
     lost = np.maximum(np.rint(steps / view.period) - 1.0, 0.0)
-    holes = np.flatnonzero(lost)
+    gaps = np.flatnonzero(lost)
     total, longest = float(lost.sum()), float(lost.max(initial=0.0))
     if not total:
         return []
@@ -86,12 +86,12 @@ def _gaps(view: View) -> list[Problem]:
         view.problem(
             "gap",
             "warning" if bad else "information",
-            np.union1d(view.seen[holes], view.seen[holes + 1]),
-            f"{counted(int(total), 'frame')} without a pose in {counted(holes.size, 'hole')}, "
+            np.union1d(view.seen[gaps], view.seen[gaps + 1]),
+            f"{counted(int(total), 'frame')} without a pose in {counted(gaps.size, 'gap')}, "
             f"the longest of {longest:.0f}, "
             f"{100.0 * share:.0f} % of all",
             f"single frames may be lost, at most {_LONG} in a row and {100.0 * _MANY:.0f} %",
-            "check lighting and tracker; contact may change in a long hole"
+            "check lighting and tracker; contact may change in a long gap"
             if bad
             else "none needed",
         )

@@ -49,8 +49,8 @@ def zero_problem(view: View, frames: Integers) -> list[Problem]:
             "zero_pose",
             "error",
             frames,
-            f"x, y and θ are all zero in {_rows(frames)}, the part is elsewhere",
-            "an empty cell stands for not seen",
+            f"x, y and θ are all zero in {_rows(frames)}, while the part is elsewhere",
+            "an empty cell means not seen",
             "empty these cells; --repair does",
         )
     ]
@@ -86,8 +86,8 @@ def frozen_problem(view: View, frames: Integers) -> list[Problem]:
             "frozen",
             "error",
             frames,
-            f"{_rows(frames)} repeating the pose before bit by bit, up to {longest} in a row",
-            "every frame has noise of its own",
+            f"{_rows(frames)} repeating the previous pose bit for bit, up to {longest} in a row",
+            "every frame has its own noise",
             "mark these poses as not seen; --repair does",
         )
     ]

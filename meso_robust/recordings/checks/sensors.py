@@ -42,7 +42,7 @@ def force_problems(view: View) -> list[Problem]:
                     "force_offset",
                     "warning",
                     np.zeros(0, dtype=np.intp),
-                    f"{name} feels ({x:.4g}, {y:.4g}) µN while it is free, median of {len(rest)} "
+                    f"{name} reads ({x:.4g}, {y:.4g}) µN while it is free, median of {len(rest)} "
                     "rows",
                     f"must be zero within {100 * _SHARE:.0f} % of the largest force and its noise",
                     "subtract the offset from the columns",
