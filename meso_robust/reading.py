@@ -295,7 +295,7 @@ def first_fault(
             f"key {key}.{tag} = {shown(value)}: must be one of {expected}; {advice}{keys} lists the "
             "allowed values"
         )
-    rule = first["msg"].removeprefix("Value error, ")
+    rule = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if first["type"] == "missing":
         return f"key {key} is missing; {keys} lists all keys"
     if first["type"] == "value_error":

@@ -85,7 +85,7 @@ def test_an_absurd_number_is_no_certificate(place: tuple[Any, ...]) -> None:
             parse_certificate(json.dumps(changed), "file", paper_task())
         told = str(caught.value)
         assert f"key {'.'.join(map(str, place))} = " in told
-        assert ": Input should be " in told
+        assert ": must be " in told
 
 
 @pytest.mark.parametrize(

@@ -290,11 +290,18 @@ def plan_of(plan: PlanGiven, task: Task) -> PlanDocument:
     InputError
         It cannot be read, a value breaks a rule, or it was made for another task.
     """
+    from meso_robust.planning.plan_file import PlanDocument
     from meso_robust.planning.reading import accepted_plan, read_plan
 
     if isinstance(plan, str | PathLike):
         return read_plan(Path(plan), task)
-    return accepted_plan(plan.plan if isinstance(plan, Planned) else plan, "plan", task)
+    document = plan.plan if isinstance(plan, Planned) else plan
+    if not isinstance(document, PlanDocument):
+        raise InputError(
+            f"plan = {document!r:.60}: must be a Planned, its plan, or the name of a plan.json; "
+            "give what mr.plan returns"
+        )
+    return accepted_plan(document, "plan", task)
 
 
 def _promised(

@@ -23,6 +23,11 @@ def test_plan(story: Story, planned: mr.Planned) -> None:
     assert planned.margin.factor == planned.certificate.margin.factor > 1.0
 
 
+def test_what_a_plan_was_made_of_is_no_plan(planned: mr.Planned) -> None:
+    with pytest.raises(mr.InputError, match="must be a Planned, its plan, or the name"):
+        mr.certify(mr.Task.paper(), planned.result)  # type: ignore[arg-type]
+
+
 def test_certify_by_name_and_by_value(story: Story, planned: mr.Planned) -> None:
     plan = story.ours / "plan" / "plan.json"
     certified = mr.certify(str(story.task), planned, samples=SAMPLES)

@@ -102,9 +102,9 @@ WRONG_SETS = [
     ("[sensor]\n", "[camera]\n", "key sensor is missing"),
     ("width_um = 837.0\n", "", "key part: no outline; give length_um and width_um, or polygon_um"),
     ("width_um = 837.0\n", "width_um = 1700\n", "key part: width_um = 1700.0 exceeds length_um"),
-    ("width_um = 837.0\n", 'width_um = "837"\n', "key part.width_um = '837': Input should be a v"),
-    ("width_um = 837.0\n", "width_um = 0.5\n", "key part.width_um = 0.5: Input should be greater"),
-    ("width_um = 837.0\n", "width_um = true\n", "key part.width_um = True: Input should be a val"),
+    ("width_um = 837.0\n", 'width_um = "837"\n', "key part.width_um = '837': must be a v"),
+    ("width_um = 837.0\n", "width_um = 0.5\n", "key part.width_um = 0.5: must be greater"),
+    ("width_um = 837.0\n", "width_um = true\n", "key part.width_um = True: must be a val"),
     (
         "width_um = 837.0\n",
         "depth_um = 837.0\n",
@@ -131,17 +131,17 @@ WRONG_SETS = [
     (
         "= 12.5\n",
         "= -1\n",
-        "key probe.tip_radius_um = -1: Input should be greater than or equal to",
+        "key probe.tip_radius_um = -1: must be greater than or equal to",
     ),
-    ("= 12.5\n", "= nan\n", "key probe.tip_radius_um = nan: Input should be a finite number"),
+    ("= 12.5\n", "= nan\n", "key probe.tip_radius_um = nan: must be a finite number"),
     (
         'position_source = "controller"',
         'position_source = "guess"',
-        "key probe.position_source = 'guess': Input should be 'controller' or 'camera'",
+        "key probe.position_source = 'guess': must be 'controller' or 'camera'",
     ),
     ("frame_rate_hz = 30.0\n", "", "key sensor.frame_rate_hz is missing"),
-    ("frame_rate_hz = 30.0", "frame_rate_hz = 0", "key sensor.frame_rate_hz = 0: Input should be"),
-    ("= 0.08", "= inf", "key sensor.orientation_sigma_deg = inf: Input should be a finite number"),
+    ("frame_rate_hz = 30.0", "frame_rate_hz = 0", "key sensor.frame_rate_hz = 0: must be"),
+    ("= 0.08", "= inf", "key sensor.orientation_sigma_deg = inf: must be a finite number"),
     ("position_sigma_um = 1.2", "position_sigma_um = -1", "key sensor.position_sigma_um = -1: "),
     ('"push_00.csv"', '"../a.csv"', "key recording[0].file: '../a.csv'; must be the plain name of"),
     ('"push_00.csv"', '"/etc/a.csv"', "key recording[0].file: '/etc/a.csv'; must be the plain nam"),
@@ -152,7 +152,7 @@ WRONG_SETS = [
     ('["probe1"]', '["part"]', "key recording[0].probes[0]: 'part'; must be a letter, then lett"),
     ('["probe1"]', '["a b"]', "key recording[0].probes[0]: 'a b'; must be a letter, then letter"),
     ('["probe1"]', '["a", "A"]', "key recording[0]: 'A' appears twice; names must differ"),
-    ('["probe1"]', '"probe1"', "key recording[0].probes = 'probe1': Input should be a valid arra"),
+    ('["probe1"]', '"probe1"', "key recording[0].probes = 'probe1': must be a valid arra"),
     (
         'probes = ["probe1"]\n',
         'probes = []\n[[recording]]\nfile = "PUSH_00.csv"\nprobes = []\n',
@@ -167,7 +167,7 @@ WRONG_SETS = [
     ("= 12.5\n", f"= {'9' * 5000}\n", "is not a TOML file in UTF-8 (Exceeds the limit"),
     ("= 12.5\n", f"= 0x{'f' * 5000}\n", "has a date, a time, NaN or infinity (Exceeds the li"),
     ("= 12.5\n", "= 12,5\n", "is not a TOML file in UTF-8 ("),
-    ("= 12.5\n", f"= '{'x' * 500}'\n", f"key probe.tip_radius_um = '{'x' * 59}…: Input should"),
+    ("= 12.5\n", f"= '{'x' * 500}'\n", f"key probe.tip_radius_um = '{'x' * 59}…: must"),
 ]
 
 
