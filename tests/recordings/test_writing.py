@@ -161,7 +161,10 @@ def test_the_text_of_the_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"part": Rectangle(length=1616.0, width=837.0)}, "key part.length_um = 1616000000.0: must"),
+        (
+            {"part": Rectangle(length=1616.0, width=837.0)},
+            "key part.length_um = 1616000000.0: must",
+        ),
         ({"tip_radius": 12.5}, "key probe.tip_radius_um = 12500000.0: must be less than"),
     ],
 )
