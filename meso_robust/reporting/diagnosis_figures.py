@@ -345,7 +345,7 @@ def _legend(axes: Axes) -> None:
     axes.legend(
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        ncols=3,
+        ncols=len(axes.get_legend_handles_labels()[1]),  # there is room for one line alone
         fontsize=8,
         frameon=False,
         borderpad=0.2,

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
@@ -288,6 +289,11 @@ def test_bars_are_as_long_as_the_errors() -> None:
     assert line_x(floor) == 0.97
     starred = [t.get_text() for t in figure.axes[0].get_yticklabels() if "*" in t.get_text()]
     assert starred == [f"{name} *" for name in EXTRAPOLATION]
+    legend = figure.axes[0].get_legend()
+    assert legend is not None
+    drawn = legend.get_window_extent(FigureCanvasAgg(figure).get_renderer())
+    assert 0 <= drawn.x0 < drawn.x1 <= figure.bbox.x1
+    assert drawn.y1 <= figure.bbox.y1  # not cut off by the top of the picture
     plain = figures.held_out_figure(held.each, (1.0, None), extended=False)
     assert filled(plain, figures.EXTENDED) == []
 
