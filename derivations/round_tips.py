@@ -174,7 +174,7 @@ def _limits() -> Claim:
         place="new; the sticking arc for round tips",
         derived=r"Let $U(d_2)$ be the direction at which sticking ends, upwards or downwards. While a "
         r"round tip sticks, the part's direction passes it in the sense of the turn only, as at a point "
-        r"tip, exactly if $|U|^2 + r\,(U \times \partial U/\partial d_2) > 0$ there. For the paper's part "
+        r"tip, if $|U|^2 + r\,(U \times \partial U/\partial d_2) > 0$ there. For the paper's part "
         rf"at $d_2 = 350$ µm this holds for radii up to {radius} µm.",
         steps=(
             r"The margin to a limit is $U \times (\cos\theta, \sin\theta)$, which the turn changes by "
@@ -383,8 +383,8 @@ def _no_jam() -> Claim:
         derived=r"Two tips that approach along the push cannot close their grip before their contacts have "
         r"passed each other if $d_v > d_w\sqrt{1 + \mu^2} + (r_a + r_p)/\sqrt{1 + \mu^2}$ and $r_a + r_p < "
         rf"d_w$. For the paper's part at $\mu = 0.33$: {_threshold(0)} µm for points, "
-        rf"{_threshold(5)} µm for tips 5 µm across, {_threshold(25)} µm for 25 µm across. A spacing "
-        "below the bound leaves a position at which the grip is closed.",
+        rf"{_threshold(5)} µm for tips 5 µm across, {_threshold(25)} µm for 25 µm across. The "
+        "bound is sharp: at it the grip closes just where the contacts pass each other.",
         steps=(
             r"The grip closes where $T = \mu d_w$ at the latest; the contacts have not passed each other "
             r"while $h_K = T\cos\theta + d_w\sin\theta \ge 0$.",
