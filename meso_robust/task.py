@@ -32,8 +32,32 @@ Length = Annotated[FiniteFloat, Field(ge=1, le=1e5)]
 Coordinate = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 Error = Annotated[FiniteFloat, Field(ge=0, le=1e4)]
 Friction = Annotated[FiniteFloat, Field(ge=0, le=3)]
+Radius = Annotated[FiniteFloat, Field(ge=0, le=1e4)]
+SmallAngle = Annotated[FiniteFloat, Field(gt=-30, lt=30)]
 Range = tuple[FiniteFloat, FiniteFloat]
 Heading = Literal["-x", "-y", "+x", "+y"]
+
+
+POINT_TIPS = "meso-robust/task/1"
+ROUND_TIPS = "meso-robust/task/2"
+SCHEMA_2_KEYS = frozenset(
+    {
+        "size_tolerance_um",
+        "squareness_deg",
+        "corner_radius_um",
+        "tip_spacing_tolerance_um",
+        "tip_radius_um",
+        "passive_tip_radius_um",
+        "max_force_un",
+        "friction_common",
+        "travel_direction_deg",
+        "travel_scale_percent",
+        "drag_centre_um",
+        "drag_anisotropy_percent",
+        "probe_wander_um",
+    }
+)
+"""Keys of sections that a task of schema 1 does not have."""
 
 
 class _Section(BaseModel):
@@ -50,7 +74,19 @@ def _exact(value: float) -> Fraction:
     return Fraction(repr(value))
 
 
-class Part(_Section):
+class _Made(_Section):
+    """How far a part may be from its outline as stated."""
+
+    size_tolerance_um: Error | None = None
+    """Schema 2. Largest error of a length or width: every edge lies within half of it of its place as
+    stated, um. Left out: exact."""
+    squareness_deg: Annotated[FiniteFloat, Field(ge=0, lt=10)] | None = None
+    """Schema 2. Largest error of the direction of each edge, deg. Left out: exact."""
+    corner_radius_um: Error | None = None
+    """Schema 2. Largest rounding of the corners, um; tips must keep off them. Left out: sharp."""
+
+
+class Part(_Made):
     """A rectangle, reference point at its centre."""
 
     length_um: Length
@@ -68,7 +104,7 @@ class Part(_Section):
         return self
 
 
-class PolygonPart(_Section):
+class PolygonPart(_Made):
     """A simple polygon, convex or not."""
 
     polygon_um: Annotated[
@@ -134,7 +170,16 @@ class Probe(_Section):
     """The active dual-tip probe, or several identical ones."""
 
     tip_spacing_um: Length
-    """Distance of the tips across the push, um."""
+    """Distance of the centres of the tips across the push, um."""
+    tip_spacing_tolerance_um: Error | None = None
+    """Schema 2. Largest error of it, um. Left out: exact."""
+    tip_radius_um: tuple[Radius, Radius] | None = None
+    """Schema 2, required there. Range of the radius of the tips of the active probe, each with its own
+    value, um."""
+    passive_tip_radius_um: tuple[Radius, Radius] | None = None
+    """Schema 2. Range of the radius of the passive tip, um. Left out: as tip_radius_um."""
+    max_force_un: Annotated[FiniteFloat, Field(gt=0, le=1e9)] | None = None
+    """Schema 2. Largest force that a contact may have, uN; proved if given. Needs film.drag_un_s_per_um."""
     speed_um_s: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Speed of every move, um/s; the path does not depend on it."""
     headings: Annotated[tuple[Heading, ...], Field(min_length=1)] | None = None
@@ -145,6 +190,14 @@ class Probe(_Section):
     def _each_heading_once(self) -> Self:
         if self.headings is not None and len(set(self.headings)) < len(self.headings):
             raise ValueError(f"headings = {list(self.headings)}: give each direction once")
+        return self
+
+    @model_validator(mode="after")
+    def _radii_are_ordered(self) -> Self:
+        for key in ("tip_radius_um", "passive_tip_radius_um"):
+            radius = getattr(self, key)
+            if radius is not None:
+                _ordered(key, radius)
         return self
 
 
@@ -173,12 +226,39 @@ class Uncertainty(_Section):
     ]
     """Range of the angle by which the line through both tips is turned counter-clockwise from square
     to the push; positive: the tip on the right, seen along the push, is ahead, whatever the heading."""
+    friction_common: bool | None = None
+    """Schema 2. Whether both tips have the same friction coefficient at every instant. Left out: each
+    has its own."""
+    travel_direction_deg: tuple[SmallAngle, SmallAngle] | None = None
+    """Schema 2. Range of the angle by which the true travel of a probe is turned counter-clockwise from
+    the commanded one; constant during a move. Left out: exact."""
+    travel_scale_percent: Annotated[FiniteFloat, Field(ge=0, lt=50)] | None = None
+    """Schema 2. Largest relative error of the length of a travel, percent; constant during a move. Left
+    out: exact."""
+    drag_centre_um: Error | None = None
+    """Schema 2. Largest distance of the centre of drag from the reference point, in any direction, fixed
+    in the part, um. Left out: they are one."""
+    drag_anisotropy_percent: Annotated[FiniteFloat, Field(ge=0, lt=100)] | None = None
+    """Schema 2. Largest difference of the film's drag along two axes, in percent of their mean, the axes
+    in any direction, fixed in the part or in the stage. Left out: the film is even."""
+    probe_wander_um: Error | None = None
+    """Schema 2. How far a moving probe may stray from its straight path in x and in y, um; it does so by
+    no more than this in 100 um of travel. Left out: the path is straight."""
 
     @model_validator(mode="after")
     def _ranges_are_ordered(self) -> Self:
         _ordered("friction", self.friction)
         _ordered("tip_misalignment_deg", self.tip_misalignment_deg)
+        if self.travel_direction_deg is not None:
+            _ordered("travel_direction_deg", self.travel_direction_deg)
         return self
+
+
+class Film(_Section):
+    """Schema 2. The film under the part, where forces are asked for."""
+
+    drag_un_s_per_um: Annotated[FiniteFloat, Field(gt=0, le=1e9)]
+    """Largest translational drag of the film (e_x), uN per um/s."""
 
 
 class Plan(_Section):
@@ -232,8 +312,8 @@ class Slot(_Section):
 class Task(_Section):
     """One assembly task."""
 
-    schema_: Annotated[Literal["meso-robust/task/1"], Field(alias="schema")]
-    """Name and version of the format."""
+    schema_: Annotated[Literal["meso-robust/task/1", "meso-robust/task/2"], Field(alias="schema")]
+    """Name and version of the format. 1: point tips, an exact part and one friction coefficient."""
     name: str
     """What the task is called in answers and reports."""
     part: Outline
@@ -250,6 +330,41 @@ class Task(_Section):
     """What is demanded of the plan."""
     slot: Slot | None = None
     """The slot that the part is inserted into; none if left out."""
+    film: Film | None = None
+    """The film's drag; needed where forces are asked for."""
+
+    @model_validator(mode="after")
+    def _keys_of_its_schema(self) -> Self:
+        if self.schema_ == POINT_TIPS:
+            newer = self._newer_keys()
+            if newer:
+                raise ValueError(
+                    f"{newer[0]} belongs to schema {ROUND_TIPS!r}; give that schema, with "
+                    "probe.tip_radius_um, or leave the key out"
+                )
+        elif self.probe.tip_radius_um is None:
+            raise ValueError(
+                "probe.tip_radius_um is missing; give the range [low, high] of the radius of the tips"
+            )
+        if self.probe.max_force_un is not None and self.film is None:
+            raise ValueError(
+                "probe.max_force_un needs film.drag_un_s_per_um; give the film's drag, or leave out the force"
+            )
+        return self
+
+    def _newer_keys(self) -> list[str]:
+        """Keys that schema 1 does not have."""
+        found = [
+            f"{name}.{key}"
+            for name, section in (
+                ("part", self.part),
+                ("probe", self.probe),
+                ("uncertainty", self.uncertainty),
+            )
+            for key, value in section
+            if value is not None and key in SCHEMA_2_KEYS
+        ]
+        return [*found, *(["film"] if self.film is not None else [])]
 
     card: ClassVar[Callable[[Task], str] | None] = None
     """Shows a task in a notebook; put here by the calls, since what draws lies above."""
@@ -263,7 +378,8 @@ class Task(_Section):
     @property
     def tips(self) -> str:
         """How a proof takes the tips; every line that tells a verdict on the task says so."""
-        return "point tips"
+        radius = self.probe.tip_radius_um
+        return "point tips" if radius is None else f"tip radius {radius[0]:g} to {radius[1]:g} um"
 
     def rectangle(self, use: str) -> Part:
         """The part as a rectangle, for a ``use`` that is made for rectangles.

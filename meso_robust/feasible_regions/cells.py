@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from meso_robust.bounds import Interval
 from meso_robust.primitives.move import Aim, MoveRule, Point
-from meso_robust.primitives.setup import Setup, Uncertainty
+from meso_robust.primitives.setup import Setup
 
 INSIDE = 1e-9  # how far from the end of a range, as a share of it, its extreme point is taken
 
@@ -76,7 +76,8 @@ def corners(setup: Setup) -> Iterator[Corner]:
     for rough, ahead, up, right in itertools.product((True, False), repeat=4):
         sensed, probe = extreme(u.sensed_position, up), extreme(u.probe_position, up)
         shift = extreme(u.sensed_position, right) + extreme(u.probe_position, right)
-        point = Uncertainty(
+        point = replace(
+            u,
             sensed_position=sensed,
             sensed_orientation=extreme(u.sensed_orientation, True),
             probe_position=probe,

@@ -80,7 +80,7 @@ class Frame:
         return replace(
             setup,
             outline=setup.outline.mirrored() if self.mirrored else setup.outline,
-            uncertainty=replace(u, misalignment=-u.misalignment) if self.mirrored else u,
+            uncertainty=u.mirrored() if self.mirrored else u,
             start=self.from_world(setup.start),
             goal=PoseBox(x=x, y=y, theta=-inner if self.mirrored else inner),
         )

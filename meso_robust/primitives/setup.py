@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 
@@ -11,8 +12,11 @@ from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.errors import InputError
 from meso_robust.primitives.outline import Edge, Outline, Rectangle, outline_of
-from meso_robust.task import Slot, Task
+from meso_robust.task import POINT_TIPS, Slot, Task
 from meso_robust.types import Floats
+
+ZERO = Interval.point(0.0)
+HUNDRED = Interval.point(100.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +54,7 @@ class PoseBox:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Uncertainty:
-    """Everything that is not known exactly, each bounded at every instant."""
+    """Everything that is not known exactly; what is left out is exact (a tip without radius a point)."""
 
     sensed_position: Interval
     """Sensed minus true x or y, m."""
@@ -64,6 +68,32 @@ class Uncertainty:
     """rho = e_theta/e_x, m^2."""
     misalignment: Interval
     """beta, rad; positive: the tip on the right, seen along the push, is ahead."""
+    tip_radius: Interval = ZERO
+    """Of each tip of the active probe, which may differ, m."""
+    passive_tip_radius: Interval = ZERO
+    """Of the passive tip, m."""
+    tip_spacing: Interval = ZERO
+    """True minus stated distance of the centres of the two tips, m."""
+    size: Interval = ZERO
+    """How much farther out an edge lies than stated, each edge by its own amount, m."""
+    squareness: Interval = ZERO
+    """By how much an edge is turned from its direction as stated, each by its own angle, rad."""
+    travel_direction: Interval = ZERO
+    """By how much the true travel of a probe is turned counter-clockwise from the commanded one, rad."""
+    travel_scale: Interval = ZERO
+    """Relative error of the length of a travel."""
+    drag_centre: Interval = ZERO
+    """Coordinates of the centre of drag from the reference point along any direction, m."""
+    drag_anisotropy: Interval = ZERO
+    """Drag along an edge over the mean of all directions, minus 1; and the shear over that mean."""
+    probe_wander: Interval = ZERO
+    """How far a moving probe strays from its straight path in x and in y, m."""
+
+    def mirrored(self) -> Uncertainty:
+        """As axes see it whose y is mirrored: angles change their sign."""
+        return replace(
+            self, misalignment=-self.misalignment, travel_direction=-self.travel_direction
+        )
 
     def scaled(self, factor: float, only: str | None = None) -> Uncertainty:
         """Widen all ranges (or ``only`` one) about their middle by ``factor``."""
@@ -93,9 +123,9 @@ class Setup:
     """A task, converted once."""
 
     outline: Outline
-    """The part's, in its own frame."""
-    spacing: Interval
-    """Distance of the two tips across the push (d4), m."""
+    """The part's as stated, in its own frame."""
+    stated_spacing: Interval
+    """Distance of the centres of the two tips across the push as stated, m."""
     uncertainty: Uncertainty
     start: PoseBox
     """True poses at the start."""
@@ -104,6 +134,21 @@ class Setup:
     """The walls of the slot, always in the world's axes."""
     slot: Slot | None = None
     """The same as stated, for the simulator."""
+    friction_common: bool = True
+    """Whether both tips have the same friction coefficient at every instant."""
+    corner_radius: Interval = ZERO
+    """Largest rounding of a corner of the part, m."""
+    largest_force: Interval | None = None
+    """What no contact force may exceed, N; None: nothing is asked."""
+    drag: Interval | None = None
+    """Largest translational drag of the film (e_x), N s/m."""
+    speed: Interval | None = None
+    """Of the probe, m/s; None where it is not asked for."""
+
+    @property
+    def spacing(self) -> Interval:
+        """Distance of the centres of the two tips across the push (d4), m."""
+        return self.stated_spacing + self.uncertainty.tip_spacing
 
     def edge(self, theta: float) -> Edge:
         """The edge that faces the probe at orientation ``theta``."""
@@ -155,25 +200,13 @@ def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
     InputError
         A tolerance of the goal is so small that rounding leaves nothing of it.
     """
-    u = task.uncertainty
-    ratio = units.square_metres(u.film_ratio_um2)
-    share = units.plain(u.film_ratio_percent) / Interval.point(100.0)
-    bounds = Uncertainty(
-        sensed_position=_both_sides(units.metres(u.sensed_position_um)),
-        sensed_orientation=_both_sides(units.radians(u.sensed_orientation_deg)),
-        probe_position=_both_sides(units.metres(u.probe_position_um)),
-        friction=units.plain(u.friction[0]).hull(units.plain(u.friction[1])),
-        film_ratio=ratio + ratio * _both_sides(share),
-        misalignment=units.radians(u.tip_misalignment_deg[0]).hull(
-            units.radians(u.tip_misalignment_deg[1])
-        ),
-    ).scaled(scale, only)
+    bounds = _uncertainty(task).scaled(scale, only)
     start, goal = task.start, task.goal
     at_most = units.metres(goal.position_tolerance_um)
     turn = units.radians(goal.orientation_tolerance_deg)
     return Setup(
         outline=outline_of(task.part),
-        spacing=units.metres(task.probe.tip_spacing_um),
+        stated_spacing=units.metres(task.probe.tip_spacing_um),
         uncertainty=bounds,
         start=PoseBox(
             x=units.metres(start.x_um) - bounds.sensed_position,
@@ -187,7 +220,47 @@ def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
         ),
         blocks=() if task.slot is None else _blocks(task.slot),
         slot=task.slot,
+        friction_common=task.schema_ == POINT_TIPS or bool(task.uncertainty.friction_common),
+        corner_radius=units.metres(task.part.corner_radius_um or 0.0),
+        largest_force=_newtons(task.probe.max_force_un),
+        drag=None if task.film is None else units.plain(task.film.drag_un_s_per_um),
+        speed=units.metres(task.probe.speed_um_s),
     )
+
+
+def _newtons(force_un: float | None) -> Interval | None:
+    return None if force_un is None else units.plain(force_un) / Interval.point(1e6)
+
+
+def _uncertainty(task: Task) -> Uncertainty:
+    """What is stated of each quantity; what schema 1 leaves out is exact."""
+    u, probe, part = task.uncertainty, task.probe, task.part
+    ratio = units.square_metres(u.film_ratio_um2)
+    radius = probe.tip_radius_um or (0.0, 0.0)
+    return Uncertainty(
+        sensed_position=_both_sides(units.metres(u.sensed_position_um)),
+        sensed_orientation=_both_sides(units.radians(u.sensed_orientation_deg)),
+        probe_position=_both_sides(units.metres(u.probe_position_um)),
+        friction=_range(units.plain, u.friction),
+        film_ratio=ratio + ratio * _both_sides(units.plain(u.film_ratio_percent) / HUNDRED),
+        misalignment=_range(units.radians, u.tip_misalignment_deg),
+        tip_radius=_range(units.metres, radius),
+        passive_tip_radius=_range(units.metres, probe.passive_tip_radius_um or radius),
+        tip_spacing=_both_sides(units.metres(probe.tip_spacing_tolerance_um or 0.0)),
+        size=_both_sides(units.metres(part.size_tolerance_um or 0.0) / Interval.point(2.0)),
+        squareness=_both_sides(units.radians(part.squareness_deg or 0.0)),
+        travel_direction=_range(units.radians, u.travel_direction_deg or (0.0, 0.0)),
+        travel_scale=_both_sides(units.plain(u.travel_scale_percent or 0.0) / HUNDRED),
+        drag_centre=_both_sides(units.metres(u.drag_centre_um or 0.0)),
+        drag_anisotropy=_both_sides(
+            units.plain(u.drag_anisotropy_percent or 0.0) / (HUNDRED + HUNDRED)
+        ),
+        probe_wander=_both_sides(units.metres(u.probe_wander_um or 0.0)),
+    )
+
+
+def _range(convert: Callable[[float], Interval], ends: tuple[float, float]) -> Interval:
+    return convert(ends[0]).hull(convert(ends[1]))
 
 
 def _blocks(slot: Slot) -> tuple[Block, ...]:

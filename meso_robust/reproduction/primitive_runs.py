@@ -185,7 +185,7 @@ def y_translations(setup: Setup, count: int, seed: int) -> YTranslations:
 def _works(setup: Setup, tilt: float, offset: float, spacing: float, height: float) -> bool:
     upright = HALF_PI.mid
     leaning = PoseBox(x=setup.start.x, y=setup.start.y, theta=Interval.point(upright + float(tilt)))
-    there = replace(setup, spacing=Interval.point(float(spacing)))
+    there = replace(setup, stated_spacing=Interval.point(float(spacing)))
     depth = setup.half_width.mid
     return sticks(upright, upright + tilt, offset, depth, setup) and straightens(
         height, leaning, there

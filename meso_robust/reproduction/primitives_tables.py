@@ -157,7 +157,7 @@ def _certified_gains(
     """Trials of a certified Y-translation for 11 um by spacing of the tips, um; None without one."""
     found: dict[float, Measured | None] = {}
     for um in SPACINGS_UM[:2] if quick else SPACINGS_UM:
-        there = replace(setup, spacing=Interval.point(um * units.UM))
+        there = replace(setup, stated_spacing=Interval.point(um * units.UM))
         steps = y_translation(there.start, there, GAIN_UM * units.UM, step=1)
         rules = None if steps is None else [step.rule for step in steps]
         found[um] = None if rules is None else measured(rules, there, runs, seed)

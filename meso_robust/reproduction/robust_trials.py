@@ -82,7 +82,7 @@ class Trial:
         turn = units.radians(self.start_deg) - known.sensed_orientation
         return replace(
             whole,
-            spacing=units.metres(self.spacing_um),
+            stated_spacing=units.metres(self.spacing_um),
             uncertainty=known,
             start=PoseBox(x=origin, y=origin, theta=turn),
         )

@@ -42,7 +42,7 @@ def _setup(setup: Setup, factor: float) -> Setup:
             half_length=scaled(setup.half_length, factor),
             half_width=scaled(setup.half_width, factor),
         ),
-        spacing=scaled(setup.spacing, factor),
+        stated_spacing=scaled(setup.stated_spacing, factor),
         uncertainty=replace(
             u,
             sensed_position=scaled(u.sensed_position, factor),
