@@ -1,38 +1,53 @@
-"""Enclosure of the rotation between a moving and a passive tip, although it is not unique.
+"""Enclosure of the rotation between a moving and a passive tip, although it need not be unique.
 
-The orientation follows from the tips alone (derivations/two_sided_rotation.py); one unknown is
-left, the slide sigma of the centre along the long axis from the middle of the pair. In every
-contact mode d(sigma)/d(travel) is an explicit function, so with f+ (f-) its supremum (infimum) over
-all modes and parameters that are possible at (h, sigma), every motion obeys
+While both tips touch one freedom is left, the slide ``q`` of the reference point ahead of the passive
+tip's contact (derivations/opposite_edges.py). In every contact mode dq/d(travel) is an explicit function
+of the distance ``h`` of the tips along the push, of ``q``, of constants ``p`` (separation, depths, radii,
+...) and of what may change at every instant (friction, drag, wander). The tube is
 
-    f-(h, sigma) <= d(sigma)/d(travel) <= f+(h, sigma),
+    q = c(h) + sum g_i(h) (p_i - middle of p_i) + s,   lower(h) <= s <= upper(h)
 
-and a line that rises faster than f+ everywhere in a strip around itself cannot be crossed from
-below: if it were, the motion would be above it inside the strip after its last point on the line,
-where it rises more slowly. The tube is bounded by such lines, one pair a step in h.
+with ``c`` and ``g`` piecewise linear. Any ``c`` and ``g`` are sound; those of the linearised motion keep
+what is left, ``s``, narrow, although every constant is anywhere in its range. Let f+ (f-) be the supremum
+(infimum) of ds/d(travel) over all modes and parameters that are possible at (h, s). A line that rises at
+least as fast as f+ everywhere in a strip around itself cannot be crossed from below: if it were, the
+motion would be above it inside the strip after its last point on the line, where it rises no faster.
+The tube is bounded by such lines, one pair a step in h.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cache
 from typing import NamedTuple
 
+import casadi as ca
 import numpy as np
 from numba import njit
 
-from meso_robust.bounds.arithmetic import down, mul, up
-from meso_robust.bounds.bulk import Program, bound_box, program
-from meso_robust.bounds.interval import Interval
-from meso_robust.bounds.tape import run
-from meso_robust.conditions import condition
+from meso_robust.bounds import Bounded, Interval, bounded
+from meso_robust.bounds.arithmetic import add, down, mul, up
+from meso_robust.bounds.bulk import Program, program
+from meso_robust.bounds.tape import OUTPUT, run, run_block
+from meso_robust.conditions.formula import formula
 from meso_robust.kernels import fingerprint
 from meso_robust.types import Floats
 
 STEPS = 420  # per width of the part: about 2 um for the paper's part
-H, V, D1, SIGMA, RHO, MU = range(6)  # arguments of slide_rates
-DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, HALF_T_RATE = range(5)  # its values: which way D and S slip
+CHECKED = 4  # steps whose forces and edges are checked together: half as long, and hardly looser
+MODULE = "opposite_edges"
+CONSTANT = ("V", "d_D", "d_S", "r_D", "r_S", "kappa", "drag_a", "drag_n")
+INSTANT = ("rho", "stretch", "shear", "bend", "sway", "mu_D", "mu_S")
+H, Q = 0, 1  # the first two inputs of every function here
+DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, D_STICKS, S_STICKS = range(6)
+"""Outputs of the rates: signs of both friction ratios, and the rate at which a tip sticks; then, at each
+pair of signs, how far the rate is above that of D sticking, of S sticking, and the opening."""
+RATES, OVER_D, OVER_S, OPENING, ALL = 6, 6, 10, 14, 18
+SIGNS = ((-1, -1), (-1, 1), (1, -1), (1, 1))
+ZERO = Interval.point(0.0)
+ANYWHERE = Interval(-np.inf, np.inf)
 
 
 class TubeStatus(IntEnum):
@@ -42,7 +57,7 @@ class TubeStatus(IntEnum):
     UNBOUNDED = 1
     """A rate could not be bounded: the grasp may close (jam)."""
     CONTACT_LOST = 2
-    """The passive tip may be left: the moving tip alone might push."""
+    """A tip may be left: the other one alone might push."""
     OFF_EDGE = 3
     """A tip may pass the end of its edge."""
     NO_MODE = 4
@@ -60,199 +75,694 @@ class TubeStatus(IntEnum):
         }[self]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grip:
+    """What is known of a part between two tips; lengths in m, axes turned by the travel's direction."""
+
+    V: Interval
+    """Distance of the tips' centres across the travel, without wander."""
+    d_D: Interval
+    """Distance of the moving tip's edge from the reference point."""
+    d_S: Interval
+    """The same of the passive tip's edge."""
+    ends_D: tuple[Interval, Interval]
+    """First and last point of the moving tip's edge, from the foot of the reference point."""
+    ends_S: tuple[Interval, Interval]
+    """The same of the passive tip's edge, in the same direction."""
+    rho: Interval
+    """e_theta/e_x, m^2."""
+    mu: Interval
+    """At either tip."""
+    common: bool = True
+    """Whether both tips have the same friction coefficient at every instant."""
+    r_D: Interval = ZERO
+    r_S: Interval = ZERO
+    kappa: Interval = ZERO
+    """Direction of the passive tip's edge less that of the moving tip's, rad."""
+    drag_a: Interval = ZERO
+    """Centre of drag along the moving tip's edge, from the reference point."""
+    drag_n: Interval = ZERO
+    """Centre of drag towards the moving tip's edge."""
+    stretch: Interval = ZERO
+    shear: Interval = ZERO
+    bend: Interval = ZERO
+    """dV/d(travel) by wander."""
+    sway: Interval = ZERO
+    """Deviation of V by wander."""
+
+    def box(self) -> dict[str, Interval]:
+        """The ranges by the names of the formulas."""
+        names = (*CONSTANT, *INSTANT[:-2])
+        friction = {"mu_D": self.mu} if self.common else {"mu_D": self.mu, "mu_S": self.mu}
+        return {**{name: getattr(self, name) for name in names}, **friction}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start:
+    """The slide where both tips touch first, in terms of h, the constants and a label.
+
+    ``q = value + rate (h.hi - h) + sum spread_i (p_i - middle) + rest``.
+    """
+
+    h: Interval
+    """m"""
+    label: Interval
+    """A further constant that tells runs apart, m: where the part is before the move."""
+    value: float
+    rate: float
+    spread: Mapping[str, float]
+    """By constant; the label's under ``label``."""
+    rest: Interval
+
+    @property
+    def line(self) -> Line:
+        """The same, for every h."""
+        return Line(
+            first=self.h.hi,
+            value=self.value,
+            rate=self.rate,
+            spread=self.spread,
+            drift={},
+            rest=self.rest,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """``q = value + rate (first - h) + sum (spread_i + drift_i (first - h)) (p_i - middle_i) + rest``."""
+
+    first: float
+    value: float
+    rate: float
+    spread: Mapping[str, float]
+    drift: Mapping[str, float]
+    rest: Interval
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SlideTube:
     """Bounds of the slide at every knot."""
 
     h: Floats
     """(K+1,) x of the moving tip minus x of the passive one, decreasing, m."""
+    centre: Floats
+    """(K+1,) c, m."""
+    spread: Floats
+    """(K+1, P) g, by parameter."""
     lower: Floats
-    """(K+1,) lower bound of sigma at the knot, m."""
+    """(K+1,) lower bound of s at the knot, m."""
     upper: Floats
     """(K+1,) upper bound, m."""
+    parameters: Mapping[str, Interval]
+    """The constants whose effect ``spread`` holds, and the label."""
     status: TubeStatus
     edge_margin: float
-    """Smallest proved distance of a tip from the end of its edge, m."""
+    """Smallest proved distance of a contact from the end of its edge, m."""
     force_margin: float
     """Smallest proved lower bound of the force at the passive tip, over e_x and travel rate, m."""
+    grip_margin: float
+    """Smallest proved grip, m."""
+    largest_force: float
+    """Proved upper bound of the normal force at either tip, over e_x and travel rate."""
+
+    def line(self, h: Interval) -> Line:
+        """One affine enclosure of the slide wherever h is in a range.
+
+        Parameters
+        ----------
+        h
+            m; within the tube.
+
+        Returns
+        -------
+        Line
+            Between the knots that hold the range.
+        """
+        first = max(int(np.searchsorted(-self.h, -h.hi, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(-self.h, -h.lo, side="left")), self.h.size - 1)
+        last = max(last, first + 1)
+        used = slice(first, last + 1)
+        reach = float(self.h[first] - self.h[last])
+        rate = float(self.centre[last] - self.centre[first]) / reach
+        drift = (self.spread[last] - self.spread[first]) / reach
+        off_lo, off_hi = _offsets(
+            self.h[used], self.centre[used], self.spread[used], rate, drift, *self._deviations()
+        )
+        return Line(
+            first=float(self.h[first]),
+            value=float(self.centre[first]),
+            rate=rate,
+            spread=dict(zip(self.parameters, self.spread[first].tolist(), strict=True)),
+            drift=dict(zip(self.parameters, drift.tolist(), strict=True)),
+            rest=Interval(
+                float(np.nextafter(self.lower[used] + off_lo, -np.inf).min()),
+                float(np.nextafter(self.upper[used] + off_hi, np.inf).max()),
+            ),
+        )
+
+    def _deviations(self) -> tuple[Floats, Floats]:
+        return deviations(self.parameters)
+
+    def slide(self, h: Interval) -> Interval:
+        """The slide, whatever the constants, wherever h is in a range; m."""
+        line = self.line(h)
+        gone = Interval.point(line.first) - h
+        whole = Interval.point(line.value) + Interval.point(line.rate) * gone + line.rest
+        for name, side in self.parameters.items():
+            slope = Interval.point(line.spread[name]) + Interval.point(line.drift[name]) * gone
+            whole = whole + slope * (side - Interval.point(side.mid))
+        return whole
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Grip:
-    """What stays constant while two tips turn the part."""
-
-    separation: Interval
-    """y distance V of the two tips, m."""
-    depth: Interval
-    """Half the width of the part, m."""
-    half: Interval
-    """Half its length, m."""
-    ratio: Interval
-    """rho, m^2."""
-    friction: Interval
-    """mu, the same at both tips (it may change, but not differ between them)."""
+def deviations(parameters: Mapping[str, Interval]) -> tuple[Floats, Floats]:
+    """Ends of all parameters less their middles, rounded outward."""
+    off = [side - Interval.point(side.mid) for side in parameters.values()]
+    return np.array([side.lo for side in off]), np.array([side.hi for side in off])
 
 
 class _Programs(NamedTuple):
     """The functions that the kernels evaluate."""
 
     rates: Program
-    pair: Program
-    force: Program
+    state: Program
 
 
-def _programs() -> _Programs:
-    return _Programs(
-        *(
-            program(condition("two_sided_rotation", name))
-            for name in ("slide_rates", "pair", "passive_force")
-        )
+class _Formulas(NamedTuple):
+    """They and the names of their inputs."""
+
+    inputs: tuple[str, ...]
+    rates: Bounded
+    state: Bounded
+
+
+@cache
+def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
+    """Slide rates, and what must hold of a state, without the inputs that are exactly zero.
+
+    The state's outputs: contacts of D and S along their edges, the grips, the forces.
+    """
+    names = ("h", "q", *CONSTANT, *INSTANT)
+    free = tuple(
+        name for name in names if name not in exact and not (common and name == "mu_S")
     )
+    x = ca.SX.sym("x", len(free))
+    at = dict.fromkeys(names, ca.SX(0.0)) | dict(zip(free, ca.vertsplit(x), strict=True))
+    if common:
+        at["mu_S"] = at["mu_D"]
+    separation = at["V"] + at["sway"]
+
+    def value(name: str, *keys: str) -> tuple[ca.SX, ...]:
+        return formula(MODULE, name)(ca, *(at[key] for key in keys))
+
+    (at["W"],) = value("width", "q", "d_D", "d_S", "r_D", "r_S", "kappa")
+    (at["T"],) = formula(MODULE, "apart")(ca, at["h"], separation, at["W"])
+    at["c"], at["s"] = formula(MODULE, "direction")(ca, at["h"], separation, at["W"], at["T"])
+    (place,) = value("active_offset", "T", "q", "d_S", "r_S", "kappa")
+    held = ("c", "s", "T", "q", "d_D", "d_S", "r_S", "kappa", "drag_a", "drag_n")
+    held += ("rho", "stretch", "shear", "bend", "mu_D", "mu_S")
+    sticking = value("stick_rates", "c", "s", "T", "q", "d_D", "d_S", "r_D", "r_S", "kappa", "bend")
+    corners = []
+    for of_D, of_S in SIGNS:
+        at["tau_D"], at["tau_S"] = of_D * at["mu_D"], of_S * at["mu_S"]
+        # where both have one coefficient and opposite signs their sum is zero, not an interval
+        at["total"] = ca.SX(0.0) if common and of_D != of_S else at["tau_D"] + at["tau_S"]
+        corners.append(value("corner", *held[:6], "r_D", *held[6:-2], "tau_D", "tau_S", "total"))
+    rates = (*(corner[0] for corner in corners), *sticking)
+    rates += tuple(corner[k] for k in (1, 2, 3) for corner in corners)
+    state = (place, -at["q"], *value("corner_grips", *held), *value("corner_forces", *held))
+
+    def prepared(name: str, results: tuple[ca.SX, ...]) -> Bounded:
+        both = ca.cse(ca.densify(ca.vertcat(*results)))
+        return bounded(f"{MODULE}.{name}", free, ca.Function(name, [x], [both]))
+
+    return _Formulas(free, prepared("rates", rates), prepared("state", state))
+
+
+class _Frame(NamedTuple):
+    """One step of the tube, and what its parameters range over."""
+
+    h_first: float
+    h_last: float
+    centre: float
+    rate: float
+    spread: Floats
+    drift: Floats
+    dev_lo: Floats
+    dev_hi: Floats
 
 
 @njit
-def _slips(lower: Floats, upper: Floats) -> tuple[float, float]:
-    """Hull of the rates of the modes in which both contacts slip; (inf, -inf) if none can."""
-    v_lo, v_hi = lower[HALF_T_RATE], upper[HALF_T_RATE]
-    q_lo = 0.0 if v_lo <= 0.0 <= v_hi else min(abs(v_lo), abs(v_hi))
-    q_hi = max(abs(v_lo), abs(v_hi))
+def _hull(frame: _Frame, s_lo: float, s_hi: float) -> tuple[float, float]:
+    """All slides of a step whose s is in a range."""
+    dh_lo, dh_hi = 0.0, up(frame.h_first - frame.h_last)
+    way_lo, way_hi = mul(frame.rate, frame.rate, dh_lo, dh_hi)
+    lo, hi = add(way_lo, way_hi, frame.centre, frame.centre)
+    lo, hi = add(lo, hi, s_lo, s_hi)
+    for i in range(frame.spread.size):
+        g_lo, g_hi = _slope(frame, i, dh_lo, dh_hi)
+        off_lo, off_hi = mul(g_lo, g_hi, frame.dev_lo[i], frame.dev_hi[i])
+        lo, hi = add(lo, hi, off_lo, off_hi)
+    return lo, hi
+
+
+@njit
+def _slope(frame: _Frame, i: int, gone_lo: float, gone_hi: float) -> tuple[float, float]:
+    """g_i after ``gone`` of a step."""
+    more_lo, more_hi = mul(frame.drift[i], frame.drift[i], gone_lo, gone_hi)
+    return add(frame.spread[i], frame.spread[i], more_lo, more_hi)
+
+
+@njit
+def _along(frame: _Frame, which: Floats) -> tuple[float, float]:
+    """c' + g' (p - middle), ``which`` (P, 2) the deviations."""
+    lo = hi = frame.rate
+    for i in range(frame.spread.size):
+        off_lo, off_hi = mul(frame.drift[i], frame.drift[i], which[i, 0], which[i, 1])
+        lo, hi = add(lo, hi, off_lo, off_hi)
+    return lo, hi
+
+
+@njit
+def _pick(
+    d_lo: float, d_hi: float, a: float, b: float, side: int
+) -> tuple[float, float, float]:
+    """Where a mean-value form is centred in one variable, and what the rest of its range can add.
+
+    At the end where the bound is attained, if the derivative has one sign.
+    """
+    if (side == 1 and d_lo >= 0.0) or (side == 0 and d_hi <= 0.0):
+        return b, 0.0, 0.0
+    if (side == 1 and d_hi <= 0.0) or (side == 0 and d_lo >= 0.0):
+        return a, 0.0, 0.0
+    middle = 0.5 * (a + b)
+    p_lo, p_hi = mul(d_lo, d_hi, down(a - middle), up(b - middle))
+    return middle, p_lo, p_hi
+
+
+@njit
+def _bound(
+    of: Program,
+    frame: _Frame,
+    lo: Floats,
+    hi: Floats,
+    constants: int,
+    s_lo: float,
+    s_hi: float,
+    shifted: int,
+    lower: Floats,
+    upper: Floats,
+) -> None:
+    """Bound all outputs over a step, wherever the constants and what changes are; a mean-value form.
+
+    The slide depends on h and on the constants, so the derivatives are total ones. The first ``shifted``
+    outputs are taken less c' + g' (p - middle), which makes rates of q rates of s.
+    """
+    inputs, outputs, params = lo.size, lower.size, frame.spread.size
+    box_lo, box_hi = lo.copy(), hi.copy()
+    box_lo[H], box_hi[H] = frame.h_last, frame.h_first
+    box_lo[Q], box_hi[Q] = _hull(frame, s_lo, s_hi)
+    run(of.slope_code, of.slope_constant, box_lo, box_hi, of.work, of.slope)
+    gone_hi = up(frame.h_first - frame.h_last)
+    dev = np.empty((params, 2))
+    dev[:, 0], dev[:, 1] = frame.dev_lo, frame.dev_hi
+    all_lo, all_hi = _along(frame, dev)
+    spread = np.zeros((outputs, 2))
+    shift = np.zeros((outputs, 2))
+    for i in range(outputs):
+        lower[i], upper[i] = of.slope[i, 0], of.slope[i, 1]
+        if i < shifted:
+            lower[i], upper[i] = down(lower[i] - all_hi), up(upper[i] - all_lo)
+        grad = of.slope[outputs + i * inputs : outputs + (i + 1) * inputs]
+        q_lo, q_hi = grad[Q, 0], grad[Q, 1]
+        for side in range(2):
+            column, total = 2 * i + side, 0.0
+            middle = np.empty((params, 2))
+            # h: q falls by c' + g' (p - middle) where h grows
+            by_lo, by_hi = _along(frame, dev)
+            by_lo, by_hi = mul(q_lo, q_hi, -by_hi, -by_lo)
+            by_lo, by_hi = add(grad[H, 0], grad[H, 1], by_lo, by_hi)
+            at_h, p_lo, p_hi = _pick(by_lo, by_hi, frame.h_last, frame.h_first, side)
+            total = up(total + p_hi) if side == 1 else down(total + p_lo)
+            at_s, p_lo, p_hi = _pick(q_lo, q_hi, s_lo, s_hi, side)
+            total = up(total + p_hi) if side == 1 else down(total + p_lo)
+            for j in range(params):
+                g_lo, g_hi = _slope(frame, j, 0.0, gone_hi)
+                by_lo, by_hi = mul(q_lo, q_hi, g_lo, g_hi)
+                if j < constants:
+                    by_lo, by_hi = add(by_lo, by_hi, grad[2 + j, 0], grad[2 + j, 1])
+                if i < shifted:
+                    by_lo, by_hi = add(by_lo, by_hi, -frame.drift[j], -frame.drift[j])
+                if j < constants:
+                    at, p_lo, p_hi = _pick(by_lo, by_hi, lo[2 + j], hi[2 + j], side)
+                    of.block_lo[2 + j, column] = of.block_hi[2 + j, column] = at
+                    # the deviation that belongs to the value itself
+                    base = 0.5 * (lo[2 + j] + hi[2 + j])
+                    middle[j, 0], middle[j, 1] = down(at - base), up(at - base)
+                else:
+                    at, p_lo, p_hi = _pick(by_lo, by_hi, dev[j, 0], dev[j, 1], side)
+                    middle[j, 0] = middle[j, 1] = at
+                total = up(total + p_hi) if side == 1 else down(total + p_lo)
+            for j in range(2 + constants, inputs):
+                at, p_lo, p_hi = _pick(grad[j, 0], grad[j, 1], lo[j], hi[j], side)
+                of.block_lo[j, column] = of.block_hi[j, column] = at
+                total = up(total + p_hi) if side == 1 else down(total + p_lo)
+            of.block_lo[H, column] = of.block_hi[H, column] = at_h
+            gone_a, gone_b = down(frame.h_first - at_h), up(frame.h_first - at_h)
+            here_lo, here_hi = mul(frame.rate, frame.rate, gone_a, gone_b)
+            here_lo, here_hi = add(here_lo, here_hi, frame.centre, frame.centre)
+            here_lo, here_hi = add(here_lo, here_hi, at_s, at_s)
+            for j in range(params):
+                g_lo, g_hi = _slope(frame, j, gone_a, gone_b)
+                off_lo, off_hi = mul(g_lo, g_hi, middle[j, 0], middle[j, 1])
+                here_lo, here_hi = add(here_lo, here_hi, off_lo, off_hi)
+            of.block_lo[Q, column], of.block_hi[Q, column] = here_lo, here_hi
+            if i < shifted:
+                m_lo, m_hi = _along(frame, middle)
+                shift[i, side] = m_lo if side == 1 else m_hi
+            spread[i, side] = total
+    run_block(of.code, of.constant, of.block_lo, of.block_hi, 2 * outputs, of.block)
+    for k in range(of.code.shape[0]):
+        if of.code[k, 0] != OUTPUT:
+            continue
+        i = of.code[k, 1]
+        if not (np.isfinite(lower[i]) and np.isfinite(upper[i])):
+            continue  # perhaps undefined somewhere: a gradient proves nothing
+        mean = down(down(of.block[k, 0, 2 * i] - shift[i, 0]) + spread[i, 0])
+        if mean > lower[i]:
+            lower[i] = mean
+        mean = up(up(of.block[k, 1, 2 * i + 1] - shift[i, 1]) + spread[i, 1])
+        if mean < upper[i]:
+            upper[i] = mean
+
+
+@njit
+def _hull_of_modes(lower: Floats, upper: Floats) -> tuple[float, float]:
+    """Infimum and supremum of ds/d(travel) over all possible modes; (inf, -inf) if none.
+
+    A tip over which the part slips towards +a has the ratio -mu, towards -a mu. The part slips so where
+    the rate is above (below) the one at which it sticks. How far it is above, times the opening, is of
+    first degree in either ratio, so a tip can stick only if that has both signs at the ends of its cone.
+    """
+    d_lo, d_hi = lower[D_STICKS], upper[D_STICKS]
+    s_lo, s_hi = lower[S_STICKS], upper[S_STICKS]
     least, most = np.inf, -np.inf
     for mode in range(4):
         r_lo, r_hi = lower[mode], upper[mode]
-        if mode == UP_UP:
-            r_hi = min(r_hi, -q_lo)
-        elif mode == DOWN_DOWN:
-            r_lo = max(r_lo, q_lo)
-        else:  # away from each other (v > 0) or towards each other (v < 0)
-            if (mode == UP_DOWN and v_hi < 0.0) or (mode == DOWN_UP and v_lo > 0.0):
-                continue
-            r_lo, r_hi = max(r_lo, -q_hi), min(r_hi, q_hi)
-        if not r_lo > r_hi:
+        over_d, over_s = OVER_D + mode, OVER_S + mode
+        opening = lower[OPENING + mode]
+        possible = True
+        if mode == DOWN_DOWN or mode == DOWN_UP:
+            r_lo = max(r_lo, d_lo)
+            possible = upper[over_d] >= 0.0
+            if opening > 0.0:
+                r_hi = min(r_hi, up(d_hi + up(upper[over_d] / opening)))
+        else:
+            r_hi = min(r_hi, d_hi)
+            possible = lower[over_d] <= 0.0
+            if opening > 0.0:
+                r_lo = max(r_lo, down(d_lo + down(lower[over_d] / opening)))
+        if mode == DOWN_DOWN or mode == UP_DOWN:
+            r_lo = max(r_lo, s_lo)
+            possible = possible and upper[over_s] >= 0.0
+            if opening > 0.0:
+                r_hi = min(r_hi, up(s_hi + up(upper[over_s] / opening)))
+        else:
+            r_hi = min(r_hi, s_hi)
+            possible = possible and lower[over_s] <= 0.0
+            if opening > 0.0:
+                r_lo = max(r_lo, down(s_lo + down(lower[over_s] / opening)))
+        if possible and not r_lo > r_hi:
             least, most = min(least, r_lo), max(most, r_hi)
+    for other in range(2):  # the ratio of the tip that slips: 0 negative, as the rate is above its own
+        one, two = (DOWN_DOWN, UP_DOWN) if other == 0 else (DOWN_UP, UP_UP)
+        if ((other == 0 and d_hi >= s_lo) or (other == 1 and d_lo <= s_hi)) and _both_signs(
+            lower, upper, OVER_D + one, OVER_D + two
+        ):
+            least, most = min(least, d_lo), max(most, d_hi)
+        one, two = (DOWN_DOWN, DOWN_UP) if other == 0 else (UP_DOWN, UP_UP)
+        if ((other == 0 and s_hi >= d_lo) or (other == 1 and s_lo <= d_hi)) and _both_signs(
+            lower, upper, OVER_S + one, OVER_S + two
+        ):
+            least, most = min(least, s_lo), max(most, s_hi)
+    if not (d_lo > s_hi or s_lo > d_hi):  # both may stick, whatever the ratios
+        least, most = min(least, max(d_lo, s_lo)), max(most, min(d_hi, s_hi))
     return least, most
 
 
 @njit
-def _sticks(lower: Floats, upper: Floats) -> tuple[float, float]:
-    """Hull of the rates of the modes in which one contact sticks; (inf, -inf) if none can."""
-    v_lo, v_hi = lower[HALF_T_RATE], upper[HALF_T_RATE]
-    crossing = v_lo <= 0.0 <= v_hi
-    least, most = np.inf, -np.inf
-    for apart in range(2):
-        if (apart == 1 and v_hi < 0.0) or (apart == 0 and v_lo > 0.0):
-            continue
-        for stuck in range(2):  # 0: D sticks, 1: S sticks; the other one slips
-            slips = UP_DOWN if apart == 1 else DOWN_UP
-            other = (
-                (DOWN_DOWN if apart == 1 else UP_UP)
-                if stuck == 0
-                else (UP_UP if apart == 1 else DOWN_DOWN)
-            )
-            span_lo = min(lower[slips], lower[other])
-            span_hi = max(upper[slips], upper[other])
-            r_lo, r_hi = (v_lo, v_hi) if stuck == 0 else (-v_hi, -v_lo)
-            # where v = 0 both stick, whatever the ratios
-            if crossing or not (r_lo > span_hi or r_hi < span_lo):
-                least, most = min(least, r_lo), max(most, r_hi)
-    return least, most
-
-
-@njit
-def _mode_bounds(programs: _Programs, lo: Floats, hi: Floats) -> tuple[float, float]:
-    """Infimum and supremum of d(sigma)/d(travel) over all possible modes; (inf, -inf) if none.
-
-    A tip slips towards +a with ratio mu, towards -a with -mu. With v = T'/2 the rate is below -|v|
-    if both slip up, above |v| if both slip down, between if they slip apart or together, v if D
-    sticks and -v if S sticks. The rate is a Moebius function of either ratio, hence monotone, so a
-    sticking contact is possible only if its rate lies between the rates at the ends of its cone.
-    """
-    lower, upper, seen = np.empty(5), np.empty(5), np.empty((5, 2))
-    bound_box(programs.rates, lo, hi, lower, upper, seen)
-    slip_lo, slip_hi = _slips(lower, upper)
-    stick_lo, stick_hi = _sticks(lower, upper)
-    return min(slip_lo, stick_lo), max(slip_hi, stick_hi)
+def _both_signs(lower: Floats, upper: Floats, one: int, two: int) -> bool:
+    """Whether one of two outputs may be positive and one negative, or one zero."""
+    return min(lower[one], lower[two]) <= 0.0 <= max(upper[one], upper[two])
 
 
 @njit
 def _next_bound(
-    programs: _Programs, lo: Floats, hi: Floats, at: float, dh: float, side: int, keep: bool
+    rates: Program,
+    frame: _Frame,
+    lo: Floats,
+    hi: Floats,
+    constants: int,
+    at: float,
+    side: int,
+    strip: float,
+    keep: bool,
 ) -> tuple[float, int]:
-    """Bound of sigma one step on: upper (side = 1) or lower (0), and a status.
+    """Bound of s one step on: upper (side = 1) or lower (0), and a status.
 
     ``keep``: a motion may still start here, so the bound must not move inward.
     """
-    pad = 2.0 * dh
-    box_lo, box_hi = lo.copy(), hi.copy()
-    for _ in range(4):  # widen the strip until the line stays inside
-        box_lo[SIGMA], box_hi[SIGMA] = down(at - pad), up(at + pad)
-        least, most = _mode_bounds(programs, box_lo, box_hi)
+    dh = frame.h_first - frame.h_last
+    lower, upper = np.empty(ALL), np.empty(ALL)
+    pad = strip
+    for _ in range(12):  # widen the strip until the line stays inside
+        _bound(rates, frame, lo, hi, constants, down(at - pad), up(at + pad), RATES, lower, upper)
+        least, most = _hull_of_modes(lower, upper)
         if least > most:
             return at, 4
         slope = most if side == 1 else least
         if keep:
             slope = max(slope, 0.0) if side == 1 else min(slope, 0.0)
         rise_lo, rise_hi = mul(slope, slope, down(dh), up(dh))
-        if max(abs(rise_lo), abs(rise_hi)) < pad:
+        reach = max(abs(rise_lo), abs(rise_hi))
+        if reach < pad:
             return (up(at + rise_hi) if side == 1 else down(at + rise_lo)), 0
-        pad = 2.0 * max(abs(rise_lo), abs(rise_hi))
+        pad = 1.5 * reach
         if not pad < 1.0:
             break
     return at, 1
 
 
 @njit
-def _holds(programs: _Programs, lo: Floats, hi: Floats, half: float, margins: Floats) -> int:
+def _guess(
+    rates: Program,
+    at: Floats,
+    constants: int,
+    spread: Floats,
+    drift: Floats,
+) -> float:
+    """c' of the motion with middle values, from its active mode; fills g'. Any guess is sound."""
+    inputs, outputs = at.size, ALL
+    run(rates.slope_code, rates.slope_constant, at, at, rates.work, rates.slope)
+    value = 0.5 * (rates.slope[:outputs, 0] + rates.slope[:outputs, 1])
+    high, low = S_STICKS, D_STICKS
+    if value[D_STICKS] > value[S_STICKS]:
+        high, low = D_STICKS, S_STICKS
+    between = DOWN_UP if low == D_STICKS else UP_DOWN
+    if value[DOWN_DOWN] >= value[high]:
+        mode = DOWN_DOWN
+    elif value[UP_UP] <= value[low]:
+        mode = UP_UP
+    elif value[between] >= value[high]:
+        mode = high
+    elif value[between] <= value[low]:
+        mode = low
+    else:
+        mode = between
+    grad = rates.slope[outputs + mode * inputs : outputs + (mode + 1) * inputs]
+    by_q = 0.5 * (grad[Q, 0] + grad[Q, 1])
+    for j in range(spread.size):
+        drift[j] = by_q * spread[j]
+        if j < constants:
+            drift[j] += 0.5 * (grad[2 + j, 0] + grad[2 + j, 1])
+    return value[mode]
+
+
+@njit
+def _holds(
+    state: Program,
+    frame: _Frame,
+    lo: Floats,
+    hi: Floats,
+    constants: int,
+    s_lo: float,
+    s_hi: float,
+    ends: Floats,
+    margins: Floats,
+) -> int:
     """Check over one slice of the tube that both tips stay in contact and on their edges."""
-    force_lo, force_hi = np.empty(7), np.empty(7)  # (h, V, d1, sigma, rho, tau_D, tau_S)
-    force_lo[:5], force_hi[:5] = lo[:5], hi[:5]
-    force_lo[5:], force_hi[5:] = -hi[MU], hi[MU]
-    of = programs.force
-    run(of.code, of.constant, force_lo, force_hi, of.work, of.value)
-    margins[0] = min(margins[0], of.value[0, 0])
-    of = programs.pair
-    run(of.code, of.constant, lo, hi, of.work, of.value)
-    reach = 0.5 * of.value[0, 1]
-    margins[1] = min(margins[1], down(half - up(reach - lo[SIGMA])))
-    margins[1] = min(margins[1], down(half - up(reach + hi[SIGMA])))
-    if not margins[0] > 0.0:
+    lower, upper = np.empty(10), np.empty(10)
+    _bound(state, frame, lo, hi, constants, s_lo, s_hi, 0, lower, upper)
+    tightest, widest = lower[2:6].min(), upper[2:6].max()
+    margins[2] = min(margins[2], tightest)
+    if not margins[2] > 0.0:
+        return 1
+    margins[0] = min(margins[0], down(lower[6:8].min() / widest))
+    margins[3] = max(margins[3], up(upper[6:].max() / tightest))
+    for k in range(2):
+        margins[1] = min(margins[1], down(lower[k] - ends[k, 0]))
+        margins[1] = min(margins[1], down(ends[k, 1] - upper[k]))
+    if not (margins[0] > 0.0 and lower[6:].min() > 0.0):
         return 2
     return 0 if margins[1] > 0.0 else 3
+
+
+class _Tube(NamedTuple):
+    """What is filled."""
+
+    h: Floats
+    centre: Floats
+    spread: Floats
+    lower: Floats
+    upper: Floats
+    margins: Floats
 
 
 @njit
 def _bound_lines(
     programs: _Programs,
-    h: Floats,
     lo: Floats,
     hi: Floats,
-    half: float,
+    dev_lo: Floats,
+    dev_hi: Floats,
+    constants: int,
     band: float,
-    bounds: Floats,
-    margins: Floats,
+    ends: Floats,
+    tube: _Tube,
 ) -> int:
-    """Fill the rows of ``bounds`` (lower, upper) from their first entries; see the module's text.
+    """Fill the knots of ``tube`` from its first one; see the module's text.
 
-    Until h has fallen to ``band`` a motion may still start anywhere in the first slice, so the tube
-    does not shrink there.
+    Until h has fallen to ``band`` a motion may still start anywhere between the first bounds, so the tube
+    does not shrink there, and its knots are given.
     """
-    box_lo, box_hi = lo.copy(), hi.copy()
-    lower, upper = bounds[0], bounds[1]
+    h = tube.h
+    middle = 0.5 * (lo + hi)
+    drift = np.zeros(dev_lo.size)
+    strip_lo = strip_hi = 1e-9
+    checked = 0
     for k in range(h.size - 1):
-        box_lo[H], box_hi[H] = h[k + 1], h[k]
         dh = h[k] - h[k + 1]
-        keep = h[k] > band
-        lower[k + 1], status = _next_bound(programs, box_lo, box_hi, lower[k], dh, 0, keep)
+        starts = h[k] > band
+        if not starts:
+            point = middle.copy()
+            point[H] = 0.5 * (h[k] + h[k + 1])
+            point[Q] = tube.centre[k] + 0.5 * (tube.centre[k] - tube.centre[k - 1])
+            rate = _guess(programs.rates, point, constants, tube.spread[k], drift)
+            if not (np.isfinite(rate) and np.isfinite(drift).all()):
+                return 1
+            tube.centre[k + 1] = tube.centre[k] + rate * dh
+            tube.spread[k + 1] = tube.spread[k] + drift * dh
+        # what is used are the slopes between the rounded knots
+        rate = (tube.centre[k + 1] - tube.centre[k]) / dh
+        slopes = (tube.spread[k + 1] - tube.spread[k]) / dh
+        frame = _Frame(
+            h[k], h[k + 1], tube.centre[k], rate, tube.spread[k], slopes, dev_lo, dev_hi
+        )
+        rest_lo, rest_hi = tube.lower[k], tube.upper[k]
+        next_lo, status = _next_bound(
+            programs.rates, frame, lo, hi, constants, rest_lo, 0, strip_lo, starts
+        )
         if status != 0:
             return status
-        upper[k + 1], status = _next_bound(programs, box_lo, box_hi, upper[k], dh, 1, keep)
+        next_hi, status = _next_bound(
+            programs.rates, frame, lo, hi, constants, rest_hi, 1, strip_hi, starts
+        )
         if status != 0:
             return status
-        box_lo[SIGMA] = min(lower[k], lower[k + 1])
-        box_hi[SIGMA] = max(upper[k], upper[k + 1])
-        status = _holds(programs, box_lo, box_hi, half, margins)
-        if status != 0:
-            return status
+        strip_lo = max(1.5 * abs(next_lo - rest_lo), 1e-4 * dh)
+        strip_hi = max(1.5 * abs(next_hi - rest_hi), 1e-4 * dh)
+        # the next knot is where the line ends, to within rounding
+        off_lo, off_hi = _offsets(
+            h[k : k + 2],
+            tube.centre[k : k + 2],
+            tube.spread[k : k + 2],
+            rate,
+            slopes,
+            dev_lo,
+            dev_hi,
+        )
+        tube.lower[k + 1], tube.upper[k + 1] = down(next_lo - off_hi[1]), up(next_hi - off_lo[1])
+        if k + 1 - checked == CHECKED or k + 2 == h.size or starts:
+            status = _check_slice(
+                programs.state, lo, hi, dev_lo, dev_hi, constants, ends, tube, checked, k + 1
+            )
+            if status != 0:
+                return status
+            checked = k + 1
     return 0
+
+
+@njit
+def _check_slice(
+    state: Program,
+    lo: Floats,
+    hi: Floats,
+    dev_lo: Floats,
+    dev_hi: Floats,
+    constants: int,
+    ends: Floats,
+    tube: _Tube,
+    first: int,
+    last: int,
+) -> int:
+    """What must hold, over the knots ``first`` to ``last``."""
+    reach = tube.h[first] - tube.h[last]
+    rate = (tube.centre[last] - tube.centre[first]) / reach
+    drift = (tube.spread[last] - tube.spread[first]) / reach
+    off_lo, off_hi = _offsets(
+        tube.h[first : last + 1],
+        tube.centre[first : last + 1],
+        tube.spread[first : last + 1],
+        rate,
+        drift,
+        dev_lo,
+        dev_hi,
+    )
+    least, most = np.inf, -np.inf
+    for k in range(first, last + 1):
+        least = min(least, down(tube.lower[k] + off_lo[k - first]))
+        most = max(most, up(tube.upper[k] + off_hi[k - first]))
+    frame = _Frame(
+        tube.h[first], tube.h[last], tube.centre[first], rate, tube.spread[first], drift,
+        dev_lo, dev_hi,
+    )  # fmt: skip
+    return _holds(state, frame, lo, hi, constants, least, most, ends, tube.margins)
+
+
+@njit
+def _offsets(
+    h: Floats,
+    centre: Floats,
+    spread: Floats,
+    rate: float,
+    drift: Floats,
+    dev_lo: Floats,
+    dev_hi: Floats,
+) -> tuple[Floats, Floats]:
+    """How far c + g (p - middle) at each knot can be off one line from the first knot."""
+    off_lo, off_hi = np.zeros(h.size), np.zeros(h.size)
+    for k in range(h.size):
+        gone_lo, gone_hi = down(h[0] - h[k]), up(h[0] - h[k])
+        way_lo, way_hi = mul(rate, rate, gone_lo, gone_hi)
+        ahead_lo, ahead_hi = down(centre[k] - centre[0]), up(centre[k] - centre[0])
+        lo, hi = add(ahead_lo, ahead_hi, -way_hi, -way_lo)
+        for j in range(drift.size):
+            way_lo, way_hi = mul(drift[j], drift[j], gone_lo, gone_hi)
+            more_lo, more_hi = down(spread[k, j] - spread[0, j]), up(spread[k, j] - spread[0, j])
+            more_lo, more_hi = add(more_lo, more_hi, -way_hi, -way_lo)
+            more_lo, more_hi = mul(more_lo, more_hi, dev_lo[j], dev_hi[j])
+            lo, hi = add(lo, hi, more_lo, more_hi)
+        off_lo[k], off_hi[k] = lo, hi
+    return off_lo, off_hi
 
 
 def _compiled() -> Callable[..., int]:
@@ -262,17 +772,18 @@ def _compiled() -> Callable[..., int]:
     @njit(cache=True, nogil=True)
     def grow(
         programs: _Programs,
-        h: Floats,
         lo: Floats,
         hi: Floats,
-        half: float,
+        dev_lo: Floats,
+        dev_hi: Floats,
+        constants: int,
         band: float,
-        bounds: Floats,
-        margins: Floats,
+        ends: Floats,
+        tube: _Tube,
     ) -> int:
         if key < 0:
             return 1
-        return _bound_lines(programs, h, lo, hi, half, band, bounds, margins)
+        return _bound_lines(programs, lo, hi, dev_lo, dev_hi, constants, band, ends, tube)
 
     return grow
 
@@ -280,21 +791,36 @@ def _compiled() -> Callable[..., int]:
 _grow = _compiled()
 
 
-def enclose_slide(
-    grip: Grip, h_start: Interval, h_end: float, sigma: Interval, *, coarse: float = 1.0
-) -> SlideTube:
+def parameters_of(grip: Grip, label: Interval) -> dict[str, Interval]:
+    """The constants of a grip that are not exactly zero, and the label.
+
+    Parameters
+    ----------
+    grip
+        What is known.
+    label
+        `Start.label`.
+
+    Returns
+    -------
+    dict[str, Interval]
+        In the order of `SlideTube.spread`.
+    """
+    box = grip.box()
+    return {name: box[name] for name in CONSTANT if box[name] != ZERO} | {"label": label}
+
+
+def enclose_slide(grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
     Parameters
     ----------
     grip
-        What stays constant during the rotation.
-    h_start
-        h at which both tips touch for the first time, m.
+        What is known during the rotation.
+    start
+        Where and how both tips touch for the first time.
     h_end
         Lower bound of h at the end, m.
-    sigma
-        Slide when both touch, m.
     coarse
         Factor on the step in h, which is 1/``STEPS`` of the part's width.
 
@@ -308,26 +834,64 @@ def enclose_slide(
     ValueError
         If the travel may end before both tips touch: there is nothing to enclose then.
     """
-    if not h_end < h_start.lo:
+    if not h_end < start.h.lo:
         raise ValueError(
-            f"h_end = {h_end} must be below every h_start = [{h_start.lo}, {h_start.hi}]: the push "
+            f"h_end = {h_end} must be below every h_start = [{start.h.lo}, {start.h.hi}]: the push "
             "may end before both tips touch; make it longer"
         )
-    step = coarse * 2.0 * grip.depth.mid / STEPS
-    count = max(2, int(np.ceil((h_start.hi - h_end) / step)))
-    h = np.linspace(h_start.hi, h_end, count + 1)
-    bounds = np.full((2, count + 1), np.nan)
-    bounds[:, 0] = sigma.lo, sigma.hi
-    sides = (grip.separation, grip.depth, sigma, grip.ratio, grip.friction)
-    lo = np.array([h_end, *(side.lo for side in sides)])
-    hi = np.array([h_start.hi, *(side.hi for side in sides)])
-    margins = np.full(2, np.inf)
-    status = _grow(_programs(), h, lo, hi, grip.half.lo, h_start.lo, bounds, margins)
+    box = grip.box()
+    exact = frozenset(name for name, side in box.items() if side == ZERO)
+    formulas = _formulas(exact, grip.common)
+    used = formulas.inputs[2:]
+    parameters = parameters_of(grip, start.label)
+    constants = len(parameters) - 1
+    step = coarse * (grip.d_D.mid + grip.d_S.mid) / STEPS
+    count = max(2, int(np.ceil((start.h.hi - h_end) / step)))
+    h = np.linspace(start.h.hi, h_end, count + 1)
+    # the tube begins where it is stated to, whatever linspace makes of it
+    h[0], h[-1] = start.h.hi, h_end
+    tube = _Tube(
+        h=h,
+        centre=np.full(count + 1, np.nan),
+        spread=np.full((count + 1, len(parameters)), np.nan),
+        lower=np.full(count + 1, np.nan),
+        upper=np.full(count + 1, np.nan),
+        margins=np.array([np.inf, np.inf, np.inf, -np.inf]),
+    )
+    spread = np.array([start.spread.get(name, 0.0) for name in parameters])
+    starts = slice(0, int((h > start.h.lo).sum()) + 1)
+    tube.centre[starts] = start.value + start.rate * (start.h.hi - h[starts])
+    tube.spread[starts] = spread
+    dev = deviations(parameters)
+    off = _offsets(
+        h[starts], tube.centre[starts], tube.spread[starts], start.rate, 0.0 * spread, *dev
+    )
+    # what starts is known from a line, and the knots are that line to within rounding
+    tube.lower[0] = np.nextafter(start.rest.lo - max(0.0, float(off[1].max())), -np.inf)
+    tube.upper[0] = np.nextafter(start.rest.hi - min(0.0, float(off[0].min())), np.inf)
+    sides = [ZERO, ZERO, *(box[name] for name in used)]
+    ends = [[first.hi, last.lo] for first, last in (grip.ends_D, grip.ends_S)]
+    status = _grow(
+        _Programs(program(formulas.rates), program(formulas.state)),
+        np.array([side.lo for side in sides]),
+        np.array([side.hi for side in sides]),
+        *dev,
+        constants,
+        start.h.lo,
+        np.array(ends),
+        tube,
+    )
+    force, edge, closed, largest = (float(margin) for margin in tube.margins)
     return SlideTube(
         h=h,
-        lower=bounds[0],
-        upper=bounds[1],
+        centre=tube.centre,
+        spread=tube.spread,
+        lower=tube.lower,
+        upper=tube.upper,
+        parameters=parameters,
         status=TubeStatus(status),
-        force_margin=float(margins[0]),
-        edge_margin=float(margins[1]),
+        force_margin=force,
+        edge_margin=edge,
+        grip_margin=closed,
+        largest_force=largest,
     )
