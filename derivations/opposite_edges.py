@@ -149,7 +149,7 @@ def at_rest_tip() -> tuple[sp.Expr, sp.Expr]:
 
 
 def alone_rates() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
-    """Of turn and of D's place per closed gap, closing speed by stiffness, pressing, stick ratio."""
+    """Turn per closed gap, change of p_D per turn, closing speed by stiffness, pressing, stick ratio."""
     twist, stiff = alone()
     place, _ = at_rest_tip()
     far = d_S  # the edge's point under S
@@ -160,7 +160,7 @@ def alone_rates() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     slip += (along - bend * across) * stiff
     creep = -slip - r_D * twist[2]
     pressing = sp.diff(slip, tau)
-    return twist[2] / closing, creep / closing, closing, pressing, -slip.subs(tau, 0) / pressing
+    return twist[2] / closing, creep / twist[2], closing, pressing, -slip.subs(tau, 0) / pressing
 
 
 def corner(ratio_D: sp.Expr, ratio_S: sp.Expr) -> tuple[sp.Expr, ...]:
@@ -294,11 +294,14 @@ def derive() -> Derivation:
                 unit="1/m",
                 meaning="turn per closed gap while D alone pushes at friction ratio tau",
             ),
-            "creep_per_gap": Function(
-                arguments=(*pushing, tau),
+            "creep_per_turn": Function(
+                arguments=(
+                    *(along, across, p_D, d_D, r_D, drag_a, drag_n, rho, stretch, shear, bend),
+                    tau,
+                ),
                 results=(creep,),
-                unit="1",
-                meaning="change of p_D per closed gap while D alone pushes at friction ratio tau",
+                unit="m",
+                meaning="change of p_D per turn, m, while D alone pushes at friction ratio tau",
             ),
             "passive_place": Function(
                 arguments=touch,

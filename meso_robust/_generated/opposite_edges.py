@@ -247,22 +247,15 @@ def turn_per_gap(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any,
     )
 
 
-def creep_per_gap(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
-    """Return change of p_D per closed gap while D alone pushes at friction ratio tau."""
+def creep_per_turn(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, r_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
+    """Return change of p_D per turn, m, while D alone pushes at friction ratio tau."""
     x0 = bend*c + s
-    x1 = rho*x0*(shear + tau*(1 - stretch))
-    x2 = -shear**2 - stretch**2 + 1
-    x3 = d_D - drag_n
-    x4 = -drag_a + p_D + tau*x3
-    x5 = x0*x2*x4
-    x6 = rho*(-shear*tau - stretch - 1)
-    x7 = ops.sin(kappa)
-    x8 = ops.cos(kappa)
-    x9 = 1/(c*x7 + s*x8)
-    x10 = d_S + gap + r_S
-    x11 = -V - c*(d_D + r_D + x10*x8) + s*(p_D + x10*x7)
+    x1 = d_D - drag_n
+    x2 = -drag_a + p_D + tau*x1
+    x3 = -shear**2 - stretch**2 + 1
+    x4 = x0*x2*x3
     return (
-        (-r_D*x5 - x1 - x3*x5 - (-bend*s + c)*(x2*x4*(-drag_a + p_D) - x6))/(-x7*(x1 + x5*(-d_S*x8 - drag_n - x11*x7*x9)) - x8*(x0*x6 - x5*(-d_S*x7 - drag_a + x11*x8*x9))),
+        (-r_D*x4 - rho*x0*(shear + tau*(1 - stretch)) - x1*x4 - (-bend*s + c)*(-rho*(-shear*tau - stretch - 1) + x2*x3*(-drag_a + p_D)))/(x0*x2*x3),
     )
 
 

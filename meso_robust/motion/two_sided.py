@@ -17,8 +17,9 @@ The tube is bounded by such lines, one pair a step in h.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cache
 from typing import NamedTuple
@@ -38,7 +39,7 @@ from meso_robust.types import Floats
 STEPS = 420  # per width of the part: about 2 um for the paper's part
 CHECKED = 4  # steps whose forces and edges are checked together: half as long, and hardly looser
 MODULE = "opposite_edges"
-CONSTANT = ("V", "d_D", "d_S", "r_D", "r_S", "kappa", "drag_a", "drag_n")
+CONSTANT = ("room", "d_D", "d_S", "r_D", "r_S", "kappa", "drag_a", "drag_n")
 INSTANT = ("rho", "stretch", "shear", "bend", "sway", "mu_D", "mu_S")
 H, Q = 0, 1  # the first two inputs of every function here
 DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, D_STICKS, S_STICKS = range(6)
@@ -79,8 +80,11 @@ class TubeStatus(IntEnum):
 class Grip:
     """What is known of a part between two tips; lengths in m, axes turned by the travel's direction."""
 
-    V: Interval
-    """Distance of the tips' centres across the travel, without wander."""
+    room: Interval
+    """Distance of the tips' centres across the travel, less both radii and depths, without wander.
+
+    What decides how far the tips are from closing on the part; the parts of it hardly matter then.
+    """
     d_D: Interval
     """Distance of the moving tip's edge from the reference point."""
     d_S: Interval
@@ -126,12 +130,12 @@ class Start:
 
     h: Interval
     """m"""
-    label: Interval
-    """A further constant that tells runs apart, m: where the part is before the move."""
+    labels: Mapping[str, Interval]
+    """Further constants that tell runs apart, m, such as where the part is before the move."""
     value: float
     rate: float
     spread: Mapping[str, float]
-    """By constant; the label's under ``label``."""
+    """By constant or label."""
     rest: Interval
 
     @property
@@ -160,8 +164,8 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SlideTube:
-    """Bounds of the slide at every knot."""
+class Cell:
+    """Bounds of the slide at every knot, for a part of the range of room."""
 
     h: Floats
     """(K+1,) x of the moving tip minus x of the passive one, decreasing, m."""
@@ -174,39 +178,24 @@ class SlideTube:
     upper: Floats
     """(K+1,) upper bound, m."""
     parameters: Mapping[str, Interval]
-    """The constants whose effect ``spread`` holds, and the label."""
+    """The constants whose effect ``spread`` holds, and the labels."""
     status: TubeStatus
-    edge_margin: float
-    """Smallest proved distance of a contact from the end of its edge, m."""
-    force_margin: float
-    """Smallest proved lower bound of the force at the passive tip, over e_x and travel rate, m."""
-    grip_margin: float
-    """Smallest proved grip, m."""
-    largest_force: float
-    """Proved upper bound of the normal force at either tip, over e_x and travel rate."""
+    margins: Floats
+    """(4,) as of `SlideTube`."""
 
-    def line(self, h: Interval) -> Line:
-        """One affine enclosure of the slide wherever h is in a range.
-
-        Parameters
-        ----------
-        h
-            m; within the tube.
-
-        Returns
-        -------
-        Line
-            Between the knots that hold the range.
-        """
-        first = max(int(np.searchsorted(-self.h, -h.hi, side="right")) - 1, 0)
-        last = min(int(np.searchsorted(-self.h, -h.lo, side="left")), self.h.size - 1)
-        last = max(last, first + 1)
+    def line(self, first: int, last: int) -> Line:
+        """One affine enclosure of the slide between two knots."""
         used = slice(first, last + 1)
         reach = float(self.h[first] - self.h[last])
         rate = float(self.centre[last] - self.centre[first]) / reach
         drift = (self.spread[last] - self.spread[first]) / reach
         off_lo, off_hi = _offsets(
-            self.h[used], self.centre[used], self.spread[used], rate, drift, *self._deviations()
+            self.h[used],
+            self.centre[used],
+            self.spread[used],
+            rate,
+            drift,
+            *deviations(self.parameters),
         )
         return Line(
             first=float(self.h[first]),
@@ -220,18 +209,111 @@ class SlideTube:
             ),
         )
 
-    def _deviations(self) -> tuple[Floats, Floats]:
-        return deviations(self.parameters)
 
-    def slide(self, h: Interval) -> Interval:
-        """The slide, whatever the constants, wherever h is in a range; m."""
-        line = self.line(h)
-        gone = Interval.point(line.first) - h
-        whole = Interval.point(line.value) + Interval.point(line.rate) * gone + line.rest
-        for name, side in self.parameters.items():
-            slope = Interval.point(line.spread[name]) + Interval.point(line.drift[name]) * gone
-            whole = whole + slope * (side - Interval.point(side.mid))
-        return whole
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlideTube:
+    """All slides from the touch of both tips to the end of the travel."""
+
+    cells: tuple[Cell, ...]
+    """By rising room; all with the same knots."""
+    parameters: Mapping[str, Interval]
+    """The constants whose effect is kept, over all cells, and the labels."""
+
+    @property
+    def h(self) -> Floats:
+        """(K+1,) the knots, decreasing, m."""
+        return self.cells[0].h
+
+    @property
+    def status(self) -> TubeStatus:
+        """How far the cell came that came least far."""
+        return max(cell.status for cell in self.cells)
+
+    @property
+    def force_margin(self) -> float:
+        """Smallest proved lower bound of the force at the passive tip, over e_x and travel rate."""
+        return min(float(cell.margins[0]) for cell in self.cells)
+
+    @property
+    def edge_margin(self) -> float:
+        """Smallest proved distance of a contact from the end of its edge, m."""
+        return min(float(cell.margins[1]) for cell in self.cells)
+
+    @property
+    def grip_margin(self) -> float:
+        """Smallest proved grip, m."""
+        return min(float(cell.margins[2]) for cell in self.cells)
+
+    @property
+    def largest_force(self) -> float:
+        """Proved upper bound of the normal force at either tip, over e_x and travel rate."""
+        return max(float(cell.margins[3]) for cell in self.cells)
+
+    def line(self, h: Interval) -> Line:
+        """One affine enclosure of the slide wherever h is in a range.
+
+        Parameters
+        ----------
+        h
+            m; within the tube.
+
+        Returns
+        -------
+        Line
+            Between the knots that hold the range; its middles are those of `parameters`.
+        """
+        first = max(int(np.searchsorted(-self.h, -h.hi, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(-self.h, -h.lo, side="left")), self.h.size - 1)
+        last = max(last, first + 1)
+        lines = [cell.line(first, last) for cell in self.cells]
+        if len(lines) == 1:
+            return lines[0]
+        return _joined(lines, self, Interval(0.0, float(up(self.h[first] - self.h[last]))))
+
+
+def _joined(lines: list[Line], tube: SlideTube, gone: Interval) -> Line:
+    """One line for all cells: whatever slopes it has, what is left of each cell is in its rest."""
+    middles = [cell.parameters["room"].mid for cell in tube.cells]
+    wide = middles[-1] - middles[0]
+
+    def mean(values: list[float]) -> float:
+        return sum(values) / len(values)
+
+    spread, drift = (
+        {name: mean([getattr(line, kind)[name] for line in lines]) for name in tube.parameters}
+        for kind in ("spread", "drift")
+    )
+    # along the room by what the cells differ in
+    spread["room"] = (lines[-1].value - lines[0].value) / wide
+    drift["room"] = (lines[-1].rate - lines[0].rate) / wide
+    whole = Line(
+        first=lines[0].first,
+        value=mean([line.value for line in lines]),
+        rate=mean([line.rate for line in lines]),
+        spread=spread,
+        drift=drift,
+        rest=ZERO,
+    )
+    rests = [_less(line, whole, cell, tube, gone) for line, cell in zip(lines, tube.cells, strict=True)]
+    return replace(
+        whole, rest=Interval(min(rest.lo for rest in rests), max(rest.hi for rest in rests))
+    )
+
+
+def _less(line: Line, whole: Line, cell: Cell, tube: SlideTube, gone: Interval) -> Interval:
+    """What is left of a cell's slide beside another line."""
+    point = Interval.point
+    left = line.rest + point(line.value) - point(whole.value)
+    left = left + (point(line.rate) - point(whole.rate)) * gone
+    for name, side in cell.parameters.items():
+        middle, middle_of_all = point(side.mid), point(tube.parameters[name].mid)
+        steeper = point(line.spread[name]) - point(whole.spread[name])
+        steeper = steeper + (point(line.drift[name]) - point(whole.drift[name])) * gone
+        left = left + steeper * (side - middle)
+        if middle != middle_of_all:
+            slope = point(whole.spread[name]) + point(whole.drift[name]) * gone
+            left = left - slope * (middle - middle_of_all)
+    return left
 
 
 def deviations(parameters: Mapping[str, Interval]) -> tuple[Floats, Floats]:
@@ -269,7 +351,7 @@ def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
     at = dict.fromkeys(names, ca.SX(0.0)) | dict(zip(free, ca.vertsplit(x), strict=True))
     if common:
         at["mu_S"] = at["mu_D"]
-    separation = at["V"] + at["sway"]
+    separation = at["room"] + at["d_D"] + at["d_S"] + at["r_D"] + at["r_S"] + at["sway"]
 
     def value(name: str, *keys: str) -> tuple[ca.SX, ...]:
         return formula(MODULE, name)(ca, *(at[key] for key in keys))
@@ -637,6 +719,7 @@ def _bound_lines(
     constants: int,
     band: float,
     ends: Floats,
+    every: int,
     tube: _Tube,
 ) -> int:
     """Fill the knots of ``tube`` from its first one; see the module's text.
@@ -691,7 +774,7 @@ def _bound_lines(
             dev_hi,
         )
         tube.lower[k + 1], tube.upper[k + 1] = down(next_lo - off_hi[1]), up(next_hi - off_lo[1])
-        if k + 1 - checked == CHECKED or k + 2 == h.size or starts:
+        if k + 1 - checked == every or k + 2 == h.size or starts:
             status = _check_slice(
                 programs.state, lo, hi, dev_lo, dev_hi, constants, ends, tube, checked, k + 1
             )
@@ -779,11 +862,12 @@ def _compiled() -> Callable[..., int]:
         constants: int,
         band: float,
         ends: Floats,
+        every: int,
         tube: _Tube,
     ) -> int:
         if key < 0:
             return 1
-        return _bound_lines(programs, lo, hi, dev_lo, dev_hi, constants, band, ends, tube)
+        return _bound_lines(programs, lo, hi, dev_lo, dev_hi, constants, band, ends, every, tube)
 
     return grow
 
@@ -791,15 +875,15 @@ def _compiled() -> Callable[..., int]:
 _grow = _compiled()
 
 
-def parameters_of(grip: Grip, label: Interval) -> dict[str, Interval]:
-    """The constants of a grip that are not exactly zero, and the label.
+def parameters_of(grip: Grip, labels: Mapping[str, Interval]) -> dict[str, Interval]:
+    """The constants of a grip that are not exactly zero, and the labels.
 
     Parameters
     ----------
     grip
         What is known.
-    label
-        `Start.label`.
+    labels
+        `Start.labels`.
 
     Returns
     -------
@@ -807,10 +891,28 @@ def parameters_of(grip: Grip, label: Interval) -> dict[str, Interval]:
         In the order of `SlideTube.spread`.
     """
     box = grip.box()
-    return {name: box[name] for name in CONSTANT if box[name] != ZERO} | {"label": label}
+    return {name: box[name] for name in CONSTANT if box[name] != ZERO} | dict(labels)
 
 
-def enclose_slide(grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0) -> SlideTube:
+def rate_at(grip: Grip, h: float, q: float) -> float:
+    """The slide's rate in the middle of all that is known, in plain numbers; a guess."""
+    box = grip.box()
+    formulas = _formulas(_exact(box), grip.common)
+    at = np.array([h, q, *(box[name].mid for name in formulas.inputs[2:])])
+    rates = np.array(formulas.rates.function(at)).ravel()[:RATES]
+    low, high = sorted(rates[[D_STICKS, S_STICKS]])
+    between = rates[DOWN_UP if low == rates[D_STICKS] else UP_DOWN]
+    clipped = min(max(between, low), high)
+    return float(max(rates[DOWN_DOWN], min(rates[UP_UP], clipped)) if high > low else clipped)
+
+
+def _exact(box: Mapping[str, Interval]) -> frozenset[str]:
+    return frozenset(name for name, side in box.items() if side == ZERO)
+
+
+def enclose_slide(
+    grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0, cells: int = 1
+) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
     Parameters
@@ -823,6 +925,9 @@ def enclose_slide(grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0
         Lower bound of h at the end, m.
     coarse
         Factor on the step in h, which is 1/``STEPS`` of the part's width.
+    cells
+        Into how many parts the range of the room is cut: what is left of a cell falls with the square of
+        its width.
 
     Returns
     -------
@@ -839,12 +944,35 @@ def enclose_slide(grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0
             f"h_end = {h_end} must be below every h_start = [{start.h.lo}, {start.h.hi}]: the push "
             "may end before both tips touch; make it longer"
         )
+    ends = np.linspace(grip.room.lo, grip.room.hi, cells + 1).tolist()
+    ends[0], ends[-1] = grip.room.lo, grip.room.hi
+    rooms = [Interval(*pair) for pair in itertools.pairwise(ends)]
+    return SlideTube(
+        cells=tuple(
+            _cell(replace(grip, room=room), _moved(start, grip.room, room), h_end, coarse)
+            for room in rooms
+        ),
+        parameters=parameters_of(grip, start.labels),
+    )
+
+
+def _moved(start: Start, whole: Interval, room: Interval) -> Start:
+    """A start told about the middle of another range of the room."""
+    if room == whole:
+        return start
+    slope = start.spread.get("room", 0.0)
+    value = start.value + slope * (room.mid - whole.mid)
+    point = Interval.point
+    told = point(start.value) + point(slope) * (point(room.mid) - point(whole.mid))
+    return replace(start, value=value, rest=start.rest + (told - point(value)))
+
+
+def _cell(grip: Grip, start: Start, h_end: float, coarse: float) -> Cell:
     box = grip.box()
-    exact = frozenset(name for name, side in box.items() if side == ZERO)
-    formulas = _formulas(exact, grip.common)
+    formulas = _formulas(_exact(box), grip.common)
     used = formulas.inputs[2:]
-    parameters = parameters_of(grip, start.label)
-    constants = len(parameters) - 1
+    parameters = parameters_of(grip, start.labels)
+    constants = len(parameters) - len(start.labels)
     step = coarse * (grip.d_D.mid + grip.d_S.mid) / STEPS
     count = max(2, int(np.ceil((start.h.hi - h_end) / step)))
     h = np.linspace(start.h.hi, h_end, count + 1)
@@ -879,10 +1007,10 @@ def enclose_slide(grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0
         constants,
         start.h.lo,
         np.array(ends),
+        max(1, round(CHECKED / coarse)),
         tube,
     )
-    force, edge, closed, largest = (float(margin) for margin in tube.margins)
-    return SlideTube(
+    return Cell(
         h=h,
         centre=tube.centre,
         spread=tube.spread,
@@ -890,8 +1018,5 @@ def enclose_slide(grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0
         upper=tube.upper,
         parameters=parameters,
         status=TubeStatus(status),
-        force_margin=force,
-        edge_margin=edge,
-        grip_margin=closed,
-        largest_force=largest,
+        margins=tube.margins,
     )

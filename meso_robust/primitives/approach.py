@@ -1,19 +1,22 @@
 """The start of a two-sided rotation: the active tip alone pushes the part onto the passive one.
 
-The distance of the passive tip from its edge is the clock. The part turns, and the active tip's contact
-creeps along its edge, by a rate per closed gap that lies in an interval over all states on the way; so
-both are the first gap times a mean rate out of that interval. The gap is closed in a few stages.
+The distance of the passive tip from its edge is the clock. The part turns by a rate per closed gap, and
+the active tip's contact creeps along its edge by a rate per turn, that lie in intervals over all states on
+the way; so the turn is the first gap times a mean rate out of its interval, and the creep the turn times
+one. The gap is closed in a few stages. That the creep is told per turn matters: how far the part turns
+depends much on the film, where its contact is at a given turn hardly does.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.bounds import Bounded, Interval, enclose
-from meso_robust.motion.two_sided import CONSTANT, Start
+from meso_robust.bounds import HALF_PI, Bounded, Interval, enclose
+from meso_robust.motion.two_sided import Grip, Start, parameters_of, rate_at
 from meso_robust.primitives.grasp import LINE, Relations, on_line
 from meso_robust.primitives.names import Inequality, ObligationId, about
 from meso_robust.primitives.obligation import Obligation, require_order
@@ -23,7 +26,8 @@ from meso_robust.primitives.setup import ZERO, PoseBox
 # Choices of speed against tightness: a stage too long leaves a rotation undecided, never wrong.
 STAGES = 4
 GUESSES = 10
-BOXES = 4
+SMALL_TURN = 0.01  # rad; for a slope, which is a guess
+BOXES = 32
 STATED = Interval.point(0.9)
 """Share of a proved bound that is stated: others, whose enclosures differ, are to meet it."""
 
@@ -46,8 +50,8 @@ class Touch:
 
 def approach(
     box: Mapping[str, Interval],
-    friction: Interval,
-    constants: Mapping[str, Interval],
+    grip: Grip,
+    labels: Mapping[str, Interval],
     edge: Edge,
     of: Relations,
 ) -> Touch | None:
@@ -57,10 +61,10 @@ def approach(
     ----------
     box
         What is known of the rotation (`grasp.ranges`).
-    friction
-        Coefficient at the active tip, at every instant.
-    constants
-        Ranges of the constants of the grip and of its label.
+    grip
+        What is known of the part between both tips.
+    labels
+        Ranges of `grasp.LABELS`.
     edge
         The pushed edge.
     of
@@ -71,8 +75,10 @@ def approach(
     Touch or None
         None where no bound of the rates could be confirmed.
     """
+    friction = grip.mu
+    box = _bowed(box, friction, of)
     turned = crept = ZERO
-    sides, margins = [], []
+    sides, margins, turns, creeps = [], [], [], []
     for stage in range(STAGES):
         state = dict(box) | {"begun": Interval.point(stage / STAGES), "turned": turned, "crept": crept}
         found = _stage(state, friction, of)
@@ -81,15 +87,17 @@ def approach(
         state, margin = found
         sides.append(enclose(of.path, state, boxes=BOXES))
         margins.append(margin)
-        share = Interval.point(1.0 / STAGES)
-        turned, crept = turned + state["turn_rate"] * share, crept + state["creep_rate"] * share
+        turn = state["turn_rate"] * Interval.point(1.0 / STAGES)
+        turns.append(turn)
+        creeps.append(state["creep_rate"])
+        turned, crept = turned + turn, crept + state["creep_rate"] * turn
     pushes, unique = (
         Interval(min(m[k].lo for m in margins), max(m[k].hi for m in margins)) for k in range(2)
     )
     path, offset, x, y = (_hull([stage[k] for stage in sides]) for k in range(4))
-    whole = dict(box) | {"turned": turned, "crept": crept}
+    whole = dict(box) | {"turned": turned, "crept": _mean(creeps, turns)}
     return Touch(
-        start=_start(whole, constants, of),
+        start=_start(whole, grip, labels, of),
         first=edge.angle(box["theta"]),
         path=path,
         poses=PoseBox(x=x, y=y, theta=edge.orientation(path - box["kappa"])),
@@ -99,6 +107,36 @@ def approach(
             _stated(ObligationId.UNIQUE_UNTIL_REST, Inequality.ONLY_SOLUTION, unique, box),
         ),
     )
+
+
+def _bowed(
+    box: Mapping[str, Interval], friction: Interval, of: Relations
+) -> dict[str, Interval]:
+    """With a guess of how the creep per turn changes with the turn."""
+    upright = Interval.point(HALF_PI.mid)
+    still = dict.fromkeys(("begun", "part", "turned", "crept", "turn_rate", "creep_rate"), ZERO)
+    box = {**box, **still, "bow": ZERO, "upright": upright}
+    creeps = []
+    for off in (SMALL_TURN, -SMALL_TURN):
+        turned = _middle({**box, "theta": box["theta"] + Interval.point(off)})
+        rates = _rates(turned, Interval.point(friction.mid), of)
+        creeps.append(0.0 if rates is None else rates[1].mid)
+    return {**box, "bow": Interval.point((creeps[0] - creeps[1]) / (2.0 * SMALL_TURN))}
+
+
+def _mean(values: list[Interval], weights: list[Interval]) -> Interval:
+    """Mean of values, each anywhere in its range, as are the positive weights."""
+    middle = Interval.point(sum(value.mid for value in values) / len(values))
+    total = middle
+    for k, (value, weight) in enumerate(zip(values, weights, strict=True)):
+        rest = functools.reduce(Interval.__add__, (w for j, w in enumerate(weights) if j != k))
+        # weight/(weight + rest) grows with the weight and falls with the rest
+        low, high = Interval.point(weight.lo), Interval.point(weight.hi)
+        share = Interval(
+            (low / (low + Interval.point(rest.hi))).lo, (high / (high + Interval.point(rest.lo))).hi
+        )
+        total = total + share * (value - middle)
+    return total
 
 
 def _hull(sides: list[Interval]) -> Interval:
@@ -164,7 +202,7 @@ def _rates(
     least = Interval(min(k.lo for k in stiffness), max(k.hi for k in stiffness))
     state = {**state, "tau": _clipped(stick, friction)}
     turn, creep, closing, _ = enclose(of.rates, state, boxes=BOXES)
-    if not (closing.lo > 0.0 and least.lo > 0.0):
+    if not (closing.lo > 0.0 and least.lo > 0.0 and turn.lo > 0.0):
         return None
     return turn, creep, pressing, least
 
@@ -177,37 +215,41 @@ def _clipped(stick: Interval, mu: Interval) -> Interval:
 
 
 def _start(
-    box: dict[str, Interval], constants: Mapping[str, Interval], of: Relations
+    box: dict[str, Interval], grip: Grip, labels: Mapping[str, Interval], of: Relations
 ) -> Start:
     """The slide at the touch as an affine function; its slopes are those at the middle, as a guess."""
     box = box | dict.fromkeys(LINE, ZERO)
     h = enclose(of.touch, box, boxes=16)[0]
-    slope = _slopes(of.touch, box)
-    # along the way of the part onto the passive tip
-    rate = -slope("q", "single_x") / slope("h", "single_x")
+    middle, slope = _at_middle(of.touch, box), _slopes(of.touch, box)
+    rate = rate_at(grip, middle["h"], middle["q"])
 
     def beside(name: str) -> float:
         return slope("q", name) + rate * slope("h", name)
 
-    # a higher active tip moves V, a higher passive one V and the label
-    spread = {"V": beside("dual_y")}
-    spread["label"] = -beside("single_y") - spread["V"]
-    parts = dict(zip(CONSTANT[1:], PART_OF_CONSTANT, strict=True))
-    spread |= {name: beside(parts[name]) for name in CONSTANT[1:] if name in constants}
-    middle = _at_middle(of.touch, box)
+    # the passive tip further ahead opens the gap; a higher active one gives room; a higher passive one
+    # takes it, and lowers the label
+    spread = {"first_gap": beside("single_x") / slope("first_gap", "single_x")}
+    spread["room"] = beside("dual_y")
+    spread["label"] = -beside("single_y") - spread["room"]
+    spread["label"] += spread["first_gap"] * slope("first_gap", "single_y")
+    for name, part in PART_OF_CONSTANT.items():
+        own = beside(part) - spread["first_gap"] * slope("first_gap", part)
+        # what takes room has that effect already
+        spread[name] = own + (spread["room"] if name in TAKES_ROOM else 0.0)
     start = Start(
         h=h,
-        label=constants["label"],
+        labels=labels,
         value=middle["q"] - rate * (h.hi - middle["h"]),
         rate=rate,
         spread=spread,
         rest=ZERO,
     )
-    rest = enclose(of.touch, box | on_line(start.line, constants), boxes=64)[2]
+    coefficients = on_line(start.line, parameters_of(grip, labels))
+    rest = enclose(of.touch, box | coefficients, boxes=1024)[3]
     return replace(start, rest=rest)
 
 
-TOUCH = ("h", "q")
+TOUCH = ("h", "q", "first_gap")
 """The first results of `Relations.touch`."""
 
 
@@ -228,7 +270,9 @@ def _slopes(of: Bounded, box: Mapping[str, Interval]) -> Callable[[str, str], fl
     return slope
 
 
-PART_OF_CONSTANT = (
-    *("depth", "depth_far", "radius_lower", "radius_passive", "kappa_far", "drag_a", "drag_n"),
-)
-"""What each constant of a grip but its separation is among the parameters of a move."""
+PART_OF_CONSTANT = {
+    "d_D": "depth", "d_S": "depth_far", "r_D": "radius_lower", "r_S": "radius_passive",
+    "kappa": "kappa_far", "drag_a": "drag_a", "drag_n": "drag_n",
+}  # fmt: skip
+"""What each constant of a grip but its room is among the parameters of a move."""
+TAKES_ROOM = ("d_D", "d_S", "r_D", "r_S")

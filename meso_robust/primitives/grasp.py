@@ -41,9 +41,14 @@ PART = (
 )
 """Constants of both tips and the part."""
 NOW = (*INSTANT[:-2], "travel_x")  # without both coefficients of friction
-ALONE = ("begun", "part", "turned", "crept", "turn_rate", "creep_rate", "tau")
-"""How far the gap to the passive tip is closed, and the mean rates of that."""
-PARAMETERS = (*CONSTANT, "label")
+ALONE = ("begun", "part", "turned", "crept", "turn_rate", "creep_rate", "bow", "upright", "tau")
+"""How far the gap to the passive tip is closed, and the mean rates of that.
+
+The creep per turn changes by ``bow`` per turn; what is left of it at the angle ``upright`` is the rate.
+"""
+LABELS = ("label", "first_gap")
+"""What tells runs of a rotation apart: the part's height over the passive tip, the gap to it."""
+PARAMETERS = (*CONSTANT, *LABELS)
 LINE = (
     *("first", "value", "rate", "rest"),
     *(f"{kind}_{name}" for kind in ("middle", "spread", "drift") for name in PARAMETERS),
@@ -59,18 +64,18 @@ class Relations:
     """The functions, each of what it depends on."""
 
     begin: Bounded
-    """V, label, h at the end of the travel, first gap, travel before the first touch, all of it."""
+    """V, room, label, h at the end of the travel, first gap, travel before the first touch, all of it."""
     path: Bounded
     """Direction of the edge in the move's own axes, p_D, x and y, while the active tip pushes alone."""
     rates: Bounded
-    """Turn and creep per closed gap, closing speed, stiffness."""
+    """Turn per closed gap, creep per turn, closing speed, stiffness."""
     sticking: Bounded
     """Friction ratio of sticking, and how the tip presses then."""
     touch: Bounded
-    """h at the touch of the passive tip, the slide there, and the slide beyond a line."""
-    end: Bounded
-    """Pose at the end of the travel: x, y, cos and sin of the direction of the pushed edge, p_D."""
-    during: Bounded
+    """h at the touch of the passive tip, the slide there, the first gap, the slide beyond a line."""
+    end: tuple[Bounded, ...]
+    """At the end of the travel: x; y; cos and sin of the direction of the pushed edge as stated; p_D."""
+    during: tuple[Bounded, ...]
     """The same wherever ``h`` is given."""
 
 
@@ -100,15 +105,15 @@ def relations(exact: frozenset[str]) -> Relations:
         outputs = ca.substitute(outputs, ca.vertcat(*(x[key] for key in inputs)), vector)
         return bounded(name, inputs, ca.Function("f", [vector], [outputs]))
 
-    pose = ("pose_x", "pose_y", "cosine", "sine", "p_D")
+    held = {"x": ("pose_x",), "y": ("pose_y",), "direction": ("cosine", "sine"), "offset": ("p_D",)}
     return Relations(
-        begin=prepared("begin", at, "V", "label", "h_end", "first_gap", "flight", "way"),
+        begin=prepared("begin", at, "V", "room", "label", "h_end", "first_gap", "flight", "way"),
         path=prepared("path", alone, "own_angle", "p_D", "pose_x", "pose_y"),
-        rates=prepared("rates", alone, "turn_per_gap", "creep_per_gap", "closing", "stiffness"),
+        rates=prepared("rates", alone, "turn_per_gap", "creep_left", "closing", "stiffness"),
         sticking=prepared("sticking", alone, "stick_ratio", "pressing"),
-        touch=prepared("touch", touched, "h", "q", "slide", "own_angle", "p_D"),
-        end=prepared("end", ended, *pose),
-        during=prepared("during", during, *pose),
+        touch=prepared("touch", touched, "h", "q", "first_gap", "slide"),
+        end=tuple(prepared(name, ended, *results) for name, results in held.items()),
+        during=tuple(prepared(name, during, *results) for name, results in held.items()),
     )
 
 
@@ -154,6 +159,7 @@ def _before(at: dict[str, ca.SX]) -> None:
     own = at["kappa"]
     at["kappa"] = at["kappa_far"] - own
     at["own_kappa"] = own
+    at["room"] = at["V"] - at["d_D"] - at["d_S"] - at["r_D"] - at["r_S"]
     at["first_angle"] = at["theta"] - at["turn"] + own - at["direction"]
     (at["first_gap"],) = formula("sticking_motion", "clearance")(
         ca,
@@ -173,7 +179,10 @@ def _after(at: dict[str, ca.SX], done: ca.SX, turned: ca.SX, crept: ca.SX) -> No
     angle = at["first_angle"] + at["first_gap"] * turned
     at["c"], at["s"] = ca.cos(angle), ca.sin(angle)
     at["own_angle"] = angle + at["direction"]
-    at["p_D"] = at["first_p"] + at["first_gap"] * crept
+    halfway = at["first_angle"] - at["upright"] + 0.5 * at["first_gap"] * turned
+    at["angle"], at["p_D"] = angle, at["first_p"] + at["first_gap"] * (
+        crept + at["bow"] * turned * halfway
+    )
     at["gap"] = at["first_gap"] * (1.0 - done)
 
 
@@ -182,11 +191,14 @@ def _closing(at: dict[str, ca.SX]) -> None:
         at,
         at["begun"] + at["part"],
         at["turned"] + at["turn_rate"] * at["part"],
-        at["crept"] + at["creep_rate"] * at["part"],
+        at["crept"] + at["creep_rate"] * at["turn_rate"] * at["part"],
     )
     film = ("drag_a", "drag_n", "rho", "stretch", "shear")
     pushing = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa", *film, "bend")
-    for name in ("turn_per_gap", "creep_per_gap", "closing"):
+    creeping = ("c", "s", "p_D", "d_D", "r_D", *film, "bend", "tau")
+    (creep,) = _call("creep_per_turn", at, *creeping)
+    at["creep_left"] = creep - at["bow"] * (at["angle"] - at["upright"])
+    for name in ("turn_per_gap", "closing"):
         (at[name],) = _call(name, _swayed(at), *pushing, "tau")
     at["q"], _ = _call("passive_place", _swayed(at), *pushing[:10])
     _pose(at, at["c"], at["s"], at["d_S"] + at["gap"])
@@ -196,8 +208,8 @@ def _closing(at: dict[str, ca.SX]) -> None:
 
 
 def _touch(at: dict[str, ca.SX]) -> None:
-    """The gap is closed: mean rates over all of it."""
-    _after(at, ca.SX(1.0), at["turned"], at["crept"])
+    """The gap is closed: the mean turn per gap, and creep per turn, over all of it."""
+    _after(at, ca.SX(1.0), at["turned"], at["turned"] * at["crept"])
     at["gap"] = ca.SX(0.0)
     keys = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa")
     at["q"], apart = _call("passive_place", _swayed(at), *keys)

@@ -23,7 +23,6 @@ from meso_robust.motion.two_sided import (
     SlideTube,
     TubeStatus,
     enclose_slide,
-    parameters_of,
 )
 from meso_robust.primitives.approach import STATED, Touch, approach
 from meso_robust.primitives.grasp import Relations, on_line, ranges, relations
@@ -51,6 +50,8 @@ from meso_robust.primitives.tips import (
 
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
+CELL = 7e-6  # m of the tips' room that are followed together; more are looser, fewer take longer
+AT_END = 256  # boxes for the pose at the end
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
 
@@ -69,7 +70,11 @@ class _Move:
     """The active one, the idle one."""
     setup: Setup
     V: Interval
+    """Distance of both tips across the travel, m."""
+    room: Interval
+    """V less both radii and depths, m."""
     label: Interval
+    """y of the part minus y of the passive tip, before the move, m."""
     h_end: Interval
     first_gap: Interval
     """Of the passive tip to its edge, m."""
@@ -88,7 +93,7 @@ class _Move:
         """What is known while both tips turn the part."""
         box, setup = self.box, self.setup
         return Grip(
-            V=self.V,
+            room=self.room,
             d_D=box["depth"],
             d_S=box["depth_far"],
             ends_D=(self.edge.first, self.edge.last),
@@ -133,7 +138,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.ACTIVE_ABOVE_PASSIVE)])
     grip = move.grip
-    touch = approach(move.box, grip.mu, parameters_of(grip, move.label), edge, move.of)
+    touch = approach(
+        move.box, grip, {"label": move.label, "first_gap": move.first_gap}, edge, move.of
+    )
     if touch is None:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.COMES_TO_REST)])
     h_start = touch.start.h
@@ -146,11 +153,12 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     obligations += [*touch.obligations, on_edge(Which.ACTIVE, touch.active_offset, edge), rests]
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
-    tube = enclose_slide(grip, touch.start, move.h_end.lo)
+    cells = max(1, math.ceil(grip.room.width / CELL))
+    tube = enclose_slide(grip, touch.start, move.h_end.lo, cells=cells)
     obligations += _tube_obligations(tube, move)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, obligations)
-    at_end = _held(move.of.end, move, tube, move.h_end)
+    at_end = _held(move.of.end, move, tube, move.h_end, AT_END)
     if at_end is None:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.END_ENCLOSED)])
     slices = _slices(move, tube)
@@ -166,7 +174,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
     exact = frozenset(name for name, side in box.items() if side == ZERO)
     exact |= _idle_lines(exact)
     of = relations(exact)
-    V, label, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
+    V, room, label, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
     return _Move(
         box=box,
         of=of,
@@ -175,6 +183,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
         tips=(tip_of(rule, -1, pre, setup), tip_of(rule, IDLE, pre, setup)),
         setup=setup,
         V=V,
+        room=room,
         label=label,
         h_end=h_end,
         first_gap=gap,
@@ -250,10 +259,13 @@ class _Held:
     """m"""
 
 
-def _held(of: Bounded, move: _Move, tube: SlideTube, h: Interval) -> _Held | None:
+def _held(
+    of: tuple[Bounded, ...], move: _Move, tube: SlideTube, h: Interval, boxes: int
+) -> _Held | None:
     """All poses while the tips are ``h`` apart along the travel."""
     line = on_line(tube.line(h), tube.parameters)
-    x, y, c, s, offset = enclose(of, {**move.box, **line, "h": h}, boxes=64)
+    box = {**move.box, **line, "h": h}
+    (x,), (y,), (c, s), (offset,) = (enclose(part, box, boxes=boxes) for part in of)
     # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
     angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)
     if not angle.width < math.inf:
@@ -283,7 +295,7 @@ def _slices(move: _Move, tube: SlideTube) -> list[_Slice]:
         active_offset=everywhere,
     )
     return [
-        _Slice(h=h, held=_held(move.of.during, move, tube, h) or unknown)
+        _Slice(h=h, held=_held(move.of.during, move, tube, h, 1) or unknown)
         for h in (Interval(low, high) for high, low in itertools.pairwise(ends))
     ]
 
