@@ -16,7 +16,7 @@ import casadi as ca
 from meso_robust.bounds import Bounded, Interval, bounded
 from meso_robust.conditions.formula import formula
 from meso_robust.motion.two_sided import CONSTANT, INSTANT, MODULE, Line
-from meso_robust.primitives.move import Aim, Anchor, MoveRule
+from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.units import metres
@@ -29,12 +29,9 @@ MOVE = (
     *("beta", "spacing", "direction", "scale"),
 )
 """What the tips' paths depend on, by the names of a certificate."""
-RULE = tuple(
-    f"{name}{kind}"
-    for name in ("dual_x", "dual_y", "end_x", "single_x", "single_y")
-    for kind in ("", "_part")
-) + ("turn",)
-"""What is commanded: offsets, whether from the part; and the turn of the pushed edge."""
+AIMS = ("dual_x", "dual_y", "end_x", "single_x", "single_y")
+RULE = (*AIMS, "turn")
+"""What is commanded, and the turn of the pushed edge."""
 PART = (
     *("radius_lower", "radius_passive", "depth", "depth_far", "kappa", "kappa_far"),
     *("drag_a", "drag_n"),
@@ -80,11 +77,24 @@ class Relations:
 
 
 @cache
-def relations(exact: frozenset[str]) -> Relations:
-    """The functions without the inputs that are exactly zero."""
+def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
+    """The functions for one kind of move.
+
+    Parameters
+    ----------
+    exact
+        Inputs that are exactly zero, which are left out.
+    from_part
+        Those of ``AIMS`` that are measured from the sensed part, not in the world.
+
+    Returns
+    -------
+    Relations
+        Prepared once and kept.
+    """
     x = {name: ca.SX(0.0) if name in exact else ca.SX.sym(name) for name in INPUTS}
     at = dict(x)
-    _place(at)
+    _place(at, from_part)
     _before(at)
     alone = dict(at)
     _closing(alone)
@@ -126,23 +136,30 @@ def _swayed(at: Values) -> Values:
     return {**at, "V": at["V"] + at["sway"]}
 
 
-def _place(at: dict[str, ca.SX]) -> None:
+def _place(at: dict[str, ca.SX], from_part: frozenset[str]) -> None:
     """Both tips relative to the part before the move, and the travel."""
 
-    def ahead(aim: str, true: ca.SX, sensed: ca.SX, off: ca.SX) -> ca.SX:
-        part = at[f"{aim}_part"]
-        return at[aim] + off + part * sensed - (1.0 - part) * true
+    def sensed(axis: str, plus: str, minus: str = "") -> ca.SX:
+        """What the sensed part adds: nothing, symbolically, where two aims have it in common."""
+        count = int(plus in from_part) - int(minus in from_part)
+        return count * (at[axis] + at[f"sensed_{axis}"])
 
     half = 0.5 * at["spacing"]
     lag = half * ca.sin(at["beta"]) / ca.cos(at["beta"])
-    active_x = ahead("dual_x", at["x"], at["sensed_x"], at["probe_x"]) + lag
-    active_y = ahead("dual_y", at["y"], at["sensed_y"], at["probe_y"]) - half
-    at["passive_ahead"] = ahead("single_x", at["x"], at["sensed_x"], at["passive_x"])
-    at["passive_rise"] = ahead("single_y", at["y"], at["sensed_y"], at["passive_y"])
-    travel = at["dual_x"] - at["end_x"]
-    travel += (at["dual_x_part"] - at["end_x_part"]) * (at["x"] + at["sensed_x"])
+    in_x = at["dual_x"] + at["probe_x"] + lag
+    in_y = at["dual_y"] + at["probe_y"] - half
+    passive_x, passive_y = at["single_x"] + at["passive_x"], at["single_y"] + at["passive_y"]
+    apart_x = in_x - passive_x + sensed("x", "dual_x", "single_x")
+    apart_y = in_y - passive_y + sensed("y", "dual_y", "single_y")
+    active_x, active_y = in_x + _ahead(at, "x", "dual_x" in from_part), in_y + _ahead(
+        at, "y", "dual_y" in from_part
+    )
+    at["passive_ahead"] = passive_x + _ahead(at, "x", "single_x" in from_part)
+    at["passive_rise"] = passive_y + _ahead(at, "y", "single_y" in from_part)
+    at["place_x"] = passive_x + sensed("x", "single_x")
+    at["place_y"] = passive_y + sensed("y", "single_y")
+    travel = at["dual_x"] - at["end_x"] + sensed("x", "dual_x", "end_x")
     c, s = ca.cos(at["direction"]), ca.sin(at["direction"])
-    apart_x, apart_y = active_x - at["passive_ahead"], active_y - at["passive_rise"]
     at["V"] = apart_y * c - apart_x * s
     at["way"] = travel * (1.0 + at["scale"]) + at["travel_x"]
     at["h_end"] = apart_x * c + apart_y * s - at["way"]
@@ -150,6 +167,11 @@ def _place(at: dict[str, ca.SX]) -> None:
     at["active_height"] = active_y * c - active_x * s + at["sway"]
     at["active_ahead"] = active_x * c + active_y * s + at["travel_x"]
     at["to_part_x"] = -(at["passive_ahead"] * c + at["passive_rise"] * s)
+
+
+def _ahead(at: Values, axis: str, from_part: bool) -> ca.SX:
+    """What leads from a commanded coordinate to one from the part."""
+    return at[f"sensed_{axis}"] if from_part else -at[axis]
 
 
 def _before(at: dict[str, ca.SX]) -> None:
@@ -244,12 +266,35 @@ def _pose(at: dict[str, ca.SX], c: ca.SX, s: ca.SX, far: ca.SX) -> None:
     (from_x, from_y) = formula(MODULE, "place")(
         ca, own_c, own_s, at["q"], far, at["r_S"], at["kappa"]
     )
-    at["pose_x"] = at["x"] + at["passive_ahead"] + from_x
-    at["pose_y"] = at["y"] + at["passive_rise"] + from_y
+    at["pose_x"], at["pose_y"] = at["place_x"] + from_x, at["place_y"] + from_y
     # of the edge as stated: the part's orientation is known from it
     lean_c, lean_s = ca.cos(at["own_kappa"]), ca.sin(at["own_kappa"])
     at["cosine"] = own_c * lean_c + own_s * lean_s
     at["sine"] = own_s * lean_c - own_c * lean_s
+
+
+def aims_of(rule: MoveRule) -> dict[str, Aim]:
+    """What is commanded, by the names of ``AIMS``.
+
+    Parameters
+    ----------
+    rule
+        A rotation.
+
+    Returns
+    -------
+    dict[str, Aim]
+        Each from the sensed part or in the world.
+
+    Raises
+    ------
+    ValueError
+        The rule has no passive tip.
+    """
+    if rule.single is None:
+        raise ValueError(f"rotation rule needs a passive tip, got {rule}")
+    aims = rule.dual.x, rule.dual.y, rule.dual_end, rule.single.x, rule.single.y
+    return dict(zip(AIMS, aims, strict=True))
 
 
 def ranges(
@@ -274,17 +319,8 @@ def ranges(
     ValueError
         The rule has no passive tip.
     """
-    if rule.single is None:
-        raise ValueError(f"rotation rule needs a passive tip, got {rule}")
     u, off = setup.uncertainty, setup.uncertainty.probe_position
-    aims: dict[str, Aim] = {
-        "dual_x": rule.dual.x, "dual_y": rule.dual.y, "end_x": rule.dual_end,
-        "single_x": rule.single.x, "single_y": rule.single.y,
-    }  # fmt: skip
-    commanded = {}
-    for name, aim in aims.items():
-        commanded[name] = aim.offset
-        commanded[f"{name}_part"] = ONE if aim.anchor is Anchor.PART else ZERO
+    commanded = {name: aim.offset for name, aim in aims_of(rule).items()}
     # a deviation of w in x and in y is one of at most w (1 + |direction|) in the turned axes
     wander = u.probe_wander * (ONE + u.travel_direction.hull(-u.travel_direction))
     return {

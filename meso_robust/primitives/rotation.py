@@ -25,8 +25,8 @@ from meso_robust.motion.two_sided import (
     enclose_slide,
 )
 from meso_robust.primitives.approach import STATED, Touch, approach
-from meso_robust.primitives.grasp import Relations, on_line, ranges, relations
-from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.grasp import Relations, aims_of, on_line, ranges, relations
+from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
     Inequality,
     Named,
@@ -51,7 +51,7 @@ from meso_robust.primitives.tips import (
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
 CELL = 7e-6  # m of the tips' room that are followed together; more are looser, fewer take longer
-AT_END = 256  # boxes for the pose at the end
+AT_END = 4096  # boxes for the pose at the end
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
 
@@ -173,7 +173,10 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
     box = ranges(rule, pre, edge, far, setup)
     exact = frozenset(name for name, side in box.items() if side == ZERO)
     exact |= _idle_lines(exact)
-    of = relations(exact)
+    from_part = frozenset(
+        name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART
+    )
+    of = relations(exact, from_part)
     V, room, label, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
     return _Move(
         box=box,
@@ -265,7 +268,7 @@ def _held(
     """All poses while the tips are ``h`` apart along the travel."""
     line = on_line(tube.line(h), tube.parameters)
     box = {**move.box, **line, "h": h}
-    (x,), (y,), (c, s), (offset,) = (enclose(part, box, boxes=boxes) for part in of)
+    (x,), (y,), (c, s), (offset,) = (enclose(part, box, boxes=boxes, slack=0.002) for part in of)
     # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
     angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)
     if not angle.width < math.inf:
