@@ -339,6 +339,9 @@ def _slopes(of: Implicit, rows: _Rows, end: tuple[Floats, Floats]) -> _Slopes:
     most = np.maximum(np.abs(lower), np.abs(upper))
     _, most = _mean(most, most)
     low, high = np.where(mixed, -most, low), np.where(mixed, most, high)
+    if k > 1:  # an instant may be on the way of one integral and not on that of another
+        low = np.where(np.tile(of.history, k), np.minimum(low, 0.0), low)
+        high = np.where(np.tile(of.history, k), np.maximum(high, 0.0), high)
     columns = rows.columns(end, total, (low, high))
     found = enclose_many(of.slopes, *columns, natural=True)
     return _Slopes(

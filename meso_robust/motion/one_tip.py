@@ -224,7 +224,9 @@ def tilt(side: int) -> Implicit:
         **_on_edge("pushing", push, push.offset(angle)),
         **_sticks("pushing", _margins(push, push.tip, side, angle, push.offset(angle))),
         **{
-            when: push.clear(-push.tip, edge - v[f"{when}_turn"], v[f"{when}_depth"], place)
+            when: push.clear(
+                -push.tip, edge - v["kappa"] - v[f"{when}_turn"], v[f"{when}_depth"], place
+            )
             for when, (edge, place) in places.items()
         },
         "withdraws": _faces_back(push, end),
@@ -279,7 +281,7 @@ def _prepared(
 
 @cache
 def straighten(side: int) -> Implicit:
-    """The upper tip (``side`` = 1: the part turns counter-clockwise) or the lower one turns, then both push.
+    """The upper tip (``side`` = 1: the part turns counter-clockwise) or the lower one turns it, then both push.
 
     Parameters
     ----------
@@ -293,18 +295,18 @@ def straighten(side: int) -> Implicit:
     """
     v, end, total = _symbols()
     push = _Push(v, side)
-    turned = end - push.angle
-    angle = push.angle + v["share"] * turned
+    angle = push.angle + v["share"] * (end - push.angle)
     (gap,) = _call("round_tips", "contact_gap", end, v["beta"], v["spacing"])
     first = push.offset(end)
     second = first - side * gap
-    direction, d1, upper, rho, stretch, shear, bend = push.state(end, first if side > 0 else second)
-    mu = v["mu_upper_now"]
-    friction = _call("drag_tensor", "pair_friction", direction, stretch, shear, bend, mu)
-    forces = _call("drag_tensor", "pair_forces", direction, d1, upper, gap, stretch, shear, bend)
+    direction, d1, upper, _, *drag = push.state(end, first if side > 0 else second)
+    friction = [
+        value
+        for mu in ("mu_upper_now", "mu_lower_now")
+        for value in _call("drag_tensor", "pair_friction", direction, *drag, v[mu])
+    ]
+    forces = _call("drag_tensor", "pair_forces", direction, d1, upper, gap, *drag)
     x, y = push.centre(end)
-    pair = {f"pair_sticks_{k}": value for k, value in enumerate(friction)}
-    pair |= {f"pair_pushes_{k}": value for k, value in enumerate(forces)}
     outputs = {
         **{"x": x, "y": y, "theta": end + v["turn"] - v["kappa"]},
         **_free(push),
@@ -312,12 +314,82 @@ def straighten(side: int) -> Implicit:
         **_on_edge("first", push, push.offset(angle)),
         **_sticks("first", _margins(push, side, side, angle, push.offset(angle))),
         **_on_edge("second", push, second),
-        **pair,
+        **{f"pair_sticks_{k}": value for k, value in enumerate(friction)},
+        **{f"pair_pushes_{k}": value for k, value in enumerate(forces)},
         **_sticks("second", _margins(push, -side, -side, end, second)),
         "spare": push.in_contact - total,
     }
+    needed = [(total, _needed(push, end))]
+    return _prepared("straighten", v, end, needed, _flush(push, end), outputs)
+
+
+@cache
+def straighten_height(side: int, tilted: int) -> Implicit:
+    """Where a straightening leaves y just after a tilt to ``tilted``.
+
+    The tilt's contact keeps the height of its tip, so that y before the straightening hangs on the
+    direction that the tilt has left; in the sum of both the largest part of that cancels
+    (derivations/y_translation.py). What belongs to the tilt alone has ``tilt_`` before its name.
+
+    Parameters
+    ----------
+    side, tilted
+        Which way the straightening and the tilt before it turn the part.
+
+    Returns
+    -------
+    Implicit
+        With the one output ``y``.
+    """
+    v, end, total = _symbols()
+    v |= _named((*BEFORE, *BEFORE_AIM), "tilt_")
+    before = _Push(v, -tilted, "tilt_")
+    push = _Push({**v, "y": before.centre(_Push(v, side).angle)[1]}, side)
+    del v["y"]
+    needed = [(total, _needed(push, end))]
     return _prepared(
-        "straighten", v, end, [(total, _needed(push, end))], _flush(push, end), outputs
+        "height after a tilt", v, end, needed, _flush(push, end), {"y": push.centre(end)[1]}
+    )
+
+
+@cache
+def tilt_tube(side: int) -> Implicit:
+    """The pose when ``share`` of a tilt's turn is done; arguments as for `tilt`."""
+    v, end, total = _symbols()
+    push = _Push(v, -side)
+    residual = total - push.in_contact
+    return _tube(push, v, end, [(total, _needed(push, end))], residual)
+
+
+@cache
+def straighten_tube(side: int) -> Implicit:
+    """The pose when ``share`` of a straightening's turn is done; arguments as for `straighten`."""
+    v, end, _ = _symbols()
+    push = _Push(v, side)
+    return _tube(push, v, end, [], _flush(push, end))
+
+
+def _tube(
+    push: _Push,
+    v: Symbols,
+    end: ca.SX,
+    integrals: Sequence[tuple[ca.SX, Quadrature]],
+    residual: ca.SX,
+) -> Implicit:
+    so_far = ca.SX.sym("so_far")
+    angle = push.angle + v["share"] * (end - push.angle)
+    start, arm, travelled = push.start(push.tip), push.arm(angle), push.touch[0] + so_far
+    pose = {
+        axis: v[axis] + start[k] - travelled * push.unit[k] + v[f"stray_{axis}"] - arm[k]
+        for k, axis in enumerate("xy")
+    }
+    return _prepared(
+        "tube",
+        v,
+        end,
+        [*integrals, (so_far, _needed(push, angle))],
+        residual,
+        {**pose, "theta": angle + v["turn"] - v["kappa"]},
     )
 
 
