@@ -35,7 +35,7 @@ def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
 
     def attempt(middle: float) -> tuple[float, Step] | None:
         rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
-        return _worth(certify_straighten(rule, pre, setup))
+        return _worth(certify_straighten(rule, pre, setup, whole=False))
 
     return _sample(pre, setup, attempt)
 
@@ -62,7 +62,7 @@ def upright(
 
     def attempt(middle: float) -> tuple[float, MoveRule] | None:
         far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
-        found = _worth(certify_straighten(far, pre, setup, tilt))
+        found = _worth(certify_straighten(far, pre, setup, tilt, whole=False))
         if found is None:
             return None
         left, trial = found
@@ -70,7 +70,7 @@ def upright(
         return left, replace(trial.rule, dual_end=end)
 
     rule = _sample(pre, setup, attempt)
-    return None if rule is None else certify_straighten(rule, pre, setup, tilt)
+    return None if rule is None else certify_straighten(rule, pre, setup, tilt, whole=False)
 
 
 def _sample(

@@ -70,7 +70,7 @@ def _tilt(
         if not nominal.sticks(start, start + side * tilt, side * offset, edge.depth.mid, setup):
             return None
         rule = _tilt_rule(offset, tilt, side, pre, setup, step)
-        tilted, turn = certify_tilt(rule, pre, setup)
+        tilted, turn = certify_tilt(rule, pre, setup, whole=False)
         if tilted.verdict is not Verdict.PROVED or turn is None:
             return None
         return offset, (tilted, turn)

@@ -45,6 +45,7 @@ SETTLED = 1e-5
 LONGEST_STEP = 0.2
 """rad: of Newton's method, which may start far off."""
 ULP = 2.0**-52
+HUGE = 1e300
 TINY = 5e-324
 
 Signs = npt.NDArray[np.bool_]
@@ -266,7 +267,10 @@ def _over_way(
 def _mean(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     """Ends of the mean over axis 1, rounded outward: PIECES terms, and a power of 2 below."""
     room = (np.abs(lower).sum(1) + np.abs(upper).sum(1)) * (ULP * (PIECES + 2)) + TINY
-    return (lower.sum(1) - room) / PIECES, (upper.sum(1) + room) / PIECES
+    whole = np.isfinite(room)
+    with np.errstate(invalid="ignore"):
+        least, most = (lower.sum(1) - room) / PIECES, (upper.sum(1) + room) / PIECES
+    return np.where(whole, least, -np.inf), np.where(whole, most, np.inf)
 
 
 def _down(value: Floats) -> Floats:
@@ -360,8 +364,7 @@ def _reach(slopes: tuple[Floats, Floats], rows: _Rows) -> Floats:
     half = np.maximum(_up(rows.hi - middle), _up(middle - rows.lo))
     half[rows.lo == rows.hi] = 0.0
     steepest = np.maximum(np.abs(slopes[0]), np.abs(slopes[1]))
-    with np.errstate(invalid="ignore"):
-        terms = np.where(half > 0.0, steepest * half, 0.0)
+    terms = np.where(half > 0.0, steepest * np.where(half > 0.0, half, 1.0), 0.0)
     return terms.sum(1) * (1.0 + ULP * (terms.shape[1] + 3)) + TINY
 
 
@@ -372,6 +375,7 @@ def bound(
     *,
     both: Sequence[str] = (),
     lower: Sequence[str] = (),
+    proofs_only: bool = False,
 ) -> Ends | None:
     """Bound outputs over a box.
 
@@ -385,6 +389,8 @@ def bound(
         Where the end may be at the middle of the box: only where the search starts.
     both, lower
         Outputs of which both bounds, or the lower one, are wanted.
+    proofs_only
+        Give up, with None, as soon as one of ``lower`` is seen not to be positive everywhere.
 
     Returns
     -------
@@ -396,35 +402,76 @@ def bound(
     For every motion of the box the residual is proved to have one sign at one end of a range and the
     other sign at the other, and to be monotone in between: there is one end, and it lies there.
     """
-    rows = _Rows(
-        np.array([[box[name].lo for name in of.parameters]]),
-        np.array([[box[name].hi for name in of.parameters]]),
-        np.array(
-            [[box[name].lo for name in of.constants], [box[name].hi for name in of.constants]]
-        ),
-    )
+    rows = _rows(of, box)
     if not (np.isfinite(rows.lo).all() and np.isfinite(rows.hi).all()):
         return None
-    found = _all_ends(of, rows, guess)
+    middle = _newton(of, rows.middles(), np.array([guess]))
+    if not np.isfinite(middle[0]) or (proofs_only and _refuted(of, rows, middle, lower)):
+        return None
+    found = _all_ends(of, rows, middle)
     if found is None:
         return None
     ends, slopes = found
     return _bounded(of, rows, ends, slopes, both, lower)
 
 
+def at_middle(of: Implicit, box: Box, guess: float) -> dict[str, float]:
+    """Outputs at the middle of a box, in plain numbers: for choosing, not for proofs.
+
+    Parameters
+    ----------
+    of, box, guess
+        As for `bound`.
+
+    Returns
+    -------
+    dict
+        By name, and the end as ``end``; NaN where there is none.
+    """
+    point = _rows(of, box).middles()
+    end = _newton(of, point, np.array([guess]))
+    total = _integrals(of, point, (end, end))
+    low, high = enclose_many(of.values, *point.columns((end, end), total), natural=True)
+    with np.errstate(invalid="ignore"):
+        values = 0.5 * (low[0] + high[0])
+    return {"end": float(end[0]), **dict(zip(of.outputs, values.tolist(), strict=True))}
+
+
+def _rows(of: Implicit, box: Box) -> _Rows:
+    constants = [box[name] for name in of.constants]
+    return _Rows(
+        np.array([[box[name].lo for name in of.parameters]]),
+        np.array([[box[name].hi for name in of.parameters]]),
+        np.array([[side.lo for side in constants], [side.hi for side in constants]]),
+    )
+
+
+def _refuted(of: Implicit, rows: _Rows, at_middle: Floats, lower: Sequence[str]) -> bool:
+    """Whether an output is not positive at that corner where its slopes at the middle point to.
+
+    In plain numbers: only so that no time is spent on proofs that are bound to fail.
+    """
+    here = _slopes(of, rows.middles(), (at_middle, at_middle))
+    output = np.array([of.outputs.index(name) for name in lower])
+    slopes = [part[0, output] for part in here.outputs]
+    side = np.full((len(output), 1), -1)
+    corners, _ = _collapsed(rows.repeated(len(output)), slopes, side)
+    corners = corners.middles()
+    end = _newton(of, corners, np.repeat(at_middle, len(output)))
+    total = _integrals(of, corners, (end, end))
+    _, high = enclose_many(of.values, *corners.columns((end, end), total), natural=True)
+    return not bool((high[np.arange(len(output)), output] > 0.0).all())
+
+
 def _all_ends(
-    of: Implicit, rows: _Rows, guess: float
+    of: Implicit, rows: _Rows, at_middle: Floats
 ) -> tuple[tuple[float, float], _Slopes] | None:
     """A range that is proved to hold the ends of all motions, and the slopes over the box.
 
     Beyond either end of the range the residual has one sign over all of the box, each its own: it is
     bounded like an output, at a fixed end.
     """
-    middle = rows.middles()
-    at_middle = _newton(of, middle, np.array([guess]))
-    if not np.isfinite(at_middle[0]):
-        return None
-    here = _slopes(of, middle, (at_middle, at_middle))
+    here = _slopes(of, rows.middles(), (at_middle, at_middle))
     sign = 1 if here.end[0][0] > 0.0 else -1
     # the end is largest where the residual is smallest, if that grows with the end
     sides = np.array([sign, -sign])[:, None]
@@ -542,7 +589,8 @@ def _extremes(
         rows, moved = _collapsed(rows, here, side)
         # an output whose box has not shrunk further, or is a point, will not be known any better
         weight = np.maximum(np.abs(here[0]), np.abs(here[1]))
-        weight = np.where(rows.lo < rows.hi, weight * (rows.hi - rows.lo), 0.0)
+        width = rows.hi - rows.lo
+        weight = np.where(width > 0.0, np.minimum(weight, HUGE) * width, 0.0)
         open_ &= (weight > 0.0).any(1) & (moved | (again == 0))
         if again == ROUNDS - 1 or not open_.any():
             break
