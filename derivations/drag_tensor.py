@@ -14,7 +14,7 @@ from derivations._circle import tidy
 from derivations._claim import Claim
 from derivations._derivation import Derivation, Function
 from derivations._statement import Finding, for_all, identity
-from derivations.mechanics import d1, d2, mu, rho, theta
+from derivations.mechanics import a, cross, d1, d2, mu, n, rho, theta
 from derivations.one_point_sticking import A, B, C, F
 
 c, s = sp.cos(theta), sp.sin(theta)
@@ -72,7 +72,7 @@ def derive() -> Derivation:
     return Derivation(
         name="drag_tensor",
         summary="One-point sticking on any drag fixed in the part.",
-        claims=(_sticking(), _motion(), _centred(), _unique(), _pair()),
+        claims=(_sticking(), _motion(), _centred(), _unique(), _any_way(), _pair()),
         functions=_functions(),
     )
 
@@ -113,6 +113,13 @@ def _functions() -> dict[str, Function]:
             results=(C_CENTRED + mu * A_CENTRED, C_CENTRED - mu * A_CENTRED),
             unit="m^2",
             meaning="m^2: both positive where a sticking solution excludes every slipping one",
+        ),
+        "turns_any_way": Function(
+            arguments=(d1, d2, mu, side),
+            results=(side * d2 - mu * d1,),
+            unit="m",
+            meaning="m: where positive, one contact alone turns the part counter-clockwise (side = 1) or "
+            "clockwise (-1), whether it sticks or slips",
         ),
         "pair_friction": Function(
             arguments=(theta, stretch, shear, bend, mu),
@@ -315,6 +322,37 @@ def _unique() -> Claim:
                 "no slip along the edge",
                 [tangential + mu * normal > 0, c_hat - mu * a_hat > 0],
                 sp.Not(sp.And(*opposed)),
+            ),
+        ),
+    )
+
+
+def _any_way() -> Claim:
+    """Which way a contact turns the part, sticking or slipping."""
+    tau, normal = sp.symbols("tau N", real=True)
+    moment = cross(d2 * a + d1 * n, normal * (tau * a - n))
+    return Claim(
+        key="drag-tensor-turns-any-way",
+        title="Which way one contact turns the part, sticking or slipping",
+        place="new; the sense of the turn in Section IX-C1 is that of a contact that sticks",
+        derived=r"A single contact whose force along the edge is $\tau$ times the pressing force $N$ turns "
+        r"the part by $N (d_2 + \tau d_1)/\rho$, whatever the drag of a translation. So it turns the part "
+        r"counter-clockwise for every $|\tau| \le \mu$ if $d_2 > \mu d_1$ and clockwise if $-d_2 > \mu d_1$.",
+        hypotheses=(
+            "one contact",
+            "the drag has no coupling of turn and translation about its centre",
+        ),
+        checks=(
+            identity("moment about the centre of drag", moment, normal * (d2 + tau * d1)),
+            for_all(
+                "counter-clockwise",
+                [normal > 0, tau <= mu, tau >= -mu, d2 - mu * d1 > 0],
+                normal * (d2 + tau * d1) > 0,
+            ),
+            for_all(
+                "clockwise",
+                [normal > 0, tau <= mu, tau >= -mu, -d2 - mu * d1 > 0],
+                normal * (d2 + tau * d1) < 0,
             ),
         ),
     )

@@ -67,6 +67,13 @@ def only_solution(ops: Any, d1: Any, d2: Any, rho: Any, stretch: Any, shear: Any
     )
 
 
+def turns_any_way(ops: Any, d1: Any, d2: Any, mu: Any, side: Any) -> tuple[Any, ...]:
+    """Return m: where positive, one contact alone turns the part counter-clockwise (side = 1) or clockwise (-1), whether it sticks or slips."""
+    return (
+        -d1*mu + d2*side,
+    )
+
+
 def pair_friction(ops: Any, theta: Any, stretch: Any, shear: Any, bend: Any, mu: Any) -> tuple[Any, ...]:
     """Return the first two positive: two tips on one edge stick; the others: no motion slips."""
     x0 = ops.cos(theta)

@@ -9,7 +9,7 @@ from typing import TypeVar
 from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.planning import nominal
-from meso_robust.planning.clearance import rise_of, start_ahead_um
+from meso_robust.planning.clearance import errors_across, rise_of, start_ahead_um
 from meso_robust.planning.sampling import best_robust
 from meso_robust.primitives.move import Aim, MoveRule, Point, from_part, in_world
 from meso_robust.primitives.names import ObligationId
@@ -29,7 +29,7 @@ def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
 
     Of the samples of one level the one is taken that leaves most of the travel in reserve.
     """
-    depth = setup.edge(pre.theta.mid).depth.mid
+    depth = setup.edge(pre.theta.mid).depth.mid + setup.uncertainty.tip_radius.mid
     end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
     number = 3 if past_um else 4
 
@@ -94,9 +94,8 @@ def rule_at(
     middle: float, pre: PoseBox, setup: Setup, end: Aim, *, step: int, primitive: str
 ) -> MoveRule:
     """The rule of a t^2 push with the pair's middle ``middle`` (m) above the sensed centre."""
-    u = setup.uncertainty
     y = from_part(units.to_um(middle))
-    around = y.offset + u.sensed_position + u.probe_position
+    around = y.offset + errors_across(setup)
     rises = tuple((side, rise_of(around, side, setup)) for side in (1, -1))
     ahead = start_ahead_um(rises, pre, setup)
     return MoveRule(

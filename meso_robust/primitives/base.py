@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from meso_robust import units
-from meso_robust.bounds import Interval, Proof, Verdict
+from meso_robust.bounds import Box, Interval, Proof, Verdict
+from meso_robust.primitives import one_tip
 from meso_robust.primitives.implicit import Ends, Implicit
 from meso_robust.primitives.move import Aim, Anchor, MoveRule
 from meso_robust.primitives.names import (
@@ -159,12 +162,8 @@ def positive(
     """
     name, inequality, outputs = wanted
     least = -float("inf") if ends is None else min(ends.lower[output] for output in outputs)
-    uses = of.uses[[of.outputs.index(output) for output in outputs]].any(0)
-    over = {
-        key: box[key]
-        for key, used in zip(of.parameters, uses, strict=True)
-        if used and not box[key].lo == 0.0 == box[key].hi
-    }
+    uses = np.any(of.uses[[of.outputs.index(output) for output in outputs]], axis=0)
+    over = stated({of.parameters[k]: box[of.parameters[k]] for k in np.flatnonzero(uses)})
     proved = least > 0.0
     return Obligation(
         name=name,
@@ -176,6 +175,26 @@ def positive(
             box=over,
         ),
     )
+
+
+def stated(box: Box) -> Box:
+    """Of a box what a certificate states: parameters that are not exactly zero, and no constants.
+
+    Parameters
+    ----------
+    box
+        By the names of :mod:`meso_robust.primitives.one_tip`.
+
+    Returns
+    -------
+    Box
+        What is left.
+    """
+    return {
+        name: side
+        for name, side in box.items()
+        if name in one_tip.PARAMETERS and not side.lo == 0.0 == side.hi
+    }
 
 
 def pose_of(ends: Ends) -> PoseBox:

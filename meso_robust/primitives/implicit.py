@@ -30,7 +30,7 @@ PIECES = 8
 """Of the way, of each of which an integrand is enclosed; more only make the bounds tighter."""
 ROUNDS = 4
 """How often what is left of a box is looked at again; effort, no proof rests on it."""
-CUTS = 3
+CUTS = 6
 """How often the box of a margin is halved that is not proved yet; effort, no proof rests on it."""
 TRIES = 4
 """How often a range that may hold all ends is widened; effort, no proof rests on it."""
@@ -376,6 +376,7 @@ def bound(
     both: Sequence[str] = (),
     lower: Sequence[str] = (),
     proofs_only: bool = False,
+    spare: Sequence[str] = (),
 ) -> Ends | None:
     """Bound outputs over a box.
 
@@ -387,10 +388,12 @@ def bound(
         An interval for each parameter and constant.
     guess
         Where the end may be at the middle of the box: only where the search starts.
-    both, lower
-        Outputs of which both bounds, or the lower one, are wanted.
+    both, lower, spare
+        Outputs of which both bounds, or the lower one, are wanted; of the last the lower one as far as
+        it comes for little.
     proofs_only
-        Give up, with None, as soon as one of ``lower`` is seen not to be positive everywhere.
+        Give up, with None, as soon as one of ``lower`` is seen not to be positive everywhere, but for
+        those of ``spare``.
 
     Returns
     -------
@@ -412,7 +415,7 @@ def bound(
     if found is None:
         return None
     ends, slopes = found
-    return _bounded(of, rows, ends, slopes, both, lower)
+    return _bounded(of, rows, ends, slopes, both, lower, spare)
 
 
 def at_middle(of: Implicit, box: Box, guess: float) -> dict[str, float]:
@@ -526,12 +529,13 @@ def _bounded(
     slopes: _Slopes,
     both: Sequence[str],
     lower: Sequence[str],
+    spare: Sequence[str],
 ) -> Ends:
     """The faces of the box at which the outputs are extreme, and the outputs there."""
     wanted = [(of.outputs.index(name), side) for name in both for side in (-1, 1)]
-    wanted += [(of.outputs.index(name), -1) for name in lower]
+    wanted += [(of.outputs.index(name), -1) for name in (*lower, *spare)]
     output, side = np.array(wanted).T
-    least = dict.fromkeys((*both, *lower), np.inf)
+    least = dict.fromkeys((*both, *lower, *spare), np.inf)
     most = dict.fromkeys(both, -np.inf)
     margin = np.isin(output, [of.outputs.index(name) for name in lower])
     sought, cuts = _Sought(output, side, box.repeated(len(wanted))), 0
@@ -596,8 +600,8 @@ def _extremes(
             break
         some = rows.some(open_)
         start[open_] = _newton(of, some.middles(), start[open_])
-        known = tuple(part[open_] for part in within)
-        slope = tuple(part[open_] for part in steep)
+        known = within[0][open_], within[1][open_]
+        slope = steep[0][open_], steep[1][open_]
         at = _end_at(of, some.middles(), start[open_], known, slope)
         reach = _reach((residual[0][open_], residual[1][open_]), some)
         reach = _up(reach / np.minimum(np.abs(slope[0]), np.abs(slope[1])))

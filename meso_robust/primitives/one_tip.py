@@ -16,6 +16,7 @@ from functools import cache
 
 import casadi as ca
 
+from meso_robust.bounds import Bounded, bounded
 from meso_robust.conditions import formula
 from meso_robust.primitives.implicit import Implicit, Quadrature, implicit
 
@@ -42,6 +43,11 @@ LINES = ("before_touch", "while_turning", "on_withdrawal")
 
 def _call(module: str, name: str, *arguments: ca.SX) -> tuple[ca.SX, ...]:
     return tuple(map(ca.SX, formula(module, name)(ca, *arguments)))
+
+
+def _two(module: str, name: str, *arguments: ca.SX) -> tuple[ca.SX, ca.SX]:
+    first, second = _call(module, name, *arguments)
+    return first, second
 
 
 def _named(names: tuple[str, ...], prefix: str = "") -> Symbols:
@@ -108,7 +114,7 @@ class _Push:
         """Travel until the tip touches, and the offset of its contact."""
         place = self.start(self.tip)
         reach = self.angle, self.own("direction"), self.v["depth"], self.radius(self.tip), *place
-        return _call("round_tips", "touch", *reach)
+        return _two("round_tips", "touch", *reach)
 
     @property
     def in_contact(self) -> ca.SX:
@@ -125,7 +131,7 @@ class _Push:
     def arm(self, angle: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Centre of the touching tip from the reference point when the edge has come to ``angle``."""
         out = self.v["depth"] + self.radius(self.tip)
-        return _call("sticking_motion", "arm", angle, out, self.offset(angle))
+        return _two("sticking_motion", "arm", angle, out, self.offset(angle))
 
     def centre(self, angle: ca.SX) -> tuple[ca.SX, ca.SX]:
         """The part's reference point at the end of the travel, where the edge is at ``angle``."""
@@ -160,6 +166,12 @@ def _margins(push: _Push, tip: int, side: int, angle: ca.SX, offset: ca.SX) -> l
         *_call("drag_tensor", "turning", *turned),
         *_call("drag_tensor", "only_solution", d1, d2, rho, stretch, shear, mu),
     ]
+
+
+def _turns_any_way(push: _Push, tip: int, angle: ca.SX, offset: ca.SX) -> ca.SX:
+    _, d1, d2, *_ = push.state(angle, offset)
+    mu = push.v["mu_upper_now" if tip > 0 else "mu_lower_now"]
+    return _call("drag_tensor", "turns_any_way", d1, d2, mu, ca.SX(tip))[0]
 
 
 MARGINS = ("pushes", "sticks_up", "sticks_down", "turns", "only_up", "only_down")
@@ -317,6 +329,7 @@ def straighten(side: int) -> Implicit:
         **{f"pair_sticks_{k}": value for k, value in enumerate(friction)},
         **{f"pair_pushes_{k}": value for k, value in enumerate(forces)},
         **_sticks("second", _margins(push, -side, -side, end, second)),
+        "second_turns_any_way": _turns_any_way(push, -side, end, second),
         "spare": push.in_contact - total,
     }
     needed = [(total, _needed(push, end))]
@@ -367,6 +380,32 @@ def straighten_tube(side: int) -> Implicit:
     v, end, _ = _symbols()
     push = _Push(v, side)
     return _tube(push, v, end, [], _flush(push, end))
+
+
+@cache
+def passing(tip: int) -> Bounded:
+    """How far a tip is off a line when ``share`` of its travel is done: nothing touches the part.
+
+    Parameters
+    ----------
+    tip
+        1: the upper one, -1: the lower one.
+
+    Returns
+    -------
+    Bounded
+        One output, m, of the base parameters and ``line_turn``, ``line_depth``; the line's own error
+        of direction is in its turn.
+    """
+    v = _named((*PARAMETERS, *AIM, "line_turn", "line_depth"))
+    push = _Push(v, tip)
+    start, travelled, unit = push.start(tip), v["share"] * push.travel, push.unit
+    place = start[0] - travelled * unit[0], start[1] - travelled * unit[1]
+    clear = push.clear(tip, v["theta"] - v["line_turn"], v["line_depth"], place)
+    used = {str(symbol) for symbol in ca.symvar(clear)}
+    names = tuple(name for name in v if name in used)
+    x = ca.vertcat(*(v[name] for name in names))
+    return bounded("passing", names, ca.Function("passing", [x], [clear]))
 
 
 def _tube(

@@ -23,7 +23,15 @@ from meso_robust.primitives.base import (
 )
 from meso_robust.primitives.implicit import Ends, bound
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.names import SIDES, Inequality, ObligationId, Property, Which, about
+from meso_robust.primitives.names import (
+    SIDES,
+    TURNS,
+    Inequality,
+    ObligationId,
+    Property,
+    Which,
+    about,
+)
 from meso_robust.primitives.obligation import Knot, Obligation, Step
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -59,9 +67,17 @@ def certify_straighten(
     knots = [Knot(stage="at rest", box=pre)]
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
         of, part = one_tip.straighten(side), {**box, "theta": theta}
-        margins = [name for name in of.outputs if name not in one_tip.POSE]
-        ends = bound(of, part, aligned.mid, both=one_tip.POSE, lower=margins, proofs_only=not whole)
-        wanted = _wanted(side, edge)[len(_ALIKE) if obligations else 0 :]
+        ends = bound(
+            of,
+            part,
+            aligned.mid,
+            both=one_tip.POSE,
+            lower=[name for name in of.outputs if name not in (*one_tip.POSE, *_EITHER)],
+            spare=_EITHER,
+            proofs_only=not whole,
+        )
+        lighter = ends is not None and any(not ends.lower[name] > 0.0 for name in _STICKS)
+        wanted = _wanted(side, edge, lighter)[len(_ALIKE) if obligations else 0 :]
         proofs = [positive(one, of, part, ends) for one in wanted]
         obligations += proofs
         if ends is None or any(one.proof.verdict is not Verdict.PROVED for one in proofs):
@@ -113,9 +129,23 @@ _ALIKE: tuple[Wanted, ...] = (
 """What does not depend on which tip touches first."""
 
 
-def _wanted(side: int, edge: Edge) -> list[Wanted]:
-    """What must hold if the upper tip (``side`` = 1) or the lower one (-1) touches first."""
+_STICKS = tuple(f"second_{name}" for name in one_tip.MARGINS)
+_EITHER = (*_STICKS, "second_turns_any_way")
+"""Of the second tip alone it is enough that it would stick and turn the part back, or that it would
+turn it back however it slips."""
+
+
+def _wanted(side: int, edge: Edge, lighter: bool) -> list[Wanted]:
+    """What must hold if the upper tip (``side`` = 1) or the lower one (-1) touches first.
+
+    Two tips on one edge stick, and no other motion is possible: one along the edge is excluded by
+    `PAIR_FRICTION`; one of a single contact turns the part towards the tip that it would leave. Of the
+    second tip that is proved for a contact that sticks, or (``lighter``) for any.
+    """
     on_edge, *sticks = holds(SIDES[-side], -side, "second", edge)
+    if lighter:
+        turns = about(ObligationId.TIP_TURNS_PART, tip=SIDES[-side], turn=TURNS[-side])
+        sticks = [(turns, Inequality.TURNS_ANY_WAY, ["second_turns_any_way"])]
     pair = (
         (ObligationId.PAIR_STICKS, Inequality.PAIR_FRICTION, "pair_sticks"),
         (ObligationId.PAIR_PUSHES, Inequality.PAIR_FORCES, "pair_pushes"),
