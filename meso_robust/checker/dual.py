@@ -85,6 +85,10 @@ class Dual:
         """Inverse tangent."""
         return self._chain(self.value.atan(), 1 / (1 + _square(self.value)))
 
+    def asin(self) -> Dual:
+        """Inverse sine; not finite beyond -1 and 1."""
+        return self._chain(self.value.asin(), 1 / (1 - _square(self.value)).sqrt())
+
     def sqrt(self) -> Dual:
         """Square root; not finite where the radicand may be negative."""
         value = self.value.sqrt()
