@@ -21,6 +21,8 @@ ALWAYS_STATED = (
     "misalignment",
 )
 """The uncertainties that a task of any schema states."""
+RADII = frozenset({"tip_radius", "passive_tip_radius"})
+"""Never below zero, however far they are scaled."""
 ANGLES = frozenset({"sensed_orientation", "misalignment", "squareness", "travel_direction"})
 Range = tuple[Fraction, Fraction]
 Block = tuple[Side, Side]
@@ -155,7 +157,8 @@ def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -
     """Convert a task, its uncertainties (or ``only`` one of them) scaled about their middle."""
     bounds = _bounds(task)
     for name in bounds if only is None else (only,):
-        bounds[name] = _scaled(bounds[name], factor)
+        low, high = _scaled(bounds[name], factor)
+        bounds[name] = (max(low, Fraction(0)) if name in RADII else low, high)
     sides = {
         name: _angles(ends) if name in ANGLES else _side(ends) for name, ends in bounds.items()
     }

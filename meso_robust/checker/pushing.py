@@ -10,7 +10,7 @@ from flint import arb
 
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning, place_on_edge
-from meso_robust.checker.dual import Dual, Number, Point
+from meso_robust.checker.dual import Dual, Number, Point, once
 from meso_robust.checker.ids import Must, Named, Objection, named
 from meso_robust.checker.outline import Edge, Rectangle
 from meso_robust.checker.ranges import Box, Formula
@@ -30,9 +30,13 @@ def constant(value: Number) -> Formula:
 
 def touch(scene: Scene, at: Point, side: int) -> Contact:
     """The upper (1) or lower (-1) tip when it touches the part, which has not moved yet."""
-    c, s = direction(scene.angle(at))
-    contact = Contact(c, s, at["depth"], c, scene.radius(at, side))
-    return replace(contact, d2=place_on_edge(c, s, contact.out, scene.rise(at, side)))
+
+    def work() -> Contact:
+        c, s = direction(scene.angle(at))
+        contact = Contact(c, s, at["depth"], c, scene.radius(at, side))
+        return replace(contact, d2=place_on_edge(c, s, contact.out, scene.rise(at, side)))
+
+    return once((id(scene), "touch", side), at, work)
 
 
 def turning(scene: Scene, at: Point, tip: int, side: int) -> Turning:
@@ -173,9 +177,13 @@ def passes_hull(
             return Part(line_off(scene, line, angle, place, side), box)
 
         parts, ends = (part(angles[0]),), tuple(map(part, angles[1:]))
-        return Requirement(name=must, statement=st.CLEARANCE, parts=parts, cover=ends or None)
+        return Requirement(name=must, statement=statement, parts=parts, cover=ends or None)
 
-    return any_of([off(line) for line in scene.outline.sides(scene.edge)])
+    lines = scene.outline.sides(scene.edge)
+    statement = st.CLEARANCE
+    if isinstance(scene.outline, Rectangle):  # the edge's own line, or that of the next one
+        lines, statement = (lines[0], lines[-side]), st.BESIDE_ONE
+    return any_of([off(line) for line in lines])
 
 
 def line_off(
@@ -195,9 +203,11 @@ def line_off(
 
 
 def any_of(tried: list[Requirement]) -> Requirement:
-    """The first of some requirements that is proved, and instead of it the others as well."""
-    shown = [one for one in tried if all(holds(one.statement, part) for part in one.parts)]
-    return replace((shown or tried)[0], instead=tuple(shown[1:]))
+    """The first of some requirements that is proved; the others may be stated instead of it."""
+    for one in tried:
+        if all(holds(one.statement, part) for part in one.parts):
+            return replace(one, shown=True, instead=tuple(two for two in tried if two is not one))
+    return tried[0]
 
 
 def _line_angle(scene: Scene, line: Edge, angle: Formula, at: Point) -> Dual:

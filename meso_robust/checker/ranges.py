@@ -16,7 +16,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from meso_robust.checker.dual import Dual, Point, Slopes
+from meso_robust.checker.dual import Dual, Point, Remembered, Slopes
 from meso_robust.checker.roll import HISTORIES
 
 Side: TypeAlias = tuple[arb, arb]
@@ -56,13 +56,15 @@ def common(one: Side, other: Side) -> Side:
     return one[0].max(other[0]), one[1].min(other[1])
 
 
-def point_of(box: Box) -> dict[str, Dual]:
+def point_of(box: Box) -> Remembered:
     """The variables over a box, each with slope 1 along itself; a single number has none."""
     one = arb(1)
-    return {
-        name: Dual(side[0]) if side[0] is side[1] else Dual(whole(side), {name: one})
-        for name, side in box.items()
-    }
+    return Remembered(
+        {
+            name: Dual(side[0]) if side[0] is side[1] else Dual(whole(side), {name: one})
+            for name, side in box.items()
+        }
+    )
 
 
 def least(

@@ -34,7 +34,8 @@ TERMS = 8
 """Terms of a Taylor polynomial; even, so that the power in the remainder has one sign."""
 STEPS = 24
 """Of the floating-point guess, on which no proof rests."""
-TRIES = 6
+DOUBLINGS, GROWTH = 8, arb("1.2")
+"""How often rough bounds are enlarged, and by how much."""
 LEAST = arb(1e-9)
 """rad: first room around a guessed turn."""
 NAN = arb("nan")
@@ -61,24 +62,80 @@ def turn_of(state: Sequence[Number], travel: Dual, side: int) -> Dual:
     values = _values(state)
     if not travel.slopes and not any(_varies(one) for one in state):
         return Dual(_turn_at(values, travel.value, side))
-    middle = _middles(values)
-    guess = _guess(middle, travel.value, side)
-    short = _quadrature(middle, guess) - travel.value.mid()
-    room = guess + (LEAST * arb(0, 1))
-    for _ in range(TRIES):
-        slopes, last = _slopes(values, room)
-        change = travel.value - travel.value.mid() - _reach(slopes, values)
-        found = guess - short / last + change / last
+    room = _rough(values, travel.value, side)
+    if not room.is_finite():
+        return _joined(NAN, [NAN] * (SLOPES + 1), [*state, travel])
+    # narrowed by what these slopes say of the ends, then bounded again for good
+    ends = _turns(values, travel.value, side, room)
+    slopes, last = _slopes(values, ends)
+    own = [-_times(slope, 1 / last) for slope in slopes]
+    return _joined(ends, [*own, 1 / last], [*state, travel])
+
+
+def _turns(values: State, travel: arb, side: int, room: arb) -> arb:
+    """Bounds of the turn over a box, ``room`` being some: those at its two extreme corners.
+
+    What the turn is not proved to grow or fall with stays a range; the mean value theorem bounds it.
+    """
+    slopes, _ = _slopes(values, room)
+    grows = [slope * -side for slope in slopes]  # with which the turn grows, as a signed number
+    found = []
+    for end in (-1, 1):
+        corner = tuple(
+            _end(value, end if slope >= 0 else -end) if slope >= 0 or slope <= 0 else value
+            for value, slope in zip(values, grows, strict=True)
+        )
+        way = _end(travel, end * side)
+        found.append(_turn_over(corner, way, side, room))  # type: ignore[arg-type]
+    low, high = found[0].lower(), found[1].upper()
+    return _common(room, low.union(high)) if low <= high else room
+
+
+def _turn_over(values: State, travel: arb, side: int, room: arb) -> arb:
+    """Bounds of the turn over a box, by its slopes."""
+    if all(value.rad() < LEAST for value in (*values, travel)):
+        return _turn_at(values, travel, side)
+    slopes, last = _slopes(values, room)
+    change = travel - travel.mid() - _reach(slopes, values)
+    middle = _turn_at(_middles(values), travel.mid(), side)
+    return _common(room, middle + change / last)
+
+
+def _end(value: arb, which: int) -> arb:
+    return value.upper() if which > 0 else value.lower()
+
+
+def _times(one: arb, other: arb) -> arb:
+    """Product of two ranges from those of their ends: of wide balls it keeps the sign."""
+    ends = [p * q for p in (one.lower(), one.upper()) for q in (other.lower(), other.upper())]
+    if not all(end.is_finite() for end in ends):
+        return NAN
+    low, high = ends[0], ends[0]
+    for end in ends[1:]:
+        low, high = low.min(end), high.max(end)
+    return low.union(high)
+
+
+def _rough(values: State, travel: arb, side: int) -> arb:
+    """Some bounds of the turn: all rates up to them take no motion out of them."""
+    most = _steepness(values, arb(0)) * abs(travel).upper()
+    for _ in range(DOUBLINGS):
+        turned = arb(0).union(most * side) if travel > 0 else most * arb(0, 1)
+        rate = 1 / _integrand(*_at(values, turned))
+        found = travel * rate
         if not found.is_finite():
             break
-        if room.contains_interior(found):
-            # from the middle to any point of the box the turn cannot leave the room: there its
-            # slopes are bounded as above, and they do not take it out
-            return _joined(
-                found, [*(-slope / last for slope in slopes), 1 / last], [*state, travel]
-            )
-        room = found + (found.rad() / 4 + LEAST) * arb(0, 1)
-    return _joined(NAN, [NAN] * (SLOPES + 1), [*state, travel])
+        if abs(found).upper() < most and rate * side > 0:
+            return found
+        most = abs(found).upper() * GROWTH
+    return NAN
+
+
+def _common(one: arb, other: arb) -> arb:
+    """What lies in both of two balls that have something in common."""
+    if not other.is_finite():
+        return one
+    return one.lower().max(other.lower()).union(one.upper().min(other.upper()))
 
 
 def _turn_at(values: State, travel: arb, side: int) -> arb:
@@ -168,19 +225,16 @@ def _taylor(values: State, at: arb) -> arb_series:
 
 def _slopes(values: State, turned: arb) -> tuple[list[arb], arb]:
     """Slopes of the travel along the state, and along the turn at its end."""
-    sums: list[arb] = [arb(0)] * SLOPES
-    ranges: dict[int, arb] = {}
+    found: list[arb] = [arb(0)] * SLOPES
     arc = turned / ARCS
     for k in range(ARCS):
         now = (arc * k).union(arc * (k + 1))
         for place, slope in enumerate(_slopes_at(values, now)):
-            if place in CHANGING:
-                ranges[place] = ranges[place].union(slope) if place in ranges else slope
+            if place not in CHANGING:
+                found[place] += slope / ARCS
             else:
-                sums[place] += arc * slope
-    for place, slope in ranges.items():
-        sums[place] = turned * slope
-    return sums, _integrand(*_at(values, turned))
+                found[place] = slope if k == 0 else found[place].union(slope)
+    return [_times(turned, slope) for slope in found], _integrand(*_at(values, turned))
 
 
 def _slopes_at(values: State, turned: arb) -> tuple[arb, ...]:

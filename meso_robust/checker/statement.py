@@ -163,6 +163,8 @@ def _plain(id_: str, values: Callable[[Point], Values], *, any_value: bool = Fal
 
 CLEARANCE = _plain("sticking_motion.clearance", _clearance)
 BESIDE = _plain("sticking_motion.beside", _beside, any_value=True)
+BESIDE_ONE = _plain("sticking_motion.beside", _clearance)
+"""The same of a tip that is off one and the same of these lines all the time."""
 PRESSES = _plain("one_point_sticking.normal_force", _press)
 STICKS = _plain("one_point_sticking.friction_margin", _friction)
 TURNS = _plain("one_point_sticking.turning", _turns)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
-from meso_robust.checker.dual import Dual, Number, Point
+from meso_robust.checker.dual import Dual, Number, Point, once
 from meso_robust.checker.film import EVEN
 from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.inputs import PoseBox
@@ -58,8 +59,10 @@ def check_tilt(scene: Scene) -> Passage:
         one = passes_hull(when, scene, angles, place, side, box)
         if not (scene.plain and isinstance(scene.outline, Rectangle)):
             return one
+        # as certificates of point tips state it: off the edge's line or beyond its end
         parts = tuple(Part(beside(scene, angle, offset, short, side), box) for angle in angles)
-        return any_of([one, *one.instead, passes(when, parts[:1], parts[1:] or None)])
+        beyond = passes(when, parts[:1], parts[1:] or None)
+        return replace(one, instead=(*one.instead, beyond)) if one.shown else any_of([beyond, one])
 
     def flight(at: Point) -> Dual:
         return at["share"] * (scene.ahead(at, -side) - touch(scene, at, -side).arm_x)
@@ -142,10 +145,10 @@ def _travel(scene: Scene, at: Point) -> Dual:
 def _turned(scene: Scene, at: Point, *, whole: bool = False) -> Dual:
     """Turn when all of the travel in contact is done, or ``share`` of it (of the turn, if it rolls)."""
     turn = _turning(scene, at)
-    travel = _travel(scene, at)
-    if whole:
-        return turn.after(travel)
-    return turn.after(travel * at["share"]) if turn.uniform else turn.after(travel) * at["share"]
+    if whole or not turn.uniform:
+        turned = once((id(scene), "turned"), at, lambda: turn.after(_travel(scene, at)))
+        return turned if whole else turned * at["share"]
+    return turn.after(_travel(scene, at) * at["share"])
 
 
 def _angle(scene: Scene, at: Point, *, whole: bool = False) -> Dual:
@@ -154,7 +157,10 @@ def _angle(scene: Scene, at: Point, *, whole: bool = False) -> Dual:
 
 
 def _contact(scene: Scene, at: Point, *, whole: bool = False) -> Contact:
-    return _turning(scene, at).contact(_turned(scene, at, whole=whole))
+    def work() -> Contact:
+        return _turning(scene, at).contact(_turned(scene, at, whole=whole))
+
+    return once((id(scene), "contact", whole), at, work)
 
 
 def _offset(scene: Scene, at: Point) -> Dual:
