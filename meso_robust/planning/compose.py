@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
@@ -19,7 +19,7 @@ from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, about
 from meso_robust.primitives.obligation import Step
-from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
+from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
 
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs less room in x
@@ -81,9 +81,16 @@ def compose(task: Task) -> Found:
     """
     ways, choices = _ways(task), _choices(task)
     for headings, scale in itertools.product(choices, IN_HAND):
-        rules = _rules(task, ways, headings, scale)
+        rules = _rules(task, ways, headings, scale, clear=True)
         if rules is not None:
             return Found(rules=rules, scale=scale)
+    if (
+        task.slot is not None
+    ):  # one that is robust in the open shows what the walls are in the way of
+        for headings, scale in itertools.product(choices, IN_HAND):
+            rules = _rules(task, ways, headings, scale)
+            if rules is not None:
+                return Found(rules=rules, scale=scale)
     headings = choices[-1]
     last = _rules(task, ways, headings, REDUCED[-1])
     if last is None:
@@ -97,7 +104,7 @@ def compose(task: Task) -> Found:
             "pushes, or widen the goal" + more
         )
     attempts: list[tuple[float, str | None]] = [
-        *((NARROWED, field.name) for field in fields(Uncertainty)),
+        *((NARROWED, name) for name in setup_of(task).uncertainty.stated),
         *((scale, None) for scale in REDUCED[:-1]),
     ]
     for scale, only in attempts:
@@ -126,7 +133,7 @@ def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
         No primitive can handle the start pose.
     """
     ways = _ways(task)
-    found = (_rules(task, ways, headings, scale) for headings in _choices(task))
+    found = (_rules(task, ways, headings, scale, clear=True) for headings in _choices(task))
     return next((rules for rules in found if rules is not None), None)
 
 
@@ -146,13 +153,15 @@ def _rules(
     headings: Sequence[Heading],
     scale: float,
     only: str | None = None,
+    *,
+    clear: bool = False,
 ) -> tuple[MoveRule, ...] | None:
-    setup, found = setup_of(task, scale, only), []
-    for rules in _proposed(task, setup, ways, headings):
-        found.append(rules)
-        if not setup.blocks or _clear(rules, setup):
-            return rules
-    return found[0] if found else None
+    """The first plan that is robust, with ``clear`` in front of the slot too."""
+    setup = setup_of(task, scale, only)
+    if not clear:  # proposed without a slot, or pushes that a wall is in the way of were left out
+        setup = replace(setup, blocks=())
+    proposed = _proposed(task, setup, ways, headings)
+    return next((rules for rules in proposed if not setup.blocks or _clear(rules, setup)), None)
 
 
 def _proposed(
