@@ -33,6 +33,17 @@ _RATES = (*range(56), *range(64, 80))  # columns of effects that act in time: no
 _ARRAYS = ("vertices", "poses", "waypoints", "times", "friction", "radii")
 
 
+def leg_times(ways: Floats, speed: float) -> Floats:
+    """(N, L + 1) s at the ends of legs (N, L + 1, P, 2), m, whose fastest probe has a speed, m/s.
+
+    A leg in which no probe moves takes a second.
+    """
+    legs = np.diff(ways, axis=1)
+    longest = np.hypot(legs[..., 0], legs[..., 1]).max(axis=2, initial=0.0)
+    duration = np.where(longest > 0.0, longest / speed, 1.0)
+    return np.concatenate([np.zeros((len(ways), 1)), np.cumsum(duration, axis=1)], axis=1)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Push:
     """One move for N runs of a part met by P probes.
@@ -165,23 +176,37 @@ class Push:
         ValueError
             As `Push`; also if the speed is not positive.
         """
-        if not 0.0 < speed < np.inf:
-            raise ValueError(f"speed: {speed} m/s; must be positive and finite; try 75e-6 m/s")
         start, way = np.asarray(tips, dtype=np.float64), np.asarray(travel, dtype=np.float64)
         if start.ndim != 3 or start.shape != way.shape:
             raise ValueError(
                 f"travel: shape {way.shape} for tips of {start.shape}; "
                 "must be (N, P, 2) both; reshape them"
             )
-        longest = np.hypot(way[..., 0], way[..., 1]).max(axis=1, initial=0.0)
-        duration = np.where(longest > 0.0, longest / speed, 1.0)
         if film_ratio is not None:
             rest["support"] = Film.ratio(film_ratio)
-        return cls(
-            waypoints=np.stack([start, start + way], axis=1),
-            times=np.column_stack([np.zeros(len(start)), duration]),
-            **rest,  # type: ignore[arg-type]
-        )
+        return cls.along(ways=np.stack([start, start + way], axis=1), speed=speed, **rest)
+
+    @classmethod
+    def along(cls, *, ways: Floats, speed: float = REFERENCE_SPEED, **rest: object) -> Push:
+        """Push along straight legs.
+
+        Parameters
+        ----------
+        ways
+            (N, L + 1, P, 2) probes at the ends of the legs in m, world frame.
+        speed
+            Of the fastest probe of each run, m/s; a leg in which none moves takes a second.
+        rest
+            Further fields of a push.
+
+        Raises
+        ------
+        ValueError
+            As `Push`; also if the speed is not positive.
+        """
+        if not 0.0 < speed < np.inf:
+            raise ValueError(f"speed: {speed} m/s; must be positive and finite; try 75e-6 m/s")
+        return cls(waypoints=ways, times=leg_times(ways, speed), **rest)  # type: ignore[arg-type]
 
     @property
     def outlines(self) -> Floats:

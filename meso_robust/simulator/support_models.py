@@ -14,7 +14,7 @@ import numpy as np
 
 from meso_robust.simulator.outline import quadrature, refuse
 from meso_robust.simulator.stage import REFERENCE_SPEED
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 _UPPER = ((0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2))  # packed order of a symmetric matrix
 
@@ -145,6 +145,11 @@ class Film:
         jacobian[:, 0, 0] = jacobian[:, 1, 1] = 1.0
         jacobian[:, 0, 2], jacobian[:, 1, 2] = -y, x
         return cls(np.einsum("q,qia,qib->ab", w, jacobian, jacobian))
+
+    def some(self, runs: slice | Flags) -> Film:
+        """The film of some of the runs."""
+        drag, lay = (a[runs] if len(a) > 1 else a for a in (self.drag, self.stage_lay))
+        return Film(drag, lay)
 
     def tables(self) -> Tables:
         """Film only."""
