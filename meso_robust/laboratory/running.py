@@ -257,7 +257,7 @@ def there_and_back(
     tuple
         (N, L + 2, P, 2) waypoints, m, and (N, L + 2) their times, s.
     """
-    times = leg_times(ways, speed)
+    times = leg_times(np.diff(ways, axis=1), speed)
     travel = ways[:, -1] - ways[:, 0]
     far = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
     # a push of no length has no direction

@@ -131,6 +131,8 @@ class Uncertainty:
 
 
 def _widened(range_: Interval, factor: float) -> Interval:
+    if range_.lo == range_.hi:
+        return range_  # what is exact stays so; rounding outward would open it
     middle = Interval.point(range_.mid)
     return middle + (range_ - middle) * Interval.point(factor)
 

@@ -33,15 +33,21 @@ _RATES = (*range(56), *range(64, 80))  # columns of effects that act in time: no
 _ARRAYS = ("vertices", "poses", "waypoints", "times", "friction", "radii")
 
 
-def leg_times(ways: Floats, speed: float) -> Floats:
-    """(N, L + 1) s at the ends of legs (N, L + 1, P, 2), m, whose fastest probe has a speed, m/s.
+def leg_times(legs: Floats, speed: float) -> Floats:
+    """(N, L + 1) s at the ends of legs (N, L, P, 2), m, whose fastest probe has a speed, m/s.
 
     A leg in which no probe moves takes a second.
+
+    Raises
+    ------
+    ValueError
+        If the speed is not positive.
     """
-    legs = np.diff(ways, axis=1)
+    if not 0.0 < speed < np.inf:
+        raise ValueError(f"speed: {speed} m/s; must be positive and finite; try 75e-6 m/s")
     longest = np.hypot(legs[..., 0], legs[..., 1]).max(axis=2, initial=0.0)
     duration = np.where(longest > 0.0, longest / speed, 1.0)
-    return np.concatenate([np.zeros((len(ways), 1)), np.cumsum(duration, axis=1)], axis=1)
+    return np.concatenate([np.zeros((len(legs), 1)), np.cumsum(duration, axis=1)], axis=1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -184,7 +190,8 @@ class Push:
             )
         if film_ratio is not None:
             rest["support"] = Film.ratio(film_ratio)
-        return cls.along(ways=np.stack([start, start + way], axis=1), speed=speed, **rest)
+        times = leg_times(way[:, None], speed)
+        return cls(waypoints=np.stack([start, start + way], axis=1), times=times, **rest)  # type: ignore[arg-type]
 
     @classmethod
     def along(cls, *, ways: Floats, speed: float = REFERENCE_SPEED, **rest: object) -> Push:
@@ -204,9 +211,8 @@ class Push:
         ValueError
             As `Push`; also if the speed is not positive.
         """
-        if not 0.0 < speed < np.inf:
-            raise ValueError(f"speed: {speed} m/s; must be positive and finite; try 75e-6 m/s")
-        return cls(waypoints=ways, times=leg_times(ways, speed), **rest)  # type: ignore[arg-type]
+        times = leg_times(np.diff(ways, axis=1), speed)
+        return cls(waypoints=ways, times=times, **rest)  # type: ignore[arg-type]
 
     @property
     def outlines(self) -> Floats:

@@ -252,7 +252,7 @@ def _way(ways: Floats, lab: _Laboratory, *, back: bool) -> tuple[Floats, Floats]
     speed = lab.task.probe.speed_um_s * units.UM
     reach = _BACK * 2.0 * lab.setup.half_length.mid
     if not back:
-        return ways, leg_times(ways, speed)
+        return ways, leg_times(np.diff(ways, axis=1), speed)
     return there_and_back(ways, speed, reach, speed)
 
 
