@@ -140,8 +140,8 @@ least_y_translations = 1          # Section X-C: "one robust Y motion followed b
     ),
     "another schema": (
         'schema = "meso-robust/task/1"',
-        'schema = "meso-robust/task/2"',
-        ("schema", "meso-robust/task/2", "meso-robust/task/1"),
+        'schema = "meso-robust/task/3"',
+        ("schema", "meso-robust/task/3", "meso-robust/task/1", "meso-robust/task/2"),
     ),
 }
 
