@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -404,7 +404,7 @@ def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
         id="ends_in_goal" if task.slot is None else "ends_in_goal_clear_of_walls",
         moves=moves,
         premises=tuple(Premise),
-        uncertainties=_hex_box({field.name: getattr(u, field.name) for field in fields(u)}),
+        uncertainties=_hex_box(u.stated),
         inequalities={one.inequality: one.inequality.derivation for one in _obligations(chain)},
     )
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.primitives.move import Action, MoveRule
 from meso_robust.primitives.names import Named
-from meso_robust.primitives.setup import Uncertainty, setup_of
+from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
 
 LARGEST = 8.0  # factors beyond it are not tried
@@ -60,7 +60,7 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
         chain = certify(rules, setup_of(task, factor, only), whole=False)
         return chain.verdict is Verdict.PROVED
 
-    names = [field.name for field in fields(Uncertainty)]
+    names = list(setup_of(task).uncertainty.stated)
     with ThreadPoolExecutor() as pool:  # the kernels run without the interpreter's lock
         found = list(pool.map(lambda only: _bisect(lambda f: proved(f, only)), (None, *names)))
     factor, refused = found[0]

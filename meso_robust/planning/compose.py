@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
@@ -19,7 +19,7 @@ from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, about
 from meso_robust.primitives.obligation import Step
-from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
+from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
 
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs less room in x
@@ -97,7 +97,7 @@ def compose(task: Task) -> Found:
             "pushes, or widen the goal" + more
         )
     attempts: list[tuple[float, str | None]] = [
-        *((NARROWED, field.name) for field in fields(Uncertainty)),
+        *((NARROWED, name) for name in setup_of(task).uncertainty.stated),
         *((scale, None) for scale in REDUCED[:-1]),
     ]
     for scale, only in attempts:

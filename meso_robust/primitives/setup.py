@@ -16,6 +16,8 @@ from meso_robust.task import POINT_TIPS, Slot, Task
 from meso_robust.types import Floats
 
 ZERO = Interval.point(0.0)
+EXACT = (0.0, 0.0)
+HALF = Interval.point(0.5)
 HUNDRED = Interval.point(100.0)
 
 
@@ -50,6 +52,17 @@ class PoseBox:
         """(2, 3) lower and upper ends, m, m, rad."""
         sides = (self.x, self.y, self.theta)
         return np.array([[side.lo for side in sides], [side.hi for side in sides]])
+
+
+ALWAYS_STATED = (
+    "sensed_position",
+    "sensed_orientation",
+    "probe_position",
+    "friction",
+    "film_ratio",
+    "misalignment",
+)
+"""The uncertainties that a task of any schema states."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,6 +101,16 @@ class Uncertainty:
     """Drag along an edge over the mean of all directions, minus 1; and the shear over that mean."""
     probe_wander: Interval = ZERO
     """How far a moving probe strays from its straight path in x and in y, m."""
+
+    @property
+    def stated(self) -> dict[str, Interval]:
+        """By name what every task states, and of the rest what is not exactly zero."""
+        ranges = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {
+            name: range_
+            for name, range_ in ranges.items()
+            if name in ALWAYS_STATED or range_ != ZERO
+        }
 
     def mirrored(self) -> Uncertainty:
         """As axes see it whose y is mirrored: angles change their sign."""
@@ -236,31 +259,38 @@ def _uncertainty(task: Task) -> Uncertainty:
     """What is stated of each quantity; what schema 1 leaves out is exact."""
     u, probe, part = task.uncertainty, task.probe, task.part
     ratio = units.square_metres(u.film_ratio_um2)
-    radius = probe.tip_radius_um or (0.0, 0.0)
+    radius = probe.tip_radius_um or EXACT
     return Uncertainty(
         sensed_position=_both_sides(units.metres(u.sensed_position_um)),
         sensed_orientation=_both_sides(units.radians(u.sensed_orientation_deg)),
         probe_position=_both_sides(units.metres(u.probe_position_um)),
         friction=_range(units.plain, u.friction),
-        film_ratio=ratio + ratio * _both_sides(units.plain(u.film_ratio_percent) / HUNDRED),
+        film_ratio=ratio + ratio * _both_sides(_share(u.film_ratio_percent)),
         misalignment=_range(units.radians, u.tip_misalignment_deg),
         tip_radius=_range(units.metres, radius),
         passive_tip_radius=_range(units.metres, probe.passive_tip_radius_um or radius),
-        tip_spacing=_both_sides(units.metres(probe.tip_spacing_tolerance_um or 0.0)),
-        size=_both_sides(units.metres(part.size_tolerance_um or 0.0) / Interval.point(2.0)),
-        squareness=_both_sides(units.radians(part.squareness_deg or 0.0)),
-        travel_direction=_range(units.radians, u.travel_direction_deg or (0.0, 0.0)),
-        travel_scale=_both_sides(units.plain(u.travel_scale_percent or 0.0) / HUNDRED),
-        drag_centre=_both_sides(units.metres(u.drag_centre_um or 0.0)),
-        drag_anisotropy=_both_sides(
-            units.plain(u.drag_anisotropy_percent or 0.0) / (HUNDRED + HUNDRED)
-        ),
-        probe_wander=_both_sides(units.metres(u.probe_wander_um or 0.0)),
+        tip_spacing=_error(probe.tip_spacing_tolerance_um, units.metres),
+        size=_error(part.size_tolerance_um, lambda um: units.metres(um) * HALF),
+        squareness=_error(part.squareness_deg, units.radians),
+        travel_direction=_range(units.radians, u.travel_direction_deg or EXACT),
+        travel_scale=_error(u.travel_scale_percent, _share),
+        drag_centre=_error(u.drag_centre_um, units.metres),
+        drag_anisotropy=_error(u.drag_anisotropy_percent, lambda percent: _share(percent) * HALF),
+        probe_wander=_error(u.probe_wander_um, units.metres),
     )
 
 
+def _share(percent: float) -> Interval:
+    return units.plain(percent) / HUNDRED
+
+
+def _error(largest: float | None, convert: Callable[[float], Interval]) -> Interval:
+    """From minus the largest error to it; exactly zero where none is stated, unrounded."""
+    return _both_sides(convert(largest)) if largest else ZERO
+
+
 def _range(convert: Callable[[float], Interval], ends: tuple[float, float]) -> Interval:
-    return convert(ends[0]).hull(convert(ends[1]))
+    return ZERO if tuple(ends) == EXACT else convert(ends[0]).hull(convert(ends[1]))
 
 
 def _blocks(slot: Slot) -> tuple[Block, ...]:

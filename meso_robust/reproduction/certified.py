@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
 
@@ -17,13 +17,13 @@ from meso_robust.laboratory.running import STARTS_INSIDE, PlanRun, run
 from meso_robust.laboratory.simulation import in_goal
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty, setup_of
+from meso_robust.primitives.setup import ALWAYS_STATED, PoseBox, Setup, setup_of
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
 from meso_robust.types import Flags
 
-UNCERTAINTIES = tuple(field.name for field in fields(Uncertainty))
+UNCERTAINTIES = ALWAYS_STATED
 """What is uncertain, by the names that scale factors are given for."""
 AS_STATED: Mapping[str, float] = MappingProxyType({})
 LARGEST = 8.0

@@ -169,12 +169,12 @@ BREAKS: dict[str, tuple[int, dict[str, Any], str]] = {
     "passive tip far below": (ROTATE, {"rule": passive(y=-500)}, ""),
     "tips too close": (
         TILT,
-        {"rule": shifted(y=-55), "setup": resized(spacing=units.metres(470.0))},
+        {"rule": shifted(y=-55), "setup": resized(stated_spacing=units.metres(470.0))},
         "idle_tip_passes",
     ),
     "tips wider than the short edge": (
         TO_GOAL,
-        {"setup": resized(spacing=units.metres(840.0))},
+        {"setup": resized(stated_spacing=units.metres(840.0))},
         "tip_on_edge",
     ),
     "unknown sensing": (
