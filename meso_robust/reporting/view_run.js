@@ -4,6 +4,7 @@ const SHORTEST = 0.5; // um: shorter steps are only taken to meet an event
 const GRAZES = 1; // um: closer to a corner a free tip is not told to hit or to miss
 const MOST_CHANGES = 60; // of the contact mode in a move
 const LEAVES = "leaves what the closed forms describe: ";
+const JAM = { jam: true, end: "jams: no contact mode lets the tips keep moving" };
 const IN_NOTCH = "a tip comes between two corners of the part that no edge joins";
 
 // Which mode follows from the tips that touch; what it cannot tell ends the run in words.
@@ -38,7 +39,7 @@ function modeOfGrip(part, tips, { D, S, edge, other }, alone, now) {
   const best = bestWays(part, contacts);
   if (best.slack > -EVEN) return gripped(part, tips, grip, best.ways);
   const closing = dot(other.out, balanced(part, contacts.slice(0, 1), alone.ways).at(contacts[1]));
-  return closing <= 0 ? alone : { jam: true, end: "jams: no contact mode lets the tips keep moving" };
+  return closing <= 0 ? alone : JAM;
 }
 
 // Tips that the moving part may meet.
@@ -63,7 +64,9 @@ function freedom(part, tips, mode, walls, now) {
 }
 
 function firstBroken(part, tips, mode, walls, now) {
-  if (![now.x, now.y, now.theta].every(Number.isFinite)) return { end: LEAVES + "no finite pose" };
+  if (![now.x, now.y, now.theta].every(Number.isFinite)) {
+    return mode.kind === "grip" ? JAM : { end: LEAVES + "no finite pose" };
+  }
   const found = [...mode.guards(now), ...freedom(part, tips, mode, walls, now)]
     .find(([value]) => !(value > 0));
   return found ? found[1] : null;
@@ -100,10 +103,11 @@ function runMove(part, tips, length, walls, start, seen) {
         ? { end: LEAVES + "a tip meets a corner" } : { touch: next.i }];
     }
     const [next, why] = stepped(part, tips, mode, walls, now, whole);
+    if (why === JAM) return { now, mode, ...JAM };
     now = next;
     seen(now, mode);
     const change = why || touch;
-    if (change && change.end) return { now, mode, end: change.end };
+    if (change && change.end) return { now, mode, ...change };
     if (change) {
       changes += 1;
       if (change.touch !== undefined) touching.push({ i: change.touch,
