@@ -409,7 +409,7 @@ class Task(_Section):
     @model_validator(mode="after")
     def _keys_of_its_schema(self) -> Self:
         if self.schema_ == POINT_TIPS:
-            newer = self._newer_keys()
+            newer = self.schema_2_values
             if newer:
                 raise ValueError(
                     f"{newer[0]}: belongs to schema = {ROUND_TIPS!r}, and the file has schema = "
@@ -427,19 +427,23 @@ class Task(_Section):
             )
         return self
 
-    def _newer_keys(self) -> list[str]:
-        """Keys that schema 1 does not have."""
-        found = [
-            f"{name}.{key} = {list(value) if isinstance(value, tuple) else value}"
-            for name, section in (
-                ("part", self.part),
-                ("probe", self.probe),
-                ("uncertainty", self.uncertainty),
-            )
+    @property
+    def schema_2_values(self) -> tuple[str, ...]:
+        """Key and value of what schema 1 does not have."""
+        sections = {"part": self.part, "probe": self.probe, "uncertainty": self.uncertainty}
+        given = [
+            (f"{name}.{key}", value)
+            for name, section in sections.items()
             for key, value in section
-            if value is not None and key in SCHEMA_2_KEYS
+            if key in SCHEMA_2_KEYS
         ]
-        return [*found, *(["film"] if self.film is not None else [])]
+        if self.film is not None:
+            given += [(f"film.{key}", value) for key, value in self.film]
+        return tuple(
+            f"{key} = {list(value) if isinstance(value, tuple) else value}"
+            for key, value in given
+            if value is not None
+        )
 
     card: ClassVar[Callable[[Task], str] | None] = None
     """Shows a task in a notebook; put here by the calls, since what draws lies above."""

@@ -59,9 +59,9 @@ def told(
 ) -> list[Json]:
     rules = [rule.model_dump(mode="json") for rule in policy]
     task = told_task(setup)
-    exact = {"spacing": setup.spacing.mid, "edges": len(task["corners"])}
+    spacing, edges = setup.spacing.mid, len(task["corners"])
     return [
-        script.call("told", task, rules, draw_of(draws, row, **exact))
+        script.call("told", task, rules, draw_of(draws, row, spacing, edges))
         for row in range(len(draws.start))
     ]
 
