@@ -39,6 +39,7 @@ SOURCES = (
     "symmetries",
     "polygon_edge",
     "drag_tensor",
+    "contact_response",
     "dry_sticking",
     "printed_numbers",
 )

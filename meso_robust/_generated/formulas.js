@@ -184,6 +184,18 @@ const formulas = {
       return [x2*(x0*y1 - x1*y0), x2*(-Math.pow(x0, 2) + x3 + x4 - Math.pow(y0, 2)), x2*(Math.pow(x1, 2) - x3 - x4 + Math.pow(y1, 2))];
     },
   },
+  contact_response: {
+    // velocity of the part's point (x, y) where a force (f_x, f_y), over e_x, acts at (x_f, y_f); both from the centre of drag, in axes of the part
+    velocity(x, y, x_f, y_f, f_x, f_y, rho, stretch, shear) {
+      const x0 = (-f_x*y_f + f_y*x_f)/rho;
+      const x1 = 1/(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1);
+      return [-x0*y + x1*(f_x*(1 - stretch) - f_y*shear), x*x0 + x1*(-f_x*shear + f_y*(stretch + 1))];
+    },
+    // rate of the turn under that force
+    turning(x_f, y_f, f_x, f_y, rho) {
+      return [(-f_x*y_f + f_y*x_f)/rho];
+    },
+  },
   dry_sticking: {
     // share of the weight on each support: all positive if the centre is between them
     shares(x_1, y_1, x_2, y_2, x_3, y_3) {
