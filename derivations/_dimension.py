@@ -16,9 +16,11 @@ from derivations._statement import DerivationError
 
 _NAMES = {
     "1": "theta theta_0 theta_1 theta_2 theta_start theta_end beta mu tau tau_D tau_S side "
-    "c s lean kappa stretch shear bend mu_D mu_S total",
-    "m": "d1 d2 d2_back d4 h V T sigma p_S rise dx dy half x0 y0 x1 y1 "
-    "q W p_D d_D d_S r_D r_S drag_a drag_n gap width R radius",
+    "direction exterior stretch shear bend f_x f_y c s lean kappa mu_D mu_S total",
+    "m": "d1 d2 d2_back d4 h V T sigma p_S rise dx dy half x0 y0 x1 y1 x_1 y_1 x_2 y_2 x_3 y_3 "
+    "r r_upper r_lower spacing gap d1_next rounding x y x_f y_f "
+    "q W p_D d_D d_S r_D r_S drag_a drag_n width R radius",
+    "1/m": "omega",
     "m^2": "rho",
     "N s/m": "e_x",
     "m/s": "v_p",

@@ -17,7 +17,7 @@ import numpy as np
 
 from meso_robust.bounds import HALF_PI, Bounded, Interval, enclose
 from meso_robust.motion.two_sided import Grip, Start, parameters_of, rate_at
-from meso_robust.primitives.grasp import LINE, Relations, on_line
+from meso_robust.primitives.grasp import LINE, STATE, Relations, on_line
 from meso_robust.primitives.names import Inequality, ObligationId, about
 from meso_robust.primitives.obligation import Obligation, require_order
 from meso_robust.primitives.outline import Edge
@@ -193,7 +193,9 @@ def _rates(
     state: dict[str, Interval], friction: Interval, of: Relations
 ) -> tuple[Interval, Interval, Interval, Interval] | None:
     """Turn and creep per closed gap, what the tip presses with and its least stiffness."""
-    stick, pressing = enclose(of.sticking, {**state, "tau": ZERO}, boxes=BOXES)
+    now = [enclose(part, state, boxes=BOXES)[0] for part in of.state]
+    state = {**state, **dict(zip(STATE, now, strict=True))}
+    stick, pressing = enclose(of.sticking, state, boxes=BOXES)
     if not pressing.lo > 0.0:
         return None
     stiffness = [

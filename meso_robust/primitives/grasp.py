@@ -53,7 +53,10 @@ LINE = (
 """An affine bound of the slide (`motion.two_sided.Line`)."""
 PATH = metres(100.0)
 """A probe that wanders by w turns from its direction by at most w over this length, m."""
-INPUTS = (*MOVE, *RULE, *PART, *NOW, *ALONE, *LINE, "h")
+STATE = ("angle", "offset", "gap", "separation", "lean")
+"""The part while the active tip pushes alone: direction of its edge, p_D, gap, V, direction of the far edge
+less that of the pushed one."""
+INPUTS = (*MOVE, *RULE, *PART, *NOW, *ALONE, *STATE, *LINE, "h")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +67,10 @@ class Relations:
     """V, room, label, h at the end of the travel, first gap, travel before the first touch, all of it."""
     path: Bounded
     """Direction of the edge in the move's own axes, p_D, x and y, while the active tip pushes alone."""
+    state: tuple[Bounded, ...]
+    """What ``STATE`` names, of the parameters of the move."""
     rates: Bounded
-    """Turn per closed gap, creep per turn, closing speed, stiffness."""
+    """Of a state: turn per closed gap, creep per turn, closing speed, stiffness."""
     sticking: Bounded
     """Friction ratio of sticking, and how the tip presses then."""
     touch: Bounded
@@ -98,6 +103,8 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
     _before(at)
     alone = dict(at)
     _closing(alone)
+    pushed = {**x, "kappa": x["lean"]}
+    _pushed(pushed)
     touched = dict(at)
     _touch(touched)
     touched["slide"] = touched["q"] - _on_line(touched)
@@ -119,8 +126,9 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
     return Relations(
         begin=prepared("begin", at, "V", "room", "label", "h_end", "first_gap", "flight", "way"),
         path=prepared("path", alone, "own_angle", "p_D", "pose_x", "pose_y"),
-        rates=prepared("rates", alone, "turn_per_gap", "creep_left", "closing", "stiffness"),
-        sticking=prepared("sticking", alone, "stick_ratio", "pressing"),
+        state=tuple(prepared(name, alone, name) for name in STATE),
+        rates=prepared("rates", pushed, "turn_per_gap", "creep_left", "closing", "stiffness"),
+        sticking=prepared("sticking", pushed, "stick_ratio", "pressing"),
         touch=prepared("touch", touched, "h", "q", "first_gap", "slide"),
         end=tuple(prepared(name, ended, *results) for name, results in held.items()),
         during=tuple(prepared(name, during, *results) for name, results in held.items()),
@@ -215,15 +223,26 @@ def _closing(at: dict[str, ca.SX]) -> None:
         at["turned"] + at["turn_rate"] * at["part"],
         at["crept"] + at["creep_rate"] * at["turn_rate"] * at["part"],
     )
+    at["offset"], at["separation"], at["lean"] = at["p_D"], at["V"] + at["sway"], at["kappa"]
+    keys = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa")
+    at["q"], _ = _call("passive_place", _swayed(at), *keys)
+    _pose(at, at["c"], at["s"], at["d_S"] + at["gap"])
+
+
+def _pushed(at: dict[str, ca.SX]) -> None:
+    """Rates of a state in which the active tip pushes alone."""
+    at["c"], at["s"] = ca.cos(at["angle"]), ca.sin(at["angle"])
+    at["p_D"], at["V"], at["d_D"], at["d_S"] = (
+        at["offset"], at["separation"], at["depth"], at["depth_far"]
+    )  # fmt: skip
+    at["r_D"], at["r_S"] = at["radius_lower"], at["radius_passive"]
     film = ("drag_a", "drag_n", "rho", "stretch", "shear")
     pushing = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa", *film, "bend")
     creeping = ("c", "s", "p_D", "d_D", "r_D", *film, "bend", "tau")
     (creep,) = _call("creep_per_turn", at, *creeping)
     at["creep_left"] = creep - at["bow"] * (at["angle"] - at["upright"])
     for name in ("turn_per_gap", "closing"):
-        (at[name],) = _call(name, _swayed(at), *pushing, "tau")
-    at["q"], _ = _call("passive_place", _swayed(at), *pushing[:10])
-    _pose(at, at["c"], at["s"], at["d_S"] + at["gap"])
+        (at[name],) = _call(name, at, *pushing, "tau")
     (at["stiffness"],) = _call("stiffness", at, "p_D", "d_D", *film, "tau")
     for name in ("pressing", "stick_ratio"):
         (at[name],) = _call(name, at, "c", "s", "p_D", "d_D", *film, "bend")
