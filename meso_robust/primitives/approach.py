@@ -10,6 +10,8 @@ depends much on the film, where its contact is at a given turn hardly does.
 from __future__ import annotations
 
 import functools
+import itertools
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -27,7 +29,9 @@ from meso_robust.primitives.setup import ZERO, PoseBox
 STAGES = 4
 GUESSES = 10
 SMALL_TURN = 0.01  # rad; for a slope, which is a guess
-BOXES = 32
+BOXES = 16
+MOST_BOXES = 256  # for the slide at the touch, from which the whole turn starts
+GAP = 8e-6  # m; first gaps that are closed together
 STATED = Interval.point(0.9)
 """Share of a proved bound that is stated: others, whose enclosures differ, are to meet it."""
 
@@ -75,29 +79,23 @@ def approach(
     Touch or None
         None where no bound of the rates could be confirmed.
     """
-    friction = grip.mu
-    box = _bowed(box, friction, of)
-    turned = crept = ZERO
-    sides, margins, turns, creeps = [], [], [], []
-    for stage in range(STAGES):
-        state = dict(box) | {"begun": Interval.point(stage / STAGES), "turned": turned, "crept": crept}
-        found = _stage(state, friction, of)
-        if found is None:
+    box = _bowed({**box, **labels}, grip.mu, of)
+    gap = labels["first_gap"]
+    count = max(1, math.ceil(gap.width / GAP))
+    ends = np.linspace(gap.lo, gap.hi, count + 1).tolist()
+    ends[0], ends[-1] = gap.lo, gap.hi
+    cells = []
+    for low, high in itertools.pairwise(ends):
+        cell = _closed({**box, "first_gap": Interval(low, high)}, grip.mu, of)
+        if cell is None:
             return None
-        state, margin = found
-        sides.append(enclose(of.path, state, boxes=BOXES))
-        margins.append(margin)
-        turn = state["turn_rate"] * Interval.point(1.0 / STAGES)
-        turns.append(turn)
-        creeps.append(state["creep_rate"])
-        turned, crept = turned + turn, crept + state["creep_rate"] * turn
-    pushes, unique = (
-        Interval(min(m[k].lo for m in margins), max(m[k].hi for m in margins)) for k in range(2)
+        cells.append(cell)
+    path, offset, x, y, pushes, unique = (
+        functools.reduce(Interval.hull, sides)
+        for sides in zip(*(cell.seen for cell in cells), strict=True)
     )
-    path, offset, x, y = (_hull([stage[k] for stage in sides]) for k in range(4))
-    whole = dict(box) | {"turned": turned, "crept": _mean(creeps, turns)}
     return Touch(
-        start=_start(whole, grip, labels, of),
+        start=_start([cell.box for cell in cells], grip, labels, of),
         first=edge.angle(box["theta"]),
         path=path,
         poses=PoseBox(x=x, y=y, theta=edge.orientation(path - box["kappa"])),
@@ -105,6 +103,38 @@ def approach(
         obligations=(
             _stated(ObligationId.PUSHES_UNTIL_REST, Inequality.NORMAL_FORCE, pushes, box),
             _stated(ObligationId.UNIQUE_UNTIL_REST, Inequality.ONLY_SOLUTION, unique, box),
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Closed:
+    """A part of the range of first gaps, closed."""
+
+    box: dict[str, Interval]
+    """With the mean rates."""
+    seen: tuple[Interval, ...]
+    """Direction of the edge, p_D, x, y, how the tip presses, how stiff it is."""
+
+
+def _closed(box: dict[str, Interval], friction: Interval, of: Relations) -> _Closed | None:
+    turned = crept = ZERO
+    seen, turns, creeps = [], [], []
+    for stage in range(STAGES):
+        state = {**box, "begun": Interval.point(stage / STAGES), "turned": turned, "crept": crept}
+        found = _stage(state, friction, of)
+        if found is None:
+            return None
+        state, margins = found
+        seen.append((*enclose(of.path, state, boxes=BOXES), *margins))
+        turn = state["turn_rate"] * Interval.point(1.0 / STAGES)
+        turns.append(turn)
+        creeps.append(state["creep_rate"])
+        turned, crept = turned + turn, crept + state["creep_rate"] * turn
+    return _Closed(
+        box={**box, "turned": turned, "crept": _mean(creeps, turns)},
+        seen=tuple(
+            functools.reduce(Interval.hull, sides) for sides in zip(*seen, strict=True)
         ),
     )
 
@@ -137,10 +167,6 @@ def _mean(values: list[Interval], weights: list[Interval]) -> Interval:
         )
         total = total + share * (value - middle)
     return total
-
-
-def _hull(sides: list[Interval]) -> Interval:
-    return Interval(min(side.lo for side in sides), max(side.hi for side in sides))
 
 
 def _stated(
@@ -217,27 +243,26 @@ def _clipped(stick: Interval, mu: Interval) -> Interval:
 
 
 def _start(
-    box: dict[str, Interval], grip: Grip, labels: Mapping[str, Interval], of: Relations
+    cells: list[dict[str, Interval]], grip: Grip, labels: Mapping[str, Interval], of: Relations
 ) -> Start:
     """The slide at the touch as an affine function; its slopes are those at the middle, as a guess."""
-    box = box | dict.fromkeys(LINE, ZERO)
-    h = enclose(of.touch, box, boxes=16)[0]
+    no_line = dict.fromkeys(LINE, ZERO)
+    h = functools.reduce(
+        Interval.hull, (enclose(of.touch, cell | no_line, boxes=BOXES)[0] for cell in cells)
+    )
+    box = cells[len(cells) // 2] | no_line | labels
     middle, slope = _at_middle(of.touch, box), _slopes(of.touch, box)
     rate = rate_at(grip, middle["h"], middle["q"])
 
     def beside(name: str) -> float:
         return slope("q", name) + rate * slope("h", name)
 
-    # the passive tip further ahead opens the gap; a higher active one gives room; a higher passive one
-    # takes it, and lowers the label
-    spread = {"first_gap": beside("single_x") / slope("first_gap", "single_x")}
-    spread["room"] = beside("dual_y")
+    # a higher active tip gives room; a higher passive one takes it, and lowers the label
+    spread = {"first_gap": beside("first_gap"), "room": beside("dual_y")}
     spread["label"] = -beside("single_y") - spread["room"]
-    spread["label"] += spread["first_gap"] * slope("first_gap", "single_y")
     for name, part in PART_OF_CONSTANT.items():
-        own = beside(part) - spread["first_gap"] * slope("first_gap", part)
         # what takes room has that effect already
-        spread[name] = own + (spread["room"] if name in TAKES_ROOM else 0.0)
+        spread[name] = beside(part) + (spread["room"] if name in TAKES_ROOM else 0.0)
     start = Start(
         h=h,
         labels=labels,
@@ -247,11 +272,11 @@ def _start(
         rest=ZERO,
     )
     coefficients = on_line(start.line, parameters_of(grip, labels))
-    rest = enclose(of.touch, box | coefficients, boxes=1024)[3]
-    return replace(start, rest=rest)
+    rests = (enclose(of.touch, cell | coefficients, boxes=MOST_BOXES)[2] for cell in cells)
+    return replace(start, rest=functools.reduce(Interval.hull, rests))
 
 
-TOUCH = ("h", "q", "first_gap")
+TOUCH = ("h", "q")
 """The first results of `Relations.touch`."""
 
 

@@ -38,7 +38,7 @@ PART = (
 )
 """Constants of both tips and the part."""
 NOW = (*INSTANT[:-2], "travel_x")  # without both coefficients of friction
-ALONE = ("begun", "part", "turned", "crept", "turn_rate", "creep_rate", "bow", "upright", "tau")
+ALONE = ("first_gap", "begun", "part", "turned", "crept", "turn_rate", "creep_rate", "bow", "upright", "tau")
 """How far the gap to the passive tip is closed, and the mean rates of that.
 
 The creep per turn changes by ``bow`` per turn; what is left of it at the angle ``upright`` is the rate.
@@ -74,7 +74,7 @@ class Relations:
     sticking: Bounded
     """Friction ratio of sticking, and how the tip presses then."""
     touch: Bounded
-    """h at the touch of the passive tip, the slide there, the first gap, the slide beyond a line."""
+    """h at the touch of the passive tip, the slide there, the slide beyond a line."""
     end: tuple[Bounded, ...]
     """At the end of the travel: x; y; cos and sin of the direction of the pushed edge as stated; p_D."""
     during: tuple[Bounded, ...]
@@ -101,11 +101,13 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
     at = dict(x)
     _place(at, from_part)
     _before(at)
-    alone = dict(at)
+    # until the touch the gap is a variable of its own: it is closed cell by cell
+    apart = {**at, "first_gap": x["first_gap"]}
+    alone = dict(apart)
     _closing(alone)
     pushed = {**x, "kappa": x["lean"]}
     _pushed(pushed)
-    touched = dict(at)
+    touched = dict(apart)
     _touch(touched)
     touched["slide"] = touched["q"] - _on_line(touched)
     ended = dict(at)
@@ -129,7 +131,7 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
         state=tuple(prepared(name, alone, name) for name in STATE),
         rates=prepared("rates", pushed, "turn_per_gap", "creep_left", "closing", "stiffness"),
         sticking=prepared("sticking", pushed, "stick_ratio", "pressing"),
-        touch=prepared("touch", touched, "h", "q", "first_gap", "slide"),
+        touch=prepared("touch", touched, "h", "q", "slide"),
         end=tuple(prepared(name, ended, *results) for name, results in held.items()),
         during=tuple(prepared(name, during, *results) for name, results in held.items()),
     )
