@@ -17,21 +17,19 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations._circle import tidy
 from derivations._claim import Claim
 from derivations._derivation import Derivation, Function
 from derivations._statement import Finding, as_written, for_all, identity
-from derivations.mechanics import a, by_angle, d1, d2, mu, n, rho, theta
+from derivations.mechanics import a, d1, mu, n, rho, theta
 from derivations.two_sided_rotation import T, V, h, sigma, tau_D, tau_S
 
 q, W, kappa, drag_a, drag_n = sp.symbols("q W kappa drag_a drag_n", real=True)
 stretch, shear, bend, gap, p_D, tau, total = sp.symbols(
     "stretch shear bend gap p_D tau total", real=True
 )
-d_D, d_S, r_D, r_S, mu_D, mu_S, R, width = sp.symbols(
-    "d_D d_S r_D r_S mu_D mu_S R width", positive=True
+d_D, d_S, r_D, r_S, mu_D, mu_S, radii, width = sp.symbols(
+    "d_D d_S r_D r_S mu_D mu_S radii width", positive=True
 )
-dx, dy, lean, half, radius = sp.symbols("dx dy lean half radius", real=True)
 along, across = sp.symbols("c s", real=True)
 """Cosine and sine of the direction of D's edge."""
 CK, SK = sp.cos(kappa), sp.sin(kappa)
@@ -198,7 +196,6 @@ def derive() -> Derivation:
     corners = [balance(*ratio) for ratio in ratios]
     twist, stiff = alone()
     turn, creep, closing, pressing, stick = alone_rates()
-    beside = _beside()
     away, apart = at_rest_tip()
     touch = (along, across, p_D, V, gap, d_D, d_S, r_D, r_S, kappa)
     root = sp.sqrt(1 + mu**2)
@@ -309,33 +306,14 @@ def derive() -> Derivation:
                 unit="m",
                 meaning="q and T, m, while S's edge is gap away from S and D touches at p_D",
             ),
-            "beside": Function(
-                arguments=(theta, d2, d_D, r_D, lean, half, radius, dx, dy),
-                results=beside,
-                unit="m",
-                meaning="m: how far a tip, its centre (dx, dy) from that of D, is off the line of D's edge and "
-                "off that of the next edge, at right angles but for lean; clear where either is positive",
-            ),
             "no_jam": Function(
-                arguments=(V, width, R, mu),
-                results=(V * root - width * root**2 - R,),
+                arguments=(V, width, radii, mu),
+                results=(V * root - width * root**2 - radii,),
                 unit="m",
-                meaning="m: positive where two tips on parallel edges, of radii R together, cannot jam the "
+                meaning="m: positive where two tips on parallel edges, of radii that add up to radii, cannot jam the "
                 "part; mu is the smaller one of both tips",
             ),
         },
-    )
-
-
-def _beside() -> tuple[sp.Expr, sp.Expr]:
-    """Distances of another tip's edge from two lines of the part, D touching at d2."""
-    reach = sp.Matrix([dx, dy])
-    ahead = sp.expand_trig(a.subs(theta, theta + lean))
-    return (
-        sp.expand(reach.dot(n)) + r_D - radius,
-        by_angle(sp.expand(tidy(d2 * a.dot(ahead) + (d_D + r_D) * n.dot(ahead))) + reach.dot(ahead))
-        - half
-        - radius,
     )
 
 
@@ -554,7 +532,7 @@ def _existence() -> Claim:
 def _no_jam() -> Claim:
     """With a friction coefficient of its own at each tip the smaller one decides."""
     s, c = sp.sin(theta), sp.cos(theta)
-    free, k, both = sp.Symbol("t", real=True), sp.Symbol("k", positive=True), R
+    free, k, both = sp.Symbol("t", real=True), sp.Symbol("k", positive=True), radii
     geometry = [
         s > 0,
         sp.Eq(V, free * s - (2 * d1 + both) * c),

@@ -272,21 +272,9 @@ def passive_place(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any
     )
 
 
-def beside(ops: Any, theta: Any, d2: Any, d_D: Any, r_D: Any, lean: Any, half: Any, radius: Any, dx: Any, dy: Any) -> tuple[Any, ...]:
-    """Return m: how far a tip, its centre (dx, dy) from that of D, is off the line of D's edge and off that of the next edge, at right angles but for lean; clear where either is positive."""
-    x0 = ops.sin(theta)
-    x1 = ops.cos(theta)
-    x2 = ops.sin(lean)
-    x3 = ops.cos(lean)
-    return (
-        dx*x0 - dy*x1 + r_D - radius,
-        d2*x3 - d_D*x2 - half - r_D*x2 - radius + x0*(-dx*x2 + dy*x3) + x1*(dx*x3 + dy*x2),
-    )
-
-
-def no_jam(ops: Any, V: Any, width: Any, R: Any, mu: Any) -> tuple[Any, ...]:
-    """Return m: positive where two tips on parallel edges, of radii R together, cannot jam the part; mu is the smaller one of both tips."""
+def no_jam(ops: Any, V: Any, width: Any, radii: Any, mu: Any) -> tuple[Any, ...]:
+    """Return m: positive where two tips on parallel edges, of radii that add up to radii, cannot jam the part; mu is the smaller one of both tips."""
     x0 = mu**2 + 1
     return (
-        -R + V*ops.sqrt(x0) - width*x0,
+        V*ops.sqrt(x0) - radii - width*x0,
     )

@@ -100,7 +100,6 @@ class Inequality(StrEnum):
     PAIR_FRICTION = "two_point_sticking.friction_margin"
     PAIR_FORCES = "two_point_sticking.normal_forces"
     NO_JAM = "opposite_edges.no_jam"
-    BESIDE_EDGES = "opposite_edges.beside"
     PASSIVE_FORCE = "two_sided_rotation.passive_force"
     ENDS_OF_EDGES = "two_sided_rotation.ends_of_edges"
     TRAVEL = "travel"
@@ -123,7 +122,7 @@ class Inequality(StrEnum):
     @property
     def any_value(self) -> bool:
         """Whether it is enough that one of its values is positive."""
-        return self in (Inequality.BESIDE, Inequality.BESIDE_EDGES)
+        return self is Inequality.BESIDE
 
 
 class Property(StrEnum):

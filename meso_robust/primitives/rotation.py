@@ -224,7 +224,7 @@ def _before(move: _Move, pre: PoseBox) -> list[Obligation]:
             {
                 "V": move.V + box["sway"],
                 "width": box["depth"] + box["depth_far"],
-                "R": box["radius_lower"] + box["radius_passive"],
+                "radii": box["radius_lower"] + box["radius_passive"],
                 "mu": move.setup.uncertainty.friction,
             },
         ),
@@ -342,23 +342,36 @@ def _passes(
     move: _Move, path: Interval, offset: Interval, short: Interval, when: When
 ) -> Obligation:
     """While the active tip is ``short`` of its place on the edge, the idle one is clear of the part."""
-    u = move.setup.uncertainty
-    dx, dy = second_tip(-IDLE, move.setup)
+    u, box = move.setup.uncertainty, move.box
+    theta = path - u.travel_direction
+    x, y = second_tip(-IDLE, move.setup)
+    c, s = cos(u.travel_direction), sin(u.travel_direction)
+    # round tips: the idle one must be off the line by the difference of the radii
+    more = box["radius_lower"] - u.tip_radius
+    half = move.setup.edge(path.mid + move.edge.turn.mid - HALF_PI.mid).depth
     return require(
         about(ObligationId.IDLE_TIP_PASSES, when=when),
-        Inequality.BESIDE_EDGES,
+        Inequality.BESIDE,
         {
-            "theta": path,
+            "theta": theta,
             "d2": offset,
-            "d_D": move.edge.depth,
-            "r_D": move.box["radius_lower"],
-            "lean": move.squareness - move.squareness if move.squareness != ZERO else ZERO,
-            "half": move.setup.edge(path.mid + move.edge.turn.mid - HALF_PI.mid).depth,
-            "radius": u.tip_radius,
-            "dx": dx + short * cos(u.travel_direction),
-            "dy": dy + short * sin(u.travel_direction),
+            "half": half.hull(half + u.tip_radius + _leaning(move)),
+            "dx": x * c + y * s + short + sin(theta) * more,
+            "dy": y * c - x * s - cos(theta) * more,
+            "side": Interval.point(float(IDLE)),
         },
     )
+
+
+def _leaning(move: _Move) -> Interval:
+    """How much farther out the next edge can be where the idle tip is, as it is out of square, m."""
+    if move.squareness == ZERO:
+        return ZERO
+    lean = move.squareness - move.squareness
+    # no farther from the foot of either edge than this
+    reach = move.edge.last + move.edge.depth + move.setup.spacing + move.setup.spacing
+    across = sin(Interval.point(lean.hi))
+    return reach * across + reach * across * across
 
 
 def _faced(move: _Move, angle: Interval) -> Interval:
