@@ -467,7 +467,11 @@ def _contact_kept() -> Claim:
             r"S alone: its force does no positive work on the part, as S rests, while the film takes all of "
             r"$v\cdot Ev$; so $v = 0$, and D would enter the part.",
         ),
-        hypotheses=(FORCES, "both tips stay on their edges", r"D advances, $\sin\theta + e\cos\theta > 0$"),
+        hypotheses=(
+            FORCES,
+            "both tips stay on their edges",
+            r"D advances, $\sin\theta + e\cos\theta > 0$",
+        ),
         checks=(
             identity(
                 r"$|w, EV_0, EV_1| = w\cdot\mathrm{adj}(E)\,(V_0\times V_1)$ for symmetric $E$",
@@ -563,7 +567,9 @@ def _no_jam() -> Claim:
         ),
         hypotheses=("even film", "both tips press for all ratios", r"$R < d_w$"),
         checks=(
-            for_all(r"$T > m d_w$ while the contacts have not passed", geometry, free > 2 * d1 * mu),
+            for_all(
+                r"$T > m d_w$ while the contacts have not passed", geometry, free > 2 * d1 * mu
+            ),
             for_all(
                 r"$\mu_S$ smaller: the grip closes, if at all, at $\tau_D + \mu_S < 0$",
                 [T > 2 * d1 * mu_S, sp.Eq(grip.subs(tau_S, mu_S), 0)],

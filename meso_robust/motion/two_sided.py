@@ -36,7 +36,7 @@ from meso_robust.conditions.formula import formula
 from meso_robust.kernels import fingerprint
 from meso_robust.types import Floats
 
-STEPS = 420  # per width of the part: about 2 um for the paper's part
+STEPS = 210  # per width of the part: about 4 um for the paper's part
 CHECKED = 4  # steps whose forces and edges are checked together: half as long, and hardly looser
 MODULE = "opposite_edges"
 CONSTANT = ("room", "d_D", "d_S", "r_D", "r_S", "kappa", "drag_a", "drag_n")
@@ -294,7 +294,9 @@ def _joined(lines: list[Line], tube: SlideTube, gone: Interval) -> Line:
         drift=drift,
         rest=ZERO,
     )
-    rests = [_less(line, whole, cell, tube, gone) for line, cell in zip(lines, tube.cells, strict=True)]
+    rests = [
+        _less(line, whole, cell, tube, gone) for line, cell in zip(lines, tube.cells, strict=True)
+    ]
     return replace(
         whole, rest=Interval(min(rest.lo for rest in rests), max(rest.hi for rest in rests))
     )
@@ -344,9 +346,7 @@ def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
     The state's outputs: contacts of D and S along their edges, the grips, the forces.
     """
     names = ("h", "q", *CONSTANT, *INSTANT)
-    free = tuple(
-        name for name in names if name not in exact and not (common and name == "mu_S")
-    )
+    free = tuple(name for name in names if name not in exact and not (common and name == "mu_S"))
     x = ca.SX.sym("x", len(free))
     at = dict.fromkeys(names, ca.SX(0.0)) | dict(zip(free, ca.vertsplit(x), strict=True))
     if common:
@@ -425,9 +425,7 @@ def _along(frame: _Frame, which: Floats) -> tuple[float, float]:
 
 
 @njit
-def _pick(
-    d_lo: float, d_hi: float, a: float, b: float, side: int
-) -> tuple[float, float, float]:
+def _pick(d_lo: float, d_hi: float, a: float, b: float, side: int) -> tuple[float, float, float]:
     """Where a mean-value form is centred in one variable, and what the rest of its range can add.
 
     At the end where the bound is attained, if the derivative has one sign.
@@ -575,7 +573,9 @@ def _hull_of_modes(lower: Floats, upper: Floats) -> tuple[float, float]:
                 r_lo = max(r_lo, down(s_lo + down(lower[over_s] / opening)))
         if possible and not r_lo > r_hi:
             least, most = min(least, r_lo), max(most, r_hi)
-    for other in range(2):  # the ratio of the tip that slips: 0 negative, as the rate is above its own
+    for other in range(
+        2
+    ):  # the ratio of the tip that slips: 0 negative, as the rate is above its own
         one, two = (DOWN_DOWN, UP_DOWN) if other == 0 else (DOWN_UP, UP_UP)
         if ((other == 0 and d_hi >= s_lo) or (other == 1 and d_lo <= s_hi)) and _both_signs(
             lower, upper, OVER_D + one, OVER_D + two
@@ -747,9 +747,7 @@ def _bound_lines(
         # what is used are the slopes between the rounded knots
         rate = (tube.centre[k + 1] - tube.centre[k]) / dh
         slopes = (tube.spread[k + 1] - tube.spread[k]) / dh
-        frame = _Frame(
-            h[k], h[k + 1], tube.centre[k], rate, tube.spread[k], slopes, dev_lo, dev_hi
-        )
+        frame = _Frame(h[k], h[k + 1], tube.centre[k], rate, tube.spread[k], slopes, dev_lo, dev_hi)
         rest_lo, rest_hi = tube.lower[k], tube.upper[k]
         next_lo, status = _next_bound(
             programs.rates, frame, lo, hi, constants, rest_lo, 0, strip_lo, starts

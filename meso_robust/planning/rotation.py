@@ -25,7 +25,7 @@ from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import ZERO, PoseBox, Setup
 
 SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
-SCOUT = 4.0  # how much coarser than the certificate the scouting tube is
+SCOUT = 2.0  # how much coarser than the certificate the scouting tube is
 APPROACH_UM = 60.0  # what the push by the active tip alone may take
 SHORTER_UM = 15.0  # from one push that is tried to the next
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
@@ -159,7 +159,9 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
         # the part's centre lies its length along the edge and its depth off it from the passive tip
         sine, cosine = _direction(h_end, separation, units.to_um(width))
         ahead = units.to_um(q) * sine - units.to_um(depth.mid + u.passive_tip_radius.mid) * cosine
-        end_y = passive + ahead + units.to_um(width) * 0.5 * (cosine + 1.0) - units.to_um(reach) * sine
+        end_y = (
+            passive + ahead + units.to_um(width) * 0.5 * (cosine + 1.0) - units.to_um(reach) * sine
+        )
         middle += goal - end_y
     return _Choice(separation=separation, h_end=h_end, middle=middle)
 

@@ -133,15 +133,11 @@ def _closed(box: dict[str, Interval], friction: Interval, of: Relations) -> _Clo
         turned, crept = turned + turn, crept + state["creep_rate"] * turn
     return _Closed(
         box={**box, "turned": turned, "crept": _mean(creeps, turns)},
-        seen=tuple(
-            functools.reduce(Interval.hull, sides) for sides in zip(*seen, strict=True)
-        ),
+        seen=tuple(functools.reduce(Interval.hull, sides) for sides in zip(*seen, strict=True)),
     )
 
 
-def _bowed(
-    box: Mapping[str, Interval], friction: Interval, of: Relations
-) -> dict[str, Interval]:
+def _bowed(box: Mapping[str, Interval], friction: Interval, of: Relations) -> dict[str, Interval]:
     """With a guess of how the creep per turn changes with the turn."""
     upright = Interval.point(HALF_PI.mid)
     still = dict.fromkeys(("begun", "part", "turned", "crept", "turn_rate", "creep_rate"), ZERO)

@@ -38,7 +38,18 @@ PART = (
 )
 """Constants of both tips and the part."""
 NOW = (*INSTANT[:-2], "travel_x")  # without both coefficients of friction
-ALONE = ("first_gap", "begun", "part", "turned", "crept", "turn_rate", "creep_rate", "bow", "upright", "tau")
+ALONE = (
+    "first_gap",
+    "begun",
+    "part",
+    "turned",
+    "crept",
+    "turn_rate",
+    "creep_rate",
+    "bow",
+    "upright",
+    "tau",
+)
 """How far the gap to the passive tip is closed, and the mean rates of that.
 
 The creep per turn changes by ``bow`` per turn; what is left of it at the angle ``upright`` is the rate.
@@ -161,8 +172,9 @@ def _place(at: dict[str, ca.SX], from_part: frozenset[str]) -> None:
     passive_x, passive_y = at["single_x"] + at["passive_x"], at["single_y"] + at["passive_y"]
     apart_x = in_x - passive_x + sensed("x", "dual_x", "single_x")
     apart_y = in_y - passive_y + sensed("y", "dual_y", "single_y")
-    active_x, active_y = in_x + _ahead(at, "x", "dual_x" in from_part), in_y + _ahead(
-        at, "y", "dual_y" in from_part
+    active_x, active_y = (
+        in_x + _ahead(at, "x", "dual_x" in from_part),
+        in_y + _ahead(at, "y", "dual_y" in from_part),
     )
     at["passive_ahead"] = passive_x + _ahead(at, "x", "single_x" in from_part)
     at["passive_rise"] = passive_y + _ahead(at, "y", "single_y" in from_part)
@@ -212,8 +224,9 @@ def _after(at: dict[str, ca.SX], done: ca.SX, turned: ca.SX, crept: ca.SX) -> No
     at["c"], at["s"] = ca.cos(angle), ca.sin(angle)
     at["own_angle"] = angle + at["direction"]
     halfway = at["first_angle"] - at["upright"] + 0.5 * at["first_gap"] * turned
-    at["angle"], at["p_D"] = angle, at["first_p"] + at["first_gap"] * (
-        crept + at["bow"] * turned * halfway
+    at["angle"], at["p_D"] = (
+        angle,
+        at["first_p"] + at["first_gap"] * (crept + at["bow"] * turned * halfway),
     )
     at["gap"] = at["first_gap"] * (1.0 - done)
 

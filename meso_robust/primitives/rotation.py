@@ -105,7 +105,9 @@ class _Move:
             r_D=box["radius_lower"],
             r_S=box["radius_passive"],
             kappa=box["kappa_far"] - box["kappa"] if box["kappa"] != ZERO else ZERO,
-            **{name: box[name] for name in ("drag_a", "drag_n", "stretch", "shear", "bend", "sway")},
+            **{
+                name: box[name] for name in ("drag_a", "drag_n", "stretch", "shear", "bend", "sway")
+            },
         )
 
 
@@ -173,9 +175,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
     box = ranges(rule, pre, edge, far, setup)
     exact = frozenset(name for name, side in box.items() if side == ZERO)
     exact |= _idle_lines(exact)
-    from_part = frozenset(
-        name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART
-    )
+    from_part = frozenset(name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART)
     of = relations(exact, from_part)
     V, room, label, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
     return _Move(
@@ -310,8 +310,6 @@ def _knots(slices: list[_Slice]) -> tuple[Knot, ...]:
     )
 
 
-
-
 def _idle_tip_clear(
     move: _Move, touch: Touch, slices: list[_Slice], at_end: _Held
 ) -> tuple[Obligation, ...]:
@@ -334,7 +332,9 @@ def _idle_tip_clear(
 
 
 def _hull_of(held: list[_Held]) -> tuple[Interval, Interval]:
-    angles, offsets = ([getattr(part, name) for part in held] for name in ("edge_angle", "active_offset"))
+    angles, offsets = (
+        [getattr(part, name) for part in held] for name in ("edge_angle", "active_offset")
+    )
     return functools.reduce(Interval.hull, angles), functools.reduce(Interval.hull, offsets)
 
 
