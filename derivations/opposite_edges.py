@@ -190,11 +190,24 @@ def derive() -> Derivation:
     place = sp.Matrix([q * CK + (d_S + r_S) * SK, q * SK - (d_S + r_S) * CK])
     turned = sp.Matrix([[along, -across], [across, along]]) * place
     held = (along, across, T, q, d_D, d_S, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend)
-    pushing = (along, across, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n)
+    pushing: tuple[sp.Symbol, ...] = (
+        along,
+        across,
+        p_D,
+        V,
+        gap,
+        d_D,
+        d_S,
+        r_D,
+        r_S,
+        kappa,
+        drag_a,
+        drag_n,
+    )
     pushing += (rho, stretch, shear, bend)
     ratios = [(i * mu_D, j * mu_S) for i in (-1, 1) for j in (-1, 1)]
     corners = [balance(*ratio) for ratio in ratios]
-    twist, stiff = alone()
+    stiff = alone()[1]
     turn, creep, closing, pressing, stick = alone_rates()
     away, apart = at_rest_tip()
     touch = (along, across, p_D, V, gap, d_D, d_S, r_D, r_S, kappa)
@@ -572,12 +585,12 @@ def _no_jam() -> Claim:
             ),
             for_all(
                 r"$\mu_S$ smaller: the grip closes, if at all, at $\tau_D + \mu_S < 0$",
-                [T > 2 * d1 * mu_S, sp.Eq(grip.subs(tau_S, mu_S), 0)],
+                [2 * d1 * mu_S < T, sp.Eq(grip.subs(tau_S, mu_S), 0)],
                 tau_D + mu_S < 0,
             ),
             for_all(
                 r"$\mu_D$ smaller: the grip closes, if at all, at $\tau_S - \mu_D > 0$",
-                [T > 2 * d1 * mu_D, sp.Eq(grip.subs(tau_D, -mu_D), 0)],
+                [2 * d1 * mu_D < T, sp.Eq(grip.subs(tau_D, -mu_D), 0)],
                 tau_S - mu_D > 0,
             ),
             _bounded_difference(),

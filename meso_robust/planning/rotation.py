@@ -170,15 +170,15 @@ def _grip(room: Interval, setup: Setup) -> Grip:
     u, edge = setup.uncertainty, setup.edge(HALF_PI.mid)
     return Grip(
         room=room,
-        d_D=edge.depth,
-        d_S=edge.depth,
-        ends_D=(edge.first, edge.last),
-        ends_S=(edge.first, edge.last),
+        depth=edge.depth,
+        depth_far=edge.depth,
+        ends=(edge.first, edge.last),
+        ends_far=(edge.first, edge.last),
         rho=u.film_ratio,
         mu=u.friction,
         common=setup.friction_common,
-        r_D=u.tip_radius,
-        r_S=u.passive_tip_radius,
+        radius=u.tip_radius,
+        radius_far=u.passive_tip_radius,
         kappa=u.squareness - u.squareness if u.squareness != ZERO else ZERO,
         drag_a=u.drag_centre,
         drag_n=u.drag_centre,
@@ -189,7 +189,7 @@ def _grip(room: Interval, setup: Setup) -> Grip:
 
 def _start(grip: Grip, label: Interval, setup: Setup) -> Start:
     """Where a part that has hardly turned touches the passive tip, roughly."""
-    width = grip.d_D.mid + grip.d_S.mid + grip.r_D.mid + grip.r_S.mid
+    width = grip.depth.mid + grip.depth_far.mid + grip.radius.mid + grip.radius_far.mid
     h = Interval(width - fine(setup) * APPROACH_UM * units.UM, width)
     return Start(
         h=h,

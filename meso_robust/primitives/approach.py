@@ -246,7 +246,7 @@ def _start(
     h = functools.reduce(
         Interval.hull, (enclose(of.touch, cell | no_line, boxes=BOXES)[0] for cell in cells)
     )
-    box = cells[len(cells) // 2] | no_line | labels
+    box = {**cells[len(cells) // 2], **no_line, **labels}
     middle, slope = _at_middle(of.touch, box), _slopes(of.touch, box)
     rate = rate_at(grip, middle["h"], middle["q"])
 

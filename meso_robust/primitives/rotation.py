@@ -94,16 +94,16 @@ class _Move:
         box, setup = self.box, self.setup
         return Grip(
             room=self.room,
-            d_D=box["depth"],
-            d_S=box["depth_far"],
-            ends_D=(self.edge.first, self.edge.last),
+            depth=box["depth"],
+            depth_far=box["depth_far"],
+            ends=(self.edge.first, self.edge.last),
             # run the other way
-            ends_S=(-self.far.last, -self.far.first),
+            ends_far=(-self.far.last, -self.far.first),
             rho=box["rho"],
             mu=setup.uncertainty.friction,
             common=setup.friction_common,
-            r_D=box["radius_lower"],
-            r_S=box["radius_passive"],
+            radius=box["radius_lower"],
+            radius_far=box["radius_passive"],
             kappa=box["kappa_far"] - box["kappa"] if box["kappa"] != ZERO else ZERO,
             **{
                 name: box[name] for name in ("drag_a", "drag_n", "stretch", "shear", "bend", "sway")

@@ -22,18 +22,18 @@ TOLERANCE = 1e-9
 class Part:
     """What is constant; one entry a sample, SI."""
 
-    d_D: Floats
-    d_S: Floats
-    r_D: Floats
-    r_S: Floats
+    depth: Floats
+    depth_far: Floats
+    radius: Floats
+    radius_far: Floats
     kappa: Floats
     drag_a: Floats
     drag_n: Floats
     rho: Floats
     stretch: Floats
     shear: Floats
-    mu_D: Floats
-    mu_S: Floats
+    mu: Floats
+    mu_far: Floats
 
 
 @dataclass(frozen=True)
@@ -77,9 +77,9 @@ def gripped(part: Part, h: Floats, V: Floats, q: Floats) -> State:
     def gap(theta: Floats) -> Floats:
         far = unit(theta + part.kappa)
         out = np.stack([far[:, 1], -far[:, 0]], axis=1)
-        point = q[:, None] * far + (part.d_S + part.r_S)[:, None] * out
+        point = q[:, None] * far + (part.depth_far + part.radius_far)[:, None] * out
         normal = np.stack([np.sin(theta), -np.cos(theta)], axis=1)
-        return np.einsum("ij,ij->i", active - point, normal) - part.d_D - part.r_D
+        return np.einsum("ij,ij->i", active - point, normal) - part.depth - part.radius
 
     for _ in range(80):
         middle = 0.5 * (low + high)
@@ -88,7 +88,7 @@ def gripped(part: Part, h: Floats, V: Floats, q: Floats) -> State:
     theta = 0.5 * (low + high)
     far = unit(theta + part.kappa)
     out = np.stack([far[:, 1], -far[:, 0]], axis=1)
-    point = q[:, None] * far + (part.d_S + part.r_S)[:, None] * out
+    point = q[:, None] * far + (part.depth_far + part.radius_far)[:, None] * out
     return State(
         x=point[:, 0], y=point[:, 1], theta=theta, active=active, passive=np.zeros_like(active)
     )
@@ -122,13 +122,13 @@ def solutions(state: State, part: Part) -> tuple[Floats, npt.NDArray[np.bool_]]:
     count = part.rho.size
     film, place = _film(state, part), np.stack([state.x, state.y], axis=1)
     tips = []
-    for centre, angle, radius, side, mu in (
-        (state.active, state.theta, part.r_D, 1.0, part.mu_D),
-        (state.passive, state.theta + part.kappa, part.r_S, -1.0, part.mu_S),
+    for centre, angle, round_, side, mu in (
+        (state.active, state.theta, part.radius, 1.0, part.mu),
+        (state.passive, state.theta + part.kappa, part.radius_far, -1.0, part.mu_far),
     ):
         along = unit(angle)
         out = side * np.stack([along[:, 1], -along[:, 0]], axis=1)
-        tips.append((centre - radius[:, None] * out - place, along, -out, mu))
+        tips.append((centre - round_[:, None] * out - place, along, -out, mu))
     speeds = np.array([[-1.0, 0.0], [0.0, 0.0]])
     found, valid = [], []
     for modes in MODES:
@@ -149,11 +149,11 @@ def solutions(state: State, part: Part) -> tuple[Floats, npt.NDArray[np.bool_]]:
         good = np.ones(count, dtype=bool)
         for k, mode in enumerate(modes):
             arm, along, _, mu = tips[k]
-            press, rub = solved[:, 3 + 2 * k], solved[:, 4 + 2 * k]
+            press, shear = solved[:, 3 + 2 * k], solved[:, 4 + 2 * k]
             scale = TOLERANCE * np.abs(solved[:, 3:]).max(axis=1)
             good &= press >= -scale
             if mode == STICK:
-                good &= np.abs(rub) <= mu * press + scale
+                good &= np.abs(shear) <= mu * press + scale
             else:
                 slip = np.einsum("ij,ij->i", _row(arm, along), solved[:, :3]) - along @ speeds[k]
                 good &= mode * slip <= TOLERANCE
