@@ -8,8 +8,8 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.bounds import Box, Interval, Proof, Verdict
-from meso_robust.primitives import one_tip
-from meso_robust.primitives.implicit import Ends, Implicit
+from meso_robust.bounds.implicit import Ends, Implicit
+from meso_robust.motion import one_tip
 from meso_robust.primitives.move import Aim, Anchor, MoveRule
 from meso_robust.primitives.names import (
     SIDES,
@@ -42,7 +42,7 @@ def base_box(rule: MoveRule, pre: PoseBox, setup: Setup, edge: Edge) -> dict[str
     Returns
     -------
     dict
-        Parameters and constants of :mod:`meso_robust.primitives.one_tip`, SI.
+        Parameters and constants of :mod:`meso_robust.motion.one_tip`, SI.
     """
     u = setup.uncertainty
     anisotropy, astray = u.drag_anisotropy, u.probe_wander
@@ -183,7 +183,7 @@ def stated(box: Box) -> Box:
     Parameters
     ----------
     box
-        By the names of :mod:`meso_robust.primitives.one_tip`.
+        By the names of :mod:`meso_robust.motion.one_tip`.
 
     Returns
     -------

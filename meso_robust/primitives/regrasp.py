@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from meso_robust.bounds import Box, Verdict, prove_positive
-from meso_robust.primitives import one_tip
+from meso_robust.motion import one_tip
 from meso_robust.primitives.base import base_box, stated
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import SIDES, Inequality, ObligationId, Property, about

@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.bounds.implicit import Ends, bound
 from meso_robust.bounds.interval import arcsin, cos
-from meso_robust.primitives import one_tip
+from meso_robust.motion import one_tip
 from meso_robust.primitives.base import (
     Wanted,
     base_box,
@@ -21,7 +22,6 @@ from meso_robust.primitives.base import (
     pose_of,
     positive,
 )
-from meso_robust.primitives.implicit import Ends, bound
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import (
     SIDES,

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from meso_robust.bounds import Interval
-from meso_robust.primitives import one_tip
+from meso_robust.bounds.implicit import Implicit, at_middle, bound
+from meso_robust.motion import one_tip
 from meso_robust.primitives.base import (
     Wanted,
     base_box,
@@ -15,7 +16,6 @@ from meso_robust.primitives.base import (
     pose_of,
     positive,
 )
-from meso_robust.primitives.implicit import Implicit, at_middle, bound
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import (
     TURNS,

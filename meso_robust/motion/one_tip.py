@@ -1,7 +1,7 @@
 """One sticking tip turns the part: where that leads and what keeps it so, over base parameters.
 
 The formulas are those of derivations/drag_tensor.py and round_tips.py, put together here as CasADi
-expressions of what is uncertain by itself; :mod:`meso_robust.primitives.implicit` bounds them. The clock
+expressions of what is uncertain by itself; :mod:`meso_robust.bounds.implicit` bounds them. The clock
 is the direction of the edge: the travel is one quadrature in it, everything else is explicit.
 
 Names of parameters are those of certificates; axes are those of the move. What acts on the way has
@@ -17,8 +17,8 @@ from functools import cache
 import casadi as ca
 
 from meso_robust.bounds import Bounded, bounded
+from meso_robust.bounds.implicit import Implicit, Quadrature, implicit
 from meso_robust.conditions import formula
-from meso_robust.primitives.implicit import Implicit, Quadrature, implicit
 
 Symbols = dict[str, ca.SX]
 
