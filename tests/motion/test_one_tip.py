@@ -61,7 +61,9 @@ def middle(aim: Mapping[str, float]) -> dict[str, float]:
     return {**dict.fromkeys(one_tip.PARAMETERS, 0.0), **MIDDLE, **aim}
 
 
-def drawn(aim: Mapping[str, float], rng: np.random.Generator, share: float = 1.0) -> dict[str, float]:
+def drawn(
+    aim: Mapping[str, float], rng: np.random.Generator, share: float = 1.0
+) -> dict[str, float]:
     found = middle(aim)
     for name, reach in REACH.items():
         found[name] += share * reach * rng.uniform(-1.0, 1.0)
@@ -155,7 +157,9 @@ def test_clearances_of_a_tilt_are_distances(side: int, aim: dict[str, float]) ->
 
 
 @pytest.mark.parametrize("path", [(0.01, "bend"), (0.0, "straight")])
-def test_a_path_that_is_bent_all_the_way_turns_the_part_as_integrated(path: tuple[float, str]) -> None:
+def test_a_path_that_is_bent_all_the_way_turns_the_part_as_integrated(
+    path: tuple[float, str],
+) -> None:
     """A tangent of the deviation of ``path[0]`` all along, which ends as far astray as it must."""
     rng = np.random.default_rng(7)
     v = drawn(TILT, rng) | {"bend": path[0]}
@@ -193,7 +197,9 @@ def test_a_straightening_is_that_of_two_discs() -> None:
         _pair(v, ends, pose, first, second)
 
 
-def _pair(v: Mapping[str, float], ends: Ends, pose: np.ndarray, first: float, second: float) -> None:
+def _pair(
+    v: Mapping[str, float], ends: Ends, pose: np.ndarray, first: float, second: float
+) -> None:
     """Forces that a translation takes, shared by two contacts so that nothing turns the part."""
     along, out = plant.edge(v, pose[2])
     phi, bend = v["direction"], v["bend_now"]
@@ -210,7 +216,9 @@ def _pair(v: Mapping[str, float], ends: Ends, pose: np.ndarray, first: float, se
     moment = arm[0] * force[1] - arm[1] * force[0]
     lower = moment / (second - first)
     assert ends.lower["pair_pushes_1"] / (second - first) == pytest.approx(lower, rel=1e-6)
-    assert ends.lower["pair_pushes_0"] / (second - first) == pytest.approx(pressing - lower, rel=1e-6)
+    assert ends.lower["pair_pushes_0"] / (second - first) == pytest.approx(
+        pressing - lower, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize(("side", "aim"), [(1, TILT), (-1, BACK)])
@@ -288,7 +296,10 @@ def test_the_poses_on_the_way_are_in_the_tube() -> None:
     guess = np.pi / 2 + 0.06
     for low in (0.0, 0.5):
         there = bound(
-            one_tip.tilt_tube(1), box | {"share": Interval(low, low + 0.5)}, guess, both=one_tip.POSE
+            one_tip.tilt_tube(1),
+            box | {"share": Interval(low, low + 0.5)},
+            guess,
+            both=one_tip.POSE,
         )
         assert there is not None
         rng = np.random.default_rng(11)
