@@ -10,6 +10,7 @@ import pytest
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.bounds.implicit import Ends, Implicit, bound
 from meso_robust.motion import one_tip
+from meso_robust.types import Floats
 from tests.motion import pushed_disc as plant
 
 UM, DEG = 1e-6, np.pi / 180.0
@@ -97,7 +98,7 @@ def close(ends: Ends, name: str, value: float, room: float) -> None:
     assert ends.upper[name] - ends.lower[name] < 20.0 * room, name
 
 
-def after_tilt(v: Mapping[str, float], side: int) -> tuple[np.ndarray, np.ndarray]:
+def after_tilt(v: Mapping[str, float], side: int) -> tuple[Floats, Floats]:
     """Pose and place of the disc at the end, from the plant; what strays at the end is added."""
     length, way = plant.travel(v)
     c, s = -way
@@ -142,8 +143,14 @@ def test_clearances_of_a_tilt_are_distances(side: int, aim: dict[str, float]) ->
             v[f"stray_{axis}"] = v[f"wander_{axis}_now"] = v[f"wander_{axis}"]
         ends = at(of, v, np.pi / 2 + side * 0.06)
         before = np.array([v["x"], v["y"], v["theta"]])
-        for tip, name in ((1, "free_upper"), (-1, "free_lower")):
-            close(ends, name, plant.off_line(v, before, tip, plant.tips(v)[tip]), 1e-11)
+        for tip in (1, -1):
+            of_tip = one_tip.passing(tip)
+            there = v | {"line_turn": v["turn"] - v["kappa"], "line_depth": v["depth"]}
+            for share, along in ((0.0, 0.0), (0.5, 0.5)):
+                inputs = [(there | {"share": share})[name] for name in of_tip.inputs]
+                place = plant.tips(v)[tip] + along * plant.travel(v)[0] * plant.travel(v)[1]
+                apart = plant.off_line(v, before, tip, place)
+                assert float(of_tip.function(inputs)) == pytest.approx(apart, abs=1e-11)
         pose, _ = after_tilt(v, side)
         idle = plant.tips(v)[side] + plant.travel(v)[0] * plant.travel(v)[1]
         for when, at_pose, place in (
@@ -182,9 +189,7 @@ def test_a_straightening_is_that_of_two_discs() -> None:
         ends = at(of, v, np.pi / 2)
         length, way = plant.travel(v)
         apart = plant.tips(v)[1] - plant.tips(v)[-1]
-        pose, disc, progress = plant.turn(
-            v, -1, length, lambda pose, disc: plant.off_line(v, pose, 1, disc + apart)
-        )
+        pose, disc, progress = plant.turn(v, -1, length, both_touch(v))
         left = length - plant.touch(v, -1) - progress
         close(ends, "spare", left, 2e-9)
         for k, axis in enumerate("xy"):
@@ -197,9 +202,17 @@ def test_a_straightening_is_that_of_two_discs() -> None:
         _pair(v, ends, pose, first, second)
 
 
-def _pair(
-    v: Mapping[str, float], ends: Ends, pose: np.ndarray, first: float, second: float
-) -> None:
+def both_touch(v: Mapping[str, float]) -> Callable[[Floats, Floats], float]:
+    """How far the upper tip is off the line when the lower one is at a place."""
+    apart = plant.tips(v)[1] - plant.tips(v)[-1]
+    return lambda pose, disc: plant.off_line(v, pose, 1, disc + apart)
+
+
+def turned_to(theta: float) -> Callable[[Floats, Floats], float]:
+    return lambda pose, _: float(pose[2] - theta)
+
+
+def _pair(v: Mapping[str, float], ends: Ends, pose: Floats, first: float, second: float) -> None:
     """Forces that a translation takes, shared by two contacts so that nothing turns the part."""
     along, out = plant.edge(v, pose[2])
     phi, bend = v["direction"], v["bend_now"]
@@ -309,9 +322,7 @@ def test_the_poses_on_the_way_are_in_the_tube() -> None:
             end, _ = after_tilt(v, 1)
             for part in (low + 0.1, low + 0.4):
                 target = v["theta"] + part * (end[2] - v["theta"])
-                pose, _, _ = plant.turn(
-                    v, -1, plant.travel(v)[0], lambda pose, _, goal=target: pose[2] - goal
-                )
+                pose, _, _ = plant.turn(v, -1, plant.travel(v)[0], turned_to(target))
                 for name, value in zip(one_tip.POSE, pose, strict=True):
                     assert there.lower[name] - 1e-9 <= value <= there.upper[name] + 1e-9
 
@@ -328,11 +339,8 @@ def test_the_height_after_a_tilt_and_a_straightening_is_kept_together() -> None:
         shared = (*one_tip.TIPS, *one_tip.PART)
         second |= {name: first[name] for name in shared} | {"bend": 0.0}
         second |= dict.fromkeys(("wander_x", "wander_y", "wander_x_now", "wander_y_now"), 0.0)
-        apart = plant.tips(second)[1] - plant.tips(second)[-1]
         length, way = plant.travel(second)
-        pose, _, progress = plant.turn(
-            second, -1, length, lambda pose, disc: plant.off_line(second, pose, 1, disc + apart)
-        )
+        pose, _, progress = plant.turn(second, -1, length, both_touch(second))
         left = length - plant.touch(second, -1) - progress
         together = second | {f"tilt_{name}": first[name] for name in mine}
         ends = bound(of, point(together), HALF_PI.lo, both=("y",))
