@@ -71,7 +71,9 @@ def test_the_end_lies_between_its_corners_and_no_wider() -> None:
     assert found.end.lo <= least
     assert most <= found.end.hi
     assert (found.lower["total"], found.upper["total"]) == pytest.approx((0.5, 0.55), abs=2e-5)
-    assert found.lower["scaled"] == pytest.approx(3.0 * end_of(1.0, 0.4, 0.0, 0.5, 1.05) - 0.5)
+    assert found.lower["scaled"] == pytest.approx(
+        3.0 * end_of(1.0, 0.4, 0.0, 0.5, 1.05) - 0.5, abs=2e-5
+    )
 
 
 def test_an_output_that_is_not_monotone_is_enclosed_and_cut_until_it_is_positive() -> None:
