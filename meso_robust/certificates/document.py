@@ -19,7 +19,7 @@ from meso_robust import units
 from meso_robust.bounds import Box, Verdict, VerdictWord
 from meso_robust.certificates.chain import Chain
 from meso_robust.certificates.margin import Limit, Margin
-from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.premise import Premise, premises
 from meso_robust.certificates.words import (
     PREMISES,
     claim_words,
@@ -406,7 +406,7 @@ def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
     return ClaimDocument(
         id="ends_in_goal" if task.slot is None else "ends_in_goal_clear_of_walls",
         moves=moves,
-        premises=tuple(Premise),
+        premises=premises(task),
         uncertainties=_hex_box(u.stated),
         inequalities={one.inequality: one.inequality.derivation for one in _obligations(chain)},
     )
@@ -446,7 +446,7 @@ def reading_document(
     listed = tuple(_obligations(chain))
     return ReadingDocument(
         claim=claim_words(task, moves),
-        premises={one.value: PREMISES[one] for one in Premise},
+        premises={one.value: PREMISES[one] for one in premises(task)},
         properties={step.claim.key: words(step.claim) for step in chain.steps},
         obligations={one.name.key: words(one.name) for one in listed},
         inequalities={
