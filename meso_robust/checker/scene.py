@@ -50,24 +50,10 @@ WANDERS_IN = arb("1e-4")
 """m of travel in which a probe strays by no more than ``probe_wander``."""
 
 
-PLAIN = frozenset(
-    [
-        "x",
-        "y",
-        "theta",
-        "sensed_x",
-        "sensed_y",
-        "probe_x",
-        "probe_y",
-        "passive_x",
-        "passive_y",
-        "beta",
-        "spacing",
-        "depth",
-        "rho",
-        "mu",
-    ]
-)
+PLAIN = {
+    *("x", "y", "theta", "turn", "sensed_x", "sensed_y", "probe_x", "probe_y"),
+    *("passive_x", "passive_y", "beta", "spacing", "depth", "rho", "mu"),
+}
 """Variables that a move of points on an exact part depends on."""
 
 
