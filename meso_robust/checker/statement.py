@@ -189,16 +189,16 @@ PASSIVE_FORCE = Statement("two_sided_rotation.passive_force", _passive_force)
 ALONE = _plain("active_alone", _alone)
 ACTIVE_FORCE = Statement("active_force", _active_force)
 TIPS_ON_EDGES = _plain("two_sided_rotation.ends_of_edges", _tips_on_edges)
-PART_CLEAR, TIPS_CLEAR = (
-    # verified over what is swept (walls.py), not as a formula of a few numbers
+PART_CLEAR, TIPS_CLEAR, FORCE = (
+    # verified over what is swept (walls.py, force.py), not as a formula of a few numbers
     Statement(id_, lambda at, above: ())
-    for id_ in ("part_to_wall", "tip_to_wall")
+    for id_ in ("part_to_wall", "tip_to_wall", "force_to_spare")
 )
 STATEMENTS: Mapping[str, Statement] = {
     one.id: one
     for one in (
         CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
         REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
-        TIPS_CLEAR,
+        TIPS_CLEAR, FORCE,
     )
 }  # fmt: skip
