@@ -161,6 +161,12 @@ const formulas = {
       return [(p_S*(d2 + x0) + rho)*Math.sin(theta)/(Math.pow(d2, 2) + d2*x0 + rho)];
     },
   },
+  contact_forces: {
+    // most that one sticking tip, or two on one edge together, press on a part, over e_x and the speed of the probe
+    carrying_force(stretch, shear) {
+      return [Math.sqrt(Math.pow(shear, 2) + Math.pow(stretch, 2)) + 1];
+    },
+  },
   y_translation: {
     // m: rise of the centre over tilt and straightening
     gain(theta_0, theta_1, theta_2, d1, d2, d2_back) {
