@@ -61,7 +61,7 @@ class Place:
                     rows[4 + 2 * k, normal] = -sign * self.frictions[k]
             if abs(np.linalg.det(rows)) < 1e-12:
                 continue
-            found = np.linalg.solve(rows, right)
+            found = np.asarray(np.linalg.solve(rows, right), dtype=np.float64)
             if all(self.obeys(found, mode[k], k, arms[k], pushed) for k in (0, 1)):
                 yield found[[0, 2]], found[3:]
 
