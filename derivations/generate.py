@@ -41,6 +41,8 @@ SOURCES = (
     "symmetries",
     "polygon_edge",
     "drag_tensor",
+    "contact_response",
+    "dry_sticking",
     "printed_numbers",
 )
 """Derivation files, in the order in which a reader of the paper meets their claims."""

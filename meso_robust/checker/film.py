@@ -15,8 +15,13 @@ Put into ``f``, with ``D = 1 - stretch^2 - shear^2`` the determinant of ``E``:
     -f_n F = A c + B s,    f_a F = -(C c + A s)
     A = shear rho + D d1 d2,  B = (1 - stretch) rho + D d1^2,  C = (1 + stretch) rho + D d2^2
 
-A contact that slips with the friction ratio ``k`` and presses with one unit of force gives way, along
-``-n``, with ``(C + k A)/(rho D)``: the inverse of ``E`` and the lever ``d2 + k d1`` at the arm ``d2``.
+A contact that slips with the friction ratio ``k`` and presses with the force N gives way, along
+``-n``, with ``N (C + k A)/(rho D)`` (the inverse of ``E`` and the lever ``d2 + k d1`` at the arm ``d2``): as
+fast as the tip comes. So it does not press where ``C + k A`` is not positive; where it is, the part's
+point slides along the tip by a speed that grows with k (the derivative is the determinant of the
+contact's mobility over a square) and vanishes at the ratio of sticking. With that ratio strictly
+inside the cone a k at its end slides the way that it pulls, which friction does not: **a contact that
+presses and sticks strictly inside the cone has no other motion**.
 
 A path that strays from its straight line by the tangent ``bend`` changes ``(c, s)`` to ``(c - bend s,
 s + bend c)``.

@@ -8,7 +8,7 @@ exactly the names of the inequality, one of these.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from flint import arb
 
@@ -35,18 +35,33 @@ def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ..
     Refused
         One differs, is missing, or claims more than is true.
     """
-    wanted = [requirement for requirement in found if requirement.stated]
-    told = [(one.id, one.about) for one in stated]
-    if told != [(one.name.id, one.name.about) for one in wanted]:
-        missing = (w for w in wanted if (w.name.id, w.name.about) not in told)
-        lacks = next((sentence(w.name) for w in missing), "another order")
-        raise Refused(
-            named(Objection.OBLIGATIONS_LISTED), f"{len(told)} of them", f"lacks: {lacks}"
-        )
+    wanted = _listed(stated, [requirement for requirement in found if requirement.stated])
     for one, requirement in zip(stated, wanted, strict=True):
         _form(one, requirement)
     for one, requirement in zip(stated, wanted, strict=True):
         _verify(one, requirement)
+
+
+def _listed(
+    stated: tuple[ObligationDocument, ...], found: Sequence[Requirement]
+) -> list[Requirement]:
+    """The requirements that are listed: all but optional ones."""
+    left, wanted = [(one.id, one.about) for one in stated], []
+    for requirement in found:
+        name = (requirement.name.id, requirement.name.about)
+        if left and left[0] == name:
+            wanted.append(requirement)
+            left.pop(0)
+        elif not requirement.optional:
+            lacks = sentence(requirement.name) if name not in left else "another order"
+            raise Refused(
+                named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"lacks: {lacks}"
+            )
+    if left:
+        raise Refused(
+            named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"{len(wanted)} of them"
+        )
+    return wanted
 
 
 def _verify(stated: ObligationDocument, requirement: Requirement) -> None:

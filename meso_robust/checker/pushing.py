@@ -133,8 +133,31 @@ def sticks(
         one(named(Must.TIP_PUSHES, tip=which), st.PRESSES, f"{pushed} rho"),
         one(named(Must.TIP_STICKS, tip=which), st.STICKS, f"{pushed} rho mu"),
         one(named(Must.TIP_TURNS_PART, tip=which, turn=TURNS[side]), st.TURNS, f"{pushed} side"),
-        one(named(Must.NO_SLIPPING, tip=which), st.ONLY, f"d1 d2 {uneven} rho mu"),
+        # it follows from the others (film.py)
+        replace(
+            one(named(Must.NO_SLIPPING, tip=which), st.ONLY, f"d1 d2 {uneven} rho mu"),
+            shown=True,
+            optional=True,
+        ),
     ]
+
+
+def turns_back(which: str, scene: Scene, offset: Formula, side: int, box: Box) -> Requirement:
+    """The tip on ``side`` alone would turn the part to that side, whether it sticks or slips."""
+    mu = scene.mu(side)
+    film = {name: of for name, of in scene.film_variables().items() if name.startswith("drag")}
+    variables: Variables = {
+        "d1": lambda at: at["depth"],
+        "d2": offset,
+        "mu": lambda at: at[mu],
+        "side": constant(arb(side)),
+        **film,
+    }
+    return Requirement(
+        name=named(Must.TIP_TURNS_PART, tip=which, turn=TURNS[side]),
+        statement=st.ANY_WAY,
+        parts=(Part(variables, box),),
+    )
 
 
 def beside(scene: Scene, theta: Formula, offset: Formula, flight: Formula, side: int) -> Variables:

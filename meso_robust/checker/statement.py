@@ -75,6 +75,12 @@ def _only(at: Point) -> Values:
     return straight - across, straight + across
 
 
+def _turns_any_way(at: Point) -> Values:
+    # moment about the centre of drag of one unit of pressing, whatever friction does: the turn's sign
+    arm = _arm(at)
+    return (arm.d2 * at["side"] - at["mu"] * arm.d1,)
+
+
 def _pair_sticks(at: Point) -> Values:
     """Both tips together hold the part against the drag of its translation, and nothing else can be.
 
@@ -142,6 +148,7 @@ CLEARANCE = _plain("sticking_motion.clearance", _clearance)
 BESIDE = _plain("sticking_motion.beside", _beside, any_value=True)
 BESIDE_ONE = _plain("sticking_motion.beside", _clearance)
 """The same of a tip that is off one and the same of these lines all the time."""
+ANY_WAY = _plain("drag_tensor.turns_any_way", _turns_any_way)
 PRESSES = _plain("one_point_sticking.normal_force", _press)
 STICKS = _plain("one_point_sticking.friction_margin", _friction)
 TURNS = _plain("one_point_sticking.turning", _turns)
@@ -166,8 +173,8 @@ PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR = (
 STATEMENTS: Mapping[str, Statement] = {
     one.id: one
     for one in (
-        CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, PAIR_STICKS, PAIR_PRESSES, NO_JAM, NO_JAM_POINTS,
-        REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
+        CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
+        NO_JAM_POINTS, REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
         TIPS_CLEAR,
     )
 }  # fmt: skip

@@ -3,8 +3,8 @@
 Once both touch, the line through them keeps its direction ``pi/2 + beta`` and so does the edge.
 Nothing but the translation can follow: a motion that both tips keep in contact does not turn and
 differs from it by a slide along the edge only, against which the friction of both tips together
-stands (``statement.py``); one that leaves a tip is a motion of the other tip alone, which sticks and turns the part
-back onto the tip that it left; with no tip in contact the part rests in the way of both.
+stands (``statement.py``); one that leaves a tip is a motion of the other tip alone, which turns the part back
+onto the tip that it left, for any friction at all or because it sticks; with no tip in contact the part rests in the way of both.
 """
 
 from __future__ import annotations
@@ -30,9 +30,10 @@ from meso_robust.checker.pushing import (
     sticks,
     touch,
     turning,
+    turns_back,
 )
-from meso_robust.checker.ranges import Box, Side, common, hull, shift, span
-from meso_robust.checker.requirement import Part, Requirement, Variables, prove
+from meso_robust.checker.ranges import Box, Formula, Side, common, hull, shift, span
+from meso_robust.checker.requirement import Part, Requirement, Variables, holds, prove
 from meso_robust.checker.scene import NAMES, Scene, direction
 
 
@@ -251,7 +252,7 @@ class _Case:
                 statement=st.PAIR_PRESSES,
                 parts=(Part(pressing, box),),
             ),
-            *sticks(second, scene, aligned, self.other, -side, -side, box),
+            *self.second_alone(second, aligned),
             Requirement(
                 name=named(Must.SECOND_TIP_TOUCHES),
                 statement=st.ARRIVES,
@@ -259,6 +260,23 @@ class _Case:
                 cover=ends,
                 stated_box=self.longest,
             ),
+        ]
+
+    def second_alone(self, which: str, aligned: Formula) -> list[Requirement]:
+        """The second tip alone would turn the part back onto the first one: proved in one of two ways."""
+        back = turns_back(which, self.scene, self.other, -self.side, self.box)
+        sticking = sticks(which, self.scene, aligned, self.other, -self.side, -self.side, self.box)
+        if not all(holds(back.statement, part) for part in back.parts):
+            for requirement in sticking:
+                prove(requirement)
+        return [
+            dataclasses.replace(
+                one,
+                shown=True,
+                optional=one.name.id != back.name.id,
+                instead=(back,) if one.name.id == back.name.id else (),
+            )
+            for one in sticking
         ]
 
     @property
