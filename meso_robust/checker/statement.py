@@ -163,11 +163,12 @@ BETWEEN_ENDS = _plain("between_corners", _on_edge)
 ARRIVES = _plain("travel_to_spare", _arrives)
 RESTS = _plain("touch_before_end", lambda at: (at["h_start"] - at["h_end"],))
 COMES_FREE = _plain("faces_back", _faces_back)
-PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR = (
-    # verified over a tube (rotate.py) or what is swept (walls.py), not as a formula of a few numbers
+PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR, FORCE = (
+    # verified over a tube (rotate.py), a sweep (walls.py) or all (force.py), not as a formula of a few numbers
     Statement(id_, lambda at, above: ())
     for id_ in (
         "two_sided_rotation.passive_force", "two_sided_rotation.ends_of_edges", "part_to_wall", "tip_to_wall",
+        "force_to_spare",
     )
 )  # fmt: skip
 STATEMENTS: Mapping[str, Statement] = {
@@ -175,6 +176,6 @@ STATEMENTS: Mapping[str, Statement] = {
     for one in (
         CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
         NO_JAM_POINTS, REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
-        TIPS_CLEAR,
+        TIPS_CLEAR, FORCE,
     )
 }  # fmt: skip
