@@ -257,7 +257,8 @@ def _witness(check: CrossCheck) -> tuple[WitnessDocument, str]:
     row = check.failure
     if row is None:
         raise ValueError("no run failed, so there is no witness")
-    draws = {field.name: getattr(check.draws, field.name)[row] for field in fields(check.draws)}
+    all_ = {field.name: getattr(check.draws, field.name) for field in fields(check.draws)}
+    draws = {name: values[row] for name, values in all_.items() if values is not None}
 
     def pairs(name: str) -> tuple[tuple[str, str], ...]:
         return tuple((float(x).hex(), float(y).hex()) for x, y in draws[name])

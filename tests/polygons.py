@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import (
@@ -22,6 +23,7 @@ from meso_robust.certificates.document import (
     step_document,
 )
 from meso_robust.certificates.margin import Margin
+from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.planning.compose import robust_at
 from meso_robust.planning.document import goal_document, plan_document
 from meso_robust.primitives.move import MoveRule
@@ -34,6 +36,14 @@ UNCERTAINTIES = (
     "sensed_position", "sensed_orientation", "probe_position", "friction", "film_ratio",
     "misalignment",
 )  # fmt: skip
+
+
+def inside(
+    points: npt.NDArray[np.float64], corners: npt.NDArray[np.float64]
+) -> npt.NDArray[np.bool_]:
+    """(N,) whether points (N, 2) lie in a polygon (V, 2) or on its outline."""
+    at_rest, none = np.zeros((1, 3)), np.zeros((1, len(points)))
+    return np.asarray(gaps_to(points[None], at_rest, corners[None], none)[0] <= 0.0)
 
 
 def values_of(path: Path) -> dict[str, Any]:

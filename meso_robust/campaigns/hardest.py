@@ -8,8 +8,9 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.campaigns.kind import Paths
+from meso_robust.laboratory.making import outline
 from meso_robust.laboratory.replay import Player
-from meso_robust.laboratory.running import PlanRun, outline
+from meso_robust.laboratory.running import PlanRun
 from meso_robust.types import Floats, Indices
 
 HARDEST = 3  # runs that are kept of a chunk

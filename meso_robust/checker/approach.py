@@ -133,7 +133,7 @@ class Approach:
 
     def swept(self) -> Sweep:
         """All poses until the gap is closed."""
-        own = {key: self.scene.box[key] for key in ("x", "sx", "qx")}
+        own = {key: self.scene.box[key] for key in ("x", "sensed_x", "passive_x")}
         return Sweep(self.pose, {**self.box(), **own}, "left")
 
     def touching(self, at: Point) -> tuple[Dual, Dual]:
@@ -185,9 +185,8 @@ def approach(scene: Scene, pair: Pair) -> Approach:
     """
     box = scene.box
     free = {
-        "theta": box["theta"],
+        **box,
         "gap": span(functools.partial(_gap, scene), box),
-        **{key: box[key] for key in ("y", "sy", "py", "qy", "rho", "mu")},
     }
     trial = Approach(scene, pair, free, START, START, START)
     for _ in range(GUESSES):

@@ -19,7 +19,7 @@ class Pair:
 
     def V(self, at: Point) -> Dual:
         """Active minus passive tip, y."""
-        return self.scene.apart(self.scene.rule.dual_y, at, "y") - self.scene.spacing / 2
+        return self.scene.apart(self.scene.rule.dual_y, at, "y") - at["spacing"] / 2
 
     def middle(self, at: Point) -> Dual:
         """Middle of both minus the part before the move, y."""

@@ -58,6 +58,8 @@ def check_rotate(scene: Scene) -> Passage:
         raise Refused(named(Objection.IS_RECTANGLE), "a polygon", "a rectangle")
     if scene.rule.side != 1:
         raise Refused(named(Objection.SIDE_OF_MOVE, action="rotate"), scene.rule.side, 1)
+    if not scene.plain:
+        raise Refused(named(Objection.IS_RECTANGLE), "round tips, or an uneven film", "points")
     pair, box = Pair(scene), scene.box
     before = [*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(scene), _no_jam(pair)]
     _prove(before)
@@ -173,8 +175,8 @@ class _Turn:
             constant(ZERO),
             IDLE,
         )
-        beta = self.scene.box["beta"]
-        return Part(variables, {**self.box, "beta": beta, "done": UNIT, "share": UNIT})
+        tips = {name: self.scene.box[name] for name in ("beta", "spacing")}
+        return Part(variables, {**self.box, **tips, "done": UNIT, "share": UNIT})
 
     def requirements(self) -> list[Requirement]:
         tube = tuple(self.part(piece) for piece in self.pieces)
@@ -211,7 +213,7 @@ class _Turn:
             passes("early_in_turn", (self.early(),)),
             passes("late_in_turn", while_turning, cover=(self.at_end(),)),
             passes("on_withdrawal", (self.withdrawal(),)),
-            comes_free("both", self.end_angle, self.end_box()),
+            comes_free("both", self.end_angle, self.scene, self.end_box()),
         ]
 
     def ends(self) -> Box:
@@ -269,7 +271,7 @@ class _Turn:
 
     def swept(self) -> tuple[Sweep, ...]:
         """All poses between both tips."""
-        names = ("x", "sx", "qx", "y", "sy", "qy")
+        names = ("x", "sensed_x", "passive_x", "y", "sensed_y", "passive_y")
         box = {**self.box, **{name: self.scene.box[name] for name in names}}
 
         def pose(piece: Piece, at: Point) -> Pose:

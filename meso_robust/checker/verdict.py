@@ -30,8 +30,19 @@ NEAR = 1e-14
 """m and rad: by how much a box that the task gives may be told too large or too small. A few last
 digits of doubles up to a metre; that it holds what it must is checked without any room."""
 Word = Literal["VERIFIED", "REJECTED", "WITNESS CONFIRMED", "WITNESS UNDECIDED", "NOTHING CLAIMED"]
-SECTIONS = {"schema_", "name", "part", "start", "goal", "probe", "uncertainty", "plan", "slot"}
-"""What the checker's proof takes from a task (``plan`` and the probe's speed are for the planner)."""
+SECTIONS = {
+    "schema_",
+    "name",
+    "part",
+    "start",
+    "goal",
+    "probe",
+    "uncertainty",
+    "plan",
+    "slot",
+    "film",
+}
+"""What the checker's proof takes from a task (``plan`` is for the planner, ``film`` for forces)."""
 EVIDENCE = (
     "simulation: runs of the simulator",
     "margin.refused_at, margin.limit: where the search of the margin gave up",
@@ -115,7 +126,7 @@ def _check(
     if certificate.verdict == "REFUTED":
         return _refuted(certificate, known)
     _check_shape(certificate)
-    margins.check_form(certificate.margin)
+    margins.check_form(certificate.margin, uncertainties(known))
     boxes = _boxes(certificate, known)
     _check_steps(certificate, known, boxes, prover)
     margins.check_factor(certificate, task, alone=thorough, prover=prover)

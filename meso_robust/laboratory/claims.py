@@ -16,8 +16,8 @@ from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain
 from meso_robust.laboratory.claim_ids import CARRIED_OUT, REACHES_GOAL, Claim, ClaimId
 from meso_robust.laboratory.geometry import gaps_to, in_part
-from meso_robust.laboratory.meetings import arrives, at_share, crosses
-from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun, rectangle
+from meso_robust.laboratory.meetings import CORNER, Meetings, crosses, meets
+from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
@@ -38,11 +38,6 @@ class Claims:
     """Per move (2, 3) lower and upper ends of the certified box after it (m, m, rad)."""
     tubes: tuple[Floats | None, ...]
     """Per move (K, 2, 3) slices; during the move every pose lies in one of them."""
-
-    @property
-    def half(self) -> Floats:
-        """(2,) half the sides of the part, m."""
-        return np.asarray(rectangle(self.setup).max(axis=0))
 
 
 def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
@@ -163,13 +158,13 @@ def _of_a_move(
     rule: MoveRule, move: MoveRun, claims: Claims, k: int, accuracy: Accuracy
 ) -> dict[ClaimId, Flags]:
     """(N,) whether a run breaks each claim of one move, if it has got as far as that."""
-    half, post, tube = claims.half, claims.posts[k], claims.tubes[k]
+    post, tube = claims.posts[k], claims.tubes[k]
     slack = accuracy.pose[k]
-    at_start = gaps_to(move.tips, move.before[:, None], half)
+    at_start = gaps_to(move.tips, move.before, move.outlines, move.radii)
     found = {
         ClaimId.STARTS_FREE: np.asarray((at_start <= 0.0).any(axis=1)),
-        ClaimId.CONTACTS: ~_contacts(rule, move, claims, accuracy.slip),
-        ClaimId.RETRACTS: _hits_on_withdrawal(move, half),
+        ClaimId.CONTACTS: ~_contacts(rule, move, accuracy.slip),
+        ClaimId.RETRACTS: _hits_on_withdrawal(move),
     }
     if post is not None:
         found[ClaimId.ENDS_IN_BOX] = outside(move.after, post[None], slack)
@@ -178,10 +173,9 @@ def _of_a_move(
     return found
 
 
-def _contacts(rule: MoveRule, move: MoveRun, claims: Claims, slip: float) -> Flags:
+def _contacts(rule: MoveRule, move: MoveRun, slip: float) -> Flags:
     """(N,) whether the tips touch, stick and stay clear as the primitive claims."""
-    half = claims.half
-    gaps = gaps_to(move.tips + move.travel, move.after[:, None], half)
+    gaps = gaps_to(move.ends, move.after, move.outlines, move.radii)
     touching = np.abs(gaps) <= CONTACT
     if rule.action == "regrasp":
         return (move.after == move.before).all(axis=1) & (gaps > 0.0).all(axis=1)
@@ -192,73 +186,79 @@ def _contacts(rule: MoveRule, move: MoveRun, claims: Claims, slip: float) -> Fla
     if rule.action == "tilt":
         pusher = LOWER if rule.side > 0 else UPPER
         alone = gaps[:, UPPER if rule.side > 0 else LOWER] > 0.0
-        held = touching[:, pusher] & alone & (first_tip(move, half) == pusher)
+        held = touching[:, pusher] & alone & (first_tip(move) == pusher)
     else:
         held = touching[:, UPPER] & touching[:, LOWER]
     few = move.phases <= PHASES[rule.action]  # of the stepper, which counts none, always
-    return np.asarray(held & few & (slips(move, half) <= slip))
+    return np.asarray(held & few & (slips(move) <= slip))
 
 
-def first_tip(move: MoveRun, half: Floats) -> npt.NDArray[np.int64]:
+def first_tip(move: MoveRun) -> npt.NDArray[np.int64]:
     """Which tip of the active probe meets the part first, by plain geometry.
 
     Parameters
     ----------
     move
         One move of N runs.
-    half
-        (2,) half the sides of the part, m.
 
     Returns
     -------
     npt.NDArray
         (N,) ``UPPER`` or ``LOWER``, in the axes of the move.
     """
-    return _first(move, half)[0]
+    return first_meeting(move)[0]
 
 
-def _first(move: MoveRun, half: Floats) -> tuple[npt.NDArray[np.int64], Floats]:
-    """(N,) which tip of the active probe meets the part first, and after which share of its way."""
-    shares = arrives(move.tips[:, :2], move.travel[:, :2], move.before[:, None], half)
-    upper, lower = shares[:, UPPER], shares[:, LOWER]
-    return np.where(lower < upper, LOWER, UPPER), np.minimum(upper, lower)
+def first_meeting(move: MoveRun) -> tuple[npt.NDArray[np.int64], Meetings]:
+    """Which tip of the active probe meets the part first, as `first_tip`, and where."""
+    upper, lower = (
+        meets(move.ways[:, :, tip], move.radii[:, tip], move.before, move.outlines)
+        for tip in (UPPER, LOWER)
+    )
+    below = lower.share < upper.share
+    found = (np.where(below, one, other) for one, other in zip(lower, upper, strict=True))
+    return np.where(below, LOWER, UPPER), Meetings(*found)
 
 
-def slips(move: MoveRun, half: Floats) -> Floats:
+def slips(move: MoveRun) -> Floats:
     """How far the first contact of a move has slipped.
 
     Parameters
     ----------
     move
         One move of N runs.
-    half
-        (2,) half the sides of the part, m.
 
     Returns
     -------
     Floats
-        (N,) distance, on the part, of the first tip to touch after the move from where it met the
-        part, m.
+        (N,) distance, on the part, of the first tip to touch after the move from where it would be
+        had it rolled on its edge without slip since it met the part, m; infinite if it met a corner.
 
     Notes
     -----
-    With no more phases than claimed every contact keeps one mode in a phase; the first contact has
-    slipped in a phase then exactly if this is not zero.
+    A disc that does not turn rolls back along its edge by its radius times the turn of the part. With
+    no more phases than claimed every contact keeps one mode in a phase; the first contact has slipped
+    in a phase then exactly if this is not zero.
     """
-    first, share = _first(move, half)
+    first, met = first_meeting(move)
     rows = np.arange(len(first))
-    tip, way = move.tips[rows, first], move.travel[rows, first]
-    drift = in_part(tip + way, move.after) - at_share(share, tip, way, move.before)
-    return np.asarray(np.hypot(drift[:, 0], drift[:, 1]))
+    after = np.roll(move.outlines, -1, axis=1)
+    corner = move.outlines[rows, met.edge]
+    side = after[rows, met.edge] - corner
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    off = in_part(move.ends[rows, first], move.after) - corner
+    radius, turn = move.radii[rows, first], move.after[:, 2] - move.before[:, 2]
+    along = np.sum(side * off, axis=1) - met.along + radius * turn
+    beside = side[:, 1] * off[:, 0] - side[:, 0] * off[:, 1] - radius
+    return np.where(met.edge == CORNER, np.inf, np.hypot(along, beside))
 
 
-def _hits_on_withdrawal(move: MoveRun, half: Floats) -> Flags:
+def _hits_on_withdrawal(move: MoveRun) -> Flags:
     """(N,) whether a probe meets the part on its way back.
 
     The active probe goes back to its start, the passive one as far along the direction of the push.
     """
     back = np.ones((move.tips.shape[1], 1))
     back[:PASSIVE] = -1.0
-    way = back * move.travel[:, LOWER, None]
-    found = crosses(move.tips + move.travel, way, move.after[:, None], half, CONTACT)
-    return np.asarray(found.any(axis=1))
+    way = back * (move.ends - move.tips)[:, LOWER, None]
+    return crosses(move.ends, way, move.radii, move.after, move.outlines, CONTACT)

@@ -7,18 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.laboratory.geometry import distances, gaps_to, in_part
+from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.replay import Player
 from meso_robust.laboratory.running import (
     STARTS_INSIDE,
     STEP,
     WOULD_START_INSIDE,
     PlanRun,
-    outline,
-    rectangle,
 )
-from meso_robust.primitives.outline import Polygon
-from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 
@@ -83,7 +79,7 @@ def ending(player: Player, runs: PlanRun, row: int) -> Ending:
     move = int(runs.failed_in[row])
     if code == STARTS_INSIDE:
         return Ending(outcome="starts inside", move=move, share=0.0, touching=())
-    share, gaps = _stop(player, runs, row, move)
+    share, gaps = _stop(runs, row, move)
     held = [name for name, gap in zip(player.probes[move], gaps, strict=True) if gap < NEAR]
     return Ending(
         outcome=Outcome(code).word,
@@ -93,23 +89,17 @@ def ending(player: Player, runs: PlanRun, row: int) -> Ending:
     )
 
 
-def _stop(player: Player, runs: PlanRun, row: int, move: int) -> tuple[float, Floats]:
+def _stop(runs: PlanRun, row: int, move: int) -> tuple[float, Floats]:
     """Part of the move after which a probe would enter the part where it lies, and all gaps there."""
     one = runs.moves[move]
     shares = np.linspace(0.0, 1.0, FINE + 1)
     shares = shares[shares >= _last_motion(one.path[row])]
-    tips = one.tips[row] + shares[:, None, None] * one.travel[row]
-    gaps = _gaps(tips, one.after[row], player.setup)
+    tips, of_all = one.tips_at(row, shares), np.zeros(len(shares), dtype=np.int64) + row
+    gaps = gaps_to(tips, one.after[of_all], one.outlines[of_all], one.radii[of_all])
     # the linear steps of the simulator leave a gap of their own; half a step is the next one
     entered = np.flatnonzero((gaps < -0.5 * STEP).any(axis=1))
     at = int(entered[0]) if entered.size else len(shares) - 1
     return float(shares[at]), gaps[at]
-
-
-def _gaps(tips: Floats, pose: Floats, setup: Setup) -> Floats:
-    if isinstance(setup.outline, Polygon):
-        return distances(in_part(tips, pose), outline(setup))
-    return gaps_to(tips, pose, rectangle(setup).max(axis=0))
 
 
 def _last_motion(path: Floats) -> float:

@@ -108,17 +108,17 @@ def film_plan(
         left out.
     """
     speed = 1e-6 * found.task.probe.speed_um_s
-    part = recorded_part(found.task.part)
+    part, radius = recorded_part(found.task.part), found.player.setup.uncertainty.tip_radius.mid
     sampled = [(found.sampled, row) for row in range(len(found.sampled.outcomes))]
     recordings: list[Recording] = []
     for run, (runs, row) in enumerate([(found.nominal.runs, 0), *sampled][:most]):
         for k in range(_made(runs, row)):
             names = found.player.probes[k]
-            one = _move(runs.moves[k], row, camera, speed, part, names, rng)
+            one = _move(runs.moves[k], row, camera, speed, part, radius, names, rng)
             recordings.append(replace(one, file=f"run_{run:02d}_move_{k + 1}.csv"))
     return RecordingSet(
         part=part,
-        tip_radius=0.0,
+        tip_radius=radius,
         position_source=camera.source,
         sensor=camera.info,
         recordings=tuple(recordings),
@@ -154,15 +154,16 @@ def _move(
     camera: Camera,
     speed: float,
     part: Rectangle | Polygon,
+    radius: float,
     names: tuple[str, ...],
     rng: np.random.Generator,
 ) -> Recording:
     path = move.path[row : row + 1]
-    length = float(np.hypot(*move.travel[row].T).max())
+    legs = np.diff(move.ways[row], axis=0)
+    length = float(np.hypot(legs[..., 0], legs[..., 1]).max(axis=1).sum())
     times = np.linspace(0.0, max(length / speed, 1e-3), path.shape[1])
-    share = np.linspace(0.0, 1.0, path.shape[1])[:, None, None]
-    tips = (move.tips[row] + share * move.travel[row])[None]
-    return _recorded(camera, times, path, tips, part, 0.0, rng, names).recordings[0]
+    tips = move.tips_at(row, np.linspace(0.0, 1.0, path.shape[1]))[None]
+    return _recorded(camera, times, path, tips, part, radius, rng, names).recordings[0]
 
 
 def _recorded(

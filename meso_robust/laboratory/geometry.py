@@ -1,54 +1,59 @@
-"""Points beside a part, by plain geometry, apart from proof and simulator."""
+"""Tips beside a part, by plain geometry, apart from proof and simulator."""
 
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from meso_robust.types import Floats
 
 
-def distances(points: Floats, corners: Floats) -> Floats:
-    """(...,) distance of points (..., 2) from the boundary of a polygon (V, 2), negative inside.
-
-    Examples
-    --------
-    >>> triangle = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])
-    >>> distances(np.array([[1.0, 1.0], [2.0, -1.0], [7.0, 4.0]]), triangle)
-    array([-1.,  1.,  5.])
-    """
-    sides = np.roll(corners, -1, axis=0) - corners
-    offset = points[..., None, :] - corners
-    along = np.clip(np.sum(offset * sides, axis=-1) / np.sum(sides**2, axis=-1), 0.0, 1.0)
-    nearest = np.linalg.norm(offset - along[..., None] * sides, axis=-1).min(axis=-1)
-    y = points[..., 1, None]
-    passed = (corners[:, 1] > y) != (np.roll(corners, -1, axis=0)[:, 1] > y)
-    # where a ray to the right meets a side: left of it the cross product has the side's direction
-    left = (sides[:, 0] * offset[..., 1] - sides[:, 1] * offset[..., 0]) * np.sign(sides[:, 1]) > 0
-    inside = (passed & left).sum(axis=-1) % 2 == 1
-    return np.where(inside, -nearest, nearest)
-
-
-def gaps_to(tips: Floats, pose: Floats, half: Floats) -> Floats:
-    """Gaps between points and a rectangle.
+def gaps_to(tips: Floats, poses: Floats, outlines: Floats, radii: Floats) -> Floats:
+    """Gaps between round tips and parts.
 
     Parameters
     ----------
     tips
-        (..., 2) points, m, world frame.
-    pose
-        (..., 3) of the rectangle, m and rad.
-    half
-        (2,) half its sides, m.
+        (N, P, 2) centres, m, world frame.
+    poses
+        (N, 3) of the parts, m and rad.
+    outlines
+        (N, V, 2) their corners, m, own axes, counter-clockwise.
+    radii
+        (N, P) of the tips, m; 0 for a point.
 
     Returns
     -------
     Floats
-        (...,) distance from the rectangle, m; inside minus the distance to the nearest edge.
+        (N, P) m; a tip whose centre is inside has minus its distance to the nearest edge, less its
+        radius.
     """
-    own = in_part(tips, pose)
-    beyond = np.abs(own) - half
-    outside = np.hypot(np.maximum(beyond[..., 0], 0.0), np.maximum(beyond[..., 1], 0.0))
-    return np.asarray(outside + np.minimum(np.maximum(beyond[..., 0], beyond[..., 1]), 0.0))
+    found = np.empty(tips.shape[:2])
+    _find_gaps(in_part(tips, poses[:, None]), outlines, radii, found)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _find_gaps(tips: Floats, outlines: Floats, radii: Floats, found: Floats) -> None:
+    """Write what `gaps_to` finds; the tips are in the axes of their parts."""
+    count = outlines.shape[1]
+    for i in range(tips.shape[0]):
+        for k in range(tips.shape[1]):
+            x, y = tips[i, k, 0], tips[i, k, 1]
+            nearest, inside = np.inf, False
+            for j in range(count):
+                after = j + 1 if j + 1 < count else 0
+                dx, dy = x - outlines[i, j, 0], y - outlines[i, j, 1]
+                ex = outlines[i, after, 0] - outlines[i, j, 0]
+                ey = outlines[i, after, 1] - outlines[i, j, 1]
+                along = min(max((dx * ex + dy * ey) / (ex * ex + ey * ey), 0.0), 1.0)
+                nearest = min(nearest, np.hypot(dx - along * ex, dy - along * ey))
+                # a ray to the right of the tip is crossed once more or less
+                if (dy < 0.0) != (dy < ey) and (ex * dy - ey * dx) * (
+                    1.0 if ey > 0.0 else -1.0
+                ) > 0.0:
+                    inside = not inside
+            found[i, k] = (-nearest if inside else nearest) - radii[i, k]
 
 
 def in_part(points: Floats, pose: Floats) -> Floats:

@@ -2,73 +2,120 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from meso_robust.laboratory.geometry import in_part, turned
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from meso_robust.laboratory.geometry import gaps_to, in_part, turned
 from meso_robust.types import Flags, Floats
 
-
-def _slabs(tip: Floats, way: Floats, pose: Floats, half: Floats) -> tuple[Floats, Floats]:
-    """(..., 2) shares of the way at which a tip enters and leaves each of the part's two slabs."""
-    own, along = in_part(tip, pose), turned(way, pose)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        one, other = (-half - own) / along, (half - own) / along
-    return np.minimum(one, other), np.maximum(one, other)
+CORNER = -1
+"""In place of an edge: the tip meets a corner."""
 
 
-def arrives(tip: Floats, way: Floats, pose: Floats, half: Floats) -> Floats:
-    """(...) part of the way until a tip meets a part at rest; see `meets`, for any leading shape."""
-    return _share(*_slabs(tip, way, pose, half))
+class Meetings(NamedTuple):
+    """Where each of N tips meets a part at rest."""
+
+    share: Floats
+    """(N,) legs made until then, with the part of the last; infinite if it never does."""
+    edge: npt.NDArray[np.int64]
+    """(N,) edge that it meets, by its first corner, or `CORNER`."""
+    along: Floats
+    """(N,) where on that edge, from its first corner, m."""
 
 
-def _share(enters: Floats, leaves: Floats) -> Floats:
-    share = np.maximum(enters[..., 0], enters[..., 1])
-    hits = (share < np.minimum(leaves[..., 0], leaves[..., 1])) & (share >= 0.0)
-    return np.where(hits, share, np.inf)
-
-
-def meets(tip: Floats, way: Floats, pose: Floats, half: Floats) -> tuple[Floats, Floats, Floats]:
-    """Where a tip that travels along ``way`` meets a part at rest.
+def meets(ways: Floats, radii: Floats, poses: Floats, outlines: Floats) -> Meetings:
+    """Where tips that travel along straight legs meet parts at rest.
 
     Parameters
     ----------
-    tip, way
-        (N, 2) start outside the part, and displacement, m.
-    pose, half
-        (N, 3) of the part, (2,) half its sides.
+    ways
+        (N, L + 1, 2) ends of the legs of the tips' centres, m; they start outside the parts.
+    radii
+        (N,) of the tips, m.
+    poses, outlines
+        (N, 3) of the parts, and (N, V, 2) their corners, m.
 
     Returns
     -------
-    share
-        (N,) part of the way until it meets; infinite if it does not, even farther on.
-    point
-        (N, 2) where on the part, its axes, m.
-    normal
-        (N, 2) inward normal of the edge there, the part's axes.
+    Meetings
+        The first of each.
     """
-    enters, leaves = _slabs(tip, way, pose, half)
-    last, share = enters.argmax(axis=1), _share(enters, leaves)
-    point = at_share(share, tip, way, pose)
-    rows = np.arange(len(tip))
-    normal = np.zeros_like(point)
-    normal[rows, last] = -np.sign(point[rows, last])
-    return share, point, normal
+    count = len(ways)
+    found = Meetings(np.full(count, np.inf), np.full(count, CORNER), np.zeros(count))
+    _find_meetings(in_part(ways, poses[:, None]), radii, outlines, *found)
+    return found
 
 
-def at_share(share: Floats, tip: Floats, way: Floats, pose: Floats) -> Floats:
-    """(N, 2) where on the part, its axes, a tip is after a share of its way; at its start if infinite."""
-    finite = np.where(np.isfinite(share), share, 0.0)[:, None]
-    return np.asarray(in_part(tip, pose) + finite * turned(way, pose))
+@njit(cache=True, nogil=True)
+def _find_meetings(
+    ways: Floats,
+    radii: Floats,
+    outlines: Floats,
+    shares: Floats,
+    edges: npt.NDArray[np.int64],
+    alongs: Floats,
+) -> None:
+    """Write what `meets` finds; the ways are in the axes of the parts."""
+    count = outlines.shape[1]
+    for i in range(ways.shape[0]):
+        for leg in range(ways.shape[1] - 1):
+            x, y, r = ways[i, leg, 0], ways[i, leg, 1], radii[i]
+            wx, wy = ways[i, leg + 1, 0] - x, ways[i, leg + 1, 1] - y
+            first = np.inf
+            for j in range(count):
+                after = j + 1 if j + 1 < count else 0
+                dx, dy = x - outlines[i, j, 0], y - outlines[i, j, 1]
+                ex = outlines[i, after, 0] - outlines[i, j, 0]
+                ey = outlines[i, after, 1] - outlines[i, j, 1]
+                length = np.hypot(ex, ey)
+                closing = (ex * wy - ey * wx) / length
+                gap = (ey * dx - ex * dy) / length - r
+                if closing > 0.0 and 0.0 <= gap <= closing and gap / closing < first:
+                    share = gap / closing
+                    along = ((dx + share * wx) * ex + (dy + share * wy) * ey) / length
+                    if 0.0 <= along <= length:
+                        first, edges[i], alongs[i] = share, j, along
+                # the disc about the corner
+                square, half = wx * wx + wy * wy, dx * wx + dy * wy
+                rest = half * half - square * (dx * dx + dy * dy - r * r)
+                if r > 0.0 and half < 0.0 < rest:
+                    share = (-half - np.sqrt(rest)) / square
+                    if 0.0 <= share <= 1.0 and share < first:
+                        first, edges[i], alongs[i] = share, CORNER, 0.0
+            if first < np.inf:
+                shares[i] = leg + first
+                break
 
 
-def crosses(tip: Floats, way: Floats, pose: Floats, half: Floats, within: float) -> Flags:
-    """(...) whether the way of a tip goes through the part shrunk by ``within``.
+def crosses(
+    tips: Floats, ways: Floats, radii: Floats, poses: Floats, outlines: Floats, within: float
+) -> Flags:
+    """Whether straight ways of tips go through parts at rest.
 
-    A tip in contact that leaves its edge along ``way`` does not.
+    Parameters
+    ----------
+    tips, ways
+        (N, P, 2) starts and displacements of the tips, m.
+    radii
+        (N, P) m.
+    poses, outlines
+        (N, 3) of the parts, and (N, V, 2) their corners, m.
+    within
+        How deep a tip may be in the part, m: one that leaves its edge along it crosses nothing.
+
+    Returns
+    -------
+    Flags
+        (N,) whether any of the tips does.
     """
-    enters, leaves = _slabs(tip, way, pose, half - within)
-    first = np.maximum(np.maximum(enters[..., 0], enters[..., 1]), 0.0)
-    return np.asarray(first < np.minimum(np.minimum(leaves[..., 0], leaves[..., 1]), 1.0))
+    found = (gaps_to(tips, poses, outlines, radii) < -within).any(axis=1)
+    for k in range(tips.shape[1]):
+        way = np.stack([tips[:, k], tips[:, k] + ways[:, k]], axis=1)
+        found |= np.isfinite(meets(way, radii[:, k] - within, poses, outlines).share)
+    return np.asarray(found)
 
 
 def stick_ratio(

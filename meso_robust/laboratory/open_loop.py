@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from meso_robust import units
-from meso_robust.laboratory.draws import spread
+from meso_robust.laboratory.draws import Draws, nominal, spread
 from meso_robust.laboratory.replay import (
-    FILM,
-    FRICTION,
-    MISALIGNMENT,
-    OF_A_RUN,
-    START,
     Column,
+    Slot,
+    draws_of,
     limits,
     of_a_point,
-    of_a_run,
+    slots_of_a_move,
+    slots_of_a_run,
 )
-from meso_robust.laboratory.running import STEP, Bench, Order, PlanRun, carry_out
-from meso_robust.planning.document import MoveDocument
+from meso_robust.laboratory.running import (
+    STEP,
+    Bench,
+    Order,
+    PlanRun,
+    carry_out,
+    spacing_of,
+    tips_of,
+)
+from meso_robust.planning.document import NAMES, MoveDocument
 from meso_robust.primitives.move import Commands
 from meso_robust.primitives.setup import Setup
 from meso_robust.types import Flags, Floats
-
-DUAL = ("dtp_top", "dtp_bottom")  # two tips of one probe: they share its error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,13 +52,20 @@ class OpenLoop:
         return tuple(tuple(probe.name for probe in move.probes) for move in self.moves)
 
     @property
-    def columns(self) -> tuple[Column, ...]:
-        """Start, friction, film, misalignment, and the position of every probe in every move."""
-        error, found = self.setup.uncertainty.probe_position, list(of_a_run(self.setup))
-        for k, move in enumerate(self.moves):
-            for body in _bodies(move):
-                found += of_a_point(f"move {k + 1} {body}", error)
+    def slots(self) -> tuple[Slot, ...]:
+        """What is constant during a run, and the position of every probe in every move."""
+        legs, found = nominal(self.setup, 1).legs, list(slots_of_a_run(self.setup))
+        error = self.setup.uncertainty.probe_position
+        for k, names in enumerate(self.probes):
+            for at, body in enumerate(_bodies(names)):
+                found += of_a_point(f"move {k + 1} {body}", error, "stated", k, at)
+            found += slots_of_a_move(self.setup, k, names, legs)
         return tuple(found)
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The same without where it is kept."""
+        return tuple(slot.column for slot in self.slots)
 
     def draw(self, runs: int, rng: np.random.Generator) -> Floats:
         """(N, D) random rows: the first half uniform over the box, the second half at corners."""
@@ -62,58 +74,59 @@ class OpenLoop:
 
     def run(self, rows: Floats, *, record: int = 0, step: float = STEP) -> PlanRun:
         """Run the moves once for every row; the sensed poses of the result are the true ones."""
-        bench = _StatedBench(
-            setup=self.setup, friction=rows[:, FRICTION], film_ratio=rows[:, FILM], step=step,
-            moves=self.moves, rows=rows,
-        )  # fmt: skip
-        rounds = tuple(partial(_as_stated, move) for move in self.moves)
-        return carry_out(rounds, bench, rows[:, START], record)
+        moves, most = len(self.moves), max(len(_bodies(names)) for names in self.probes)
+        errors = np.zeros((len(rows), moves, most, 2))
+        none = replace(nominal(self.setup, moves, len(rows)), stated=errors)
+        draws = draws_of(self.slots, rows, none)
+        more = {"probes": self.probes, "errors": errors}
+        bench = _StatedBench.of(self.setup, draws, step=step, **more)
+        rounds = tuple(partial(_as_stated, move, self.setup, draws) for move in self.moves)
+        return carry_out(rounds, bench, draws.start, record)
 
 
-def _as_stated(move: MoveDocument, sensed: Floats, going: Flags) -> tuple[Order, ...]:
-    """The move whatever is sensed."""
-    shape = (len(going), len(move.probes), 2)
+def _as_stated(
+    move: MoveDocument, setup: Setup, draws: Draws, sensed: Floats, going: Flags
+) -> tuple[Order, ...]:
+    """The move whatever is sensed, with the pair of tips as it really is."""
+    names = [probe.name for probe in move.probes]
     starts = np.array([probe.start_um for probe in move.probes]) * units.UM
     ways = [(0.0, 0.0) if probe.passive else move.travel_um for probe in move.probes]
-    commands = Commands(
-        tips=np.broadcast_to(starts, shape),
-        travel=np.broadcast_to(np.array(ways) * units.UM, shape),
-    )
-    return (Order(runs=going, commands=commands),)
+    shape = (len(going), len(names), 2)
+    tips = np.broadcast_to(starts, shape)
+    if set(NAMES[:2]) <= set(names):
+        top, bottom = (starts[names.index(name)] for name in NAMES[:2])
+        half, apart = 0.5 * (top - bottom), spacing_of(setup, draws) / setup.stated_spacing.mid
+        # a positive angle turns the pair counter-clockwise
+        true = half + np.tan(draws.misalignment)[:, None] * np.array([-half[1], half[0]])
+        off = apart[:, None] * true - half
+        sign = np.array([{NAMES[0]: 1.0, NAMES[1]: -1.0}.get(name, 0.0) for name in names])
+        tips = tips + sign[:, None] * off[:, None]
+    travel = np.broadcast_to(np.array(ways) * units.UM, shape)
+    commands = Commands(tips=tips, travel=travel)
+    return (Order(runs=going, commands=commands, names=tips_of(names)),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _StatedBench(Bench):
     """The task's laboratory where each probe of each move has an error of its own."""
 
-    moves: tuple[MoveDocument, ...]
-    rows: Floats
+    probes: tuple[tuple[str, ...], ...]
+    errors: Floats
+    """(N, M, B, 2) of the probes, m."""
 
     def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
         """Nothing looks at what is sensed."""
         return poses
 
     def place(self, k: int, order: Order) -> Floats:
-        """(N, P, 2) tips as stated plus the errors, and the pair turned by its misalignment."""
-        move, at = self.moves[k], OF_A_RUN + 2 * sum(map(len, map(_bodies, self.moves[:k])))
-        names, bodies = [probe.name for probe in move.probes], _bodies(move)
-        errors = self.rows[:, at : at + 2 * len(bodies)].reshape(len(self.rows), -1, 2)
-        pair = "dtp" in bodies and set(DUAL) <= set(names)
-        at_body = [bodies.index("dtp" if pair and name in DUAL else name) for name in names]
-        tips = order.commands.tips + errors[:, at_body]
-        if not pair:
-            return tips
-        upper, lower = (order.commands.tips[0, names.index(name)] for name in DUAL)
-        half = 0.5 * (upper - lower)
-        # a positive angle turns the pair counter-clockwise
-        turn = np.tan(self.rows[:, MISALIGNMENT])[:, None] * np.array([-half[1], half[0]])
-        signs = dict(zip(DUAL, (1.0, -1.0), strict=True))
-        sign = np.array([signs.get(name, 0.0) for name in names])
-        return np.asarray(tips + sign[:, None] * turn[:, None])
+        """(N, P, 2) tips as stated plus the errors of their probes."""
+        names = self.probes[k]
+        own = _bodies(names)
+        at = [own.index(name) if name in own else own.index("dtp") for name in names]
+        return np.asarray(order.commands.tips + self.errors[:, k, at])
 
 
-def _bodies(move: MoveDocument) -> tuple[str, ...]:
-    """Probes that have an error of their own, in order."""
-    names = [probe.name for probe in move.probes]
-    both = set(DUAL) <= set(names)
-    return tuple(dict.fromkeys("dtp" if both and name in DUAL else name for name in names))
+def _bodies(names: Sequence[str]) -> tuple[str, ...]:
+    """Probes that have an error of their own, in order: two tips of one probe share theirs."""
+    pair = set(NAMES[:2])
+    return tuple(dict.fromkeys("dtp" if pair <= {*names} and n in pair else n for n in names))

@@ -7,25 +7,20 @@ which is which.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from meso_robust.bounds import Interval
-from meso_robust.laboratory.draws import Draws, draw
+from meso_robust.laboratory.draws import Draws, draw, is_open, nominal
 from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.running import STEP, PlanRun, run
-from meso_robust.planning.document import names_of
+from meso_robust.planning.document import NAMES, names_of
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup
 from meso_robust.types import Floats
-
-START, FRICTION, FILM, MISALIGNMENT = slice(3), 3, 4, 5
-"""Columns of a row that hold for the whole run; see `of_a_run`."""
-OF_A_RUN = 6
-"""How many those are; what belongs to single moves comes after them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,27 +93,87 @@ def limits(player: Player) -> tuple[Floats, Floats]:
     return np.array([c.low for c in columns]), np.array([c.high for c in columns])
 
 
-def column(name: str, range_: Interval) -> Column:
-    """One number that lies in ``range_``."""
-    return Column(name=name, low=range_.lo, high=range_.hi, mid=range_.mid)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slot:
+    """A column, and the number of the draws that it is."""
+
+    column: Column
+    field: str
+    """Of ``Draws``."""
+    at: tuple[int, ...] = ()
+    """Where in a run's part of the field."""
 
 
-def of_a_run(setup: Setup) -> tuple[Column, ...]:
-    """What is constant during a run: the pose at the start, friction, film, misalignment."""
+def slots_of_a_run(setup: Setup) -> tuple[Slot, ...]:
+    """What is constant during a run; of friction, film and misalignment also what is exact."""
     s, u = setup.start, setup.uncertainty
-    return (
-        column("start x_m", s.x),
-        column("start y_m", s.y),
-        column("start theta_rad", s.theta),
-        column("friction", u.friction),
-        column("film_ratio_m2", u.film_ratio),
-        column("misalignment_rad", u.misalignment),
-    )
+    found = [
+        _slot("start x_m", s.x, "start", 0),
+        _slot("start y_m", s.y, "start", 1),
+        _slot("start theta_rad", s.theta, "start", 2),
+    ]
+    if setup.friction_common or not is_open(u.friction):
+        found.append(_slot("friction", u.friction, "friction"))
+    found.append(_slot("film_ratio_m2", u.film_ratio, "film_ratio"))
+    found.append(_slot("misalignment_rad", u.misalignment, "misalignment"))
+    rest = [_slot("tip_spacing_m", u.tip_spacing, "spacing")]
+    radii = (u.tip_radius, u.tip_radius, u.passive_tip_radius)
+    for tip, (name, range_) in enumerate(zip(NAMES, radii, strict=True)):
+        rest.append(_slot(f"{name} radius_m", range_, "radii", tip))
+    for edge in range(len(setup.outline.corners)):
+        rest.append(_slot(f"edge {edge + 1} out_m", u.size, "edges", edge, 0))
+        rest.append(_slot(f"edge {edge + 1} turned_rad", u.squareness, "edges", edge, 1))
+    for axis, name in enumerate("xy"):
+        rest.append(_slot(f"drag_centre {name}_m", u.drag_centre, "drag_centre", axis))
+    for axis, name in enumerate(("along", "across")):
+        rest.append(_slot(f"drag_anisotropy {name}", u.drag_anisotropy, "lay", axis))
+    if is_open(u.drag_anisotropy):
+        rest.append(_slot("drag_anisotropy of_stage", Interval(0.0, 1.0), "lay", 2))
+    return (*found, *(slot for slot in rest if _is_open(slot)))
 
 
-def of_a_point(name: str, range_: Interval) -> tuple[Column, Column]:
+def slots_of_a_move(setup: Setup, k: int, names: tuple[str, ...], legs: int) -> tuple[Slot, ...]:
+    """What may be uncertain of the ways and contacts of move ``k``, with tips of these names."""
+    u, move = setup.uncertainty, f"move {k + 1}"
+    rest = [_slot(f"{move} direction_rad", u.travel_direction, "direction", k)]
+    rest.append(_slot(f"{move} scale", u.travel_scale, "scale", k))
+    for leg in range(legs + 1):
+        rest += of_a_point(f"{move} wander {leg}", u.probe_wander, "wander", k, leg)
+    if not setup.friction_common:
+        for leg in range(legs):
+            rest += [
+                _slot(f"{move} friction {leg + 1} {name}", u.friction, "tip_friction", k, leg, tip)
+                for tip, name in enumerate(NAMES)
+                if name in names
+            ]
+    return tuple(slot for slot in rest if _is_open(slot))
+
+
+def _is_open(slot: Slot) -> bool:
+    return slot.column.high > slot.column.low
+
+
+def _slot(name: str, range_: Interval, field: str, *at: int) -> Slot:
+    """One number that lies in ``range_``."""
+    column = Column(name=name, low=range_.lo, high=range_.hi, mid=range_.mid)
+    return Slot(column=column, field=field, at=at)
+
+
+def of_a_point(name: str, range_: Interval, field: str, *at: int) -> list[Slot]:
     """The error of a position."""
-    return column(f"{name} x_m", range_), column(f"{name} y_m", range_)
+    return [_slot(f"{name} {axis}_m", range_, field, *at, n) for n, axis in enumerate("xy")]
+
+
+def rows_of(slots: Sequence[Slot], draws: Draws) -> Floats:
+    """(N, D) draws as rows, number for number."""
+    return np.column_stack([getattr(draws, s.field)[(slice(None), *s.at)] for s in slots])
+
+
+def draws_of(slots: Sequence[Slot], rows: Floats, draws: Draws) -> Draws:
+    """Draws into which the rows are written; what has no column stays."""
+    for slot, values in zip(slots, rows.T, strict=True):
+        getattr(draws, slot.field)[(slice(None), *slot.at)] = values
+    return draws
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -141,17 +196,31 @@ class Feedback:
         return tuple(map(names_of, self.rules))
 
     @property
-    def columns(self) -> tuple[Column, ...]:
+    def slots(self) -> tuple[Slot, ...]:
         """What bears on the runs; not the first sensing error, which follows from the start."""
-        u, found = self.setup.uncertainty, list(of_a_run(self.setup))
-        for k, rule in enumerate(self.rules):
+        u, found = self.setup.uncertainty, list(slots_of_a_run(self.setup))
+        legs = nominal(self.setup, 1).legs
+        for k, names in enumerate(self.probes):
             if k > 0:
-                found += of_a_point(f"move {k + 1} sensing", u.sensed_position)
-                found.append(column(f"move {k + 1} sensing theta_rad", u.sensed_orientation))
-            found += of_a_point(f"move {k + 1} dtp", u.probe_position)
-            if rule.single is not None:
-                found += of_a_point(f"move {k + 1} stp", u.probe_position)
+                at = f"move {k + 1} sensing"
+                found += of_a_point(at, u.sensed_position, "sensing", k)
+                found.append(_slot(f"{at} theta_rad", u.sensed_orientation, "sensing", k, 2))
+            found += of_a_point(f"move {k + 1} dtp", u.probe_position, "dual", k)
+            if NAMES[2] in names:
+                found += of_a_point(f"move {k + 1} stp", u.probe_position, "single", k)
+            found += slots_of_a_move(self.setup, k, names, legs)
         return tuple(found)
+
+    @property
+    def leading(self) -> int:
+        """How many columns, the first ones, are start, friction, film ratio and misalignment."""
+        fields = ("start", "friction", "film_ratio", "misalignment")
+        return sum(slot.field in fields for slot in self.slots)
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The same without where it is kept."""
+        return tuple(slot.column for slot in self.slots)
 
     def draw(self, runs: int, rng: np.random.Generator) -> Floats:
         """(N, D) the rows of ``laboratory.draws.draw``, so that a seed means the same everywhere."""
@@ -164,37 +233,14 @@ class Feedback:
 
     def rows_of(self, draws: Draws) -> Floats:
         """(N, D) draws as rows, number for number."""
-        of_a_run = (draws.start, draws.friction, draws.film_ratio, draws.misalignment)
-        return np.column_stack([*of_a_run, *self._of_moves(draws)])
+        return rows_of(self.slots, draws)
 
     def draws_of(self, rows: Floats) -> Draws:
         """Rows as draws; errors of a probe that is not there are zero."""
-        runs, moves = len(rows), len(self.rules)
-        draws = Draws(
-            start=rows[:, START].copy(),
-            friction=rows[:, FRICTION].copy(),
-            film_ratio=rows[:, FILM].copy(),
-            misalignment=rows[:, MISALIGNMENT].copy(),
-            sensing=np.zeros((runs, moves, 3)),
-            dual=np.zeros((runs, moves, 2)),
-            single=np.zeros((runs, moves, 2)),
-        )
+        draws = draws_of(self.slots, rows, nominal(self.setup, len(self.rules), len(rows)))
         # the first pose is sensed as the task states it
         draws.sensing[:, 0] = np.array(self.setup.start.mid) - draws.start
-        at = OF_A_RUN
-        for target in self._of_moves(draws):
-            target[:] = rows[:, at : at + target.shape[1]]
-            at += target.shape[1]
         return draws
-
-    def _of_moves(self, draws: Draws) -> Iterator[Floats]:
-        """(N, 2) or (N, 3) views of what belongs to single moves, in the order of ``columns``."""
-        for k, rule in enumerate(self.rules):
-            if k > 0:
-                yield draws.sensing[:, k]
-            yield draws.dual[:, k]
-            if rule.single is not None:
-                yield draws.single[:, k]
 
 
 def miss(runs: PlanRun, setup: Setup) -> Floats:

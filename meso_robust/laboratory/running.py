@@ -9,18 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.laboratory.draws import Draws
+from meso_robust.laboratory.draws import TIPS, Draws
 from meso_robust.laboratory.engines import Engine, Pushed, push_all
-from meso_robust.laboratory.geometry import distances, in_part
+from meso_robust.laboratory.geometry import gaps_to
+from meso_robust.laboratory.making import film_of, true_outlines, true_ways
+from meso_robust.planning.document import NAMES, names_of
 from meso_robust.primitives.move import Commands, MoveRule
-from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.simulator import Fixture, Outcome, Push
+from meso_robust.simulator.push import leg_times
+from meso_robust.simulator.support_models import Film
 from meso_robust.types import Flags, Floats
 from meso_robust.units import UM
 
@@ -43,10 +46,13 @@ class MoveRun:
     """(N, 3) true poses."""
     sensed: Floats
     """(N, 3) sensed poses that the commands follow from."""
-    tips: Floats
-    """(N, P, 2) true tip positions at the start: upper, lower and, if present, passive tip, m."""
-    travel: Floats
-    """(N, P, 2) displacement of the tips, m."""
+    ways: Floats
+    """(N, L + 1, P, 2) true places of the tips' centres at the ends of the legs: upper, lower and, if
+    present, passive tip, m."""
+    radii: Floats
+    """(N, P) of the tips, m."""
+    outlines: Floats
+    """(N, V, 2) true corners of the part, its own axes, m."""
     path: Floats
     """(N, record + 1, 3) poses during the move."""
     modes: npt.NDArray[np.int8]
@@ -57,6 +63,30 @@ class MoveRun:
     had ended before."""
     after: Floats
     """(N, 3) true poses."""
+
+    @property
+    def tips(self) -> Floats:
+        """(N, P, 2) true places of the tips' centres at the start, m."""
+        return self.ways[:, 0]
+
+    @property
+    def ends(self) -> Floats:
+        """(N, P, 2) the same at the end of the whole travel."""
+        return self.ways[:, -1]
+
+    @property
+    def travel(self) -> Floats:
+        """(N, P, 2) displacement of the tips, m."""
+        return self.ends - self.tips
+
+    def tips_at(self, row: int, shares: Floats) -> Floats:
+        """(S, P, 2) where the tips of a run are at shares (S,) of the move, m."""
+        way = self.ways[row]
+        length = np.hypot(*np.moveaxis(np.diff(way, axis=0), -1, 0)).max(axis=1)
+        known = np.append(0.0, np.cumsum(length))
+        at = shares * known[-1]
+        flat = [np.interp(at, known, column) for column in way.reshape(len(way), -1).T]
+        return np.stack(flat, axis=1).reshape(len(shares), *way.shape[1:])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,6 +118,8 @@ class Order:
     """(N,)"""
     commands: Commands
     """Of N runs; those of other runs are of no account."""
+    names: npt.NDArray[np.int64]
+    """(P,) or (N, P) which tips of the probes these are, by their place in ``NAMES``."""
 
 
 Decide = Callable[[Floats, Flags], Sequence[Order]]
@@ -100,13 +132,19 @@ class Laboratory(Protocol):
     def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
         """(N, 3) sensed poses before round ``k``; needed of the runs that go on."""
 
-    def place(self, k: int, order: Order) -> Floats:
-        """(N, P, 2) where the tips really start, m."""
+    @property
+    def outlines(self) -> Floats:
+        """(1|N, V, 2) true corners of the parts, their own axes, m."""
 
-    def blocked(self, tips: Floats, poses: Floats) -> Flags:
-        """(N,) whether a tip would be lowered onto the part."""
+    def ways(self, k: int, order: Order) -> Floats:
+        """(N, L + 1, P, 2) where the tips really go, m."""
 
-    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
+    def radii(self, order: Order) -> Floats:
+        """(1|N, P) of the tips, m."""
+
+    def push(
+        self, k: int, order: Order, runs: Which, poses: Floats, ways: Floats, record: int
+    ) -> Pushed:
         """Push the parts of some runs, until the probes are out of the plane; poses of these only."""
 
 
@@ -141,10 +179,7 @@ def carry_out(
         orders = decide(sensed, going)
         going = np.zeros_like(going)  # a run that gets no order is over
         for order in orders:
-            tips = laboratory.place(k, order)
-            inside = order.runs & laboratory.blocked(tips, poses)
-            outcomes[inside] = STARTS_INSIDE
-            move = _made(laboratory, (poses, sensed), order, tips, ~inside, outcomes, record)
+            move = _made(laboratory, (poses, sensed), k, order, outcomes, record)
             completed = outcomes == Outcome.COMPLETED
             failed_in[order.runs & ~completed] = len(moves)
             going |= order.runs & completed
@@ -157,21 +192,26 @@ def carry_out(
 def _made(
     laboratory: Laboratory,
     before: tuple[Floats, Floats],
+    k: int,
     order: Order,
-    tips: Floats,
-    free: Flags,
     outcomes: npt.NDArray[np.int8],
     record: int,
 ) -> MoveRun:
-    """The move of the runs whose tips are free to start; writes their outcomes."""
-    (poses, sensed), pushing = before, order.runs & free
-    after, path = poses, np.broadcast_to(poses[:, None], (len(poses), record + 1, 3))
-    modes = np.zeros((len(poses), record + 1, tips.shape[1]), dtype=np.int8)
-    phases = np.zeros(len(poses), dtype=np.int64)
+    """The move of the runs whose tips are free to start; writes the outcomes."""
+    poses, sensed = before
+    count, ways = len(poses), laboratory.ways(k, order)
+    radii = np.broadcast_to(laboratory.radii(order), (count, ways.shape[2]))
+    outlines = laboratory.outlines
+    outlines = np.broadcast_to(outlines, (count, *outlines.shape[1:]))
+    free = (gaps_to(ways[:, 0], poses, outlines, radii) >= 0.0).all(axis=1)
+    outcomes[order.runs & ~free] = STARTS_INSIDE
+    pushing = order.runs & free
+    after, path = poses, np.broadcast_to(poses[:, None], (count, record + 1, 3))
+    modes = np.zeros((count, record + 1, ways.shape[2]), dtype=np.int8)
+    phases = np.zeros(count, dtype=np.int64)
     if pushing.any():
         which = slice(None) if pushing.all() else pushing
-        travel = order.commands.travel[which]
-        pushed = laboratory.push(which, poses[which], tips[which], travel, record)
+        pushed = laboratory.push(k, order, which, poses[which], ways[which], record)
         after, outcomes[which] = _over(pushing, pushed.poses, poses), pushed.outcomes
         if record:
             path, modes = _over(pushing, pushed.path, path), _over(pushing, pushed.modes, modes)
@@ -179,8 +219,9 @@ def _made(
     return MoveRun(
         before=poses,
         sensed=sensed,
-        tips=tips,
-        travel=order.commands.travel,
+        ways=ways,
+        radii=radii,
+        outlines=outlines,
         path=path,
         modes=modes,
         phases=phases,
@@ -198,14 +239,14 @@ def _over(pushing: Flags, made: _Numbers, before: _Numbers) -> _Numbers:
 
 
 def there_and_back(
-    tips: Floats, travel: Floats, speed: float, reach: float, speed_back: float
+    ways: Floats, speed: float, reach: float, speed_back: float
 ) -> tuple[Floats, Floats]:
     """The way of tips that back off in the plane, where that matters.
 
     Parameters
     ----------
-    tips, travel
-        (N, P, 2) starts and displacements, m.
+    ways
+        (N, L + 1, P, 2) ends of the legs, m.
     speed, speed_back
         Of the push and of backing off, m/s.
     reach
@@ -214,54 +255,36 @@ def there_and_back(
     Returns
     -------
     tuple
-        (N, 3, P, 2) waypoints, m, and (N, 3) their times, s.
+        (N, L + 2, P, 2) waypoints, m, and (N, L + 2) their times, s.
     """
+    times = leg_times(np.diff(ways, axis=1), speed)
+    travel = ways[:, -1] - ways[:, 0]
     far = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1)
-    # a push of no length takes its time too, and has no direction
-    there = np.where(far > 0.0, far / speed, 1.0)
+    # a push of no length has no direction
     along = (travel[:, 0] / np.where(far > 0.0, far, 1.0)[:, None])[:, None]
     rests = (travel == 0.0).all(axis=2, keepdims=True)
-    ends = tips + travel
-    waypoints = np.stack([tips, ends, ends + reach * np.where(rests, along, -along)], axis=1)
-    return waypoints, np.stack([np.zeros_like(far), there, there + reach / speed_back], axis=1)
+    back = ways[:, -1] + reach * np.where(rests, along, -along)
+    ends = times[:, -1:] + reach / speed_back
+    return np.concatenate([ways, back[:, None]], axis=1), np.concatenate([times, ends], axis=1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bench:
-    """The task's own laboratory: its part on its film, between its walls, pushed by point tips."""
+    """The task's own laboratory: its part on its film, between its walls, with errors that were drawn."""
 
     setup: Setup
-    friction: Floats
-    """(N,)"""
-    film_ratio: Floats
-    """(N,) m^2."""
+    draws: Draws
+    film: Film
+    outlines: Floats
+    """(1|N, V, 2) m."""
     engine: Engine = "stepper"
     step: float = STEP
 
-    def blocked(self, tips: Floats, poses: Floats) -> Flags:
-        """(N,) whether a tip would be lowered onto the part."""
-        return starts_inside(tips, poses, self.setup)
-
-    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
-        """Straight pushes by an engine of the simulator."""
-        push = Push.straight(
-            vertices=outline(self.setup),
-            poses=poses,
-            tips=tips,
-            travel=travel,
-            friction=self.friction[runs],
-            film_ratio=self.film_ratio[runs],
-            step=self.step,
-            fixture=walls(self.setup),
-        )
-        return push_all(push, self.engine, record)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DrawnBench(Bench):
-    """The task's laboratory with errors that were drawn beforehand."""
-
-    draws: Draws
+    @classmethod
+    def of(cls, setup: Setup, draws: Draws, **rest: Any) -> Self:
+        """With the parts and films that the draws make."""
+        film, outlines = film_of(setup, draws), true_outlines(setup, draws)
+        return cls(setup=setup, draws=draws, film=film, outlines=outlines, **rest)
 
     def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
         """(N, 3) true poses plus the errors drawn."""
@@ -271,6 +294,45 @@ class DrawnBench(Bench):
         """(N, P, 2) tips as commanded plus the probes' errors."""
         tips = order.commands.tips
         return np.asarray(tips + self.draws.of_tips(k, tips.shape[1]))
+
+    def ways(self, k: int, order: Order) -> Floats:
+        """(N, L + 1, P, 2) the ways that the draws make of the commands."""
+        travel = order.commands.travel
+        return true_ways(self.setup, self.draws, k, self.place(k, order), travel)
+
+    def radii(self, order: Order) -> Floats:
+        """(1|N, P) m."""
+        if self.draws.radii is None:
+            return np.zeros((1, order.names.shape[-1]))
+        return _of_names(self.draws.radii, order.names)
+
+    def push(
+        self, k: int, order: Order, runs: Which, poses: Floats, ways: Floats, record: int
+    ) -> Pushed:
+        """Pushes along straight legs by an engine of the simulator."""
+        friction, outlines = self.draws.friction[runs, None], self.outlines
+        if self.draws.tip_friction is not None:
+            friction = _of_names(self.draws.tip_friction[:, k], order.names)[runs]
+        radii = self.radii(order)
+        push = Push.along(
+            vertices=outlines[runs] if len(outlines) > 1 else outlines[0],
+            poses=poses,
+            ways=ways,
+            friction=np.broadcast_to(friction, (*friction.shape[:-1], ways.shape[2])),
+            radii=radii[runs] if len(radii) > 1 else radii,
+            support=self.film.some(runs),
+            step=self.step,
+            fixture=walls(self.setup),
+        )
+        return push_all(push, self.engine, record)
+
+
+def _of_names(values: Floats, names: npt.NDArray[np.int64]) -> Floats:
+    """(N, ..., P) of the tips of a move what (N, ..., TIPS) says of all."""
+    if names.ndim == 1:
+        return values[..., names]
+    middle = (1,) * (values.ndim - 2)
+    return np.take_along_axis(values, names.reshape(len(names), *middle, names.shape[1]), axis=-1)
 
 
 def why(code: int) -> str:
@@ -289,29 +351,40 @@ def why(code: int) -> str:
     return WOULD_START_INSIDE if code == STARTS_INSIDE else Outcome(code).message
 
 
-def by_rules(rules: Sequence[MoveRule], setup: Setup, misalignment: Floats) -> tuple[Decide, ...]:
+def by_rules(rules: Sequence[MoveRule], setup: Setup, draws: Draws) -> tuple[Decide, ...]:
     """Rounds of a plan whose moves follow from the pose sensed before them.
 
     Parameters
     ----------
     rules, setup
         The plan and the task.
-    misalignment
-        (N,) of the active probe's two tips in each run, rad.
+    draws
+        With the true spacing and misalignment of the active probe's two tips in each run.
 
     Returns
     -------
     tuple
         One round a rule, for `carry_out`.
     """
-    return tuple(partial(_by_rule, rule, setup, misalignment) for rule in rules)
+    return tuple(partial(_by_rule, rule, setup, draws) for rule in rules)
 
 
 def _by_rule(
-    rule: MoveRule, setup: Setup, misalignment: Floats, sensed: Floats, going: Flags
+    rule: MoveRule, setup: Setup, draws: Draws, sensed: Floats, going: Flags
 ) -> tuple[Order, ...]:
-    commands = rule.commands(sensed, setup.spacing.mid, misalignment)
-    return (Order(runs=going, commands=commands),)
+    commands = rule.commands(sensed, spacing_of(setup, draws), draws.misalignment)
+    return (Order(runs=going, commands=commands, names=tips_of(names_of(rule))),)
+
+
+def spacing_of(setup: Setup, draws: Draws) -> Floats:
+    """(1|N,) true distance of the active tips across the push, m."""
+    stated = np.array([setup.stated_spacing.mid])
+    return stated if draws.spacing is None else stated + draws.spacing
+
+
+def tips_of(names: Sequence[str]) -> npt.NDArray[np.int64]:
+    """(P,) places in ``NAMES``; a probe of another name counts as the single one."""
+    return np.array([NAMES.index(name) if name in NAMES else TIPS - 1 for name in names])
 
 
 def run(
@@ -343,15 +416,8 @@ def run(
     PlanRun
         One `MoveRun` a rule.
     """
-    bench = DrawnBench(
-        setup=setup,
-        friction=draws.friction,
-        film_ratio=draws.film_ratio,
-        engine=engine,
-        step=step,
-        draws=draws,
-    )
-    return carry_out(by_rules(rules, setup, draws.misalignment), bench, draws.start, record)
+    bench = Bench.of(setup, draws, engine=engine, step=step)
+    return carry_out(by_rules(rules, setup, draws), bench, draws.start, record)
 
 
 def walls(setup: Setup) -> Fixture:
@@ -371,22 +437,6 @@ def walls(setup: Setup) -> Fixture:
         return Fixture()
     outline = np.array(setup.slot.outline_um, dtype=np.float64) * UM
     return Fixture((outline,), setup.slot.friction)
-
-
-def outline(setup: Setup) -> Floats:
-    """The part's corners.
-
-    Parameters
-    ----------
-    setup
-        The task.
-
-    Returns
-    -------
-    Floats
-        (V, 2) body frame, counter-clockwise, m.
-    """
-    return np.array([[x.mid, y.mid] for x, y in setup.outline.corners])
 
 
 def rectangle(setup: Setup) -> Floats:
@@ -409,16 +459,6 @@ def rectangle(setup: Setup) -> Floats:
     """
     a, b = setup.half_length.mid, setup.half_width.mid
     return np.array([[-a, -b], [a, -b], [a, b], [-a, b]])
-
-
-def starts_inside(tips: Floats, poses: Floats, setup: Setup) -> Flags:
-    """(N,) whether one of the tips (N, P, 2), m, is inside the part at its pose (N, 3)."""
-    own = in_part(tips, poses[:, None])
-    if isinstance(setup.outline, Polygon):
-        inside = distances(own, outline(setup)) < 0.0
-    else:
-        inside = np.all(np.abs(own) < [setup.half_length.mid, setup.half_width.mid], axis=2)
-    return np.any(inside, axis=1)
 
 
 def excess(poses: Floats, box: PoseBox) -> Floats:

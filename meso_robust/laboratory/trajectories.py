@@ -87,6 +87,6 @@ def _table(runs: PlanRun, move: int, row: int, shares: Floats) -> Floats:
     one = runs.moves[move]
     known = np.linspace(0.0, 1.0, one.path.shape[1])
     pose = [np.interp(shares, known, one.path[row, :, axis]) for axis in range(3)]
-    tips = one.tips[row] + shares[:, None, None] * one.travel[row]
+    tips = one.tips_at(row, shares)
     scale = np.array([units.UM, units.UM, units.DEG])
     return np.hstack([np.stack(pose, axis=1) / scale, tips.reshape(len(shares), -1) / units.UM])

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument, WitnessDocument
 from meso_robust.errors import InputError
-from meso_robust.laboratory.draws import Draws
+from meso_robust.laboratory.draws import RANGES, nominal
 from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.replay import Feedback, Player, limits
 from meso_robust.laboratory.witness_file import hex_double, row_of
@@ -152,7 +152,9 @@ def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floa
         outside its bounds (then it would break nothing that was claimed).
     """
     moves = len(player.rules)
-    draws = Draws(
+    stated = nominal(player.setup, moves)
+    draws = replace(
+        stated,
         start=_numbers([witness.start], f"{source}: key witness.start"),
         friction=_numbers([[witness.friction]], f"{source}: key witness.friction")[0],
         film_ratio=_numbers([[witness.film_ratio_m2]], f"{source}: key witness.film_ratio_m2")[0],
@@ -163,6 +165,11 @@ def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floa
         dual=_per_move(witness.dual_probe, moves, f"{source}: key witness.dual_probe"),
         single=_per_move(witness.single_probe, moves, f"{source}: key witness.single_probe"),
     )
+    if any(getattr(stated, name) is not None for name in RANGES):
+        raise InputError(
+            f"{source}: key witness: states point tips and an exact part, and the task does not; "
+            "give a witness.json, which holds everything"
+        )
     row = player.rows_of(draws)
     _check_bounds(row[0], player, source)
     implied = np.array(player.setup.start.mid) - draws.start[0]

@@ -129,7 +129,7 @@ class MoveRule:
     """The passive tip, if it is in the plane."""
     frame: Frame = WORLD
 
-    def commands(self, sensed: Floats, spacing: float, misalignment: Floats) -> Commands:
+    def commands(self, sensed: Floats, spacing: float | Floats, misalignment: Floats) -> Commands:
         """Where the probes go when ``sensed`` is the pose before the move.
 
         Parameters
@@ -137,7 +137,7 @@ class MoveRule:
         sensed
             (N, 3) sensed poses, m and rad, world frame.
         spacing
-            Distance of the two tips across the push, m.
+            Distance of the two tips across the push, m; or (1|N,) of them.
         misalignment
             (N,) angle beta by which the pair is turned counter-clockwise in the world from square to
             the push, rad; positive: the tip on the right, seen along the push, is ahead.
@@ -148,7 +148,11 @@ class MoveRule:
         # counter-clockwise in own axes, where the right-hand tip is the upper one unless they are
         # mirrored; a positive beta puts the upper tip ahead, towards -x
         beta = -misalignment if self.frame.mirrored else misalignment
-        upper = 0.5 * spacing * np.stack([-np.tan(beta), np.ones_like(beta)], axis=1)
+        upper = (
+            0.5
+            * np.reshape(spacing, (-1, 1))
+            * np.stack([-np.tan(beta), np.ones_like(beta)], axis=1)
+        )
         push = np.stack([self.dual_end.command(x) - start[:, 0], np.zeros_like(x)], axis=1)
         tips, travel = [start + upper, start - upper], [push, push]
         if self.single is not None:

@@ -11,8 +11,9 @@ from markupsafe import Markup
 
 from meso_robust import units
 from meso_robust.laboratory.endings import Ending, ending, words
+from meso_robust.laboratory.making import outline
 from meso_robust.laboratory.replay import miss
-from meso_robust.laboratory.running import MoveRun, PlanRun, outline
+from meso_robust.laboratory.running import MoveRun, PlanRun
 from meso_robust.laboratory.simulation import Simulated, in_goal, order
 from meso_robust.laboratory.simulation_document import SimulationDocument
 from meso_robust.laboratory.trajectories import probe_names

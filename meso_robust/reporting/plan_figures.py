@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from meso_robust import units
-from meso_robust.laboratory.running import MoveRun, outline as outline_of_part
+from meso_robust.laboratory.making import outline as outline_of_part
+from meso_robust.laboratory.running import MoveRun
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import names_of
 from meso_robust.reporting.canvas import (

@@ -15,11 +15,11 @@ from meso_robust.certificates.words import words
 from meso_robust.laboratory.draws import draw
 from meso_robust.laboratory.engines import Pushed, push_all
 from meso_robust.laboratory.running import (
-    DrawnBench,
+    Bench,
+    Order,
     Which,
     by_rules,
     carry_out,
-    outline,
     there_and_back,
     walls,
 )
@@ -27,7 +27,7 @@ from meso_robust.laboratory.simulation import in_goal
 from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.simulator import Effects, Film, Push
+from meso_robust.simulator import Effects, Push
 from meso_robust.task import Task
 from meso_robust.types import Flags, Floats
 from meso_robust.units import UM
@@ -184,40 +184,35 @@ def adhering(
         Draws of all uncertainties.
     """
     draws = draw(setup, len(rules), runs, np.random.default_rng(seed))
-    bench = _AdheringBench(
-        setup=setup,
-        friction=draws.friction,
-        film_ratio=draws.film_ratio,
-        draws=draws,
-        size=size,
-        pull_um_s=pull_um_s,
-    )
-    done = carry_out(by_rules(rules, setup, draws.misalignment), bench, draws.start)
+    bench = _AdheringBench.of(setup, draws, size=size, pull_um_s=pull_um_s)
+    done = carry_out(by_rules(rules, setup, draws), bench, draws.start)
     return in_goal(done, setup)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _AdheringBench(DrawnBench):
+class _AdheringBench(Bench):
     """The task's laboratory at another size, with tips that pull at the part they touch."""
 
     size: float
     pull_um_s: float
 
-    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
+    def push(
+        self, k: int, order: Order, runs: Which, poses: Floats, ways: Floats, record: int
+    ) -> Pushed:
         """There and some way back; the passive tip backs off to its own side."""
         reach = WAY_BACK * 2.0 * self.setup.half_length.mid
-        waypoints, times = there_and_back(tips, travel, SPEED, reach, WITHDRAWAL)
+        waypoints, times = there_and_back(ways, SPEED, reach, WITHDRAWAL)
         effects = Effects()
         if self.pull_um_s > 0.0:
             meniscus = {"pull_um_s": self.pull_um_s, "range_um": 2.0 * self.size}
             effects = Effects({"tip_adhesion": meniscus})
         push = Push(
-            vertices=outline(self.setup),
+            vertices=self.outlines[0],
             poses=poses,
             waypoints=waypoints,
             times=times,
-            friction=self.friction[runs],
-            support=Film.ratio(self.film_ratio[runs]),
+            friction=self.draws.friction[runs],
+            support=self.film.some(runs),
             effects=effects,
             fixture=walls(self.setup),
             step=STEP * self.size,

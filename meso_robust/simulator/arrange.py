@@ -8,7 +8,17 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.kernels import inner, maker
-from meso_robust.simulator.case import AHEAD, FILM, IDLE, INERTIA, LAW, SURFACE, UNIQUE, Case
+from meso_robust.simulator.case import (
+    AHEAD,
+    FILM,
+    IDLE,
+    INERTIA,
+    LAW,
+    LAY,
+    SURFACE,
+    UNIQUE,
+    Case,
+)
 from meso_robust.simulator.environment import POST_RADIUS
 from meso_robust.simulator.geometry import EXCESS, outlines, radii, reference_of_tracked
 from meso_robust.simulator.outline import edge_table, quadrature, refuse, thickness
@@ -38,7 +48,7 @@ class Inputs(NamedTuple):
     obstacles: Floats
     """(1|N, O, OBSTACLE_COLUMNS)"""
     waypoints: Floats
-    """(1|N, T, P, 2)"""
+    """(1|N, T, P, 2), or with the friction of the leg that starts there as a third number."""
     legs: Floats
     """(1|N, T, 2)"""
     law: Floats
@@ -94,12 +104,12 @@ def inputs_of(push: Push, unique: bool) -> Inputs:
     outline = outlines(push.vertices, table)
     edges, obstacles = _obstacles(push)
     return Inputs(
-        np.stack([edge_table(corners) for corners in outline]),
+        edge_table(outline),
         edges,
         np.hypot(outline[..., 0], outline[..., 1]).max(axis=1),
-        _depth(push, push.vertices),
+        _depth(push, push.thickness),
         obstacles,
-        push.waypoints,
+        _ways(push),
         _legs(push),
         _law(push, tables, unique),
         _points(push, tables),
@@ -121,9 +131,20 @@ def outputs_of(push: Push, instants: Floats | None) -> Outputs:
     )
 
 
-def _depth(push: Push, corners: Floats) -> float:
+def _depth(push: Push, thick: float) -> float:
     """Deepest penetration of a solid that is taken for one, m; deeper is another side of it."""
-    return min(_DEPTH * push.step, 0.5 * thickness(corners))
+    return min(_DEPTH * push.step, 0.5 * thick)
+
+
+def _ways(push: Push) -> Floats:
+    """The waypoints, with the friction of each leg if it changes."""
+    if push.friction.ndim == 2:
+        return push.waypoints
+    # nothing starts at the last waypoint
+    friction = np.concatenate([push.friction, push.friction[:, -1:]], axis=1)[..., None]
+    runs = max(len(friction), len(push.waypoints))
+    way, mu = (np.broadcast_to(a, (runs, *a.shape[1:])) for a in (push.waypoints, friction))
+    return np.concatenate([way, mu], axis=3)
 
 
 def _obstacles(push: Push) -> tuple[Floats, Floats]:
@@ -142,22 +163,23 @@ def _obstacles(push: Push) -> tuple[Floats, Floats]:
         rows.append(Point().edges(ends[-1]))
         ends.append(ends[-1] + 1)
     probes = len(push.shapes)
-    runs = max(len(effects), len(push.friction)) if len(push.friction) else 0
+    friction, radius = push.friction_of_legs[:, 0], _radii(push)
+    runs = max(len(effects), len(friction), len(radius)) if len(friction) else 0
     table = np.zeros((runs, len(ends) - 1, OBSTACLE_COLUMNS))
     table[:, :, OBSTACLES.first], table[:, :, OBSTACLES.last] = ends[:-1], ends[1:]
-    table[:, :probes, OBSTACLES.radius] = _radii(push)
-    table[:, :probes, OBSTACLES.friction] = push.friction
+    table[:, :probes, OBSTACLES.radius] = radius
+    table[:, :probes, OBSTACLES.friction] = friction
     table[:, probes:, OBSTACLES.friction] = push.fixture.friction
     for p, shape in enumerate(push.shapes):
         table[:, p, OBSTACLES.depth] = (
-            _depth(push, shape.corners) if isinstance(shape, Flat) else 0.0
+            _depth(push, thickness(shape.corners)) if isinstance(shape, Flat) else 0.0
         )
     for k, outline in enumerate(push.fixture.outlines):
-        table[:, probes + k, OBSTACLES.depth] = _depth(push, outline)
+        table[:, probes + k, OBSTACLES.depth] = _depth(push, thickness(outline))
     if post:
         size = effects[:, POST_RADIUS]
         table[:, -1, OBSTACLES.radius] = size
-        table[:, -1, OBSTACLES.friction] = push.friction[:, 0]
+        table[:, -1, OBSTACLES.friction] = friction[:, 0]
         # A post of no size is no post: far away from everything.
         away = np.where(size[:, None] > 0.0, effects[:, POST_RADIUS + 1 : POST_RADIUS + 3], 1e3)
         table[:, -1, OBSTACLES.x : OBSTACLES.y + 1] = away
@@ -167,7 +189,7 @@ def _obstacles(push: Push) -> tuple[Floats, Floats]:
 def _radii(push: Push) -> Floats:
     if push.effects.is_on(EXCESS) and any(isinstance(shape, Flat) for shape in push.shapes):
         refuse("effects.tip_radius", "a flat tip", "has no radius", "use Point or Round tips")
-    radius = radii(np.array([shape.radius for shape in push.shapes]), push.effects.table)
+    radius = radii(push.radii_of_tips, push.effects.table)
     for row, probe in np.argwhere(radius < 0.0):
         value = f"probe {probe} of run {row} has a radius of {radius[row, probe]:g} m"
         refuse("effects.tip_radius", value, "must not be negative", "give a smaller deficit")
@@ -180,8 +202,9 @@ def _legs(push: Push) -> Floats:
 
 
 def _law(push: Push, tables: Tables, unique: bool) -> Floats:
-    law = np.zeros((max(len(tables.film), len(tables.surface)), LAW))
+    law = np.zeros((max(map(len, (tables.film, tables.surface, tables.lay))), LAW))
     law[:, FILM : FILM + 6] = tables.film
+    law[:, LAY : LAY + 4] = tables.lay
     law[:, SURFACE : SURFACE + 6] = tables.surface
     law[:, INERTIA : INERTIA + 3] = push.motion.row()
     law[:, IDLE] = push.step
@@ -195,7 +218,8 @@ def _points(push: Push, tables: Tables) -> Floats:
     dry = np.concatenate([tables.points, np.zeros((*tables.points.shape[:2], 1))], axis=2)
     if not push.effects.is_on(*NODE_SLOTS):
         return np.ascontiguousarray(dry)
-    nodes = quadrature(push.vertices, _NODES)
+    # of many outlines the first: the film's matrix says how wide the nodes stand
+    nodes = quadrature(push.outlines[0], _NODES)
     film = tables.film
     runs = max(len(film), len(dry))
     rows = np.zeros((runs, len(nodes), 4))

@@ -13,11 +13,11 @@ from meso_robust.simulator.tables import OBSTACLES, PART_LENGTH
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.types import Floats
 
-FILM, SURFACE, INERTIA, IDLE, UNIQUE, AHEAD = 0, 6, 12, 15, 16, 17
+FILM, SURFACE, INERTIA, IDLE, UNIQUE, AHEAD, LAY = 0, 6, 12, 15, 16, 17, 18
 """First of six numbers each of film and limit surface, of three of the motion model; the unit of length
 of a step in which no tip moves; whether to look for a second motion in every step; by how many turns
-of the last step the angle of displacements is ahead."""
-LAW = 18
+of the last step the angle of displacements is ahead; first of four of the stage's lay."""
+LAW = 22
 """Length of the vector of the law."""
 
 
@@ -28,7 +28,8 @@ class Case(NamedTuple):
     obstacles: Floats
     """(O, OBSTACLE) table of `tables`: the probes, then what does not move."""
     waypoints: Floats
-    """(T, P, 2) commanded positions of the probes, world frame."""
+    """(T, P, 2) commanded positions of the probes, world frame; a third number is the friction of the
+    leg that starts there."""
     legs: Floats
     """(T, 2) times of the waypoints, and steps to the next."""
     law: Floats
@@ -117,7 +118,8 @@ def kind_of(case: Case) -> Kind:
     dry = _any(e, DRY_SLOTS) or case.law[SURFACE] > 0.0
     for i in range(case.points.shape[0]):
         dry |= case.points[i, 2] > 0.0
-    changing, pulled = _any(e, FILM_SLOTS), _any(e, PULL_SLOTS)
+    changing = _any(e, FILM_SLOTS) or case.law[LAY] != 0.0 or case.law[LAY + 1] != 0.0
+    pulled = _any(e, PULL_SLOTS)
     forced = _any(e, FORCE_SLOTS) or pulled
     plain = not (dry or changing or forced) and e[COMPLIANCE] == 0.0 and case.law[INERTIA] == 0.0
     return Kind(plain, _any(e, DRIVE_SLOTS), dry, changing, forced, pulled)

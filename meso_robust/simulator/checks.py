@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from meso_robust.simulator.environment import FLOW_SLOTS
 from meso_robust.simulator.fixture import Fixture
-from meso_robust.simulator.geometry import radii, reference_of_tracked, stretch
+from meso_robust.simulator.geometry import outlines, radii, reference_of_tracked
 from meso_robust.simulator.motion_model import FirstOrder, MotionModel
-from meso_robust.simulator.outline import edge_table, refuse, thickness
+from meso_robust.simulator.outline import refuse, thickness
 from meso_robust.simulator.support import FILM_SLOTS, LAYS, THINNING
 from meso_robust.simulator.tips import Flat, Tip
 from meso_robust.simulator.touch import EDGE
@@ -55,14 +55,23 @@ def check_arrays(arrays: Mapping[str, Floats], shapes: int) -> None:
     runs = arrays["poses"].shape[0] if arrays["poses"].ndim else 0
     way = arrays["waypoints"].shape
     points, probes = (way[1], way[2]) if len(way) == 4 else (0, 0)
-    corners = arrays["vertices"].shape[0] if arrays["vertices"].ndim else 0
+    corners, legs = arrays["vertices"].shape, arrays["friction"].ndim == 3
+    many = len(corners) == 3
     wanted: dict[str, tuple[tuple[int, ...], str]] = {
-        "vertices": ((corners, 2), "(V, 2)"),
+        "vertices": (
+            (runs if many else corners[0], *corners[1:-1], 2) if corners else (0, 2),
+            "(V, 2) or (1|N, V, 2)" if many else "(V, 2)",
+        ),
         "poses": ((runs, 3), "(N, 3)"),
         "waypoints": ((runs, points, probes, 2), "(1|N, T, P, 2)"),
         "times": ((runs, points), "(1|N, T)"),
-        "friction": ((runs, probes), "(N,) or (1|N, P)"),
+        "friction": (
+            (runs, points - 1, probes) if legs else (runs, probes),
+            "(N,), (1|N, P) or (1|N, T − 1, P)",
+        ),
     }
+    if arrays["radii"].size:
+        wanted["radii"] = ((runs, probes), "(1|N, P)")
     for name, (shape, letters) in wanted.items():
         one = (1, *shape[1:]) if letters.find("1|N") >= 0 else shape
         if arrays[name].shape not in (shape, one):
@@ -96,7 +105,7 @@ def check_numbers(friction: Floats, times: Floats, step: float, time_step: float
     Parameters
     ----------
     friction
-        (1|N, P) values of μ.
+        (1|N, 1|T − 1, P) values of μ.
     times
         (1|N, T) in s.
     step
@@ -109,8 +118,8 @@ def check_numbers(friction: Floats, times: Floats, step: float, time_step: float
     ValueError
         Naming the argument and the first wrong run.
     """
-    for run, probe in np.argwhere(friction < 0.0):
-        value = f"run {run} has {friction[run, probe]:g}"
+    for run, leg, probe in np.argwhere(friction < 0.0):
+        value = f"run {run} has {friction[run, leg, probe]:g}"
         refuse("friction", value, "must not be negative", "give μ as a number such as 0.33")
     for run, k in np.argwhere(~(np.diff(times, axis=1) > 0.0)):
         value = f"run {run} goes from {times[run, k]:g} to {times[run, k + 1]:g} s"
@@ -119,6 +128,21 @@ def check_numbers(friction: Floats, times: Floats, step: float, time_step: float
         refuse("step", f"{step} m", "must be positive and finite", "try 1e-6 m")
     if not (np.isfinite(time_step) and time_step > 0.0):
         refuse("time_step", f"{time_step} s", "must be positive and finite", "try 0.02 s")
+
+
+def check_radii(radii: Floats, shapes: Sequence[Tip]) -> None:
+    """Refuse radii (1|N, P), m, that are negative, and those of tips that have none.
+
+    Raises
+    ------
+    ValueError
+        Naming the run and the tip.
+    """
+    for run, tip in np.argwhere(radii < 0.0):
+        value = f"run {run} has {radii[run, tip]:g} m"
+        refuse("radii", value, "must not be negative", "give 0 for a point")
+    if radii.size and any(isinstance(shape, Flat) for shape in shapes):
+        refuse("radii", "a flat tip", "has no radius", "leave the radii out")
 
 
 def check_tables(tables: Tables, effects: Effects, runs: int) -> None:
@@ -205,26 +229,27 @@ def check_steps(
         )
 
 
-def check_thickness(step: float, vertices: Floats, shapes: Sequence[Tip], fixture: Fixture) -> None:
+def check_thickness(step: float, part: float, shapes: Sequence[Tip], fixture: Fixture) -> None:
     """Refuse steps that could carry a tip, or the part, through what they meet.
 
     Parameters
     ----------
     step
         Longest displacement of a tip in one step, m.
-    vertices, shapes, fixture
-        What they meet, as in `Push`.
+    part
+        Thickness of the part, m.
+    shapes, fixture
+        What else they meet, as in `Push`.
 
     Raises
     ------
     ValueError
         Naming what is too thin, and the longest step that it allows.
     """
-    solids = [("vertices", vertices)]
-    solids += [(f"shapes[{p}]", s.corners) for p, s in enumerate(shapes) if isinstance(s, Flat)]
+    solids = [(f"shapes[{p}]", s.corners) for p, s in enumerate(shapes) if isinstance(s, Flat)]
     solids += [(f"fixture.outlines[{k}]", o) for k, o in enumerate(fixture.outlines)]
-    for name, corners in solids:
-        thin = thickness(corners)
+    measured = [(name, thickness(corners)) for name, corners in solids]
+    for name, thin in [("vertices", part), *measured]:
         if step > THICK * thin:
             refuse(
                 "step",
@@ -239,6 +264,7 @@ def check_start(
     vertices: Floats,
     starts: Floats,
     shapes: Sequence[Tip],
+    stated_radii: Floats,
     fixture: Fixture,
     effects: Effects,
     limit: float,
@@ -249,8 +275,8 @@ def check_start(
     ----------
     poses, vertices, shapes, fixture, effects
         As in `Push`, checked.
-    starts
-        (1|N, P, 2) tips at the start, m, world frame.
+    starts, stated_radii
+        (1|N, P, 2) tips at the start, m, world frame, and (1|N, P) their radii, m.
     limit
         Depth in m up to which the part counts as touching.
 
@@ -260,20 +286,17 @@ def check_start(
         Naming the run, the probe or solid, and the depth.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # lengths that overflow end out of range
-        reference, scale = (
-            reference_of_tracked(poses, effects.table),
-            stretch(vertices, effects.table),
-        )
+        reference = reference_of_tracked(poses, effects.table)
+        true, radius = outlines(vertices, effects.table), radii(stated_radii, effects.table)
         for p, shape in enumerate(shapes):
             start = np.broadcast_to(starts[:, p], (len(poses), 2))
             if isinstance(shape, Flat):
-                depth = _overlap(vertices, scale, reference, shape.corners, start)
+                depth = _overlap(true, reference, shape.corners, start)
             else:
-                radius = radii(np.array([shape.radius]), effects.table)[:, 0]
-                depth = _depth(vertices, scale, in_body(reference, start)) + radius
+                depth = depth_inside(true, in_body(reference, start)) + radius[:, p]
             _refuse_overlap("waypoints", f"probe {p}", depth, limit, "the part")
         for k, outline in enumerate(fixture.outlines):
-            depth = _overlap(vertices, scale, reference, outline, np.zeros_like(reference[:, :2]))
+            depth = _overlap(true, reference, outline, np.zeros_like(reference[:, :2]))
             _refuse_overlap("poses", "the part", depth, limit, f"fixture.outlines[{k}]")
 
 
@@ -303,25 +326,13 @@ def _in_world(poses: Floats, points: Floats) -> Floats:
     return np.stack([x, y], axis=2)
 
 
-def _depth(vertices: Floats, scale: Floats, points: Floats) -> Floats:
-    """(N,) as `depth_inside` in outlines that are stretched by (1|N, 2) factors."""
-    if len(scale) == 1:
-        return depth_inside(vertices * scale[0], points)
-    depth = np.empty(len(points))
-    factors, which = np.unique(scale, axis=0, return_inverse=True)
-    for k, factor in enumerate(factors):
-        own = which.ravel() == k
-        depth[own] = depth_inside(vertices * factor, points[own])
-    return depth
-
-
 def depth_inside(vertices: Floats, points: Floats) -> Floats:
     """Depth of points inside an outline.
 
     Parameters
     ----------
     vertices
-        (V, 2) corners, the solid on the left of the edges.
+        (V, 2) corners, the solid on the left of the edges; or (1|N, V, 2).
     points
         (N, 2)
 
@@ -332,37 +343,37 @@ def depth_inside(vertices: Floats, points: Floats) -> Floats:
     """
     nearest = np.full(len(points), np.inf)
     winding = np.zeros(len(points))
-    for row in edge_table(vertices):  # edge by edge, to keep the memory at a few numbers a point
-        tx, ty, length = -row[3], row[2], row[5]
-        x, y = points[:, 0] - row[0], points[:, 1] - row[1]
+    corners = np.moveaxis(
+        vertices, -2, 0
+    )  # edge by edge, to keep the memory at a few numbers a point
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        edge = end - start
+        length = np.hypot(edge[..., 0], edge[..., 1])
+        tx, ty = edge[..., 0] / length, edge[..., 1] / length
+        x, y = points[:, 0] - start[..., 0], points[:, 1] - start[..., 1]
         along = np.clip(ty * y + tx * x, 0.0, length)
         nearest = np.minimum(nearest, np.hypot(x - along * tx, y - along * ty))
         end_x, end_y = x - length * tx, y - length * ty
         winding += np.arctan2(x * end_y - y * end_x, x * end_x + y * end_y)
-    free = np.sum(np.cross(*_two(vertices))) < 0.0  # clockwise: the solid is outside
+    turn = corners[..., 0] * np.roll(corners[..., 1], -1, axis=0)
+    turn = turn - corners[..., 1] * np.roll(corners[..., 0], -1, axis=0)
+    free = turn.sum() < 0.0  # clockwise: the solid is outside
     inside = (winding > np.pi) if not free else (winding > -np.pi)
     return np.asarray(np.where(inside, nearest, -nearest))
 
 
-def _two(vertices: Floats) -> tuple[Floats, Floats]:
-    flat = np.column_stack([vertices, np.zeros(len(vertices))])
-    return flat, np.roll(flat, -1, axis=0)
+def _overlap(vertices: Floats, poses: Floats, outline: Floats, origin: Floats) -> Floats:
+    """(N,) depth of the part (1|N, V, 2) in a solid or of the solid in the part.
 
-
-def _overlap(
-    vertices: Floats, scale: Floats, poses: Floats, outline: Floats, origin: Floats
-) -> Floats:
-    """(N,) depth of the part in a solid or of the solid in the part, by corners and crossings.
-
-    The part is stretched by (1|N, 2) factors.
+    By corners and crossings.
     """
-    world = _in_world(poses, vertices * scale[:, None]) - origin[:, None]
+    world = _in_world(poses, vertices) - origin[:, None]
     depth = np.full(len(poses), -np.inf)
-    for k in range(len(vertices)):
+    for k in range(vertices.shape[1]):
         depth = np.maximum(depth, depth_inside(outline, world[:, k]))
     for corner in outline:
         own = in_body(poses, corner + origin)
-        depth = np.maximum(depth, _depth(vertices, scale, own))
+        depth = np.maximum(depth, depth_inside(vertices, own))
     crossing = np.zeros(len(poses), dtype=bool)
     for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         crossing |= _crosses(world, np.roll(world, -1, axis=1), a, b)

@@ -22,7 +22,7 @@ def exact(push: Push, *, samples: int = 0) -> EventResult:
     Parameters
     ----------
     push
-        A move along straight lines, on a film, by points or round tips, without effects. Its steps
+        A move along straight legs, on a film, by points or round tips, without effects. Its steps
         are of no meaning here.
     samples
         Number of intervals of the path; zero for none.
@@ -40,24 +40,23 @@ def exact(push: Push, *, samples: int = 0) -> EventResult:
     advice = "use simulate, which takes it in steps"
     if not isinstance(push.support, Film):
         refuse("support", type(push.support).__name__, "must be a Film", advice)
-    if push.waypoints.shape[1] != 2:
-        refuse("waypoints", f"{push.waypoints.shape[1]} instants", "must be 2", advice)
     if push.effects.table.any():
         refuse("effects", ", ".join(push.effects.values), "must be none", advice)
     if not isinstance(push.motion, QuasiStatic):
         refuse("motion", type(push.motion).__name__, "must be QuasiStatic", advice)
     if any(isinstance(shape, Flat) for shape in push.shapes):
         refuse("shapes", "a flat tip", "must be points or round", advice)
-    runs, probes = len(push.poses), push.waypoints.shape[2]
-    ways = np.broadcast_to(push.waypoints, (runs, 2, probes, 2))
+    runs, legs, probes = len(push.poses), push.waypoints.shape[1] - 1, push.waypoints.shape[2]
+    ways = np.broadcast_to(push.waypoints, (runs, legs + 1, probes, 2))
     return integrate(
         vertices=push.vertices,
         poses=push.poses,
         tips=ways[:, 0],
-        travel=ways[:, 1] - ways[:, 0],
-        friction=np.broadcast_to(push.friction, (runs, probes)),
+        travel=np.diff(ways, axis=1),
+        friction=np.broadcast_to(push.friction_of_legs, (runs, legs, probes)),
         drag=push.support.drag,
-        radii=np.array([shape.radius for shape in push.shapes]),
+        radii=np.broadcast_to(push.radii_of_tips, (runs, probes)),
+        stage_lay=push.support.stage_lay,
         fixture=push.fixture.outlines,
         fixture_friction=push.fixture.friction,
         samples=samples,

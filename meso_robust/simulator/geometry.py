@@ -67,7 +67,7 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
     Parameters
     ----------
     vertices
-        (V, 2) stated corners, m.
+        (V, 2) or (N, V, 2) stated corners, m.
     table
         (1|N, SLOTS) of `Effects`.
 
@@ -85,7 +85,7 @@ def stretch(vertices: Floats, table: Floats) -> Floats:
     Parameters
     ----------
     vertices
-        (V, 2) outline in the part's frame, m.
+        (V, 2) or (N, V, 2) outline in the part's frame, m.
     table
         (1|N, S) of `Effects`.
 
@@ -99,7 +99,7 @@ def stretch(vertices: Floats, table: Floats) -> Floats:
     ValueError
         If an edge would stand in by as much as half the part.
     """
-    factor = 1.0 + table[:, [_OUT_X, _OUT_Y]] / (0.5 * np.ptp(vertices, axis=0))
+    factor = 1.0 + table[:, [_OUT_X, _OUT_Y]] / (0.5 * np.ptp(vertices, axis=-2))
     for run, axis in np.argwhere(~(factor > 0.0)):
         refuse(
             "effects.part_geometry",
@@ -111,12 +111,12 @@ def stretch(vertices: Floats, table: Floats) -> Floats:
 
 
 def radii(stated: Floats, table: Floats) -> Floats:
-    """(1|N, P) true radii of the tips in m, for stated radii (P,).
+    """(1|N, P) true radii of the tips in m, for stated radii (P,) or (1|N, P).
 
     Parameters
     ----------
     stated, table
-        (P,) radii in m, and the (1|N, S) table of `Effects`.
+        Radii in m, and the (1|N, S) table of `Effects`.
 
     Returns
     -------

@@ -31,34 +31,41 @@ def edge_table(vertices: Floats, first: int = 0) -> Floats:
     Parameters
     ----------
     vertices
-        (V, 2) corners in m, the solid on the left of the edges.
+        (V, 2) corners in m, the solid on the left of the edges; or (N, V, 2) of N outlines.
     first
         Row of the first edge in the table that this one becomes part of.
 
     Returns
     -------
     ndarray
-        (V, 9) rows ``v_x, v_y, N_x, N_y, b, length, before, after, convex``: first corner, outward
+        (V, 9) or (N, V, 9) rows ``v_x, v_y, N_x, N_y, b, length, before, after, convex``: first corner, outward
         unit normal, offset ``b = N · v``, length in m, the rows of the edges before and after, and
         whether the first corner is convex.
     """
+    if vertices.ndim > 2:
+        return _edges_of(vertices, first)
     return _edge_table(np.ascontiguousarray(vertices, dtype=np.float64).tobytes(), first)
 
 
 @lru_cache(maxsize=256)
 def _edge_table(corners: bytes, first: int) -> Floats:
     """Table of corners given as bytes, to be looked up: a single push is as short as making it."""
-    vertices = np.frombuffer(corners).reshape(-1, 2)
-    edge = np.roll(vertices, -1, axis=0) - vertices
-    length = np.hypot(edge[:, 0], edge[:, 1])
-    normal = np.column_stack([edge[:, 1], -edge[:, 0]]) / length[:, None]
-    offset = np.sum(normal * vertices, axis=1)
-    rows = np.arange(len(vertices))
-    before, after = np.roll(rows, 1) + first, np.roll(rows, -1) + first
-    last = np.roll(edge, 1, axis=0)
-    convex = last[:, 0] * edge[:, 1] - last[:, 1] * edge[:, 0] > 0.0
-    table = np.column_stack([vertices, normal, offset, length, before, after, convex])
+    table = _edges_of(np.frombuffer(corners).reshape(-1, 2), first)
     table.flags.writeable = False
+    return table
+
+
+def _edges_of(vertices: Floats, first: int) -> Floats:
+    """Table of corners (..., V, 2)."""
+    edge, last = np.roll(vertices, -1, axis=-2) - vertices, vertices - np.roll(vertices, 1, axis=-2)
+    length = np.hypot(edge[..., 0], edge[..., 1])
+    normal = np.stack([edge[..., 1], -edge[..., 0]], axis=-1) / length[..., None]
+    rows = np.arange(vertices.shape[-2])
+    table = np.empty((*length.shape, EDGE))
+    table[..., :2], table[..., 2:4], table[..., 5] = vertices, normal, length
+    table[..., 4] = np.sum(normal * vertices, axis=-1)
+    table[..., 6], table[..., 7] = np.roll(rows, 1) + first, np.roll(rows, -1) + first
+    table[..., 8] = last[..., 0] * edge[..., 1] - last[..., 1] * edge[..., 0] > 0.0
     return table
 
 
@@ -158,6 +165,22 @@ def check_part(vertices: Floats) -> None:
             "must surround the reference point, the origin of the body frame",
             "subtract the centre of the part from the corners",
         )
+
+
+def check_parts(outlines: Floats) -> None:
+    """Refuse outlines (N, V, 2), m, that are not those of parts of one shape.
+
+    Raises
+    ------
+    ValueError
+        As `check_part` of the first; also if another turns at a corner where the first does not.
+    """
+    check_part(outlines[0])
+    table = edge_table(outlines)
+    differs = (table[..., 8] != table[0, :, 8]) | ~(table[..., 5] > 0.0)
+    for run, corner in np.argwhere(differs):
+        value = f"corner {corner} of run {run} is not as that of run 0"
+        refuse("vertices", value, "must be parts of one shape", "push them separately")
 
 
 def thickness(vertices: Floats) -> float:

@@ -13,6 +13,7 @@ from meso_robust.simulator.checks import (
     check_arrays,
     check_effects,
     check_numbers,
+    check_radii,
     check_start,
     check_steps,
     check_tables,
@@ -21,7 +22,7 @@ from meso_robust.simulator.checks import (
 from meso_robust.simulator.effects import Effects
 from meso_robust.simulator.fixture import Fixture
 from meso_robust.simulator.motion_model import MotionModel, QuasiStatic
-from meso_robust.simulator.outline import check_part, refuse
+from meso_robust.simulator.outline import check_parts, refuse, thickness
 from meso_robust.simulator.stage import REFERENCE_SPEED
 from meso_robust.simulator.support_models import Film, Support
 from meso_robust.simulator.tips import Point, Tip
@@ -29,7 +30,24 @@ from meso_robust.types import Floats
 
 _ROUNDING = 1e-9  # of a step, so that a travel of 10 steps is not cut into 11
 _RATES = (*range(56), *range(64, 80))  # columns of effects that act in time: not of geometry
-_ARRAYS = ("vertices", "poses", "waypoints", "times", "friction")
+_ARRAYS = ("vertices", "poses", "waypoints", "times", "friction", "radii")
+
+
+def leg_times(legs: Floats, speed: float) -> Floats:
+    """(N, L + 1) s at the ends of legs (N, L, P, 2), m, whose fastest probe has a speed, m/s.
+
+    A leg in which no probe moves takes a second.
+
+    Raises
+    ------
+    ValueError
+        If the speed is not positive.
+    """
+    if not 0.0 < speed < np.inf:
+        raise ValueError(f"speed: {speed} m/s; must be positive and finite; try 75e-6 m/s")
+    longest = np.hypot(legs[..., 0], legs[..., 1]).max(axis=2, initial=0.0)
+    duration = np.where(longest > 0.0, longest / speed, 1.0)
+    return np.concatenate([np.zeros((len(legs), 1)), np.cumsum(duration, axis=1)], axis=1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,7 +61,7 @@ class Push:
     ----------
     vertices
         (V, 2) corners of the part in m, body frame, counter-clockwise, convex or not, with the
-        reference point as origin.
+        reference point as origin; or (1|N, V, 2) of parts of one shape that differ a little.
     poses
         (N, 3) x, y in m and θ in rad at the start, world frame.
     waypoints
@@ -51,11 +69,14 @@ class Push:
     times
         (1|N, T) of the waypoints in s, increasing.
     friction
-        (1|N, P) μ between each probe and the part; (N,) for the same at all probes is taken as well.
+        (1|N, P) μ between each probe and the part; (N,) for the same at all probes is taken as well,
+        and (1|N, T − 1, P) for others between each two waypoints.
     support
         What the part slides on.
     shapes
         Shapes of the P tips; without any, points.
+    radii
+        (1|N, P) radii of points and round tips in m, where they are not those of the shapes.
     fixture
         Solids at rest.
     effects
@@ -84,6 +105,7 @@ class Push:
     support: Support
     step: float
     shapes: tuple[Tip, ...] = ()
+    radii: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     fixture: Fixture = field(default_factory=Fixture)
     effects: Effects = field(default_factory=Effects)
     motion: MotionModel = field(default_factory=QuasiStatic)
@@ -104,10 +126,11 @@ class Push:
             object.__setattr__(self, name, array)
         if not self.shapes:
             object.__setattr__(self, "shapes", (Point(),) * self.waypoints.shape[2])
-        check_part(self.vertices)
-        check_numbers(self.friction, self.times, self.step, self.time_step)
+        check_parts(self.outlines)
+        check_numbers(self.friction_of_legs, self.times, self.step, self.time_step)
+        check_radii(self.radii, self.shapes)
         check_tables(self.support.tables(), self.effects, len(self.poses))
-        check_effects(self.effects, len(self.vertices), self.motion)
+        check_effects(self.effects, self.vertices.shape[-2], self.motion)
         if self.frame not in ("middle", "start"):
             refuse("frame", repr(self.frame), 'must be "middle" or "start"', "leave it out")
         check_steps(
@@ -117,12 +140,13 @@ class Push:
             steps=self.steps,
             times=self.times,
         )
-        check_thickness(self.step, self.vertices, self.shapes, self.fixture)
+        check_thickness(self.step, self.thickness, self.shapes, self.fixture)
         check_start(
             self.poses,
             self.vertices,
             self.waypoints[:, 0],
             self.shapes,
+            self.radii_of_tips,
             self.fixture,
             self.effects,
             START_DEPTH * self.step,
@@ -158,23 +182,64 @@ class Push:
         ValueError
             As `Push`; also if the speed is not positive.
         """
-        if not 0.0 < speed < np.inf:
-            raise ValueError(f"speed: {speed} m/s; must be positive and finite; try 75e-6 m/s")
         start, way = np.asarray(tips, dtype=np.float64), np.asarray(travel, dtype=np.float64)
         if start.ndim != 3 or start.shape != way.shape:
             raise ValueError(
                 f"travel: shape {way.shape} for tips of {start.shape}; "
                 "must be (N, P, 2) both; reshape them"
             )
-        longest = np.hypot(way[..., 0], way[..., 1]).max(axis=1, initial=0.0)
-        duration = np.where(longest > 0.0, longest / speed, 1.0)
         if film_ratio is not None:
             rest["support"] = Film.ratio(film_ratio)
-        return cls(
-            waypoints=np.stack([start, start + way], axis=1),
-            times=np.column_stack([np.zeros(len(start)), duration]),
-            **rest,  # type: ignore[arg-type]
-        )
+        times = leg_times(way[:, None], speed)
+        return cls(waypoints=np.stack([start, start + way], axis=1), times=times, **rest)  # type: ignore[arg-type]
+
+    @classmethod
+    def along(cls, *, ways: Floats, speed: float = REFERENCE_SPEED, **rest: object) -> Push:
+        """Push along straight legs.
+
+        Parameters
+        ----------
+        ways
+            (N, L + 1, P, 2) probes at the ends of the legs in m, world frame.
+        speed
+            Of the fastest probe of each run, m/s; a leg in which none moves takes a second.
+        rest
+            Further fields of a push.
+
+        Raises
+        ------
+        ValueError
+            As `Push`; also if the speed is not positive.
+        """
+        times = leg_times(np.diff(ways, axis=1), speed)
+        return cls(waypoints=ways, times=times, **rest)  # type: ignore[arg-type]
+
+    @property
+    def outlines(self) -> Floats:
+        """(1|N, V, 2) stated corners of the part, m."""
+        return self.vertices.reshape(-1, *self.vertices.shape[-2:])
+
+    @property
+    def thickness(self) -> float:
+        """A bound of the least distance of a corner from an edge that it does not belong to, m."""
+        outlines = self.outlines
+        if len(outlines) == 1:
+            return thickness(outlines[0])
+        # no distance between points of an outline shrinks by more than twice its corners' change
+        change = np.linalg.norm(outlines - outlines[0], axis=2).max()
+        return thickness(outlines[0]) - 2.0 * float(change)
+
+    @property
+    def radii_of_tips(self) -> Floats:
+        """(1|N, P) m."""
+        if self.radii.size:
+            return self.radii
+        return np.array([[shape.radius for shape in self.shapes]])
+
+    @property
+    def friction_of_legs(self) -> Floats:
+        """(1|N, 1|T − 1, P) μ between each two waypoints."""
+        return self.friction if self.friction.ndim == 3 else self.friction[:, None]
 
     def _legs(self) -> Floats:
         """(1|N, T − 1) longest displacement of a probe between two waypoints, m."""

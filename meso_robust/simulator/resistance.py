@@ -7,6 +7,7 @@ from meso_robust.simulator.case import (
     FILM,
     FILM_NOW,
     INERTIA,
+    LAY,
     OFFSET,
     SURFACE,
     TANGENT,
@@ -24,6 +25,7 @@ from meso_robust.simulator.outcome import Outcome
 from meso_robust.simulator.rows import write_rows
 from meso_robust.simulator.support import (
     add_film,
+    add_lay,
     creep_speed,
     factorise,
     film_matrix,
@@ -85,6 +87,7 @@ def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: F
     if kind.changing:
         law = case.law[FILM : FILM + 6]
         film_matrix(law, case.points, case.effects, pose, state.body[PART.time], film)
+        add_lay(case.law[LAY : LAY + 4], state.body[PART.cos], state.body[PART.sin], film)
     for k in range(3):
         wrench[k] = 0.0
     if kind.forced:

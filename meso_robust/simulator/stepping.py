@@ -92,6 +92,7 @@ def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> t
         return OUT_OF_RANGE, 0.0
     for leg in range(case.legs.shape[0] - 1):
         n = int(case.legs[leg, 1])
+        _start_leg(case, state, leg)
         dt = (case.legs[leg + 1, 0] - case.legs[leg, 0]) / n
         for step in range(n):
             unit = _drive(case, kind.driven, state, leg, step, n, dt)
@@ -117,6 +118,14 @@ def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> t
         )
         deepest = max(deepest, -smallest_gap(work.contacts, min(count, work.contacts.shape[0])))
     return outcome, deepest
+
+
+@inner
+def _start_leg(case: Case, state: State, leg: int) -> None:
+    """Write the friction of a leg, if it changes."""
+    if case.waypoints.shape[2] > 2:
+        for p in range(case.waypoints.shape[1]):
+            state.obstacles[p, OBSTACLES.friction] = case.waypoints[leg, p, 2]
 
 
 @inner

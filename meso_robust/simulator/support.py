@@ -320,6 +320,24 @@ def film_matrix(
 
 
 @inner
+def add_lay(lay: Floats, cos: float, sin: float, out: Floats) -> None:
+    """Add what the stage's lay adds to the film's matrix, packed.
+
+    Parameters
+    ----------
+    lay
+        (4,) p and q of ``[[p, q], [q, −p]]``, world axes, and the centre of drag, m, body frame.
+    cos, sin
+        Of the part's angle.
+    out
+        (6,) packed drag matrix.
+    """
+    double, twice = cos * cos - sin * sin, 2.0 * cos * sin
+    p, q = lay[0] * double + lay[1] * twice, lay[1] * double - lay[0] * twice
+    add_point(out, lay[2], lay[3], p, q, -p)
+
+
+@inner
 def _move_centre(K: Floats, x: float, y: float) -> None:
     """Congruence ``K → Tᵀ K T`` with ``T v = (v_x − y ω, v_y + x ω, ω)``."""
     K[5] += 2.0 * (x * K[4] - y * K[2]) + y * y * K[0] - 2.0 * x * y * K[1] + x * x * K[3]

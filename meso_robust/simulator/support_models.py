@@ -7,14 +7,14 @@ only `Mixture` needs the ratio of the two.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from meso_robust.simulator.outline import quadrature, refuse
 from meso_robust.simulator.stage import REFERENCE_SPEED
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 _UPPER = ((0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2))  # packed order of a symmetric matrix
 
@@ -28,6 +28,8 @@ class Tables(NamedTuple):
     """(1|N, K, 3) x, y in m and strength over e_x in m/s of the dry points."""
     surface: Floats
     """(1|N, 6) packed matrix of the limit surface over e_x², m²/s²; zeros without one."""
+    lay: Floats = np.zeros((1, 4))
+    """(1|N, 4) of the stage, over e_x, and the centre of drag at which it acts, m."""
 
 
 class Support(Protocol):
@@ -80,18 +82,32 @@ class Film:
     drag
         (3, 3) or (N, 3, 3) symmetric positive definite drag of the twist (m/s, m/s, rad/s) about the
         reference point, body axes; any scale. Off-centre and anisotropic films have full matrices.
+    stage_lay
+        (2,) or (N, 2) what the stage adds to the drag of a translation, ``[[p, q], [q, −p]]`` in the
+        world's axes, at the centre of drag and in the unit of `drag`.
 
     Raises
     ------
     ValueError
-        If a matrix is not symmetric and positive definite.
+        If a matrix is not symmetric and positive definite, or if the lay leaves no drag in some
+        direction.
     """
 
     drag: Floats
+    stage_lay: Floats = field(default_factory=lambda: np.zeros((1, 2)))
 
     def __post_init__(self) -> None:
         """Copy, freeze and check."""
-        object.__setattr__(self, "drag", _positive_definite("drag", self.drag))
+        drag = _positive_definite("drag", self.drag)
+        lay = np.array(self.stage_lay, dtype=np.float64).reshape(-1, 2)
+        mean, across = 0.5 * (drag[:, 0, 0] + drag[:, 1, 1]), 0.5 * (drag[:, 0, 0] - drag[:, 1, 1])
+        least = mean - np.hypot(across, drag[:, 0, 1]) - np.hypot(lay[:, 0], lay[:, 1])
+        for run in np.flatnonzero(~(least > 0.0)):
+            value = f"that of run {run} leaves a least drag of {least[run]:g}"
+            refuse("stage_lay", value, "must leave a positive drag in every direction", "lower it")
+        lay.flags.writeable = False
+        object.__setattr__(self, "drag", drag)
+        object.__setattr__(self, "stage_lay", lay)
 
     @classmethod
     def ratio(cls, film_ratio: float | Floats) -> Film:
@@ -130,9 +146,25 @@ class Film:
         jacobian[:, 0, 2], jacobian[:, 1, 2] = -y, x
         return cls(np.einsum("q,qia,qib->ab", w, jacobian, jacobian))
 
+    def some(self, runs: slice | Flags) -> Film:
+        """The film of some of the runs."""
+        if runs == slice(None):
+            return self
+        drag, lay = (a[runs] if len(a) > 1 else a for a in (self.drag, self.stage_lay))
+        return Film(drag, lay)
+
     def tables(self) -> Tables:
         """Film only."""
-        return Tables(packed(self.drag / self.drag[:, :1, :1]), _NO_POINTS, _NO_FILM)
+        scaled = packed(self.drag / self.drag[:, :1, :1])
+        if not self.stage_lay.any():
+            return Tables(scaled, _NO_POINTS, _NO_FILM)
+        # a force at the centre of drag does not turn the part: there the coupling vanishes
+        arm = np.linalg.solve(self.drag[:, :2, :2], self.drag[:, :2, 2:])[..., 0]
+        centre = np.column_stack([arm[:, 1], -arm[:, 0]])
+        lay = self.stage_lay / self.drag[:, 0, 0, None]
+        runs = max(len(lay), len(centre))
+        both = [np.broadcast_to(numbers, (runs, 2)) for numbers in (lay, centre)]
+        return Tables(scaled, _NO_POINTS, _NO_FILM, np.concatenate(both, axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -309,4 +341,5 @@ class Mixture:
         dry, ratio = self.dry.tables(), np.asarray(self.ratio)
         points = dry.points * np.ones((len(ratio), 1, 1))
         points[..., 2] *= ratio[:, None]
-        return Tables(self.film.tables().film, points, dry.surface * ratio[:, None] ** 2)
+        film = self.film.tables()
+        return Tables(film.film, points, dry.surface * ratio[:, None] ** 2, film.lay)

@@ -19,7 +19,7 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.models import Physics
 from meso_robust.laboratory.draws import Draws, draw
 from meso_robust.laboratory.engines import Pushed, push_all
-from meso_robust.laboratory.geometry import in_part
+from meso_robust.laboratory.making import true_ways
 from meso_robust.laboratory.running import (
     STARTS_INSIDE,
     STEP,
@@ -38,8 +38,9 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Outcome, Point, Push, Round, simulate
 from meso_robust.simulator.environment import FORCE_SLOTS
-from meso_robust.simulator.geometry import radii, stretch, tracked_of_reference
+from meso_robust.simulator.geometry import outlines, radii, tracked_of_reference
 from meso_robust.simulator.observation import observe
+from meso_robust.simulator.push import leg_times
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.task import Task
 from meso_robust.types import Flags, Floats
@@ -108,26 +109,31 @@ class _Laboratory:
         """(N, 3) what the tracker says, with the task's own errors."""
         return self.seen(poses) + self.draws.sensing[:, k]
 
-    def place(self, k: int, order: Order) -> Floats:
-        """(N, P, 2) tips as commanded, with the probes' errors and how far their mount has drifted."""
+    def ways(self, k: int, order: Order) -> Floats:
+        """(N, L + 1, P, 2) as commanded, with the errors drawn and how far the probes' mount has drifted."""
         tips = order.commands.tips
         drift = self.physics().effects.values.get("probe_drift", {})
         along = np.zeros((len(tips), 2))
         for axis, key in enumerate(("x_um_s", "y_um_s")):
             along[:, axis] = self.clock * np.asarray(drift.get(key, 0.0))
-        return np.asarray(tips + self.draws.of_tips(k, tips.shape[1]) + along[:, None])
+        starts = tips + self.draws.of_tips(k, tips.shape[1]) + along[:, None]
+        return true_ways(self.setup, self.draws, k, starts, order.commands.travel)
 
-    def blocked(self, tips: Floats, poses: Floats) -> Flags:
-        """(N,) whether a tip would be lowered onto the part."""
-        corners, table = rectangle(self.setup), self.physics().effects.table
-        radius = radii(np.array([self.tip.radius]), table)
-        half = 0.5 * np.ptp(corners, axis=0) * stretch(corners, table) + radius
-        own = in_part(tips, poses[:, None])
-        return np.asarray((np.abs(own) < half[:, None]).all(axis=2).any(axis=1))
+    @property
+    def outlines(self) -> Floats:
+        """(1|N, V, 2) of parts as the model has them, m."""
+        return outlines(rectangle(self.setup), self.physics().effects.table)
 
-    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
+    def radii(self, order: Order) -> Floats:
+        """(1|N, P) of tips as the model has them, m."""
+        stated = np.full(order.names.shape[-1], self.tip.radius)
+        return radii(stated, self.physics().effects.table)
+
+    def push(
+        self, k: int, order: Order, runs: Which, poses: Floats, ways: Floats, record: int
+    ) -> Pushed:
         """The move, and what the stage does to the parts until the next one."""
-        push = _push(poses, tips, travel, runs, self)
+        push = _push(poses, ways, runs, self)
         pushed = push_all(push, "stepper", record)
         self.clock += float(push.times[:, -1].max()) + HANDLING_S
         done = pushed.outcomes == Outcome.COMPLETED
@@ -209,7 +215,7 @@ def _values(document: ModelDocument, runs: int, rng: np.random.Generator) -> Flo
 
 
 def _run(rules: Sequence[MoveRule], lab: _Laboratory) -> PlanRun:
-    rounds = by_rules(rules, lab.setup, lab.draws.misalignment)
+    rounds = by_rules(rules, lab.setup, lab.draws)
     return carry_out(rounds, lab, _start(lab))
 
 
@@ -222,11 +228,11 @@ def _start(lab: _Laboratory) -> Floats:
     return true
 
 
-def _push(poses: Floats, tips: Floats, travel: Floats, runs: Which, lab: _Laboratory) -> Push:
+def _push(poses: Floats, ways: Floats, runs: Which, lab: _Laboratory) -> Push:
     physics = lab.physics(runs)
     felt = physics.effects.without(_MECHANICS)
     pulled = felt.is_on(*PULL_SLOTS)
-    waypoints, times = _way(tips, travel, lab, back=pulled)
+    waypoints, times = _way(ways, lab, back=pulled)
     return Push(
         vertices=rectangle(lab.setup),
         poses=poses,
@@ -235,18 +241,19 @@ def _push(poses: Floats, tips: Floats, travel: Floats, runs: Which, lab: _Labora
         friction=physics.friction,
         support=physics.support,
         effects=felt,
-        shapes=(lab.tip,) * tips.shape[1],
+        shapes=(lab.tip,) * ways.shape[2],
         fixture=walls(lab.setup),
         step=_MENISCUS_STEP if pulled else STEP,
     )
 
 
-def _way(tips: Floats, travel: Floats, lab: _Laboratory, *, back: bool) -> tuple[Floats, Floats]:
+def _way(ways: Floats, lab: _Laboratory, *, back: bool) -> tuple[Floats, Floats]:
     """(N, T, P, 2) waypoints and (N, T) times of a move, and of backing off if tips that leave matter."""
     speed = lab.task.probe.speed_um_s * units.UM
     reach = _BACK * 2.0 * lab.setup.half_length.mid
-    waypoints, times = there_and_back(tips, travel, speed, reach, speed)
-    return (waypoints, times) if back else (waypoints[:, :2], times[:, :2])
+    if not back:
+        return ways, leg_times(np.diff(ways, axis=1), speed)
+    return there_and_back(ways, speed, reach, speed)
 
 
 def _rested(poses: Floats, runs: Flags, lab: _Laboratory) -> Floats:

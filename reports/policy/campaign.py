@@ -31,7 +31,7 @@ REPORT = Path(__file__).parents[2] / "reports" / "policy"
 def campaign(policy: Policy, runs: int, engine: Engine, seed: int) -> tuple[bool, str]:
     """Whether all runs kept the claim, and a line about them."""
     rng = np.random.default_rng(seed)
-    done = run_policy(policy, draw_starts(policy, runs, rng), rng, engine=engine)
+    done = run_policy(policy, draw_starts(policy, runs, rng), engine=engine)
     away = done.excess / np.array([1e-6, 1e-6, np.pi / 180.0])
     # a step of the stepper is 2 um, which can take a pose some hundredths of one out of its box
     kept = done.kept if engine == "events" else bool(done.in_goal.all())

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust import units
-from meso_robust.bounds import Interval
+from meso_robust.laboratory.draws import Draws, draw, spread
 from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.running import (
     STEP,
@@ -18,8 +18,11 @@ from meso_robust.laboratory.running import (
     PlanRun,
     carry_out,
     excess,
+    spacing_of,
+    tips_of,
     why,
 )
+from meso_robust.planning.document import names_of
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.controller import Done, Move, PolicyController
 from meso_robust.policy.cover import ends_of
@@ -27,19 +30,6 @@ from meso_robust.policy.pose import Sensed
 from meso_robust.primitives.move import Commands
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.types import Flags, Floats
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Starts:
-    """Where N runs start, and what is constant during each."""
-
-    poses: Floats
-    """(N, 3) true poses, m and rad."""
-    sensing: Floats
-    """(N, 3) first sensing error, sensed minus true."""
-    friction: Floats
-    film_ratio: Floats
-    misalignment: Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,54 +55,32 @@ class PolicyRuns:
         return bool((self.done & self.in_goal & (self.moves <= self.promised)).all())
 
 
-def draw_starts(policy: Policy, runs: int, rng: np.random.Generator) -> Starts:
+def draw_starts(policy: Policy, runs: int, rng: np.random.Generator) -> Draws:
     """Starts in random cells: half of them uniform, half at corners of everything uncertain."""
     setup = setup_of(policy.task)
-    u = setup.uncertainty
+    # the policy asks once more than it moves, as the pose sensed last gets a `done`
+    draws = draw(setup, policy.moves + 1, runs, rng)
     chosen = rng.integers(len(policy.cells), size=runs)
-    corner = rng.random(runs) < 0.5
-
-    def one(low: Floats, high: Floats) -> Floats:
-        share = rng.random(low.shape)
-        share[corner] = np.rint(share[corner])
-        return np.asarray(low + share * (high - low))
-
-    def of(range_: Interval, *shape: int) -> Floats:
-        return one(np.full((runs, *shape), range_.lo), np.full((runs, *shape), range_.hi))
-
     low, high = ends_of([policy.cells[int(k)].sensed for k in chosen])
-    sensing = np.hstack([of(u.sensed_position, 2), of(u.sensed_orientation, 1)])
-    return Starts(
-        poses=one(low, high) - sensing,
-        sensing=sensing,
-        friction=of(u.friction),
-        film_ratio=of(u.film_ratio),
-        misalignment=of(u.misalignment),
-    )
+    u = setup.uncertainty
+    reach = np.array([u.sensed_position.hi, u.sensed_position.hi, u.sensed_orientation.hi])
+    draws.sensing[:, 0] = spread(-reach, reach, (runs, 3), rng)
+    draws.start[:] = spread(low, high, (runs, 3), rng) - draws.sensing[:, 0]
+    return draws
 
 
 def run_policy(
     policy: Policy,
-    starts: Starts,
-    rng: np.random.Generator,
+    draws: Draws,
     *,
     engine: Engine = "stepper",
     step: float = STEP,
 ) -> PolicyRuns:
     """Run the policy from every start, through the controller that a laboratory would use."""
     setup = setup_of(policy.task)
-    bench = _PolicyBench(
-        setup=setup,
-        friction=starts.friction,
-        film_ratio=starts.film_ratio,
-        engine=engine,
-        step=step,
-        starts=starts,
-        rng=rng,
-    )
-    answers = _Answers(policy, setup, starts)
-    # one round more than moves: the pose sensed in it gets a `done`
-    runs = carry_out([answers.orders] * (policy.moves + 1), bench, starts.poses)
+    bench = Bench.of(setup, draws, engine=engine, step=step)
+    answers = _Answers(policy, setup, draws)
+    runs = carry_out([answers.orders] * (policy.moves + 1), bench, draws.start)
     ended = np.flatnonzero(~runs.completed)
     return PolicyRuns(
         moves=np.sum(
@@ -144,12 +112,12 @@ def _why(answers: _Answers, runs: PlanRun, k: int) -> str:
 class _Answers:
     """What the controller that a laboratory would use answers to each of N runs."""
 
-    def __init__(self, policy: Policy, setup: Setup, starts: Starts) -> None:
-        self.setup, self.starts = setup, starts
+    def __init__(self, policy: Policy, setup: Setup, draws: Draws) -> None:
+        self.setup, self.draws = setup, draws
         first = PolicyController(policy)
-        self.controllers = [copy.copy(first) for _ in range(len(starts.poses))]
-        self.done = np.zeros(len(starts.poses), dtype=bool)
-        self.promised = np.zeros(len(starts.poses), dtype=np.int64)
+        self.controllers = [copy.copy(first) for _ in range(len(draws.start))]
+        self.done = np.zeros(len(draws.start), dtype=bool)
+        self.promised = np.zeros(len(draws.start), dtype=np.int64)
         self.why: list[str] = []
         self.moves: list[dict[int, Move]] = []
         """By run, of each order."""
@@ -176,43 +144,17 @@ class _Answers:
     def _order(self, probes: int, moves: dict[int, Move]) -> Order:
         tips = np.full((len(self.done), probes, 2), np.nan)
         travel, runs = tips.copy(), np.zeros(len(self.done), dtype=bool)
+        names = np.zeros((len(self.done), probes), dtype=np.int64)
+        spacing = np.broadcast_to(spacing_of(self.setup, self.draws), (len(self.done),))
         for k, move in moves.items():
             commanded = move.rule.commands(
                 np.array([move.sensed.mid]),
-                self.setup.spacing.mid,
-                self.starts.misalignment[k : k + 1],
+                spacing[k : k + 1],
+                self.draws.misalignment[k : k + 1],
             )
+            names[k] = tips_of(names_of(move.rule))
             runs[k], tips[k], travel[k] = True, commanded.tips[0], commanded.travel[0]
-        return Order(runs=runs, commands=Commands(tips=tips, travel=travel))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _PolicyBench(Bench):
-    """The task's laboratory with errors that are drawn as they come, as nobody knows how many moves."""
-
-    starts: Starts
-    rng: np.random.Generator
-
-    def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
-        """(N, 3) poses with an error, drawn for the runs that go on."""
-        if k == 0:
-            return poses + self.starts.sensing
-        u, sensed = self.setup.uncertainty, poses.copy()
-        reach = np.array([u.sensed_position.hi, u.sensed_position.hi, u.sensed_orientation.hi])
-        for row in np.flatnonzero(going):
-            share = self.rng.uniform(-1.0, 1.0, 3)
-            sensed[row] += reach * (np.sign(share) if self.rng.random() < 0.5 else share)
-        return sensed
-
-    def place(self, k: int, order: Order) -> Floats:
-        """(N, P, 2) tips as commanded plus the probes' errors; two tips of one probe share theirs."""
-        tips, reach = order.commands.tips.copy(), self.setup.uncertainty.probe_position.hi
-        for row in np.flatnonzero(order.runs):
-            error = self.rng.uniform(-reach, reach, (2, 2))
-            if self.rng.random() < 0.5:
-                error = reach * np.sign(error)
-            tips[row] += error[[0, 0, 1]][: tips.shape[1]]
-        return tips
+        return Order(runs=runs, commands=Commands(tips=tips, travel=travel), names=names)
 
 
 def _full_turns(pose: Floats, box: PoseBox) -> Floats:

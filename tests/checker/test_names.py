@@ -18,7 +18,7 @@ from meso_robust.certificates import words as told
 from meso_robust.certificates.premise import SCHEMA_1, Premise, premises
 from meso_robust.certificates.words import words
 from meso_robust.checker import ids, words as own
-from meso_robust.checker.inputs import SCALED, given, uncertainties
+from meso_robust.checker.inputs import ALWAYS_STATED, given, uncertainties
 from meso_robust.checker.reading import digest
 from meso_robust.checker.statement import STATEMENTS
 from meso_robust.checker.verdict import BITS
@@ -61,7 +61,7 @@ def test_both_sides_name_the_same() -> None:
     for one in set(Inequality) - {Inequality.NONE}:
         assert one.derivation == STATEMENTS[one].derivation
         assert one.any_value == STATEMENTS[one].any_value
-    assert set(SCALED) <= {field.name for field in fields(Uncertainty)}
+    assert set(ALWAYS_STATED) <= {field.name for field in fields(Uncertainty)}
 
 
 def test_names_are_no_sentences_and_each_means_one_thing() -> None:
@@ -202,7 +202,7 @@ def test_an_uncertainty_that_the_checker_does_not_know_is_rejected(document: Doc
     assert objection(found) == "value: claim.uncertainties"
 
 
-@pytest.mark.parametrize("name", SCALED)
+@pytest.mark.parametrize("name", ALWAYS_STATED)
 @pytest.mark.parametrize("by", [-1e-9, 1e-9])
 def test_a_claim_for_another_range_is_rejected(document: Document, name: str, by: float) -> None:
     found = copy.deepcopy(document)

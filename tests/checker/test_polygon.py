@@ -19,14 +19,13 @@ from meso_robust.checker import outline as own
 from meso_robust.checker.inputs import given
 from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.checker.walls import apart
-from meso_robust.laboratory.geometry import distances
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import PolygonPart, Task, parse_task
 from tests.checker.test_check import checked
-from tests.polygons import SHIPPED, certificate, planned, values_of
+from tests.polygons import SHIPPED, certificate, inside, planned, values_of
 
 Document = dict[str, Any]
 
@@ -221,7 +220,7 @@ def test_what_is_apart_from_a_polygon_has_no_common_point() -> None:
     known, rng, decided = given(parse_task(values, "walled")), np.random.default_rng(1), 0
     body = 1e-6 * np.array(values["part"]["polygon_um"])
     grid = np.array(np.meshgrid(*(np.linspace(-0.8e-3, 0.8e-3, 41),) * 2)).reshape(2, -1).T
-    points = np.concatenate([body, grid[distances(grid, body) <= 0.0]])
+    points = np.concatenate([body, grid[inside(grid, body)]])
     for _ in range(60):
         x, y, theta = rng.uniform([-2e-3, -2e-3, -3.2], [2e-3, 2e-3, 3.2])
         block = known.blocks[rng.integers(3)]

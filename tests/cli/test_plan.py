@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
-from meso_robust.laboratory.running import outline as original
+from meso_robust.laboratory.making import outline as original
 from meso_robust.pipeline import SimulatorContradictsProofError
 from meso_robust.tasks import PAPER
 

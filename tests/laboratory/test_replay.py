@@ -289,11 +289,12 @@ def test_jam_names_the_tips_that_hold_the_part_and_stops_them_at_it() -> None:
 
 def test_gaps_to_a_turned_rectangle() -> None:
     """4 x 2, turned by 90 deg about (10, 0): it reaches from 9 to 11 in x and from -2 to 2 in y."""
-    points = np.array([[12.0, 0.0], [10.0, 5.0], [14.0, 6.0], [10.5, 0.0]])
+    points = np.array([[[12.0, 0.0], [10.0, 5.0], [14.0, 6.0], [10.5, 0.0]]])
+    corners = np.array([[[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]])
 
-    gaps = gaps_to(points, np.array([10.0, 0.0, math.pi / 2]), np.array([2.0, 1.0]))
+    gaps = gaps_to(points, np.array([[10.0, 0.0, math.pi / 2]]), corners, 0.25 * np.ones((1, 4)))
 
-    assert np.allclose(gaps, [1.0, 3.0, 5.0, -0.5])
+    assert np.allclose(gaps, [[0.75, 2.75, 4.75, -0.75]])
 
 
 def plan_of(rules: list[MoveRule], player: Feedback) -> PlanDocument:

@@ -134,15 +134,20 @@ class Toy:
     def sense(self, k: int, poses: Floats, going: Flags) -> Floats:
         return poses + 0.25
 
-    def place(self, k: int, order: Order) -> Floats:
-        return order.commands.tips + 0.5
+    outlines = 0.1 * np.array([[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]])
 
-    def blocked(self, tips: Floats, poses: Floats) -> Flags:
-        near = np.abs(tips - poses[:, None, :2]) < 0.1
-        return np.any(np.all(near, axis=2), axis=1)
+    def ways(self, k: int, order: Order) -> Floats:
+        tips = order.commands.tips + 0.5
+        return np.stack([tips, tips + order.commands.travel], axis=1)
 
-    def push(self, runs: Which, poses: Floats, tips: Floats, travel: Floats, record: int) -> Pushed:
-        after = poses + np.append(travel[:, 0], np.zeros((len(poses), 1)), axis=1)
+    def radii(self, order: Order) -> Floats:
+        return np.zeros((1, len(order.names)))
+
+    def push(
+        self, k: int, order: Order, runs: Which, poses: Floats, ways: Floats, record: int
+    ) -> Pushed:
+        travel = ways[:, -1, 0] - ways[:, 0, 0]
+        after = poses + np.append(travel, np.zeros((len(poses), 1)), axis=1)
         jams = after[:, 0] > 10.0
         none = np.zeros((len(poses), 0, 0))
         outcomes = np.where(jams, Outcome.JAM, Outcome.COMPLETED).astype(np.int8)
@@ -157,7 +162,8 @@ def test_the_loop_pushes_whom_it_is_told_to_and_a_run_without_an_order_is_over()
     def order(which: tuple[int, ...], travel: float, probes: int) -> Order:
         shape = (4, probes, 2)
         commands = Commands(tips=np.full(shape, 5.0), travel=np.full(shape, travel))
-        return Order(runs=np.isin(np.arange(4), which), commands=commands)
+        names = np.arange(probes)
+        return Order(runs=np.isin(np.arange(4), which), commands=commands, names=names)
 
     def first(sensed: Floats, going: Flags) -> tuple[Order, ...]:
         asked.append((sensed[:, 0].tolist(), going.tolist()))

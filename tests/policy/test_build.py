@@ -76,7 +76,7 @@ def test_the_moves_to_go_fall_whatever_is_sensed(small_policy: Policy) -> None:
 def test_every_start_ends_in_the_goal_in_the_simulator(small_policy: Policy) -> None:
     rng = np.random.default_rng(0)
 
-    runs = run_policy(small_policy, draw_starts(small_policy, 600, rng), rng, engine="events")
+    runs = run_policy(small_policy, draw_starts(small_policy, 600, rng), engine="events")
 
     assert runs.kept, runs.why
     assert runs.moves.max() == 4

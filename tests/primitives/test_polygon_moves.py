@@ -12,8 +12,8 @@ from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.laboratory.claims import outside
 from meso_robust.laboratory.draws import draw
-from meso_robust.laboratory.geometry import distances
-from meso_robust.laboratory.running import outline, run
+from meso_robust.laboratory.making import outline
+from meso_robust.laboratory.running import run
 from meso_robust.motion import sticking
 from meso_robust.planning.compose import compose
 from meso_robust.planning.y_translation import y_translation
@@ -29,7 +29,7 @@ from meso_robust.simulator import Push, simulate
 from meso_robust.task import PolygonPart, Task, parse_task
 from meso_robust.tasks import HEXAGON, PAPER
 from meso_robust.units import UM
-from tests.polygons import SHIPPED, planned, values_of
+from tests.polygons import SHIPPED, inside, planned, values_of
 
 RUNS = 120
 ROUNDING = np.array([[1e-9, 1e-9, 1e-6]])  # m, m, rad: of the event-driven engine
@@ -224,7 +224,7 @@ def test_a_polygon_that_is_clear_of_a_wall_has_no_point_in_it() -> None:
     setup, rng, decided = planned("L-shape")[2].setup, np.random.default_rng(2), 0
     body = outline(setup)
     own = np.array(np.meshgrid(*(np.linspace(-0.8e-3, 0.8e-3, 33),) * 2)).reshape(2, -1).T
-    own = np.concatenate([body, own[distances(own, body) <= 0.0]])
+    own = np.concatenate([body, own[inside(own, body)]])
     block = Block(x=Interval(-3e-4, 3e-4), y=Interval(-2e-4, 2e-4))
     walled = replace(setup, blocks=(block,))
     for _ in range(16):

@@ -62,12 +62,12 @@ def test_a_part_that_nothing_touches_is_carried_on_between_moves() -> None:
 def test_a_mount_that_drifts_has_drifted_by_the_time_of_a_move() -> None:
     drift = {"probe_drift.x_um_s": (0.1, 0.1), "probe_drift.y_um_s": (-0.2, -0.2)}
     lab = laboratory(model(drift))
-    (order,) = by_rules(rules(), lab.setup, lab.draws.misalignment)[0](
+    (order,) = by_rules(rules(), lab.setup, lab.draws)[0](
         lab.draws.start, np.ones(RUNS, dtype=np.bool_)
     )
 
-    first, lab.clock = lab.place(0, order), 30.0
-    later = lab.place(0, order)
+    first, lab.clock = lab.ways(0, order), 30.0
+    later = lab.ways(0, order)
 
     expected = np.broadcast_to([3e-6, -6e-6], first.shape)
     np.testing.assert_allclose(later - first, expected, rtol=0, atol=1e-12)

@@ -127,8 +127,9 @@ def test_two_tips_drag_the_part_along_until_both_menisci_break(pull: float) -> N
     tips = np.array([[[90.0, 50.0], [90.0, -50.0]]]) * UM
     travel = np.broadcast_to([-20.0 * UM, 0.0], tips.shape)
 
-    left = running._push(poses, tips, travel, slice(None), laboratory(adhering(0.0)))
-    held = running._push(poses, tips, travel, slice(None), lab)
+    ways = np.stack([tips, tips + travel], axis=1)
+    left = running._push(poses, ways, slice(None), laboratory(adhering(0.0)))
+    held = running._push(poses, ways, slice(None), lab)
     free, drawn = simulate(left).poses[0], simulate(held).poses[0]
 
     # pushed by 20 um less the way to the edge, 90 - 155.4 / 2
@@ -143,8 +144,9 @@ def test_the_passive_tip_backs_off_to_its_own_side() -> None:
     travel = np.array([[[-30.0, 0.0], [-30.0, 0.0], [0.0, 0.0]]]) * UM
     lab = laboratory(adhering(1.0))
 
-    ways, times = running._way(tips, travel, lab, back=True)
-    only, _ = running._way(tips, travel, lab, back=False)
+    there = np.stack([tips, tips + travel], axis=1)
+    ways, times = running._way(there, lab, back=True)
+    only, _ = running._way(there, lab, back=False)
 
     # a quarter of 300 um, at 75 um/s
     assert ways[0, 2] * 1e6 == pytest.approx(np.array([[145.0, 50], [145.0, -50], [-165.0, -20]]))

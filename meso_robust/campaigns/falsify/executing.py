@@ -44,7 +44,8 @@ def _bulk(ready: Ready, work: Bulk, rng: np.random.Generator) -> Result:
     rows = drawn(work.method, work.runs, (low, high), ready.seeds, rng)
     judged = judge(ready.player, ready.claims, rows)
     shares = _problem(ready, ready.targets[0].name).shares(rows)
-    found = totals(judged, ready.claims, histogram(rows, low, high), shares)
+    leading = shares[:, : ready.player.leading]
+    found = totals(judged, ready.claims, histogram(rows, low, high), leading)
     return Result(
         runs=found.runs,
         failed=found.failed,
@@ -61,8 +62,9 @@ def _bulk(ready: Ready, work: Bulk, rng: np.random.Generator) -> Result:
 
 def _reached(ready: Ready, runs: PlanRun, rows: Floats) -> dict[str, float | str | None]:
     """Highest value of every target that looks at no path."""
+    draws = ready.player.draws_of(rows)
     return {
-        target.name: finite(float(failing(runs, target.measure(runs, rows)).max()))
+        target.name: finite(float(failing(runs, target.measure(runs, draws)).max()))
         for target in ready.targets
         if not target.record
     }

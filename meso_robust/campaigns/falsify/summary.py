@@ -36,7 +36,7 @@ def tell(part: Part, totals: Values) -> Told:
             *_counts(drawn, searches),
             *_nearest(ready, totals),
             *_likely(part, totals),
-            *_covered(drawn),
+            *_covered(ready, drawn),
         ),
         views=views(ready, totals, drawn),
     )
@@ -111,10 +111,10 @@ def _nearest(ready: Ready, totals: Values) -> Figures:
     )
 
 
-def _covered(drawn: Totals) -> Figures:
+def _covered(ready: Ready, drawn: Totals) -> Figures:
     if not drawn.runs:
         return ()
-    return (("corners of start, friction, film and misalignment met", corners_met(drawn)),)
+    return (("corners of start, friction, film and misalignment met", corners_met(ready, drawn)),)
 
 
 def _likely(part: Part, totals: Values) -> Figures:

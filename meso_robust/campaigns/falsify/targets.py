@@ -8,16 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.laboratory.ascent import Score
-from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, first_tip
+from meso_robust.laboratory.claims import LOWER, PASSIVE, UPPER, Claims, first_meeting
 from meso_robust.laboratory.crosscheck import REFUTING
+from meso_robust.laboratory.draws import Draws
 from meso_robust.laboratory.geometry import gaps_to
 from meso_robust.laboratory.judging import INSTANTS
-from meso_robust.laboratory.meetings import meets, stick_ratio
-from meso_robust.laboratory.replay import FILM, FRICTION, Feedback
+from meso_robust.laboratory.meetings import CORNER, stick_ratio
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import MoveRun, PlanRun
 from meso_robust.types import Floats
 
-Measure = Callable[[PlanRun, Floats], Floats]
+Measure = Callable[[PlanRun, Draws], Floats]
 
 ANGLES = 5  # orientations between the first and the last of a move at which sticking is asked
 COORDINATES = ("x", "y", "theta")
@@ -34,7 +35,7 @@ class Target:
     limit: float
     """Value that breaks the claim."""
     measure: Measure
-    """Runs and their rows to (N,) values; minus infinity for a run that ended before."""
+    """Runs and what was drawn for them to (N,) values; minus infinity for a run that ended before."""
     record: int = 0
     """Intervals of the path of each move that the measure looks at."""
 
@@ -56,7 +57,7 @@ def _side(name: str, k: int, box: Floats, axis: int, way: int) -> Target:
     middle = 0.5 * (box[0, axis] + box[1, axis])
     half = max(0.5 * (box[1, axis] - box[0, axis]), TIGHTEST)
 
-    def measure(runs: PlanRun, _: Floats) -> Floats:
+    def measure(runs: PlanRun, _: Draws) -> Floats:
         reached = way * (runs.moves[k].after[:, axis] - middle) / half
         return np.where(runs.failed_in > k, reached, -np.inf)
 
@@ -86,7 +87,7 @@ def _in_tube(k: int, tube: Floats) -> Measure:
     middles = 0.5 * (tube[:, 0] + tube[:, 1])
     halves = np.maximum(0.5 * (tube[:, 1] - tube[:, 0]), TIGHTEST)
 
-    def measure(runs: PlanRun, _: Floats) -> Floats:
+    def measure(runs: PlanRun, _: Draws) -> Floats:
         path = runs.moves[k].path
         nearest = np.full(path.shape[:2], np.inf)
         for middle, half in zip(middles, halves, strict=True):
@@ -101,63 +102,77 @@ def motion_targets(claims: Claims) -> tuple[Target, ...]:
     found = []
     for k, rule in enumerate(claims.rules):
         name = f"move {k + 1}:"
-        found.append(
-            Target(name=f"{name} start", unit="um inside", limit=0.0, measure=_start(claims, k))
-        )
+        found.append(Target(name=f"{name} start", unit="um inside", limit=0.0, measure=_start(k)))
         if rule.action in ("tilt", "straighten"):
-            sticking = _sticking(claims, k)
+            sticking = _sticking(k)
             found.append(Target(name=f"{name} sticks", unit="of mu", limit=0.0, measure=sticking))
         if rule.action == "rotate":
-            grasp = _grasp(claims, k, LOWER if rule.side > 0 else UPPER)
+            grasp = _grasp(k, LOWER if rule.side > 0 else UPPER)
             found.append(Target(name=f"{name} grasp", unit="of mu", limit=0.0, measure=grasp))
     return tuple(found)
 
 
-def _start(claims: Claims, k: int) -> Measure:
-    def measure(runs: PlanRun, _: Floats) -> Floats:
+def _start(k: int) -> Measure:
+    def measure(runs: PlanRun, _: Draws) -> Floats:
         move = runs.moves[k]
-        gaps = gaps_to(move.tips, move.before[:, None], claims.half)
+        gaps = gaps_to(move.tips, move.before, move.outlines, move.radii)
         return np.where(runs.failed_in >= k, -1e6 * gaps.min(axis=1), -np.inf)
 
     return measure
 
 
-def _sticking(claims: Claims, k: int) -> Measure:
-    def measure(runs: PlanRun, rows: Floats) -> Floats:
-        needed = needed_friction(runs.moves[k], claims.half, rows[:, FILM])
-        return np.where(runs.failed_in > k, needed - rows[:, FRICTION], -np.inf)
+def _friction(draws: Draws, k: int, pick: Callable[[Floats], Floats]) -> Floats:
+    """(N,) least or largest friction of any tip in a move."""
+    if draws.tip_friction is None:
+        return draws.friction
+    return pick(draws.tip_friction[:, k].reshape(len(draws.friction), -1))
+
+
+def _sticking(k: int) -> Measure:
+    def measure(runs: PlanRun, draws: Draws) -> Floats:
+        needed = needed_friction(runs.moves[k], draws.film_ratio)
+        least = _friction(draws, k, lambda all_: all_.min(axis=1))
+        return np.where(runs.failed_in > k, needed - least, -np.inf)
 
     return measure
 
 
-def needed_friction(move: MoveRun, half: Floats, film_ratio: Floats) -> Floats:
-    """(N,) least friction with which the first tip to touch sticks during the whole move."""
-    first = first_tip(move, half)
+def needed_friction(move: MoveRun, film_ratio: Floats) -> Floats:
+    """(N,) least friction with which the first tip to touch sticks during the whole move.
+
+    Of an even film about the reference point: where the film is another one this only guides.
+    """
+    first, met = first_meeting(move)
     which = np.arange(len(first))
-    way = move.travel[which, first]
-    _, point, normal = meets(move.tips[which, first], way, move.before, half)
+    corner = move.outlines[which, met.edge]
+    side = np.roll(move.outlines, -1, axis=1)[which, met.edge] - corner
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    point, normal = corner + met.along[:, None] * side, np.stack([-side[:, 1], side[:, 0]], axis=1)
     ratios = []
     for share in np.linspace(0.0, 1.0, ANGLES):
         pose = move.before + share * (move.after - move.before)
-        ratios.append(stick_ratio(point, normal, way, pose, film_ratio))
-    return np.asarray(np.max(ratios, axis=0))
+        ratios.append(stick_ratio(point, normal, move.travel[which, first], pose, film_ratio))
+    return np.where(met.edge == CORNER, np.inf, np.max(ratios, axis=0))
 
 
-def _grasp(claims: Claims, k: int, active: int) -> Measure:
+def _grasp(k: int, active: int) -> Measure:
     """By how much mu exceeds what locks the part between the two tips where they are nearest.
 
-    The line through the tips stands at ``acos(width / distance)`` to the normals of both edges.
+    Across the part the contacts are as far apart as it is wide, the centres by both radii more; the
+    line through the contacts stands at the angle of friction to the normals where the part locks.
     """
-    width = 2.0 * float(claims.half.min())
 
-    def measure(runs: PlanRun, rows: Floats) -> Floats:
+    def measure(runs: PlanRun, draws: Draws) -> Floats:
         move = runs.moves[k]
         apart = move.tips[:, active] - move.tips[:, PASSIVE]
         way = move.travel[:, active]
         share = np.clip(-np.sum(apart * way, axis=1) / np.sum(way * way, axis=1), 0.0, 1.0)
         nearest = np.linalg.norm(apart + share[:, None] * way, axis=1)
-        locks = np.tan(np.arccos(np.minimum(width / nearest, 1.0)))
-        return np.where(runs.failed_in >= k, rows[:, FRICTION] - locks, -np.inf)
+        width = np.ptp(move.outlines, axis=1).min(axis=1)
+        wide = width + move.radii[:, active] + move.radii[:, PASSIVE]
+        locks = np.sqrt(np.maximum(nearest**2 - wide**2, 0.0)) / width
+        largest = _friction(draws, k, lambda all_: all_.max(axis=1))
+        return np.where(runs.failed_in >= k, largest - locks, -np.inf)
 
     return measure
 
@@ -177,6 +192,6 @@ def scorer(player: Feedback, target: Target) -> Score:
 
     def score(rows: Floats) -> Floats:
         runs = player.run(rows, record=target.record)
-        return failing(runs, target.measure(runs, rows))
+        return failing(runs, target.measure(runs, player.draws_of(rows)))
 
     return score

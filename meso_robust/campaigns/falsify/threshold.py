@@ -47,9 +47,9 @@ def attack(
 
         def score(rows: Floats, target: Target = target) -> Floats:
             ran = player.run(rows)
-            return failing(ran, target.measure(ran, rows))
+            return failing(ran, target.measure(ran, player.draws_of(rows)))
 
-        values = failing(runs, target.measure(runs, pool))
+        values = failing(runs, target.measure(runs, player.draws_of(pool)))
         rows = np.concatenate([pool, known])
         values = np.concatenate([values, score(known)]) if len(known) else values
         summit = climb(score, rows, values, box, rng, effort)

@@ -9,9 +9,10 @@ import numpy as np
 
 from meso_robust.laboratory.claims import Claims, slips
 from meso_robust.laboratory.judging import Judged
-from meso_robust.laboratory.replay import OF_A_RUN
 from meso_robust.types import Floats
 
+STICKS = ("tilt", "straighten")
+"""Motions of which it is claimed that the first contact sticks."""
 Ends = list[list[float]]
 """(2, 3) least and largest pose (m, m, rad)."""
 
@@ -34,7 +35,7 @@ class Totals:
     during: list[Ends | None] = field(default_factory=list)
     """(M,) the same of all poses seen during each move."""
     slip: list[float] = field(default_factory=list)
-    """(M,) largest slip of the first contact of each move, m (of a rotation none is excluded)."""
+    """(M,) largest slip of the first contact of each move of `STICKS`, m."""
     covered: list[list[int]] = field(default_factory=list)
     """(D, BINS) see ``campaigns.coverage``."""
     corners: int = 0
@@ -72,7 +73,7 @@ def _wider(one: Ends | None, other: Ends | None) -> Ends | None:
     return [low.tolist(), high.tolist()]
 
 
-def totals(judged: Judged, claims: Claims, covered: list[list[int]], shares: Floats) -> Totals:
+def totals(judged: Judged, claims: Claims, covered: list[list[int]], leading: Floats) -> Totals:
     """Counts and extremes of runs; a run that ended early counts up to the move before.
 
     Parameters
@@ -81,18 +82,19 @@ def totals(judged: Judged, claims: Claims, covered: list[list[int]], shares: Flo
         The runs, and what they were held against.
     covered
         Histogram of their rows.
-    shares
-        (N, D) their rows, as shares of each range.
+    leading
+        (N, C) the run-level columns of their rows, as shares of each range.
     """
     runs = judged.runs
     after, during, slip = [], [], []
-    for k, move in enumerate(runs.moves):
+    for k, (rule, move) in enumerate(zip(claims.rules, runs.moves, strict=True)):
         done = runs.failed_in > k
         after.append(_ends(move.after[done]))
         during.append(_ends(move.path[done].reshape(-1, 3)))
-        slip.append(float(slips(move, claims.half)[done].max(initial=0.0)))
+        drift = slips(move)[done] if rule.action in STICKS else np.zeros(0)
+        slip.append(float(drift[np.isfinite(drift)].max(initial=0.0)))
     return Totals(
-        runs=len(shares),
+        runs=len(leading),
         failed=int(judged.any_broken.sum()),
         unfinished=int(judged.unfinished.sum()),
         repeated=judged.repeated,
@@ -101,7 +103,7 @@ def totals(judged: Judged, claims: Claims, covered: list[list[int]], shares: Flo
         during=during,
         slip=slip,
         covered=covered,
-        corners=_corners(shares[:, :OF_A_RUN]),
+        corners=_corners(leading),
     )
 
 

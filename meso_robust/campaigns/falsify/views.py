@@ -13,11 +13,10 @@ from meso_robust.campaigns.falsify.executing import value_of
 from meso_robust.campaigns.falsify.ready import Ready
 from meso_robust.campaigns.falsify.section import METHODS
 from meso_robust.campaigns.falsify.targets import COORDINATES, HALF_WIDTHS
-from meso_robust.campaigns.falsify.totals import Totals
+from meso_robust.campaigns.falsify.totals import STICKS, Totals
 from meso_robust.campaigns.hardest import paths, row_of
 from meso_robust.campaigns.kind import Bars, Coverage, Paths, Table, Values, View
 from meso_robust.laboratory.judging import INSTANTS
-from meso_robust.laboratory.replay import OF_A_RUN
 from meso_robust.types import Floats
 from meso_robust.wording import down, up, up_to
 
@@ -183,7 +182,7 @@ def _extremes(ready: Ready, drawn: Totals) -> Table | None:
     slips = ", ".join(
         f"move {k + 1}: {up_to(slip, 2)} m"
         for k, (rule, slip) in enumerate(zip(ready.claims.rules, drawn.slip, strict=True))
-        if rule.action in ("tilt", "straighten")
+        if rule.action in STICKS
     )
     return Table(
         title="Extremes of all draws",
@@ -268,6 +267,6 @@ def _coverage(ready: Ready, drawn: Totals) -> Coverage | None:
     return coverage([column.name for column in ready.player.columns], drawn.covered)
 
 
-def corners_met(drawn: Totals) -> str:
+def corners_met(ready: Ready, drawn: Totals) -> str:
     """Share of the corners of start, friction, film and misalignment that draws met."""
-    return f"{drawn.corners.bit_count()} of {2**OF_A_RUN}"
+    return f"{drawn.corners.bit_count()} of {2**ready.player.leading}"

@@ -94,6 +94,31 @@ def invert(matrix: Floats, inverse: Floats) -> None:
 
 
 @inlined
+def is_even(work: Work) -> bool:
+    """Whether the stage has no lay, so that the drag in body axes is constant."""
+    return bool(work.lay[0] == 0.0 and work.lay[1] == 0.0)
+
+
+@inner
+def lay_out(work: Work, place: Place) -> None:
+    """Write the drag at a place of the part, which changes with its angle if the stage has a lay.
+
+    The lay adds ``[[p, q], [q, −p]]`` to the drag of a translation, in body axes and acting at the
+    centre of drag.
+    """
+    cos, sin = place[2] * place[2] - place[3] * place[3], 2.0 * place[2] * place[3]
+    p, q = work.lay[0] * cos + work.lay[1] * sin, work.lay[1] * cos - work.lay[0] * sin
+    cx, cy = work.centre[0], work.centre[1]
+    drag, even = work.drag, work.even
+    drag[0, 0], drag[1, 1] = even[0, 0] + p, even[1, 1] - p
+    drag[0, 1] = drag[1, 0] = even[0, 1] + q
+    drag[0, 2] = drag[2, 0] = even[0, 2] - p * cy + q * cx
+    drag[1, 2] = drag[2, 1] = even[1, 2] - q * cy - p * cx
+    drag[2, 2] = even[2, 2] + p * (cy * cy - cx * cx) - 2.0 * q * cx * cy
+    invert(drag, work.film)
+
+
+@inlined
 def fill(scene: Scene, work: Work, c: int, place: Place, clock: float) -> None:
     """Write the constraints and wrenches of a contact."""
     kind, i, j = work.contact[c, KIND], work.contact[c, FIRST], work.contact[c, SECOND]
@@ -115,7 +140,9 @@ def fill(scene: Scene, work: Work, c: int, place: Place, clock: float) -> None:
 
 @inlined
 def fill_all(scene: Scene, work: Work, place: Place, clock: float, closed_only: bool) -> None:
-    """Write the constraints and wrenches of the contacts."""
+    """Write the constraints and wrenches of the contacts, and the drag."""
+    if not is_even(work):
+        lay_out(work, place)
     for c in range(work.count[TOUCHING]):
         if not closed_only or work.mode[c] != SEPARATE:
             fill(scene, work, c, place, clock)
@@ -201,6 +228,8 @@ def _shares(wrench: Triple, e: Triple, pair: tuple[Triple, Triple]) -> Triple:
 @inlined
 def _slide(scene: Scene, work: Work, place: Place, clock: float) -> None:
     """Velocity with one contact that slips; the same as `solve_twist`, without the tables."""
+    if not is_even(work):
+        lay_out(work, place)
     c = work.basis[0] // 2
     kind, i = work.contact[c, KIND], work.contact[c, FIRST]
     nx, ny, px, py, ux, uy, _, _ = frame(scene, kind, i, work.contact[c, SECOND], place, clock)

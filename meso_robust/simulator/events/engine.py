@@ -27,16 +27,22 @@ class Inputs(NamedTuple):
     """A move as the kernel takes it; lengths in units of `size`."""
 
     edges: Floats
+    """(N or 1, V, 9)."""
     walls: Floats
     poses: Floats
     tips: Floats
     travel: Floats
+    """(N, L, P, 2)."""
     friction: Floats
+    """(N, L, P)."""
     radii: Floats
+    """(N or 1, P)."""
     corners: Floats
     """(Q, 2) convex corners of the fixture."""
     drag: Floats
     """(N or 1, 3, 3)."""
+    lay: Floats
+    """(N or 1, 4): of the stage, and the centre of drag."""
     wall_friction: float
 
 
@@ -93,50 +99,65 @@ class EventResult:
         outputs = _outputs(self.inputs, 0, _LONGEST)
         take(self.inputs, outputs, which, which + 1)
         count = int(outputs.logged[0])
-        span = _span(self.inputs, which)
+        travel = self.inputs.travel[which]
+        span = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1, initial=0.0).sum()
         starts = outputs.starts[:count].copy()
         starts[:, 0] /= span if span > 0 else 1.0
         starts[:, 1:3] *= self.size
         return make_timeline(starts, outputs.contacts[:count], self.inputs.tips.shape[1])
 
 
-def _span(inputs: Inputs, which: int) -> float:
-    """Scaled travel of the fastest tip of a run."""
-    travel = inputs.travel[which]
-    return float(np.hypot(travel[:, 0], travel[:, 1]).max(initial=0.0))
+@inner
+def _of(i: int, length: int) -> int:
+    """Row of run i in an array of 1 or N rows."""
+    return i if length > 1 else 0
 
 
 @inner
-def _fill_tips(inputs: Inputs, i: int, tips: Floats) -> float:
-    """Write the tips and the corners of the fixture of a run; return its span."""
+def _fill_legs(travel: Floats, friction: Floats, legs: Floats) -> float:
+    """Write the legs of a run; return the clock at the end of the last."""
+    clock = 0.0
+    for leg in range(legs.shape[0]):
+        span = 0.0
+        for p in range(legs.shape[1]):
+            span = max(span, np.hypot(travel[leg, p, 0], travel[leg, p, 1]))
+        clock += span
+        for p in range(legs.shape[1]):
+            for k in range(2):
+                legs[leg, p, k] = travel[leg, p, k] / span if span > 0.0 else 0.0
+            legs[leg, p, 2], legs[leg, p, 3] = friction[leg, p], clock
+    return clock
+
+
+@inner
+def _fill_tips(inputs: Inputs, i: int, tips: Floats) -> None:
+    """Write the tips, which no leg has moved yet, and the corners of the fixture of a run."""
     movers = inputs.tips.shape[1]
-    span = 0.0
-    for p in range(movers):
-        span = max(span, np.hypot(inputs.travel[i, p, 0], inputs.travel[i, p, 1]))
     for p in range(movers):
         for k in range(2):
-            tips[p, k] = inputs.tips[i, p, k]
-            tips[p, 2 + k] = inputs.travel[i, p, k] / span if span > 0.0 else 0.0
-        tips[p, 4] = inputs.radii[p]
-        tips[p, 5] = inputs.friction[i, p]
+            tips[p, k], tips[p, 2 + k] = inputs.tips[i, p, k], 0.0
+        tips[p, 4] = inputs.radii[_of(i, inputs.radii.shape[0]), p]
     for q in range(inputs.corners.shape[0]):
         tips[movers + q, 0], tips[movers + q, 1] = inputs.corners[q, 0], inputs.corners[q, 1]
         tips[movers + q, 2:5] = 0.0
         tips[movers + q, 5] = inputs.wall_friction
-    return span
 
 
 @inner
 def _one(inputs: Inputs, outputs: Outputs, i: int, scene: Scene, work: Work) -> None:
     """Take one run."""
-    span = _fill_tips(inputs, i, scene.tips)
-    which = i if inputs.drag.shape[0] > 1 else 0
+    span = _fill_legs(inputs.travel[i], inputs.friction[i], scene.legs)
+    _fill_tips(inputs, i, scene.tips)
+    drag = inputs.drag[_of(i, inputs.drag.shape[0])]
+    lay = inputs.lay[_of(i, inputs.lay.shape[0])]
     for k in range(3):
         work.pose[k] = inputs.poses[i, k]
         for m in range(3):
-            work.drag[k, m] = inputs.drag[which, k, m]
+            work.drag[k, m] = work.even[k, m] = drag[k, m]
+    for k in range(2):
+        work.lay[k], work.centre[k] = lay[k], lay[2 + k]
     invert(work.drag, work.film)
-    work.span = span
+    work.span = work.whole = span
     work.reach = 1.0
     work.wall_friction = inputs.wall_friction
     work.movers = inputs.tips.shape[1]
@@ -161,16 +182,14 @@ def _compiled() -> Kernel:
         if key < 0:  # never, but it makes the key part of the function
             return
         tips = inputs.tips.shape[1] + inputs.corners.shape[0]
-        bodies = tips + inputs.edges.shape[0]
-        widest = max(inputs.edges.shape[0], inputs.walls.shape[0])
-        scene = Scene(
-            inputs.edges,
-            inputs.walls,
-            np.zeros((tips, 6)),
-            np.zeros(bodies),
-            np.zeros((bodies, widest + 1), np.bool_),
-        )
+        sides = inputs.edges.shape[1]
+        legs = np.zeros((inputs.travel.shape[1], inputs.tips.shape[1], 4))
+        bodies, widest = np.zeros((tips, 6)), max(sides, inputs.walls.shape[0])
+        clear = np.zeros(tips + sides)
+        left_out = np.zeros((tips + sides, widest + 1), np.bool_)
         for i in range(first, last):
+            edges = inputs.edges[i if inputs.edges.shape[0] > 1 else 0]
+            scene = Scene(edges, inputs.walls, legs, bodies, clear, left_out)
             _one(inputs, outputs, i, scene, works[0])
 
     return cast(Kernel, kernel)
@@ -207,25 +226,42 @@ def prepare(move: Mapping[str, Floats], fixture: Sequence[Floats] = ()) -> tuple
     tuple
         What the kernel reads, and the unit of length in m.
     """
-    vertices = move["vertices"]
-    size = float(np.hypot(vertices[:, 0], vertices[:, 1]).max())
+    vertices, tips = move["vertices"], move["tips"]
+    vertices = vertices.reshape(-1, *vertices.shape[-2:])
+    runs, probes = tips.shape[:2]
+    size = float(np.hypot(vertices[..., 0], vertices[..., 1]).max())
     stretch = np.array([size, size, 1.0])
-    scaled = move["drag"].reshape(-1, 3, 3) * stretch[:, None] * stretch
-    scaled = np.ascontiguousarray(scaled / scaled[:, :1, :1])
+    drag = move["drag"].reshape(-1, 3, 3)
+    scaled = drag * stretch[:, None] * stretch
+    travel = move["travel"].reshape(runs, -1, probes, 2)
+    friction = move["friction"].reshape(runs, -1, probes)
     walls = edge_table([polygon / size for polygon in fixture])
     inputs = Inputs(
         edge_table([vertices / size]),
         walls,
         np.ascontiguousarray(move["poses"] / stretch),
-        np.ascontiguousarray(move["tips"] / size),
-        np.ascontiguousarray(move["travel"] / size),
-        np.ascontiguousarray(move["friction"]),
-        np.ascontiguousarray(move["radii"] / size),
+        np.ascontiguousarray(tips / size),
+        np.ascontiguousarray(travel / size),
+        np.ascontiguousarray(np.broadcast_to(friction, travel.shape[:3])),
+        np.ascontiguousarray(move["radii"].reshape(-1, probes) / size),
         np.ascontiguousarray(walls[walls[:, CONVEX] > 0, :2]),
-        scaled,
+        np.ascontiguousarray(scaled / scaled[:, :1, :1]),
+        np.ascontiguousarray(_lay(move["stage_lay"].reshape(-1, 2), drag, size)),
         float(move["fixture_friction"]),
     )
     return inputs, size
+
+
+def _lay(stage: Floats, drag: Floats, size: float) -> Floats:
+    """(N or 1, 4) the lay of the stage (N or 1, 2) over the first entry of the drag, and its centre."""
+    runs = max(len(stage), len(drag)) if stage.any() else 1
+    found = np.zeros((runs, 4))
+    if stage.any():
+        found[:, :2] = stage / drag[:, 0, 0, None]
+        # a force at the centre of drag does not turn the part: there the coupling vanishes
+        arm = np.linalg.solve(drag[:, :2, :2], drag[:, :2, 2:])[..., 0]
+        found[:, 2], found[:, 3] = arm[:, 1] / size, -arm[:, 0] / size
+    return found
 
 
 def integrate(
@@ -237,6 +273,7 @@ def integrate(
     friction: Floats,
     drag: Floats,
     radii: Floats | None = None,
+    stage_lay: Floats | None = None,
     fixture: Sequence[Floats] = (),
     fixture_friction: float = 0.0,
     samples: int = 0,
@@ -246,20 +283,25 @@ def integrate(
     Parameters
     ----------
     vertices
-        (V, 2) corners of the part in m, body frame, counter-clockwise; need not be convex.
+        (V, 2) or (N, V, 2) corners of the part in m, body frame, counter-clockwise; need not be
+        convex.
     poses
         (N, 3) x, y in m and θ in rad of the reference point of the part at the start.
     tips
         (N, P, 2) centres of the tips in m at the start, world frame.
     travel
-        (N, P, 2) their displacements in m; zero for a passive tip.
+        (N, P, 2) their displacements in m; zero for a passive tip. Or (N, L, P, 2), one after the
+        other, of L straight legs.
     friction
-        (N, P) coefficients of friction at the tips.
+        (N, P) or (N, L, P) coefficients of friction at the tips, in each leg.
     drag
         (3, 3) or (N, 3, 3) drag of the film in body axes about the reference point, symmetric and
         positive definite; only its shape matters: diag(1, 1, ρ) with ρ in m².
     radii
-        (P,) radii of the tips in m; points by default.
+        (P,) or (N, P) radii of the tips in m; points by default.
+    stage_lay
+        (2,) or (N, 2) what the stage adds to the drag of a translation, ``[[p, q], [q, −p]]`` in the
+        world's axes, at the centre of drag and in the unit of `drag`; nothing by default.
     fixture
         Polygons (K, 2) in m, world frame, at rest: solid inside if counter-clockwise, outside if
         clockwise.
@@ -286,6 +328,7 @@ def integrate(
         "friction": friction,
         "drag": drag,
         "radii": np.zeros(np.shape(tips)[1]) if radii is None else radii,
+        "stage_lay": np.zeros(2) if stage_lay is None else stage_lay,
         "fixture_friction": np.array(fixture_friction),
     }
     move = {name: np.asarray(array, dtype=np.float64) for name, array in move.items()}

@@ -70,10 +70,14 @@ def run(scene: Scene, work: Work, log: Log) -> tuple[int, float]:
     """
     for k in range(8):
         work.count[k] = 0
-    clock = 0.0
+    clock, leg, last = 0.0, 0, -1
+    start_leg(scene, work, leg, clock)
     outcome = _COMPLETED if settle(scene, work) else _OUT_OF_RANGE
-    last = -1
-    while outcome == _COMPLETED and clock < work.span:
+    while outcome == _COMPLETED and clock < work.whole:
+        if clock >= work.span:
+            leg += 1
+            start_leg(scene, work, leg, clock)
+            continue
         list_touching(scene, work, clock, _NEAR, _NEAR)
         outcome = _outcome_of(choose(scene, work, clock))
         if outcome != _COMPLETED:
@@ -89,6 +93,21 @@ def run(scene: Scene, work: Work, log: Log) -> tuple[int, float]:
         for m in range(3):
             log.path[sample, m] = work.pose[m]
     return outcome, clock
+
+
+@inner
+def start_leg(scene: Scene, work: Work, leg: int, clock: float) -> None:
+    """Let the tips go on from where they are as they do in a leg."""
+    work.span = work.whole
+    for p in range(work.movers):
+        tip = scene.tips[p]
+        for k in range(2):
+            tip[k] += (tip[2 + k] - scene.legs[leg, p, k]) * clock
+            tip[2 + k] = scene.legs[leg, p, k]
+        tip[5] = scene.legs[leg, p, 2]
+        work.span = scene.legs[leg, p, 3]
+    # modes that ended at once in the last leg may hold in this one
+    work.count[STUCK], work.count[BANNED] = 0, 0
 
 
 @inner

@@ -23,49 +23,42 @@ def edge_table(polygons: Sequence[Floats]) -> Floats:
     Parameters
     ----------
     polygons
-        Arrays (K, 2) of corners, any unit of length; the edge i of a polygon starts at corner i.
+        Arrays (..., K, 2) of corners, any unit of length; the edge i of a polygon starts at corner
+        i. All have the same leading lengths: those of as many scenes.
 
     Returns
     -------
     ndarray
-        (F, 9), one row for each edge of each polygon: first corner (2), outward unit normal (2),
+        (..., F, 9), one row for each edge of each polygon: first corner (2), outward unit normal (2),
         length, 1 if the solid is convex at the first corner, rows of the edges before and after,
         and the number of the first corner among the convex corners (-1 if it is not convex).
     """
     if not polygons:
         return np.zeros((0, 9))
-    table = np.ascontiguousarray(np.vstack([_edges(corners) for corners in polygons]))
+    table = np.ascontiguousarray(np.concatenate([_edges(corners) for corners in polygons], axis=-2))
     first = 0
     for corners in polygons:
-        count = len(corners)
+        count = corners.shape[-2]
         rows = np.arange(count)
-        table[first : first + count, BEFORE] = first + (rows - 1) % count
-        table[first : first + count, AFTER] = first + (rows + 1) % count
+        table[..., first : first + count, BEFORE] = first + (rows - 1) % count
+        table[..., first : first + count, AFTER] = first + (rows + 1) % count
         first += count
-    convex = table[:, CONVEX] > 0
-    table[:, TIP] = np.where(convex, np.cumsum(convex) - 1, -1)
+    convex = table[..., CONVEX] > 0
+    table[..., TIP] = np.where(convex, np.cumsum(convex, axis=-1) - 1, -1)
     return table
 
 
 def _edges(corners: Floats) -> Floats:
     """Tabulate one polygon, without the columns of numbers."""
-    edge = np.roll(corners, -1, axis=0) - corners
-    length = np.hypot(edge[:, 0], edge[:, 1])
-    before = np.roll(edge, 1, axis=0)
-    turn = before[:, 0] * edge[:, 1] - before[:, 1] * edge[:, 0]
-    blank = np.zeros(len(corners))
-    columns = [
-        corners[:, 0],
-        corners[:, 1],
-        edge[:, 1] / length,
-        -edge[:, 0] / length,
-        length,
-        turn > 0,
-        blank,
-        blank,
-        blank,
-    ]
-    return np.column_stack(columns).astype(np.float64)
+    edge = np.roll(corners, -1, axis=-2) - corners
+    length = np.hypot(edge[..., 0], edge[..., 1])
+    before = np.roll(edge, 1, axis=-2)
+    table = np.zeros((*length.shape, 9))
+    table[..., VX], table[..., VY] = corners[..., 0], corners[..., 1]
+    table[..., NX], table[..., NY] = edge[..., 1] / length, -edge[..., 0] / length
+    table[..., LENGTH] = length
+    table[..., CONVEX] = before[..., 0] * edge[..., 1] - before[..., 1] * edge[..., 0] > 0
+    return table
 
 
 @inlined

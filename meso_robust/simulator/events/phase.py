@@ -3,7 +3,15 @@
 import numpy as np
 
 from meso_robust.kernels import sealed as inner
-from meso_robust.simulator.events.balance import cross, fill, monitor, pick, solve_three, velocity
+from meso_robust.simulator.events.balance import (
+    cross,
+    fill,
+    is_even,
+    monitor,
+    pick,
+    solve_three,
+    velocity,
+)
 from meso_robust.simulator.events.contact import gap
 from meso_robust.simulator.events.curve import (
     CUBIC,
@@ -69,7 +77,7 @@ def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
         return _follow(scene, work, path, clock, rest)
     velocity(scene, work, place, clock)
     pivot, slider = _guides(scene, work)
-    if pivot >= 0 and work.count[CLOSED] == 1:
+    if pivot >= 0 and work.count[CLOSED] == 1 and is_even(work):
         rest = min(rest, start_sticking(scene, work, pivot, clock))
         return _follow(scene, work, path, clock, rest)
     if _translates(scene, work, rest):

@@ -10,7 +10,7 @@ from meso_robust.types import Floats
 @inner
 def _instant(work: Work, path: Floats, sample: int) -> float:
     """The clock at a sample of the path."""
-    return float(work.span * sample / (path.shape[0] - 1))
+    return float(work.whole * sample / (path.shape[0] - 1))
 
 
 @inner

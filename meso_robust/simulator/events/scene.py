@@ -3,6 +3,8 @@ r"""What a run reads and the working space it writes, in scaled units.
 Lengths are in units of the largest distance of a corner of the part from its reference point, and
 the clock ``ξ`` is the path of the fastest tip in that unit, so that the fastest tip has speed one.
 The drag is scaled to a first entry of one. A run then has quantities of order one.
+
+A move is made of legs; within one the tips have constant velocities and friction.
 """
 
 from typing import Any, NamedTuple, TypeAlias
@@ -40,9 +42,12 @@ class Scene(NamedTuple):
     """(V, 9) `edge_table` of the part, body frame."""
     walls: Floats
     """(F, 9) `edge_table` of the fixture, world frame."""
+    legs: Floats
+    """(L, movers, 4) velocity and friction of the tips in each leg, and the clock at its end."""
     tips: Floats
-    """(T, 6) rows x, y at the start, velocity, radius, friction; world frame. The first `movers`
-    are the tips, the others the convex corners of the fixture."""
+    """(T, 6) rows x, y at clock zero (if the present leg had begun then), velocity, radius, friction;
+    world frame; written. The first `movers` are the tips, the others the convex corners of the
+    fixture."""
     clear: Floats
     """(T + V,) distances that tips and corners of the part are known to keep; written."""
     left_out: Flags
@@ -52,12 +57,17 @@ class Scene(NamedTuple):
 
 WORK = np.dtype(
     [
-        # Read: drag (from twist to wrench, body frame) and its inverse, the clock at the end, the
-        # friction at the fixture, the largest distance of a corner from the reference point, and
-        # the number of tips that are not corners of the fixture.
+        # Read: drag (from twist to wrench, body frame) and its inverse, the drag without the lay of
+        # the stage, that lay, the centre of drag, the clock at the end of the leg and of the move,
+        # the friction at the fixture, the largest distance of a corner from the reference point,
+        # and the number of tips that are not corners of the fixture.
         ("drag", np.float64, (3, 3)),
         ("film", np.float64, (3, 3)),
+        ("even", np.float64, (3, 3)),
+        ("lay", np.float64, (2,)),
+        ("centre", np.float64, (2,)),
         ("span", np.float64),
+        ("whole", np.float64),
         ("wall_friction", np.float64),
         ("reach", np.float64),
         ("movers", np.int64),

@@ -24,7 +24,6 @@ from meso_robust.laboratory.running import MoveRun, rectangle
 from meso_robust.simulator import Push
 from tests.campaigns.falsify.parts import claiming, paper_ready, with_side
 from tests.laboratory.paper import exactly
-from tests.laboratory.test_claims import HALF
 
 Floats = npt.NDArray[np.float64]
 
@@ -48,11 +47,11 @@ def test_needed_friction_is_what_the_engine_needs() -> None:
     rows = nominal_row(exactly())
     moves = exactly().run(rows).moves
     for k in (0, 1, 3):
-        needed = needed_friction(moves[k], HALF, rows[:, 4])[0]
+        needed = needed_friction(moves[k], rows[:, 4])[0]
         # the move by itself: the ones before it may slip as well at this friction
         held = [_alone(moves[k], share * needed, rows[0, 4]) for share in (1.001, 0.999)]
-        assert slips(held[0], HALF)[0] < 1e-15
-        assert slips(held[1], HALF)[0] > 1e-12
+        assert slips(held[0])[0] < 1e-15
+        assert slips(held[1])[0] > 1e-12
 
 
 def test_a_box_is_left_exactly_where_its_target_is_above_one() -> None:
@@ -96,7 +95,8 @@ def test_a_pose_in_a_slice_of_a_tube_by_hand() -> None:
     path = np.array([[[1.0, 1.0, 1.5], [2.5, 3.25, 2.5]]])
     moves = (replace(runs.moves[0], path=path), *runs.moves[1:])
 
-    value = target.measure(replace(runs, moves=moves), nominal_row(exactly()))
+    draws = exactly().draws_of(nominal_row(exactly()))
+    value = target.measure(replace(runs, moves=moves), draws)
 
     assert value == pytest.approx([0.75])
 

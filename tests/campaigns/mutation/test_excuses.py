@@ -172,8 +172,9 @@ def moved(path: Any, tips: Any, travel: Any, modes: Any) -> MoveRun:
     return MoveRun(
         before=poses[:, 0],
         sensed=poses[:, 0],
-        tips=np.array([tips], dtype=np.float64),
-        travel=np.array([travel], dtype=np.float64),
+        ways=np.array([[tips, np.add(tips, travel)]], dtype=np.float64),
+        radii=np.zeros((1, len(tips))),
+        outlines=np.zeros((1, 4, 2)),
         path=poses,
         modes=np.array([modes], dtype=np.int8),
         phases=np.array([NOT_RECORDED]),
