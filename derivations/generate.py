@@ -33,6 +33,8 @@ SOURCES = (
     "rotation_existence",
     "round_tips",
     "opposite_edges",
+    "unequal_friction",
+    "contact_forces",
     "final_orientation",
     "sampling",
     "y_translation",
