@@ -12,7 +12,7 @@ import functools
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,7 @@ PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
 CELL = 7e-6  # m of the tips' room that are followed together; more are looser, fewer take longer
 AT_END = 4096  # boxes for the pose at the end
+ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
 
@@ -167,7 +168,14 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     obligations += _idle_tip_clear(move, touch, slices, at_end)
     obligations.append(comes_free(Which.BOTH, _faced(move, at_end.edge_angle)))
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
-    return _step(rule, pre, at_end.pose, obligations, (knots, *_knots(slices)))
+    post = replace(at_end.pose, x=_roomy(at_end.pose.x), y=_roomy(at_end.pose.y))
+    return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
+
+
+def _roomy(side: Interval) -> Interval:
+    """A side of what is stated: others enclose the slide by other barriers, and are to meet it."""
+    more = ROOM * side.width
+    return side + Interval(-more, more)
 
 
 def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
