@@ -168,7 +168,7 @@ def _mean(values: list[Interval], weights: list[Interval]) -> Interval:
 def _stated(
     id_: ObligationId, inequality: Inequality, margin: Interval, box: Mapping[str, Interval]
 ) -> Obligation:
-    over = {name: box[name] for name in ("theta", "rho")}
+    over = {"rho": box["rho"]}
     return require_order(about(id_), inequality, margin * STATED, over)
 
 
