@@ -356,7 +356,8 @@ def _passes(
     c, s = cos(u.travel_direction), sin(u.travel_direction)
     # round tips: the idle one must be off the line by the difference of the radii
     more = box["radius_lower"] - u.tip_radius
-    half = move.setup.edge(path.mid + move.edge.turn.mid - HALF_PI.mid).depth
+    # the edge in which the pushed one ends faces the probe a quarter turn earlier
+    half = move.setup.edge(move.edge.turn.mid).depth
     return require(
         about(ObligationId.IDLE_TIP_PASSES, when=when),
         Inequality.BESIDE,
