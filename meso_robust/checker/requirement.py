@@ -17,6 +17,8 @@ from meso_robust.checker.ranges import ZERO, Box, Formula, either, least, point_
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.statement import Statement
 
+FEW = 20
+"""Cuts for a bound that is only told."""
 Variables = Mapping[str, Formula]
 
 
@@ -96,4 +98,4 @@ def prove(requirement: Requirement) -> None:
 
 def _bounds(statement: Statement, part: Part) -> Iterator[str]:
     for of in formulas(statement, part):
-        yield f"{float(least(of, part.box)):.4g}"
+        yield f"{float(least(of, part.box, cuts=FEW)):.4g}"
