@@ -32,6 +32,27 @@ class Premise(StrEnum):
 
 SCHEMA_1 = tuple(Premise)[:12]
 """Of a task of point tips and an exact part."""
+_SWAPPED = {
+    Premise.FILM_DRAG: Premise.FILM_LINEAR,
+    Premise.COULOMB_FRICTION: Premise.COULOMB_EACH_TIP,
+    Premise.PART_KNOWN: Premise.PART_WITHIN_TOLERANCE,
+    Premise.TRAVEL_STRAIGHT: Premise.TRAVEL_WITHIN_BOUNDS,
+    Premise.TRAVEL_TO_SCALE: Premise.TRAVEL_WITHIN_BOUNDS,
+    Premise.POINT_TIPS: Premise.TIPS_ARE_DISCS,
+    Premise.TIP_SPACING_EXACT: Premise.ERRORS_BOUNDED,
+}
+"""What a task of schema 2 has in the place of a premise of schema 1."""
+
+
+def premise_of(task: Task, premise: Premise) -> Premise:
+    """What stands for a premise of schema 1 in the certificate of a task."""
+    if task.schema_ == POINT_TIPS:
+        return premise
+    if premise is Premise.COULOMB_FRICTION and task.uncertainty.friction_common:
+        return premise
+    if premise is Premise.PROBES_RIGID and task.probe.max_force_un is not None:
+        return Premise.PROBES_RIGID_BELOW_CAP
+    return _SWAPPED.get(premise, premise)
 
 
 def premises(task: Task) -> tuple[Premise, ...]:
@@ -47,17 +68,4 @@ def premises(task: Task) -> tuple[Premise, ...]:
     tuple
         In the order of certificates.
     """
-    if task.schema_ == POINT_TIPS:
-        return SCHEMA_1
-    return (
-        Premise.QUASI_STATIC,
-        Premise.FILM_LINEAR,
-        Premise.COULOMB_FRICTION if task.uncertainty.friction_common else Premise.COULOMB_EACH_TIP,
-        Premise.PART_WITHIN_TOLERANCE,
-        Premise.ERRORS_BOUNDED,
-        Premise.TRAVEL_WITHIN_BOUNDS,
-        Premise.TIPS_ARE_DISCS,
-        Premise.MISALIGNMENT_SIGN,
-        Premise.PROBES_RIGID if task.probe.max_force_un is None else Premise.PROBES_RIGID_BELOW_CAP,
-        Premise.PART_RESTS,
-    )
+    return tuple(dict.fromkeys(premise_of(task, one) for one in SCHEMA_1))

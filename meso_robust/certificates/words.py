@@ -108,13 +108,11 @@ _REMEDIES: Mapping[StrEnum, str] = {
     Remedy.LEAVE_SLOT: "the plan is robust away from the slot: widen the slot, or start further from "
     "its mouth, so that the part is straight before it enters",
     Remedy.CHANGE_MOVE: "change the move that is not proved, or let `meso-robust plan` find a plan",
-    Remedy.MEASURE_PART: "measure the part's sides more closely, or clear what lies on the stage: the "
-    "plan is certified for the middle of the interval, not for all of it",
+    Remedy.CLEAR_STAGE: "clear away what lies on the stage: the plan is certified without it",
     Remedy.BOUND_EFFECT: "recordings that bound it: `meso-robust identify --design N` proposes pushes",
     Remedy.WITHOUT_EFFECT: "a laboratory without {effect}, or a proof of {claim} that includes it",
     Remedy.NEXT_PUSH: "the push that diagnosis.json proposes next",
     Remedy.DIAGNOSE: "`meso-robust diagnose` on the recordings, and a plan with the model that it writes",
-    Remedy.PROVE_ROUND_TIPS: "a proof that holds for round tips of {radius_um} um",
     Remedy.CALIBRATE_CAMERA: "calibrate the camera: its effects grow with the place and the time",
 }
 

@@ -68,15 +68,19 @@ def contact(v: Values, pose: Floats, tip: int, place: Floats) -> tuple[Floats, f
 
 
 def balance(
-    v: Values, pose: Floats, tip: int, place: Floats, now: str = ""
+    v: Values, pose: Floats, tip: int, place: Floats, now: str = "", slip: float = 0.0
 ) -> tuple[Floats, Floats]:
-    """Twist of the part per progress of the disc, and the force on it, (along, inward), if it sticks."""
+    """Twist of the part per progress of the disc, and the force on it, (along, inward).
+
+    The part's point under the disc moves by ``slip`` along the edge over it: 0 if it sticks.
+    """
     along, out = edge(v, pose[2])
     at, _ = contact(v, pose, tip, place)
     centre = pose[:2] + v["drag_a"] * along + v["drag_n"] * out
     stretch, shear, rho, bend = (v[key + now] for key in ("stretch", "shear", "rho", "bend"))
     phi = v["direction"]
     speed = -np.array([np.cos(phi) - bend * np.sin(phi), np.sin(phi) + bend * np.cos(phi)])
+    speed = speed + slip * along
     axes = np.stack([along, out], axis=1)
     drag = axes @ np.array([[1.0 + stretch, shear], [shear, 1.0 - stretch]]) @ axes.T
 

@@ -130,8 +130,12 @@ def test_a_tilt_is_that_of_a_disc_that_pushes_a_part(side: int, aim: dict[str, f
             ratio = ends.lower[f"pushing_{name}"] / pushes
             assert ratio == pytest.approx(mu - sign * force[0] / force[1], abs=1e-5)
         twist = plant.balance(v, pose, -side, end, "_now")[0]
-        assert np.sign(twist[2]) == side
-        assert ends.lower["pushing_turns"] > 0.0
+        scale = pushes / force[1]
+        assert ends.lower["pushing_turns"] / scale == pytest.approx(side * twist[2], rel=1e-5)
+        more = plant.balance(v, pose, -side, end, "_now", slip=1.0)[1] - force
+        for name, sign in (("only_up", -1.0), ("only_down", 1.0)):
+            stiffness = ends.lower[f"pushing_{name}"] / scale
+            assert stiffness == pytest.approx(more[0] + sign * mu * more[1], rel=1e-5)
 
 
 @pytest.mark.parametrize(("side", "aim"), [(1, TILT), (-1, BACK)])
@@ -159,8 +163,8 @@ def test_clearances_of_a_tilt_are_distances(side: int, aim: dict[str, float]) ->
         ):
             normal = at_pose[2] + np.pi / 2  # of the line that is a quarter turn on
             out = np.array([np.sin(normal), -np.cos(normal)])
-            apart = out @ (place - at_pose[:2]) - 808 * UM - plant.radius(v, side)
-            close(ends, when, float(apart), 2e-9)
+            distance = out @ (place - at_pose[:2]) - 808 * UM - plant.radius(v, side)
+            close(ends, when, float(distance), 2e-9)
 
 
 @pytest.mark.parametrize("path", [(0.01, "bend"), (0.0, "straight")])
@@ -224,6 +228,11 @@ def _pair(v: Mapping[str, float], ends: Ends, pose: Floats, first: float, second
     pressing = -force[1]
     assert ends.lower["pair_sticks_0"] == pytest.approx(v["mu_upper_now"] * pressing - force[0])
     assert ends.lower["pair_sticks_1"] == pytest.approx(v["mu_upper_now"] * pressing + force[0])
+    turning = [
+        (second - v["drag_a"]) + share * v["mu_upper_now"] * (v["depth"] - v["drag_n"])
+        for share in (-1.0, 0.0, 1.0)  # of the cone: moment of a force that presses by 1
+    ]
+    assert ends.lower["second_turns_any_way"] == pytest.approx(min(turning), abs=1e-9)
     # moments about the upper contact tell the force of the lower one: the drag acts at its centre
     arm = np.array([v["drag_a"] - second, v["drag_n"] - v["depth"]])
     moment = arm[0] * force[1] - arm[1] * force[0]
