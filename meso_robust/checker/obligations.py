@@ -8,6 +8,7 @@ exactly the names of the inequality, one of these.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 
 from flint import arb
@@ -45,21 +46,21 @@ def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ..
 def _listed(
     stated: tuple[ObligationDocument, ...], found: Sequence[Requirement]
 ) -> list[Requirement]:
-    """The requirements that are listed: all but optional ones."""
-    left, wanted = [(one.id, one.about) for one in stated], []
-    for requirement in found:
-        name = (requirement.name.id, requirement.name.about)
-        if left and left[0] == name:
-            wanted.append(requirement)
-            left.pop(0)
-        elif not requirement.optional:
-            lacks = sentence(requirement.name) if name not in left else "another order"
-            raise Refused(
-                named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"lacks: {lacks}"
-            )
-    if left:
+    """The requirements that are listed: all, or of a group the one that stands for all of it."""
+    names = [(one.id, one.about) for one in stated]
+    wanted: list[Requirement] = []
+    for group, members in itertools.groupby(found, key=lambda one: one.group):
+        every = list(members)
+        if group and names[len(wanted) : len(wanted) + 1] != [
+            (every[0].name.id, every[0].name.about)
+        ]:
+            every = [one for member in every for one in member.instead]
+        wanted += every
+    if names != [(one.name.id, one.name.about) for one in wanted]:
+        missing = (w for w in wanted if (w.name.id, w.name.about) not in names)
+        lacks = next((sentence(w.name) for w in missing), "another order")
         raise Refused(
-            named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"{len(wanted)} of them"
+            named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"lacks: {lacks}"
         )
     return wanted
 

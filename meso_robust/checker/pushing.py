@@ -140,7 +140,6 @@ def sticks(
         replace(
             one(named(Must.NO_SLIPPING, tip=which), st.ONLY, f"d1 d2 {uneven} rho mu"),
             shown=True,
-            optional=True,
         ),
     ]
 

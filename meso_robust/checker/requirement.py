@@ -50,8 +50,8 @@ class Requirement:
     """Others that serve as well: the certificate may state any one of them."""
     shown: bool = False
     """Whether it is proved already, or nothing rests on it."""
-    optional: bool = False
-    """Whether the certificate may leave it out."""
+    group: str = ""
+    """What it is listed together with: all of a group, or what stands ``instead`` of its members."""
     verify: Callable[[Box, arb], bool] | None = None
     """Whether a stated bound holds over the stated box and all else that it is about; None: the
     inequality is one of a few numbers, which ``statement`` and ``parts`` give."""

@@ -277,7 +277,7 @@ class _Case:
             dataclasses.replace(
                 one,
                 shown=True,
-                optional=one.name.id != back.name.id,
+                group=f"{which} alone",
                 instead=(back,) if one.name.id == back.name.id else (),
             )
             for one in sticking

@@ -49,7 +49,13 @@ def proves_too(original: Original, document: Document, where: Place) -> bool:
     """
     move, number = int(where[1]), int(where[3])
     old, new = at(original.document, where), at(document, where)
-    wider = {name: _excess(old["over"].get(name), ends) for name, ends in new["over"].items()}
+    elsewhere = {
+        k: ends
+        for one in original.document["steps"][move]["obligations"]
+        for k, ends in one["over"].items()
+    }
+    known = {**elsewhere, **old["over"]}
+    wider = {name: _excess(known.get(name), ends) for name, ends in new["over"].items()}
     if not set(wider) <= {
         *("x", "y", "theta", "share"),
         *(k for own in FIELDS.values() for k in own),
@@ -65,7 +71,7 @@ def proves_too(original: Original, document: Document, where: Place) -> bool:
 
 
 def _excess(old: list[str] | None, new: list[str]) -> float:
-    """By how much a range reaches beyond another one; a variable that was not stated is exact."""
+    """By how much a range reaches beyond another one; a variable that is stated nowhere is exact."""
     low, high = (float.fromhex(end) for end in new)
     first, last = (0.0, 0.0) if old is None else (float.fromhex(end) for end in old)
     return max(first - low, high - last, 0.0)
