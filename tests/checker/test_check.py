@@ -137,7 +137,7 @@ def test_a_goal_that_is_missed_is_rejected(document: Document) -> None:
         (2, "single_y", 60.0, "no_jam"),  # the tips close on the part
         (2, "dual_end_x", 300.0, "post_exact"),  # ends early
         (2, "dual_end_x", -150.0, "both_tips_on_edges"),  # a tip leaves its edge
-        (3, "dual_end_x", 100.0, "post_exact"),
+        (3, "dual_end_x", 20.0, "post_exact"),
     ],
 )
 def test_another_policy_is_rejected(
