@@ -46,14 +46,6 @@ class Contact:
         """How far the tip's centre is out along the normal."""
         return self.d1 if self.radius is EVEN else self.d1 + self.radius
 
-    def press(self, rho: Number) -> Dual:
-        """Normal force times ``rho + r^2``, sticking."""
-        return self.s * rho + self.arm_x * self.d1
-
-    def shear(self, rho: Number) -> Dual:
-        """Force along the edge times ``rho + r^2``, sticking."""
-        return -(self.c * rho + self.arm_x * self.d2)
-
 
 def place_on_edge(c: Dual, s: Dual, d1: Number, rise: Number) -> Dual:
     """``d2`` of a tip on the edge that is ``rise`` above the centre."""

@@ -15,6 +15,7 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.ids import Must, named
 from meso_robust.checker.inputs import Given
+from meso_robust.checker.passage import Passage
 from meso_robust.checker.ranges import Box, Side
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Requirement
@@ -24,16 +25,20 @@ PUSHES = ("tilt", "straighten")
 """The moves that push from one side."""
 
 
-def force_below_cap(scene: Scene, given: Given) -> tuple[Requirement, ...]:
-    """Prove that no tip exceeds the largest force; nothing if nothing is asked.
+def force_below_cap(scene: Scene, given: Given, passage: Passage) -> tuple[Requirement, ...]:
+    """Prove that no tip exceeds the largest force; nothing if nothing is asked, or it is proved.
 
     Raises
     ------
     Refused
         It does not follow.
     """
-    if given.largest_force is None or given.drag is None or scene.rule.action not in PUSHES:
+    if given.largest_force is None or given.drag is None or scene.rule.action == "regrasp":
         return ()
+    if any(one.name.id is Must.FORCE_BELOW_CAP for one in passage.requirements):
+        return ()
+    if scene.rule.action not in PUSHES:
+        raise Refused(named(Must.FORCE_BELOW_CAP), "proved", f"not of a {scene.rule.action}")
     force = given.drag * given.speed * _most(scene)
     if scene.rule.action == "straighten":
         force *= (1 + given.friction[1] * given.friction[1]).sqrt()

@@ -8,6 +8,7 @@ exactly the names of the inequality, one of these.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 
 from flint import arb
@@ -25,6 +26,9 @@ from meso_robust.checker.words import sentence
 NINE_DIGITS = arb(1e-9)
 """To what a stated box is compared with the states that are found reachable. Nothing rests on this:
 the checker's own proof is over those states, and the stated bound is verified over the stated box."""
+
+CASES = arb("0.05")
+"""By which share of it a range of angles may be wider than the checker's own: a matter of form."""
 
 
 def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ...]) -> None:
@@ -45,21 +49,21 @@ def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ..
 def _listed(
     stated: tuple[ObligationDocument, ...], found: Sequence[Requirement]
 ) -> list[Requirement]:
-    """The requirements that are listed: all but optional ones."""
-    left, wanted = [(one.id, one.about) for one in stated], []
-    for requirement in found:
-        name = (requirement.name.id, requirement.name.about)
-        if left and left[0] == name:
-            wanted.append(requirement)
-            left.pop(0)
-        elif not requirement.optional:
-            lacks = sentence(requirement.name) if name not in left else "another order"
-            raise Refused(
-                named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"lacks: {lacks}"
-            )
-    if left:
+    """The requirements that are listed: all, or of a group the one that stands for all of it."""
+    names = [(one.id, one.about) for one in stated]
+    wanted: list[Requirement] = []
+    for group, members in itertools.groupby(found, key=lambda one: one.group):
+        every = list(members)
+        if group and names[len(wanted) : len(wanted) + 1] != [
+            (every[0].name.id, every[0].name.about)
+        ]:
+            every = [one for member in every for one in member.instead]
+        wanted += every
+    if names != [(one.name.id, one.name.about) for one in wanted]:
+        missing = (w for w in wanted if (w.name.id, w.name.about) not in names)
+        lacks = next((sentence(w.name) for w in missing), "another order")
         raise Refused(
-            named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"{len(wanted)} of them"
+            named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"lacks: {lacks}"
         )
     return wanted
 
@@ -115,9 +119,13 @@ def _over_move(stated: ObligationDocument, requirement: Requirement) -> None:
                 low, high = shift((low, high), -part.box["turn"][0])
             known = part.box[own]
             room = (abs(low) + abs(high)) * NINE_DIGITS
+            told = f"{float(low):.9g} to {float(high):.9g}"
             if not (low - room <= known[0] and known[1] <= high + room):
-                told = f"{float(low):.9g} to {float(high):.9g}"
                 raise Refused(requirement.name.value(key), told, "more can be reached")
+            # angles of a case end where each side encloses the other case's beginning
+            wide = room + (known[1] - known[0]) * CASES if own == "theta" else room
+            if not (known[0] - wide <= low and high <= known[1] + wide):
+                raise Refused(requirement.name.value(key), told, "less can be reached")
             # two names may be one variable here: it has all values of both
             box[own] = (low.min(box[own][0]), high.max(box[own][1]))
         if not _holds(requirement.statement, Part(part.variables, box), bound):

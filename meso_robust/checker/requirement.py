@@ -17,6 +17,8 @@ from meso_robust.checker.ranges import ZERO, Box, Formula, either, least, point_
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.statement import Statement
 
+FEW = 20
+"""Cuts for a bound that is only told."""
 Variables = Mapping[str, Formula]
 
 
@@ -48,8 +50,8 @@ class Requirement:
     """Others that serve as well: the certificate may state any one of them."""
     shown: bool = False
     """Whether it is proved already, or nothing rests on it."""
-    optional: bool = False
-    """Whether the certificate may leave it out."""
+    group: str = ""
+    """What it is listed together with: all of a group, or what stands ``instead`` of its members."""
     verify: Callable[[Box, arb], bool] | None = None
     """Whether a stated bound holds over the stated box and all else that it is about; None: the
     inequality is one of a few numbers, which ``statement`` and ``parts`` give."""
@@ -96,4 +98,4 @@ def prove(requirement: Requirement) -> None:
 
 def _bounds(statement: Statement, part: Part) -> Iterator[str]:
     for of in formulas(statement, part):
-        yield f"{float(least(of, part.box)):.4g}"
+        yield f"{float(least(of, part.box, cuts=FEW)):.4g}"

@@ -208,22 +208,7 @@ class _Case:
         scene, side, box = self.scene, self.side, self.box
         first, second = NAMES[side], NAMES[-side]
 
-        film = scene.film_variables("_now")
-        uneven = {name: of for name, of in film.items() if name != "rho"}
         aligned = functools.partial(_aligned, scene)
-        sticking: Variables = {"beta": scene.aligned, "mu": lambda at: at[scene.mu(1)], **uneven}
-        if scene.mu(1) != scene.mu(-1):
-            sticking = {**sticking, "mu_other": lambda at: at[scene.mu(-1)]}
-        pressing: Variables = {
-            "beta": scene.aligned,
-            "d1": lambda at: at["depth"],
-            "d2": self.at_end if side > 0 else self.other,
-            **uneven,
-        }
-        if scene.plain:
-            pressing = {**pressing, "d4": lambda at: at["spacing"]}
-        else:
-            pressing = {**pressing, "gap": scene.gap}
         turn: Variables = {
             "travel": self.travel,
             "theta_start": scene.angle,
@@ -246,6 +231,36 @@ class _Case:
                 first, scene, self.path, self.offset, side, side, turned, (scene.angle, aligned)
             ),
             on_edge(second, scene, self.other, box),
+            *self.requirements_of_pair(),
+            *self.second_alone(second, aligned),
+            Requirement(
+                name=named(Must.SECOND_TIP_TOUCHES),
+                statement=st.ARRIVES,
+                parts=(Part(turn, box),),
+                cover=ends,
+                stated_box=self.longest,
+            ),
+        ]
+
+    def requirements_of_pair(self) -> list[Requirement]:
+        """Both tips press and hold the part while they carry it."""
+        scene, box = self.scene, self.box
+        film = scene.film_variables("_now")
+        uneven = {name: of for name, of in film.items() if name != "rho"}
+        sticking: Variables = {"beta": scene.aligned, "mu": lambda at: at[scene.mu(1)], **uneven}
+        if scene.mu(1) != scene.mu(-1):
+            sticking = {**sticking, "mu_other": lambda at: at[scene.mu(-1)]}
+        pressing: Variables = {
+            "beta": scene.aligned,
+            "d1": lambda at: at["depth"],
+            "d2": self.at_end if self.side > 0 else self.other,
+            **uneven,
+        }
+        if scene.plain:
+            pressing = {**pressing, "d4": lambda at: at["spacing"]}
+        else:
+            pressing = {**pressing, "gap": scene.gap}
+        return [
             Requirement(
                 name=named(Must.PAIR_STICKS),
                 statement=st.PAIR_STICKS,
@@ -255,14 +270,6 @@ class _Case:
                 name=named(Must.PAIR_PUSHES),
                 statement=st.PAIR_PRESSES,
                 parts=(Part(pressing, box),),
-            ),
-            *self.second_alone(second, aligned),
-            Requirement(
-                name=named(Must.SECOND_TIP_TOUCHES),
-                statement=st.ARRIVES,
-                parts=(Part(turn, box),),
-                cover=ends,
-                stated_box=self.longest,
             ),
         ]
 
@@ -277,7 +284,7 @@ class _Case:
             dataclasses.replace(
                 one,
                 shown=True,
-                optional=one.name.id != back.name.id,
+                group=f"{which} alone",
                 instead=(back,) if one.name.id == back.name.id else (),
             )
             for one in sticking

@@ -1,7 +1,8 @@
 """A changed inequality of one move, held against what the planner proves of the move in its place.
 
-Its box is one of the variables of the move. The task is widened, quantity by quantity, by as much as
-the changed box is wider than the original one; what the planner then proves holds over more than that.
+Its box is one of the variables of the move, which the checker lets be wider than it must be by some
+last digits only. The task is widened, quantity by quantity, by as much; what the planner then proves
+holds over more than that.
 """
 
 from __future__ import annotations
@@ -49,7 +50,13 @@ def proves_too(original: Original, document: Document, where: Place) -> bool:
     """
     move, number = int(where[1]), int(where[3])
     old, new = at(original.document, where), at(document, where)
-    wider = {name: _excess(old["over"].get(name), ends) for name, ends in new["over"].items()}
+    elsewhere = {
+        k: ends
+        for one in original.document["steps"][move]["obligations"]
+        for k, ends in one["over"].items()
+    }
+    known = {**elsewhere, **old["over"]}
+    wider = {name: _excess(known.get(name), ends) for name, ends in new["over"].items()}
     if not set(wider) <= {
         *("x", "y", "theta", "share"),
         *(k for own in FIELDS.values() for k in own),
@@ -65,7 +72,7 @@ def proves_too(original: Original, document: Document, where: Place) -> bool:
 
 
 def _excess(old: list[str] | None, new: list[str]) -> float:
-    """By how much a range reaches beyond another one; a variable that was not stated is exact."""
+    """By how much a range reaches beyond another one; a variable that is stated nowhere is exact."""
     low, high = (float.fromhex(end) for end in new)
     first, last = (0.0, 0.0) if old is None else (float.fromhex(end) for end in old)
     return max(first - low, high - last, 0.0)
