@@ -78,4 +78,7 @@ def test_the_tube_begins_at_rest_and_holds_the_end() -> None:
         ends = [k.box for k in step.tube[1:]]
         # what is stated is wider than what was proved, by a hundredth on either side
         assert min(b.x.lo for b in ends) <= step.post.x.lo + 0.01 * step.post.x.width + 1e-8
-        assert max(b.theta.hi for b in ends) >= step.post.theta.hi - 0.01 * step.post.theta.width - 1e-5
+        assert (
+            max(b.theta.hi for b in ends)
+            >= step.post.theta.hi - 0.01 * step.post.theta.width - 1e-5
+        )
