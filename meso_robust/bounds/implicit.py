@@ -513,16 +513,19 @@ def _all_ends(
     corners, _ = _collapsed(rows.repeated(2), here.residual, sides)
     near = _newton(of, corners.middles(), np.repeat(at_middle, 2))
     room = PAD * abs(near[1] - near[0]) + LEAST_ROOM
-    for _ in range(TRIES):
+    for again in range(TRIES):
         ends = np.array([near.min() - room, near.max() + room])
         if not np.isfinite(ends).all() or ends[1] - ends[0] > WIDEST:
             return None
-        if _beyond(of, rows.repeated(2), ends, sides):
-            slopes = _slopes(of, rows, (ends[:1], ends[1:]))
-            if slopes.end[0][0] > 0.0 or slopes.end[1][0] < 0.0:
-                return (float(ends[0]), float(ends[1])), slopes
+        slopes = _slopes(of, rows, (ends[:1], ends[1:]))
+        steep = float(np.minimum(np.abs(slopes.end[0]), np.abs(slopes.end[1]))[0])
+        if not (slopes.end[0][0] > 0.0 or slopes.end[1][0] < 0.0):
             return None
-        room *= 4.0
+        if _beyond(of, rows.repeated(2), ends, sides):
+            return (float(ends[0]), float(ends[1])), slopes
+        # what the mean value theorem grants from the middle on is more than enough
+        reach = float(_reach(slopes.residual, rows)[0]) / steep if again else 0.0
+        room = max(4.0 * room, min(1.1 * reach, WIDEST))
     return None
 
 

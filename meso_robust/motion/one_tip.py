@@ -358,7 +358,18 @@ def straighten_height(side: int, tilted: int) -> Implicit:
 
 @cache
 def tilt_tube(side: int) -> Implicit:
-    """The pose when ``share`` of a tilt's turn is done; arguments as for `tilt`."""
+    """The pose when ``share`` of a tilt's turn is done.
+
+    Parameters
+    ----------
+    side
+        As for `tilt`.
+
+    Returns
+    -------
+    Implicit
+        Its end is that of `tilt`; outputs are the pose on the way.
+    """
     v, end, total = _symbols()
     push = _Push(v, -side)
     residual = total - push.in_contact
@@ -367,7 +378,18 @@ def tilt_tube(side: int) -> Implicit:
 
 @cache
 def straighten_tube(side: int) -> Implicit:
-    """The pose when ``share`` of a straightening's turn is done; arguments as for `straighten`."""
+    """The pose when ``share`` of a straightening's turn is done.
+
+    Parameters
+    ----------
+    side
+        As for `straighten`.
+
+    Returns
+    -------
+    Implicit
+        Its end is that of `straighten`; outputs are the pose on the way.
+    """
     v, end, _ = _symbols()
     push = _Push(v, side)
     return _tube(push, v, end, [], _flush(push, end))

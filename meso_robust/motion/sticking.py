@@ -72,27 +72,6 @@ def arm(angle: Interval, depth: Interval, offset: Interval) -> tuple[Interval, I
     return x, y
 
 
-def lift(start: Interval, end: Interval, depth: Interval, offset: Interval) -> Interval:
-    """Rise of the centre while the part turns about a sticking contact.
-
-    Parameters
-    ----------
-    start, end
-        Angles of the edge before and after, rad.
-    depth
-        Distance of the edge from the centre (d1), m.
-    offset
-        Of the contact along the edge (d2), m.
-
-    Returns
-    -------
-    Interval
-        Across the push, enclosed, m.
-    """
-    box = {"theta_start": start, "theta_end": end, "d1": depth, "d2": offset}
-    return enclose(condition("sticking_motion", "lift"), box)[0]
-
-
 def travel_monotone(
     path: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
 ) -> bool:
@@ -142,63 +121,6 @@ def _travel(start: float, end: float, depth: Interval, offset: float, ratio: flo
     return enclose(condition("sticking_motion", "travel"), box, boxes=1)[0]
 
 
-def longest_travel(
-    start: Interval, end: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
-) -> float:
-    """Upper bound of the travel that turns the part from any start to any end.
-
-    Parameters
-    ----------
-    start, end
-        Angles of the edge before and after, rad.
-    side
-        1 for counter-clockwise, -1 for clockwise.
-    depth
-        Distance of the edge from the centre (d1), m.
-    offset
-        Of the contact along the edge (d2), m.
-    ratio
-        rho of the film, m^2.
-
-    Returns
-    -------
-    float
-        m; a bound only where `travel_monotone` holds.
-
-    Notes
-    -----
-    The travel is an integral of F/lever over the turn: it grows with the turn and with rho, and it falls
-    with the offset (``side`` = 1) or rises with it (-1), so the bound is attained at one corner.
-    """
-    if side > 0:
-        return _travel(start.lo, end.hi, depth, offset.lo, ratio.hi).hi
-    return _travel(start.hi, end.lo, depth, offset.hi, ratio.hi).hi
-
-
-def shortest_travel(
-    start: Interval, end: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
-) -> float:
-    """Lower bound of the travel that turns the part from any start to any end.
-
-    Parameters
-    ----------
-    start, end, side, depth, offset, ratio
-        As for `longest_travel`.
-
-    Returns
-    -------
-    float
-        m; 0 if a start may lie at an end. A bound only where `travel_monotone` holds.
-    """
-    if side > 0:
-        first, last, near = start.hi, end.lo, offset.hi
-    else:
-        first, last, near = start.lo, end.hi, offset.lo
-    if not side * (last - first) > 0.0:
-        return 0.0
-    return max(_travel(first, last, depth, near, ratio.lo).lo, 0.0)
-
-
 def turned(
     start: Interval,
     travel: Interval,
@@ -215,8 +137,10 @@ def turned(
         Angle of the edge at the touch, rad.
     travel
         From the touch on, m.
-    side, depth, offset, ratio
-        As for `longest_travel`.
+    side
+        1 for counter-clockwise, -1 for clockwise.
+    depth, offset, ratio
+        Of the edge (d1, m), of the contact along it (d2, m), of the film (rho, m^2).
 
     Returns
     -------

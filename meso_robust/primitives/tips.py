@@ -11,7 +11,6 @@ from meso_robust.motion import sticking
 from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
     SIDES,
-    TURNS,
     Inequality,
     Named,
     ObligationId,
@@ -254,20 +253,6 @@ def one_contact(path: Interval, offset: Interval, side: int, edge: Edge, setup: 
         "mu": setup.uncertainty.friction,
         "side": Interval.point(float(side)),
     }
-
-
-def sticks(
-    which: Which, path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup
-) -> tuple[Obligation, ...]:
-    """One contact alone pushes, sticks, turns the part to ``side``, and allows no other motion."""
-    box = one_contact(path, offset, side, edge, setup)
-    wanted = (
-        (about(ObligationId.TIP_PUSHES, tip=which), Inequality.NORMAL_FORCE),
-        (about(ObligationId.TIP_STICKS, tip=which), Inequality.FRICTION_MARGIN),
-        (about(ObligationId.TIP_TURNS_PART, tip=which, turn=TURNS[side]), Inequality.TURNING),
-        (about(ObligationId.NO_SLIPPING, tip=which), Inequality.ONLY_SOLUTION),
-    )
-    return tuple(require(name, inequality, box) for name, inequality in wanted)
 
 
 def touch(tip: Tip, angle: Interval, edge: Edge) -> tuple[Interval, Interval]:

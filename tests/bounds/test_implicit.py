@@ -140,6 +140,27 @@ def test_what_is_bound_to_fail_is_given_up() -> None:
     assert kept.lower["scaled"] < 0.0
 
 
+def test_ends_that_do_not_follow_a_parameter_one_way_are_all_found() -> None:
+    """The end is 1 + p (1 - p): largest in the middle of the box, where its slope is nothing."""
+    p, end, clock, total = (ca.SX.sym(name) for name in ("p", "end", "clock", "total"))
+    of = implicit(
+        "hill",
+        {"p": p},
+        {},
+        (),
+        end,
+        [(total, Quadrature(rate=ca.SX(1) + 0 * clock, clock=clock, start=ca.SX(0), stop=end))],
+        total - 1 - p * (1 - p),
+        {"end": end},
+    )
+    found = bound(of, {"p": Interval(0.4, 0.6)}, 1.0, both=("end",))
+    assert found is not None
+    for bounds in (found.end, Interval(found.lower["end"], found.upper["end"])):
+        assert bounds.lo <= 1.24
+        assert bounds.hi >= 1.25
+        assert bounds.width < 0.2
+
+
 def test_no_end_is_no_bound() -> None:
     """The integral has a limit: with b < 0 it diverges before a + b t = 0, without one never ends."""
     flat = BOX | {"a": Interval(-0.1, 0.1)}

