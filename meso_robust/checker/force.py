@@ -1,11 +1,11 @@
-"""No contact force exceeds what a task allows, if it says so, in pushes from one side.
+"""No contact force exceeds what a task allows, if it says so.
 
 The drag of a part that moves at ``v`` at its centre of drag is ``E v``, with ``E`` symmetric and its
 largest eigenvalue ``1 + hypot(stretch, shear)`` times the mean drag. The power of the one force f of a tip
 that sticks and moves at ``u`` is all that the film takes, ``f u >= v E v``, and ``|f|^2 = |E v|^2`` is at
 most the eigenvalue times ``v E v``: so ``|f|`` is at most the eigenvalue times ``|u|``. Two tips on one edge
 that carry the part along share the normal part of ``E u``; each has friction of at most mu times its
-own normal force.
+own normal force. What two tips on opposite edges press is bounded along the motion (``rotate.py``).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.ids import Must, named
 from meso_robust.checker.inputs import Given
+from meso_robust.checker.passage import Passage
 from meso_robust.checker.ranges import Box, Side
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Requirement
@@ -24,20 +25,25 @@ PUSHES = ("tilt", "straighten")
 """The moves that push from one side."""
 
 
-def force_below_cap(scene: Scene, given: Given) -> tuple[Requirement, ...]:
-    """Prove that no tip exceeds the largest force; nothing if nothing is asked.
+def force_below_cap(scene: Scene, given: Given, passage: Passage) -> tuple[Requirement, ...]:
+    """Prove that no tip exceeds the largest force; nothing if nothing is asked or touched.
 
     Raises
     ------
     Refused
         It does not follow.
     """
-    if given.largest_force is None or given.drag is None or scene.rule.action not in PUSHES:
+    if given.largest_force is None or given.drag is None:
         return ()
-    force = given.drag * given.speed * _most(scene)
-    if scene.rule.action == "straighten":
+    if passage.largest_force is not None:
+        force = passage.largest_force() * (_largest(scene.box["scale"]) + 1)
+    elif scene.rule.action in PUSHES:
+        force = _most(scene)
+    else:
+        return ()
+    if scene.rule.action != "tilt":
         force *= (1 + given.friction[1] * given.friction[1]).sqrt()
-    return capped(force, given.largest_force)
+    return capped(given.drag * given.speed * force, given.largest_force)
 
 
 def capped(force: arb, cap: arb) -> tuple[Requirement, ...]:

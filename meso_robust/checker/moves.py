@@ -47,7 +47,7 @@ def verify_move(
     check_rule(rule)
     scene = scene_of(rule, pre, given)
     passage = verify_scene(scene, given, memory)
-    more = (*force_below_cap(scene, given), *clear_of_walls(scene, passage, given))
+    more = (*force_below_cap(scene, given, passage), *clear_of_walls(scene, passage, given))
     return scene, replace(passage, requirements=(*passage.requirements, *more))
 
 
