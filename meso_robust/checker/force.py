@@ -33,14 +33,14 @@ def force_below_cap(scene: Scene, given: Given, passage: Passage) -> tuple[Requi
     Refused
         It does not follow.
     """
-    if given.largest_force is None or given.drag is None:
+    if given.largest_force is None or given.drag is None or scene.rule.action == "regrasp":
         return ()
     if passage.largest_force is not None:
         force = passage.largest_force() * (_largest(scene.box["scale"]) + 1)
     elif scene.rule.action in PUSHES:
         force = _most(scene)
     else:
-        return ()
+        raise Refused(named(Must.FORCE_BELOW_CAP), "proved", f"not of a {scene.rule.action}")
     if scene.rule.action != "tilt":
         force *= (1 + given.friction[1] * given.friction[1]).sqrt()
     return capped(given.drag * given.speed * force, given.largest_force)

@@ -27,6 +27,9 @@ NINE_DIGITS = arb(1e-9)
 """To what a stated box is compared with the states that are found reachable. Nothing rests on this:
 the checker's own proof is over those states, and the stated bound is verified over the stated box."""
 
+CASES = arb("0.05")
+"""By which share of it a range of angles may be wider than the checker's own: a matter of form."""
+
 
 def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ...]) -> None:
     """Compare the obligations of a move with the checker's own requirements.
@@ -116,9 +119,13 @@ def _over_move(stated: ObligationDocument, requirement: Requirement) -> None:
                 low, high = shift((low, high), -part.box["turn"][0])
             known = part.box[own]
             room = (abs(low) + abs(high)) * NINE_DIGITS
+            told = f"{float(low):.9g} to {float(high):.9g}"
             if not (low - room <= known[0] and known[1] <= high + room):
-                told = f"{float(low):.9g} to {float(high):.9g}"
                 raise Refused(requirement.name.value(key), told, "more can be reached")
+            # angles of a case end where each side encloses the other case's beginning
+            wide = room + (known[1] - known[0]) * CASES if own == "theta" else room
+            if not (known[0] - wide <= low and high <= known[1] + wide):
+                raise Refused(requirement.name.value(key), told, "less can be reached")
             # two names may be one variable here: it has all values of both
             box[own] = (low.min(box[own][0]), high.max(box[own][1]))
         if not _holds(requirement.statement, Part(part.variables, box), bound):

@@ -220,8 +220,8 @@ def line_off(
 ) -> Variables:
     """A tip at ``place`` and a side of the hull, as variables of a clearance."""
     return {
-        "theta": partial(_line_angle, scene, line, angle),
-        "d1": lambda at: _line_depth(scene, line, at) + scene.radius(at, side),
+        "theta": partial(line_angle, scene, line, angle),
+        "d1": lambda at: line_depth(scene, line, at) + scene.radius(at, side),
         "dx": lambda at: place(at)[0],
         "dy": lambda at: place(at)[1],
     }
@@ -235,7 +235,7 @@ def any_of(tried: list[Requirement]) -> Requirement:
     return tried[0]
 
 
-def _line_angle(scene: Scene, line: Edge, angle: Formula, at: Point) -> Dual:
+def line_angle(scene: Scene, line: Edge, angle: Formula, at: Point) -> Dual:
     """Direction of a side of the hull when the pushed edge has some direction."""
     found = angle(at) + (scene.turn - line.turn)
     if line.name == scene.edge.name or scene.exact("kappa"):
@@ -243,7 +243,7 @@ def _line_angle(scene: Scene, line: Edge, angle: Formula, at: Point) -> Dual:
     return found - at["kappa"] + (0 if line.ends is None else at["kappa_other"])
 
 
-def _line_depth(scene: Scene, line: Edge, at: Point) -> Dual:
+def line_depth(scene: Scene, line: Edge, at: Point) -> Dual:
     """How far out the whole part is along its normal."""
     if line.name == scene.edge.name:
         return at["depth"]

@@ -1,6 +1,6 @@
 """The run of a REFUTED certificate, made once more by the checker's own proof of every move.
 
-A run is the claim with each range put to one number, so what proves a move from a whole box proves
+A run is the claim with each range that the witness states put to one number, so what proves a move from a whole box proves
 where this run goes: to a box that is as narrow as the arithmetic, or as the tube of a rotation, whose
 slide need not be unique. Three things can come out:
 
@@ -29,7 +29,8 @@ from meso_robust.checker.moves import verify_scene
 from meso_robust.checker.numbers import double
 from meso_robust.checker.outline import Edge, Polygon
 from meso_robust.checker.passage import Passage
-from meso_robust.checker.ranges import ZERO, Formula, Side, positive, side_of
+from meso_robust.checker.pushing import line_angle, line_depth
+from meso_robust.checker.ranges import ZERO, Side, positive, side_of
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.scene import Scene, direction, frame_of, scene_of
 from meso_robust.checker.walls import clear_of_walls, meets_a_wall
@@ -37,6 +38,7 @@ from meso_robust.checker.walls import clear_of_walls, meets_a_wall
 INSIDE, MISSES = "starts_inside", "misses_goal"
 """Outcomes of a witness that are found here as well."""
 Three = tuple[arb, arb, arb]
+Place = Callable[[Point], tuple[Dual, Dual]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,29 +174,29 @@ def _starts_inside(scene: Scene) -> bool:
         return False
     return any(
         all(
-            positive(partial(_depth, scene, side, x, y), scene.box)
-            for side in outline.sides(scene.edge)
+            positive(partial(_depth, scene, line, tip), scene.box)
+            for line in outline.sides(scene.edge)
         )
-        for x, y in _tips(scene)
+        for tip in _tips(scene)
     )
 
 
-def _depth(scene: Scene, side: Edge, x: Formula, y: Formula, at: Point) -> Dual:
-    """How far a tip is on the inner side of the line of an edge."""
-    c, s = direction(at["theta"] + (scene.turn - side.turn))
-    return side.d1 - off_line(c, s, x(at), y(at))
+def _depth(scene: Scene, line: Edge, tip: Place, at: Point) -> Dual:
+    """How far the centre of a tip is on the inner side of an edge, and of what its corners lack."""
+    c, s = direction(line_angle(scene, line, scene.angle, at))
+    return line_depth(scene, line, at) - scene.corner_radius - off_line(c, s, *tip(at))
 
 
-def _tips(scene: Scene) -> Iterator[tuple[Formula, Formula]]:
-    """Where each tip stands before the move, from the part."""
+def _tips(scene: Scene) -> Iterator[Place]:
+    """Where the centre of each tip is before the move, from the part, in the axes of the travel."""
     for side in (1, -1):
-        yield partial(_of_tip, scene.ahead, side), partial(_of_tip, scene.rise, side)
+        yield partial(_of_tip, scene, side)
     if scene.rule.single_x is not None:
-        yield scene.passive_ahead, scene.passive_rise
+        yield lambda at: scene.in_travel(at, scene.passive_ahead(at), scene.passive_rise(at))
 
 
-def _of_tip(of: Callable[[Point, int], Dual], side: int, at: Point) -> Dual:
-    return of(at, side)
+def _of_tip(scene: Scene, side: int, at: Point) -> tuple[Dual, Dual]:
+    return scene.ahead(at, side), scene.rise(at, side)
 
 
 def _at_walls(scene: Scene, passage: Passage, given: Given, number: int) -> Fate | None:

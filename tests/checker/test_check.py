@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from meso_robust.campaigns.mutation.memory import Remembered
 from meso_robust.certificates.chain import certify
 from meso_robust.certificates.document import claim_document
-from meso_robust.checker.ids import Objection, Premise
+from meso_robust.checker.ids import Objection, premises
 from meso_robust.checker.reading import digest, parse_certificate
 from meso_robust.checker.verdict import Answer, check
 from meso_robust.cli import app
@@ -69,7 +69,7 @@ def test_the_paper_tasks_certificate_is_verified(document: Document) -> None:
     answer = checked(document, paper_task())
     assert answer.verdict == "VERIFIED"
     assert answer.claims == document["reading"]["claim"]
-    assert list(answer.premises) == document["claim"]["premises"] == list(Premise)
+    assert list(answer.premises) == document["claim"]["premises"] == list(premises(paper_task()))
     assert any("simulation" in one for one in answer.not_checked)
 
 

@@ -12,12 +12,13 @@ from flint import arb, ctx
 
 from meso_robust.checker import statement as st, straighten, tilt
 from meso_robust.checker.document import RuleDocument
-from meso_robust.checker.dual import Point
+from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.film import Arm
 from meso_robust.checker.inputs import given
 from meso_robust.checker.pushing import line_off, on_edge, turns_back
 from meso_robust.checker.ranges import point_of, side_of
 from meso_robust.checker.requirement import Requirement
+from meso_robust.checker.roll import travel_of, turn_of
 from meso_robust.checker.scene import Scene, scene_of
 from meso_robust.checker.verdict import BITS
 from tests.checker.real_tips import Vector
@@ -194,3 +195,42 @@ def test_a_tip_that_turns_the_part_back_does_so_whatever_friction_does(side: int
     arm = np.array([offset - v["drag_a"], v["depth"] - v["drag_n"]])
     moments = [-(arm[0] * -1.0 - arm[1] * k) * side for k in np.linspace(-mu, mu, 9)]
     assert found == pytest.approx([min(moments)], rel=1e-9)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_slopes_of_a_turn_hold_its_differences(side: int) -> None:
+    """Of the turn after a travel, and of the travel of a turn, along everything they depend on."""
+    state = [1.5, 4.1e-4, side * 3.3e-4, 3e-5, 3.8e-7, 0.05, -0.04, 0.03]
+    travel, step = 1.5e-4, 1e-6
+
+    def dual(k: int, value: float) -> Dual:
+        return Dual(arb(value), {str(k): arb(1)})
+
+    def point(values: list[float]) -> list[Dual]:
+        return [Dual(arb(value)) for value in values]
+
+    box = [dual(k, value) for k, value in enumerate(state)]
+    turned = turn_of(box, dual(8, travel), side)
+    middle = float(turn_of(point(state), Dual(arb(travel)), side).value)
+    needed = travel_of(box, dual(8, middle))
+    assert float(needed.value) == pytest.approx(travel, rel=1e-9)
+    for k in range(9):
+        size = step * abs(([*state, travel])[k])
+        ends = []
+        for sign in (-1, 1):
+            moved = [*state, travel]
+            moved[k] += sign * size
+            ends.append(float(turn_of(point(moved[:8]), Dual(arb(moved[8])), side).value))
+        slope = (ends[1] - ends[0]) / (2 * size)
+        room = 1e-5 * abs(slope)
+        low, high = (
+            float(end) for end in (turned.slopes[str(k)].lower(), turned.slopes[str(k)].upper())
+        )
+        assert low - room <= slope <= high + room, k
+        if k < 8:  # the travel changes against the turn
+            per_turn = float(1 / turned.slopes["8"].mid())
+            against = -slope * per_turn
+            low, high = (
+                float(end) for end in (needed.slopes[str(k)].lower(), needed.slopes[str(k)].upper())
+            )
+            assert low - 1e-4 * abs(against) <= against <= high + 1e-4 * abs(against), k

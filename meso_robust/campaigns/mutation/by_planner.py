@@ -1,7 +1,8 @@
 """A changed inequality of one move, held against what the planner proves of the move in its place.
 
-Its box is one of the variables of the move. The task is widened, quantity by quantity, by as much as
-the changed box is wider than the original one; what the planner then proves holds over more than that.
+Its box is one of the variables of the move, which the checker lets be wider than it must be by some
+last digits only. The task is widened, quantity by quantity, by as much; what the planner then proves
+holds over more than that.
 """
 
 from __future__ import annotations

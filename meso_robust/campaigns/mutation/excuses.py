@@ -93,6 +93,11 @@ def _excused(accepted: Accepted, about: Place, group: Sequence[Difference]) -> s
 
 
 def _inequality(accepted: Accepted, about: Place, group: Sequence[Difference]) -> str | None:
+    old, new = at(accepted.original.document, about), at(accepted.document, about)
+    if set(new["over"]) < set(old["over"]):
+        # a variable that is left out has the task's range
+        proved = proves_too(accepted.original, accepted.document, about)
+        return "an inequality over the task's range of a variable" if proved else None
     judged = [one for one in group if one.where[-1] != "boxes"]
     if not all(_is_number(one) for one in judged):
         return None
