@@ -36,14 +36,20 @@ def force_below_cap(rule: MoveRule, setup: Setup) -> tuple[Obligation, ...]:
     if rule.action not in (*ALONE, *TOGETHER):
         return (require_order(name, inequality, Interval(-float("inf"), 0.0), {}),)
     u = setup.uncertainty
+    uneven, friction = _largest(u.drag_anisotropy), u.friction if rule.action in TOGETHER else ZERO
+    # the bound grows with the size of each of them
     box = {
-        "stretch": u.drag_anisotropy,
-        "shear": u.drag_anisotropy,
-        "mu": u.friction if rule.action in TOGETHER else ZERO,
-        "bend": bend_of(u),
+        "stretch": uneven,
+        "shear": uneven,
+        "mu": _largest(friction),
+        "bend": _largest(bend_of(u)),
     }
     (over_drag,) = enclose(condition("contact_forces", "carrying_force"), box)
     # the travel takes as long as commanded, so that a longer one is faster
     force = over_drag * drag * speed * (ONE + u.travel_scale)
     most = Interval(0.0, force.hi)
     return (require_order(name, inequality, cap - most, {"force": most}),)
+
+
+def _largest(side: Interval) -> Interval:
+    return Interval.point(max(abs(side.lo), abs(side.hi)))
