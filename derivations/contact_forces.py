@@ -16,7 +16,7 @@ from derivations.mechanics import d1, mu, rho, theta
 from derivations.two_sided_rotation import T, V, p_S, sigma, tau_D, tau_S, two_contact_balance, w
 
 c, s = sp.cos(theta), sp.sin(theta)
-stretch, shear = sp.symbols("stretch shear", real=True)
+stretch, shear, bend = sp.symbols("stretch shear bend", real=True)
 W, T_0 = sp.symbols("W T_0", positive=True)
 """Between the tips' centres across the edges; T where the contacts are level."""
 most = sp.Symbol("m", positive=True)
@@ -31,11 +31,16 @@ def derive() -> Derivation:
         claims=(_one_tip(), _two_on_one_edge(), _two_sided()),
         functions={
             "carrying_force": Function(
-                arguments=(stretch, shear),
-                results=(1 + sp.sqrt(stretch**2 + shear**2),),
+                arguments=(stretch, shear, mu, bend),
+                results=(
+                    (1 + sp.sqrt(stretch**2 + shear**2))
+                    * sp.sqrt(1 + mu**2)
+                    * sp.sqrt(1 + bend**2),
+                ),
                 unit="1",
-                meaning="most that one sticking tip, or two on one edge together, press on a part, "
-                "over e_x and the speed of the probe",
+                meaning="most that one of two tips on one edge presses on a part while the probe's "
+                "path has the slope bend against its straight line, over e_x and the speed along that "
+                "line; with mu = 0: one tip alone, sticking",
             ),
         },
     )

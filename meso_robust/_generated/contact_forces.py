@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 
-def carrying_force(ops: Any, stretch: Any, shear: Any) -> tuple[Any, ...]:
-    """Return most that one sticking tip, or two on one edge together, press on a part, over e_x and the speed of the probe."""
+def carrying_force(ops: Any, stretch: Any, shear: Any, mu: Any, bend: Any) -> tuple[Any, ...]:
+    """Return most that one of two tips on one edge presses on a part while the probe's path has the slope bend against its straight line, over e_x and the speed along that line; with mu = 0: one tip alone, sticking."""
     return (
-        ops.sqrt(shear**2 + stretch**2) + 1,
+        ops.sqrt(bend**2 + 1)*ops.sqrt(mu**2 + 1)*(ops.sqrt(shear**2 + stretch**2) + 1),
     )

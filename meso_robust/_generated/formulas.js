@@ -183,9 +183,9 @@ const formulas = {
     },
   },
   contact_forces: {
-    // most that one sticking tip, or two on one edge together, press on a part, over e_x and the speed of the probe
-    carrying_force(stretch, shear) {
-      return [Math.sqrt(Math.pow(shear, 2) + Math.pow(stretch, 2)) + 1];
+    // most that one of two tips on one edge presses on a part while the probe's path has the slope bend against its straight line, over e_x and the speed along that line; with mu = 0: one tip alone, sticking
+    carrying_force(stretch, shear, mu, bend) {
+      return [Math.sqrt(Math.pow(bend, 2) + 1)*Math.sqrt(Math.pow(mu, 2) + 1)*(Math.sqrt(Math.pow(shear, 2) + Math.pow(stretch, 2)) + 1)];
     },
   },
   y_translation: {

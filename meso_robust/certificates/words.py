@@ -86,6 +86,7 @@ _OBLIGATIONS: Mapping[StrEnum, str] = {
     Id.TIP_CLEAR_OF_PART: "the {tip} tip stays clear of the part on its way",
     Id.PART_CLEAR_OF_WALLS: "the part stays clear of the slot's walls",
     Id.TIPS_CLEAR_OF_WALLS: "the tips stay clear of the slot's walls",
+    Id.FORCE_BELOW_CAP: "no contact force exceeds the largest one that the task allows",
     Id.IS_RECTANGLE: "the part is a rectangle, as a rotation needs",
     Id.ACTIVE_ABOVE_PASSIVE: "the active tip is the upper one",
     Id.COMES_TO_REST: "the part comes to rest on both",
@@ -147,6 +148,7 @@ _PLAIN: Mapping[Inequality, str] = {
     Inequality.FACES_BACK: "sin(theta) > 0 at the end",
     Inequality.PART_TO_WALL: "distance of part and wall along one of their sides > 0 over the tube",
     Inequality.TIP_TO_WALL: "distance of tip and wall along x or y > 0 over the travel",
+    Inequality.FORCE: "largest force allowed > bound of all contact forces",
     Inequality.NONE: "undecided",
 }
 

@@ -112,6 +112,12 @@ class State:
         return (found - beside * self.tilt) * self.cosine
 
     @property
+    def force(self) -> Dual:
+        """L, over drag and rate of travel."""
+        _, g = self.film.along(self.c, self.s)
+        return self.film.rho * self.arm.room * g / self.pressing
+
+    @property
     def turn(self) -> Dual:
         """Turn per closed gap, 1/m."""
         return self.lever / self.closing
@@ -211,6 +217,10 @@ class Approach:
             cosine=cosine,
             ratio=at["k"],
         )
+
+    def force(self, at: Point) -> Dual:
+        """Normal force of the active tip, over drag and rate of travel."""
+        return self.state(at).force
 
     def pose(self, at: Point) -> Pose:
         """The part: the passive tip is off the far edge by the gap."""

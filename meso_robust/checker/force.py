@@ -1,11 +1,11 @@
-"""No contact force exceeds what a task allows, if it says so, in pushes from one side.
+"""No contact force exceeds what a task allows, if it says so.
 
 The drag of a part that moves at ``v`` at its centre of drag is ``E v``, with ``E`` symmetric and its
 largest eigenvalue ``1 + hypot(stretch, shear)`` times the mean drag. The power of the one force f of a tip
 that sticks and moves at ``u`` is all that the film takes, ``f u >= v E v``, and ``|f|^2 = |E v|^2`` is at
 most the eigenvalue times ``v E v``: so ``|f|`` is at most the eigenvalue times ``|u|``. Two tips on one edge
 that carry the part along share the normal part of ``E u``; each has friction of at most mu times its
-own normal force.
+own normal force. What two tips on opposite edges press is bounded along the motion (``rotate.py``).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PUSHES = ("tilt", "straighten")
 
 
 def force_below_cap(scene: Scene, given: Given, passage: Passage) -> tuple[Requirement, ...]:
-    """Prove that no tip exceeds the largest force; nothing if nothing is asked, or it is proved.
+    """Prove that no tip exceeds the largest force; nothing if nothing is asked or touched.
 
     Raises
     ------
@@ -35,14 +35,15 @@ def force_below_cap(scene: Scene, given: Given, passage: Passage) -> tuple[Requi
     """
     if given.largest_force is None or given.drag is None or scene.rule.action == "regrasp":
         return ()
-    if any(one.name.id is Must.FORCE_BELOW_CAP for one in passage.requirements):
-        return ()
-    if scene.rule.action not in PUSHES:
+    if passage.largest_force is not None:
+        force = passage.largest_force() * (_largest(scene.box["scale"]) + 1)
+    elif scene.rule.action in PUSHES:
+        force = _most(scene)
+    else:
         raise Refused(named(Must.FORCE_BELOW_CAP), "proved", f"not of a {scene.rule.action}")
-    force = given.drag * given.speed * _most(scene)
-    if scene.rule.action == "straighten":
+    if scene.rule.action != "tilt":
         force *= (1 + given.friction[1] * given.friction[1]).sqrt()
-    return capped(force, given.largest_force)
+    return capped(given.drag * given.speed * force, given.largest_force)
 
 
 def capped(force: arb, cap: arb) -> tuple[Requirement, ...]:

@@ -229,7 +229,9 @@ def _astray(edges: Sequence[Edge], out: Side, turned: Side) -> arb:
         along = (across * c - (before.d1 + off)) / s
         sin, cos = turn.sin_cos()
         x, y = along * cos + across * sin - edge.first, across * cos - along * sin - edge.d1
-        found = found.max((x * x + y * y).sqrt().upper())
+        # of their largest sizes: the square of a ball around zero would reach below it
+        far, wide = abs(x).upper(), abs(y).upper()
+        found = found.max((far * far + wide * wide).sqrt().upper())
     return found
 
 

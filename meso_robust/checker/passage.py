@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from flint import arb
+
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.ids import Named
 from meso_robust.checker.inputs import PoseBox
@@ -56,3 +58,5 @@ class Passage:
     memory: Memory | None = None
     swept: tuple[Sweep, ...] = ()
     """Every pose of the move but those at rest before it."""
+    largest_force: Callable[[], arb] | None = None
+    """Bound of all contact forces over drag and commanded speed, if it depends on the motion."""

@@ -43,6 +43,7 @@ from meso_robust.checker.ranges import (
     Formula,
     Side,
     component,
+    least,
     lows,
     positive,
     shift,
@@ -57,6 +58,8 @@ IDLE = 1
 """The upper tip of the active probe touches nothing; the lower one pushes."""
 NEAR = 2e-7
 """How closely the touch is bounded, m."""
+NEAR_FORCE = 0.05
+"""How closely forces are bounded, over drag and speed."""
 SIGNS = (-1, 1)
 
 
@@ -88,6 +91,7 @@ def check_rotate(scene: Scene) -> Passage:
         post=turn.post(),
         requirements=(*before, *arrival, *after),
         swept=(touching.swept(), *turn.swept()),
+        largest_force=turn.largest_force,
     )
 
 
@@ -210,6 +214,28 @@ class _Turn:
         grip = piece.grip(at)
         ends = ((grip.D_place, self.near - bound), (grip.S_place, self.far - bound))
         return tuple(end - place * sign for place, end in ends for sign in SIGNS)
+
+    def largest_force(self) -> arb:
+        """The largest normal force of all, over drag and commanded speed, friction not counted.
+
+        The rate of travel along the line is at most the probe's speed.
+        """
+        first = span(self.touching.force, self.touching.box(), within=NEAR_FORCE)[1]
+        states = self.states()
+
+        def forces(piece: Piece, at: Point) -> tuple[Dual, ...]:
+            corners = self._corners(piece, at)
+            return tuple(
+                -(normal / one.divisor) for one in corners for normal in (one.moving, one.resting)
+            )
+
+        for piece in self.pieces:
+            of = functools.partial(forces, piece)
+            for k, low in enumerate(lows(of, states)):
+                if -low > first:  # bounded with more care only where it may matter
+                    low = low.max(least(component(of, k), states, within=NEAR_FORCE))
+                first = first.max(-low)
+        return first
 
     def _straight(self, depth: str) -> arb:
         """How far the straight part of an edge reaches at least, from the foot of the part, m."""

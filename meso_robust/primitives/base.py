@@ -23,11 +23,17 @@ from meso_robust.primitives.names import (
 )
 from meso_robust.primitives.obligation import Obligation
 from meso_robust.primitives.outline import Edge, Line
-from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.setup import PoseBox, Setup, Uncertainty
 
 NOTHING, UNIT = Interval.point(0.0), Interval(0.0, 1.0)
 BENDING = units.metres(100.0)
 """Length over which a probe's path strays by ``probe_wander`` at most: what bounds its direction."""
+
+
+def bend_of(u: Uncertainty) -> Interval:
+    """Tangent of the angle between a probe's path and its straight line."""
+    astray = u.probe_wander
+    return astray / BENDING if astray.hi > 0.0 else astray
 
 
 def base_box(rule: MoveRule, pre: PoseBox, setup: Setup, edge: Edge) -> dict[str, Interval]:
@@ -47,8 +53,7 @@ def base_box(rule: MoveRule, pre: PoseBox, setup: Setup, edge: Edge) -> dict[str
     """
     u = setup.uncertainty
     anisotropy, astray = u.drag_anisotropy, u.probe_wander
-    bend = astray / BENDING if astray.hi > 0.0 else astray
-    drag = {"rho": u.film_ratio, "stretch": anisotropy, "shear": anisotropy, "bend": bend}
+    drag = {"rho": u.film_ratio, "stretch": anisotropy, "shear": anisotropy, "bend": bend_of(u)}
     return {
         "x": pre.x,
         "y": pre.y,

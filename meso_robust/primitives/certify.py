@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from meso_robust.primitives.force import force_below_cap
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
@@ -63,6 +64,7 @@ def certify_move(
         step = certify_straighten(rule, own, there, known)
     seen = replace(
         step,
+        obligations=(*step.obligations, *force_below_cap(rule, there)),
         pre=pre,
         post=None if step.post is None else frame.box_to_world(step.post),
         tube=tuple(replace(k, box=frame.box_to_world(k.box)) for k in step.tube),

@@ -80,6 +80,7 @@ class ObligationId(StrEnum):
     TIP_CLEAR_OF_PART = "tip_clear_of_part"
     PART_CLEAR_OF_WALLS = "part_clear_of_walls"
     TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
+    FORCE_BELOW_CAP = "force_below_cap"
     # what stays undecided where no enclosure was found; a PROVED certificate has none of these
     IS_RECTANGLE = "is_rectangle"
     ACTIVE_ABOVE_PASSIVE = "active_above_passive"
@@ -110,6 +111,7 @@ class Inequality(StrEnum):
     FACES_BACK = "faces_back"
     PART_TO_WALL = "part_to_wall"
     TIP_TO_WALL = "tip_to_wall"
+    FORCE = "force_to_spare"
     NONE = "undecided"
     """Nothing could be bounded."""
 

@@ -119,3 +119,45 @@ class Held:
             if allowed:
                 found.append(motion)
         return found
+
+
+@dataclass(frozen=True)
+class Alone:
+    """The part, reference point at the origin, pushed by D alone; axes of the travel."""
+
+    angle: float
+    centre: Floats
+    """Of D."""
+    numbers: Numbers
+
+    def motion(self, friction: float) -> Floats:
+        """Velocity of the reference point and turn."""
+        n = self.numbers
+        a = np.array([np.cos(self.angle), np.sin(self.angle)])
+        inward = turned(a)
+        contact = self.centre + n["radius"] * inward
+        frame = np.column_stack([a, -inward])
+        drag = frame @ [[1 + n["stretch"], n["shear"]], [n["shear"], 1 - n["stretch"]]] @ frame.T
+        drag_centre = frame @ [n["drag_a"], n["drag_n"]]
+        arm, given = contact - drag_centre, -np.array([1.0, n.get("bend", 0.0)])
+        for way in (0, -1, 1):
+            rows, right = np.zeros((5, 5)), np.zeros(5)
+            rows[:2, :2], rows[2, 2] = drag, n["rho"]
+            for j, force in enumerate((inward, a)):
+                rows[:2, 3 + j], rows[2, 3 + j] = -force, -cross(arm, force)
+            for j, axis in enumerate((inward, a)[: 1 if way else 2]):
+                rows[3 + j, :2], rows[3 + j, 2], right[3 + j] = (
+                    axis,
+                    axis @ turned(arm),
+                    axis @ given,
+                )
+            if way:
+                rows[4, 3:] = way * friction, -1.0
+            motion = np.linalg.solve(rows, right)
+            slip = a @ (motion[:2] + motion[2] * turned(arm) - given)
+            if way == 0 and abs(motion[4]) <= friction * motion[3]:
+                break
+            if way and slip * way <= 0:
+                break
+        velocity = motion[:2] - motion[2] * turned(drag_centre)
+        return np.array([*velocity, motion[2]])

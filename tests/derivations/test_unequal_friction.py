@@ -159,7 +159,7 @@ def test_a_sticking_tip_presses_no_harder_than_a_part_that_cannot_turn() -> None
         lever = np.array([e, -p])  # moment of a force, and velocity of the contact per turn
         compliance = mobility + np.outer(lever, lever) / rng.uniform(0.01, 20.0)
         force = np.linalg.norm(np.linalg.solve(compliance, [np.cos(angle), np.sin(angle)]))
-        (bound,) = carrying_force(np, stretch, shear)
+        (bound,) = carrying_force(np, stretch, shear, 0.0, 0.0)
         assert force <= bound
         fullest = max(fullest, force / bound)
     assert fullest > 0.9

@@ -1,0 +1,55 @@
+"""A cap on contact forces: that no tip presses harder on the part than the task allows."""
+
+from __future__ import annotations
+
+from meso_robust.bounds import Interval, enclose
+from meso_robust.conditions import condition
+from meso_robust.primitives.base import bend_of
+from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import Inequality, ObligationId, about
+from meso_robust.primitives.obligation import Obligation, require_order
+from meso_robust.primitives.setup import Setup
+
+ONE, ZERO = Interval.point(1.0), Interval.point(0.0)
+ALONE, TOGETHER = ("tilt",), ("straighten",)
+"""Moves in which one tip pushes, and in which two on one edge do at the end."""
+
+
+def force_below_cap(rule: MoveRule, setup: Setup) -> tuple[Obligation, ...]:
+    """Bound every contact force of a move; nothing if the task sets no cap.
+
+    Parameters
+    ----------
+    rule, setup
+        The move and the task.
+
+    Returns
+    -------
+    tuple[Obligation, ...]
+        One obligation about the force, N. Of a regrasp, which touches nothing, none; undecided for a
+        rotation, of whose forces no bound is stated.
+    """
+    cap, drag, speed = setup.largest_force, setup.drag, setup.speed
+    if cap is None or drag is None or speed is None or rule.action == "regrasp":
+        return ()
+    name, inequality = about(ObligationId.FORCE_BELOW_CAP), Inequality.FORCE
+    if rule.action not in (*ALONE, *TOGETHER):
+        return (require_order(name, inequality, Interval(-float("inf"), 0.0), {}),)
+    u = setup.uncertainty
+    uneven, friction = _largest(u.drag_anisotropy), u.friction if rule.action in TOGETHER else ZERO
+    # the bound grows with the size of each of them
+    box = {
+        "stretch": uneven,
+        "shear": uneven,
+        "mu": _largest(friction),
+        "bend": _largest(bend_of(u)),
+    }
+    (over_drag,) = enclose(condition("contact_forces", "carrying_force"), box)
+    # the travel takes as long as commanded, so that a longer one is faster
+    force = over_drag * drag * speed * (ONE + u.travel_scale)
+    most = Interval(0.0, force.hi)
+    return (require_order(name, inequality, cap - most, {"force": most}),)
+
+
+def _largest(side: Interval) -> Interval:
+    return Interval.point(max(abs(side.lo), abs(side.hi)))
