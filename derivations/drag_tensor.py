@@ -12,9 +12,9 @@ import sympy as sp
 
 from derivations._circle import tidy
 from derivations._claim import Claim
-from derivations._derivation import Derivation
+from derivations._derivation import Derivation, Function
 from derivations._statement import Finding, for_all, identity
-from derivations.mechanics import d1, d2, rho, theta
+from derivations.mechanics import a, cross, d1, d2, mu, n, rho, theta
 from derivations.one_point_sticking import A, B, C, F
 
 c, s = sp.cos(theta), sp.sin(theta)
@@ -30,12 +30,37 @@ A_HAT = F_HAT * D_an + P_HAT * Q_HAT
 B_HAT = F_HAT * D_nn - P_HAT**2
 C_HAT = F_HAT * D_aa - Q_HAT**2
 
+stretch, shear, bend = sp.symbols("stretch shear bend", real=True)
+CENTRED = {D_aa: 1 + stretch, D_nn: 1 - stretch, D_tt: rho, D_an: shear, D_at: 0, D_nt: 0}
+"""Any drag about its own centre, over the mean of the two principal drags of a translation."""
+FLAT = 1 - stretch**2 - shear**2
+"""Determinant of the drag of a translation."""
+ALONG, INWARD = c + bend * s, s - bend * c
+"""The tip's velocity over its progress along the push, on -a and -n; ``bend`` is the tangent of the
+angle by which the path is turned counter-clockwise from the push at this instant."""
+ROD = d1**2 * (1 + stretch) - 2 * d1 * d2 * shear + d2**2 * (1 - stretch) + rho
+P_CENTRED, Q_CENTRED = d2 * (1 - stretch) - d1 * shear, d1 * (1 + stretch) - d2 * shear
+A_CENTRED = rho * shear + FLAT * d1 * d2
+B_CENTRED = rho * (1 - stretch) + FLAT * d1**2
+C_CENTRED = rho * (1 + stretch) + FLAT * d2**2
+"""The hats of `CENTRED`, ``d1`` and ``d2`` from the centre of drag; without differences of products,
+so that intervals stay narrow."""
+LEVER = P_CENTRED * INWARD - Q_CENTRED * ALONG
+PRESSING = A_CENTRED * ALONG + B_CENTRED * INWARD
+TANGENTIAL = -(C_CENTRED * ALONG + A_CENTRED * INWARD)
+PAIR_ALONG = -((1 + stretch) * ALONG + shear * INWARD)
+PAIR_PRESSING = shear * ALONG + (1 - stretch) * INWARD
+"""Force of a pair of tips on the part along a and along -n, per progress, over the mean drag."""
 
-def solve_sticking() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """Turn, pressing force and force along the edge, from the balance alone: times F_hat, per travel."""
+
+def solve_sticking(along: sp.Expr = c, inward: sp.Expr = s) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """Turn, pressing force and force along the edge, from the balance alone: times F_hat, per travel.
+
+    The tip moves by ``along`` on -a and by ``inward`` on -n.
+    """
     omega, force_a, force_n = sp.symbols("omega f_a f_n", real=True)
-    # in the frame (a, n): -e_x is -(c, s), and a turn omega moves the contact by omega (d1, -d2)
-    twist = sp.Matrix([-c - omega * d1, -s + omega * d2, omega])
+    # in the frame (a, n) a turn omega moves the contact by omega (d1, -d2)
+    twist = sp.Matrix([-along - omega * d1, -inward + omega * d2, omega])
     push = sp.Matrix([force_a, force_n, force_a * d1 - force_n * d2])
     (solution,) = sp.solve(list(DRAG * twist - push), (omega, force_a, force_n), dict=True)
     turn, pressing, along = solution[omega], -solution[force_n], solution[force_a]
@@ -47,8 +72,74 @@ def derive() -> Derivation:
     return Derivation(
         name="drag_tensor",
         summary="One-point sticking on any drag fixed in the part.",
-        claims=(_sticking(), _motion()),
+        claims=(_sticking(), _motion(), _centred(), _unique(), _any_way(), _pair()),
+        functions=_functions(),
     )
+
+
+def _functions() -> dict[str, Function]:
+    gap, side = sp.symbols("gap side", real=True)
+    tensor = (rho, stretch, shear)
+    upper = d2 * PAIR_PRESSING + d1 * PAIR_ALONG
+    away = "theta: of the edge less that of the push; d1, d2 from the centre of drag"
+    return {
+        "travel_rate": Function(
+            arguments=(theta, d1, d2, *tensor, bend),
+            results=(ROD / LEVER,),
+            unit="m",
+            meaning=f"m: travel of the tip per radian of the turn while it sticks; {away}",
+        ),
+        "normal_force": Function(
+            arguments=(theta, d1, d2, *tensor, bend),
+            results=(PRESSING,),
+            unit="m^2",
+            meaning=f"pressing force, m^2: the tip pushes where it is positive; {away}",
+        ),
+        "friction_margin": Function(
+            arguments=(theta, d1, d2, *tensor, bend, mu),
+            results=(mu * PRESSING - TANGENTIAL, mu * PRESSING + TANGENTIAL),
+            unit="m^2",
+            meaning="mu times the pressing force -+ the force along the edge, same scale, m^2: both "
+            "positive where the contact sticks",
+        ),
+        "turning": Function(
+            arguments=(theta, d1, d2, stretch, shear, bend, side),
+            results=(side * LEVER,),
+            unit="m",
+            meaning="m: positive where the part turns counter-clockwise (side = 1) or clockwise (-1)",
+        ),
+        "only_solution": Function(
+            arguments=(d1, d2, *tensor, mu),
+            results=(C_CENTRED + mu * A_CENTRED, C_CENTRED - mu * A_CENTRED),
+            unit="m^2",
+            meaning="m^2: both positive where a sticking solution excludes every slipping one",
+        ),
+        "turns_any_way": Function(
+            arguments=(d1, d2, mu, side),
+            results=(side * d2 - mu * d1,),
+            unit="m",
+            meaning="m: where positive, one contact alone turns the part counter-clockwise (side = 1) or "
+            "clockwise (-1), whether it sticks or slips",
+        ),
+        "pair_friction": Function(
+            arguments=(theta, stretch, shear, bend, mu),
+            results=(
+                mu * PAIR_PRESSING - PAIR_ALONG,
+                mu * PAIR_PRESSING + PAIR_ALONG,
+                1 + stretch - mu * shear,
+                1 + stretch + mu * shear,
+            ),
+            unit="1",
+            meaning="the first two positive: two tips on one edge stick; the others: no motion slips",
+        ),
+        "pair_forces": Function(
+            arguments=(theta, d1, d2, gap, stretch, shear, bend),
+            results=(gap * PAIR_PRESSING - upper, upper),
+            unit="m",
+            meaning="pressing forces of the upper tip, at d2, and of the lower one, gap below it, times "
+            "the gap, m: both must be positive",
+        ),
+    }
 
 
 def _sticking() -> Claim:
@@ -139,4 +230,177 @@ def _definite() -> Finding:
             sp.expand(DRAG.det()) > 0,
         ],
         F_HAT > 0,
+    )
+
+
+def _centred() -> Claim:
+    """About the centre of drag, on a path that is not quite straight."""
+    turn, pressing, along = solve_sticking(ALONG, INWARD)
+    hats = (A_HAT, B_HAT, C_HAT, F_HAT)
+    here = (tuple(CENTRED), tuple(CENTRED.values()))
+    angle_ = sp.Symbol("epsilon", real=True)
+    turned = sp.Matrix([[sp.cos(angle_), -sp.sin(angle_)], [sp.sin(angle_), sp.cos(angle_)]])
+    push = turned * sp.Matrix([-1, 0]) / sp.cos(angle_)
+    edge, out = sp.Matrix([c, s]), sp.Matrix([s, -c])
+    return Claim(
+        key="drag-tensor-bent-path",
+        title="One-point sticking about the centre of drag, on a bent path",
+        place="new; the paper's tip moves along a straight line",
+        derived=r"Let $d_1$, $d_2$ be from the centre of drag and the drag of a translation have the "
+        r"entries $1 \pm \gamma$ and the shear $\varsigma$ over its mean, $\Delta = 1 - \gamma^2 - "
+        r"\varsigma^2$. Then $\hat A = \rho\varsigma + \Delta d_1 d_2$, $\hat B = \rho(1 - \gamma) + "
+        r"\Delta d_1^2$, $\hat C = \rho(1 + \gamma) + \Delta d_2^2$. Where the path is turned from the "
+        r"push by an angle of tangent $e$, all hold per progress along the push with $\cos\theta + e"
+        r"\sin\theta$, $\sin\theta - e\cos\theta$ in the place of $\cos\theta$, $\sin\theta$.",
+        steps=(
+            r"The tip moves by $-(1, e)$ per progress: $-(\cos\theta + e\sin\theta)$ along $a$ and "
+            r"$-(\sin\theta - e\cos\theta)$ along $n$; the balance is linear in both.",
+        ),
+        hypotheses=("the contact sticks", "as for any drag fixed in the part, at this instant"),
+        checks=(
+            identity(
+                "the hats about the centre of drag",
+                [sp.Subs(hat, *here) for hat in hats],
+                [A_CENTRED, B_CENTRED, C_CENTRED, ROD],
+            ),
+            identity(
+                "velocity of the tip per progress, path turned by epsilon",
+                [push.dot(edge), push.dot(out)],
+                [
+                    sp.Subs(-ALONG, bend, sp.tan(angle_)),
+                    sp.Subs(-INWARD, bend, sp.tan(angle_)),
+                ],
+            ),
+            identity(
+                r"turn, pressing force and force along the edge, times $\hat F$",
+                [sp.Subs(turn, *here), sp.Subs(pressing, *here), sp.Subs(along, *here)],
+                [LEVER, PRESSING, TANGENTIAL],
+            ),
+            for_all(
+                r"$\hat F > 0$ with $\Delta > 0$, $|\gamma| < 1$",
+                [FLAT > 0, stretch < 1, stretch > -1],
+                sp.expand(ROD) > 0,
+            ),
+        ),
+    )
+
+
+def _unique() -> Claim:
+    """No slipping motion beside a sticking one."""
+    slip, size = sp.Symbol("u", real=True), sp.Symbol("F", positive=True)
+    inward, along = sp.symbols("v_n v_a", real=True)
+    at_rest = {D_at: 0, D_nt: 0}
+    moving = solve_sticking(
+        along - slip, inward
+    )  # the part's point moves by u along a over the tip
+    held = solve_sticking(along, inward)
+    normal, tangential = sp.symbols("N T", real=True)
+    a_hat, c_hat = sp.symbols("A C", real=True)
+    opposed = [
+        slip > 0,
+        sp.Eq(tangential + c_hat * slip / size, -mu * (normal - a_hat * slip / size)),
+    ]
+    return Claim(
+        key="drag-tensor-unique",
+        title="Sticking excludes slipping on any drag",
+        place="new; “only solution” for any drag fixed in the part",
+        derived=r"Slipping at a rate $u$ along the edge adds $\hat C u/\hat F$ to the force along it and "
+        r"takes $\hat A u/\hat F$ off the pressing force. So where $\hat C \pm \mu\hat A > 0$ a contact "
+        "that can stick cannot slip.",
+        steps=(
+            r"For $u > 0$ friction is $-\mu$ times the pressing force: $(\lambda_t + \mu\lambda_n)\hat F + "
+            r"(\hat C - \mu\hat A) u = 0$, both terms positive. For $u < 0$ the same mirrored.",
+        ),
+        hypotheses=("one contact, Coulomb friction", "the sticking solution is inside its cone"),
+        checks=(
+            identity(
+                "what slipping adds to both forces",
+                [(moving[k] - held[k]).subs(at_rest) for k in (1, 2)],
+                [-A_HAT.subs(at_rest) * slip, C_HAT.subs(at_rest) * slip],
+            ),
+            for_all(
+                "no slip along the edge",
+                [tangential + mu * normal > 0, c_hat - mu * a_hat > 0],
+                sp.Not(sp.And(*opposed)),
+            ),
+        ),
+    )
+
+
+def _any_way() -> Claim:
+    """Which way a contact turns the part, sticking or slipping."""
+    tau, normal = sp.symbols("tau N", real=True)
+    moment = cross(d2 * a + d1 * n, normal * (tau * a - n))
+    return Claim(
+        key="drag-tensor-turns-any-way",
+        title="Which way one contact turns the part, sticking or slipping",
+        place="new; the sense of the turn in Section IX-C1 is that of a contact that sticks",
+        derived=r"A single contact whose force along the edge is $\tau$ times the pressing force $N$ turns "
+        r"the part by $N (d_2 + \tau d_1)/\rho$, whatever the drag of a translation. So it turns the part "
+        r"counter-clockwise for every $|\tau| \le \mu$ if $d_2 > \mu d_1$ and clockwise if $-d_2 > \mu d_1$.",
+        hypotheses=(
+            "one contact",
+            "the drag has no coupling of turn and translation about its centre",
+        ),
+        checks=(
+            identity("moment about the centre of drag", moment, normal * (d2 + tau * d1)),
+            for_all(
+                "counter-clockwise",
+                [normal > 0, tau <= mu, tau >= -mu, d2 - mu * d1 > 0],
+                normal * (d2 + tau * d1) > 0,
+            ),
+            for_all(
+                "clockwise",
+                [normal > 0, tau <= mu, tau >= -mu, -d2 - mu * d1 > 0],
+                normal * (d2 + tau * d1) < 0,
+            ),
+        ),
+    )
+
+
+def _pair() -> Claim:
+    """Two tips on one edge: the part moves with the probe."""
+    gap = sp.Symbol("gap", positive=True)
+    first, second, force_a = sp.symbols("N_1 N_2 f_a", real=True)
+    flat = sp.Matrix([[1 + stretch, shear], [shear, 1 - stretch]])
+    drag = flat * sp.Matrix([-ALONG, -INWARD])  # of the translation, on a and n
+    # moments about the centre of drag: a force (f_a, -N) at (d2, d1) in (a, n) turns by d2 N + d1 f_a
+    moment = d2 * first + (d2 - gap) * second + d1 * force_a
+    (solved,) = sp.solve(
+        [force_a - drag[0], -(first + second) - drag[1], moment],
+        (first, second, force_a),
+        dict=True,
+    )
+    slip = sp.Symbol("u", positive=True)
+    pressing, along = sp.symbols("N T", real=True)
+    slipped = [
+        sp.Eq(along + (1 + stretch) * slip, -mu * (pressing - shear * slip)),
+    ]
+    upper = d2 * PAIR_PRESSING + d1 * PAIR_ALONG
+    return Claim(
+        key="drag-tensor-pair",
+        title="Two tips on one edge, on any drag",
+        place="new; eq. (9) for any drag of a translation",
+        derived=r"While the part moves with two tips on one edge, the forces are those of a drag $1 \pm "
+        r"\gamma$, $\varsigma$ without a moment about its centre. Both tips stick if the force along the "
+        r"edge is less than $\mu$ times the pressing one, $\mu$ the smaller coefficient, and no motion "
+        r"along the edge is possible beside it if $1 + \gamma > \mu|\varsigma|$.",
+        steps=(
+            r"Slipping at a rate $u$ along the edge, without a turn, adds $(1 + \gamma) u$ to the force "
+            r"along it and takes $\varsigma u$ off the pressing one.",
+        ),
+        hypotheses=("both tips stay on the edge",),
+        checks=(
+            identity(
+                "pressing forces of both tips, times their gap",
+                [solved[first] * gap, solved[second] * gap],
+                [gap * PAIR_PRESSING - upper, upper],
+            ),
+            identity("force along the edge", solved[force_a], PAIR_ALONG),
+            for_all(
+                "no slip along the edge",
+                [along + mu * pressing > 0, 1 + stretch - mu * shear > 0],
+                sp.Not(sp.And(*slipped)),
+            ),
+        ),
     )

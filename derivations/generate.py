@@ -32,6 +32,8 @@ SOURCES = (
     "two_sided_rotation",
     "rotation_existence",
     "round_tips",
+    "unequal_friction",
+    "contact_forces",
     "final_orientation",
     "sampling",
     "y_translation",
@@ -39,6 +41,8 @@ SOURCES = (
     "symmetries",
     "polygon_edge",
     "drag_tensor",
+    "contact_response",
+    "dry_sticking",
     "printed_numbers",
 )
 """Derivation files, in the order in which a reader of the paper meets their claims."""

@@ -22,7 +22,7 @@ import sympy as sp
 
 from derivations._claim import Claim
 from derivations._derivation import Derivation, Function
-from derivations._statement import for_all, identity, positive_by, there_is
+from derivations._statement import as_written, for_all, identity, positive_by, there_is
 from derivations._tex import tex
 from derivations.mechanics import (
     cross,
@@ -51,6 +51,10 @@ P, Q = sp.Matrix([x0, y0]), sp.Matrix([x1, y1])
 LENGTH = sp.Symbol("length", positive=True)
 """Of the edge, wherever it need not be written out."""
 TWIST = sp.symbols("v_x v_y omega", real=True)
+NEXT, EXTERIOR = sp.symbols("d1_next exterior", real=True)
+ROUNDING = sp.Symbol("rounding", nonnegative=True)
+END = (NEXT - d1 * sp.cos(EXTERIOR)) / sp.sin(EXTERIOR)
+"""d2 of the corner of an edge with the line at NEXT, whose direction is turned by EXTERIOR."""
 # an obtuse triangle about its centroid, in um
 OBTUSE = (
     (sp.Integer(100), sp.Integer(-130)),
@@ -89,6 +93,7 @@ def derive() -> Derivation:
         summary="Edges of a convex polygon: direction, distance from the centre of drag, offsets.",
         claims=(
             _frame_claim(),
+            _end_claim(),
             _inside_claim(),
             _conditions_claim(),
             _rectangle_claim(),
@@ -109,6 +114,13 @@ def derive() -> Derivation:
                 unit="m",
                 meaning="d1 of the edge from (x0, y0) to (x1, y1), then d2 at its first and at its "
                 "second vertex, m; d1 is positive where the centre of drag is inside of the edge",
+            ),
+            "end_offset": Function(
+                arguments=(d1, NEXT, EXTERIOR, ROUNDING),
+                results=(END - ROUNDING * (1 - sp.cos(EXTERIOR)) / sp.sin(EXTERIOR),),
+                unit="m",
+                meaning="d2, m, where the straight part of an edge at d1 ends that meets the line at "
+                "d1_next, turned from it by the exterior angle, in a corner rounded with this radius",
             ),
         },
     )
@@ -155,6 +167,44 @@ def _frame_claim() -> Claim:
             ),
         ),
     )
+
+
+def _end_claim() -> Claim:
+    """Where an edge ends, from the line that it meets."""
+    beyond = sp.Matrix(
+        [sp.sin(EXTERIOR), sp.cos(EXTERIOR)]
+    )  # outward normal of the line, on a and n
+    half = sp.Symbol("phi", real=True)
+    centre = sp.Matrix([END - ROUNDING * sp.tan(EXTERIOR / 2), d1 - ROUNDING])
+    return Claim(
+        key="polygon-edge-end",
+        title="Where an edge out of true ends",
+        place="new; the paper's part is an exact rectangle",
+        derived=r"An edge at $d_1$ ends where it meets the line at $d_1'$ whose direction is turned by the "
+        r"exterior angle $\alpha$: at $d_2 = (d_1' - d_1\cos\alpha)/\sin\alpha$. A corner rounded with "
+        r"radius $r_c$ takes $r_c\tan(\alpha/2) = r_c(1 - \cos\alpha)/\sin\alpha$ off its straight part.",
+        steps=(
+            r"The outward normal of the other line is $\sin\alpha\,a + \cos\alpha\,n$.",
+            r"The arc touches both lines: its centre is $r_c$ inside of either.",
+        ),
+        checks=(
+            identity(
+                "the corner lies on the other line",
+                as_written(lambda: END * beyond[0] + d1 * beyond[1]),
+                NEXT,
+            ),
+            identity(
+                "the arc's centre is its radius inside of the other line",
+                centre.subs(EXTERIOR, 2 * half).dot(beyond.subs(EXTERIOR, 2 * half)),
+                NEXT - ROUNDING,
+            ),
+            identity(
+                "half the angle",
+                sp.tan(half),
+                as_written(lambda: (1 - sp.cos(2 * half)) / sp.sin(2 * half)),
+            ),
+        ),
+    )  # fmt: skip
 
 
 def _inside_claim() -> Claim:

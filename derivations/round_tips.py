@@ -18,7 +18,7 @@ import sympy as sp
 from derivations._arc import Direction
 from derivations._circle import solve_linear
 from derivations._claim import Claim
-from derivations._derivation import Derivation
+from derivations._derivation import Derivation, Function
 from derivations._statement import (
     Finding,
     Point,
@@ -72,6 +72,84 @@ def derive() -> Derivation:
             _orientation(),
             _slide(),
             _no_jam(),
+            _touch(),
+        ),
+        functions=_functions(),
+    )
+
+
+direction, dx, dy = sp.symbols("direction dx dy", real=True)
+REACH = (dx * s - dy * c - d1 - r) / sp.sin(theta - direction)
+"""Travel until a tip touches whose centre is at (dx, dy) from the reference point."""
+TOUCHED = (
+    dy * sp.cos(direction) - dx * sp.sin(direction) + (d1 + r) * sp.cos(theta - direction)
+) / sp.sin(theta - direction)
+"""d2 of its contact."""
+
+
+def _functions() -> dict[str, Function]:
+    spacing, upper, lower = sp.symbols("spacing r_upper r_lower", real=True)
+    beta, start = sp.symbols("beta theta_start", real=True)
+    return {
+        "touch": Function(
+            arguments=(theta, direction, d1, r, dx, dy),
+            results=(REACH, TOUCHED),
+            unit="m",
+            meaning="m: travel along `direction` until a tip of radius r touches whose centre is at "
+            "(dx, dy) from the reference point, and d2 of its contact",
+        ),
+        "rolled": Function(
+            arguments=(theta, start, d2, r),
+            results=(d2 - r * (theta - start),),
+            unit="m",
+            meaning="m: d2 of the contact that was at d2 when the edge was at theta_start",
+        ),
+        "upper_first": Function(
+            arguments=(theta, beta, spacing, upper, lower),
+            results=(spacing * sp.cos(theta - beta) / sp.cos(beta) + upper - lower,),
+            unit="m",
+            meaning="m: how much closer the upper of two tips is to the edge: zero where both touch",
+        ),
+        "contact_gap": Function(
+            arguments=(theta, beta, spacing),
+            results=(spacing * sp.sin(theta - beta) / sp.cos(beta),),
+            unit="m",
+            meaning="m: distance of the two tips along the edge",
+        ),
+    }
+
+
+def _touch() -> Claim:
+    """Where a tip touches that comes from any direction, and which of two comes first."""
+    travel, beta = sp.symbols("xi beta", real=True)
+    spacing, upper, lower = sp.symbols("S r_1 r_2", positive=True)
+    moved = sp.Matrix([dx, dy]) - travel * sp.Matrix([sp.cos(direction), sp.sin(direction)])
+    (reached,) = sp.solve(sp.expand(moved.dot(n)) - d1 - r, travel)
+    apart = spacing * sp.Matrix([-sp.tan(beta), 1])
+    return Claim(
+        key="round-tip-touch",
+        title="Where a round tip touches",
+        place="new; Section IX-C1 for a tip that comes from any direction",
+        derived=r"A tip whose centre is at $(x, y)$ from the reference point and moves along $-(\cos\phi, "
+        r"\sin\phi)$ touches the edge after $\xi = (x\sin\theta - y\cos\theta - d_1 - r)/\sin(\theta - "
+        r"\phi)$, at $d_2 = (y\cos\phi - x\sin\phi + (d_1 + r)\cos(\theta - \phi))/\sin(\theta - \phi)$. "
+        r"Of two tips $S$ apart across the push the upper one is closer to the edge by $S\cos(\theta - "
+        r"\beta)/\cos\beta + r_1 - r_2$, and the two are $S\sin(\theta - \beta)/\cos\beta$ apart along it.",
+        steps=(
+            r"The centre of a tip that touches is $d_1 + r$ from the reference point along $n$.",
+        ),
+        hypotheses=(r"$\sin(\theta - \phi) > 0$: the tip comes from outside",),
+        checks=(
+            identity("travel to the touch", reached, REACH),
+            identity("place of the touch", moved.subs(travel, REACH).dot(a), TOUCHED),
+            identity(
+                "the upper tip is closer to the edge, and how far the tips are apart along it",
+                [-(apart.dot(n) - upper + lower), apart.dot(a)],
+                [
+                    spacing * sp.cos(theta - beta) / sp.cos(beta) + upper - lower,
+                    spacing * sp.sin(theta - beta) / sp.cos(beta),
+                ],
+            ),
         ),
     )
 

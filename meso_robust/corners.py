@@ -1,8 +1,9 @@
-"""Corners of a polygon in exact rational numbers: what makes an outline, and its convex hull."""
+"""Corners of a polygon in exact rational numbers: an outline, its hull, and its edges as made."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -122,3 +123,71 @@ def _around_origin(corners: Sequence[Corner]) -> str | None:
                 "of drag, which lies within it; subtract the centre of drag from the corners"
             )
     return None
+
+
+def straight_edges(
+    corners: Sequence[Corner], moved: float, turned: float, rounded: float
+) -> list[float]:
+    """What is left of each edge of a part as made, at worst: for a message, no proof rests on it.
+
+    Parameters
+    ----------
+    corners
+        As stated, about the reference point, counter-clockwise.
+    moved
+        How far each edge's line may lie from its place, along its own normal, in the corners' unit.
+    turned
+        By how much each edge may be turned, rad.
+    rounded
+        Largest radius of the corners, in the corners' unit.
+
+    Returns
+    -------
+    list
+        Least length between the rounded ends of the edge after each corner; not positive where the edge
+        can vanish, -inf where its neighbour can become parallel to it.
+    """
+    sides = [
+        (float(q[0] - p[0]), float(q[1] - p[1]), float(p[0] * q[1] - p[1] * q[0]))
+        for p, q in zip(corners, (*corners[1:], corners[0]), strict=True)
+    ]
+    depths = [area / math.hypot(x, y) for x, y, area in sides]
+    bends = [  # at the corner before each edge
+        math.atan2(u * y - v * x, u * x + v * y)
+        for (u, v, _), (x, y, _) in zip((sides[-1], *sides), sides, strict=False)
+    ]
+    count = len(corners)
+    found = []
+    for k in range(count):
+        before, after = k - 1, (k + 1) % count
+        found.append(
+            min(
+                _least_reach(
+                    depths[k] + own, depths[before], bends[k] + skew, moved, turned, rounded
+                )
+                + _least_reach(
+                    depths[k] + own, depths[after], bends[after] - skew, moved, turned, rounded
+                )
+                for own, skew in itertools.product((-moved, moved), (-turned, 0.0, turned))
+            )
+        )
+    return found
+
+
+def _least_reach(
+    depth: float, beside: float, bend: float, moved: float, turned: float, rounded: float
+) -> float:
+    """From the foot of the reference point on an edge to its rounded end, where ``beside`` follows."""
+    low, high = bend - turned, bend + turned
+    if not (math.sin(low) * math.sin(high) > 0.0 and high - low < math.pi):
+        return -math.inf
+    found = []
+    for far in (beside - moved, beside + moved):
+        angles = [low, high]
+        if abs(depth) < abs(far):  # the nearest end may lie between the two
+            angles.append(min(max(math.copysign(math.acos(depth / far), bend), low), high))
+        found += [
+            (far - depth * math.cos(at)) / math.sin(at) - rounded * math.tan(abs(at) / 2)
+            for at in angles
+        ]
+    return min(found)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from os import PathLike
 from pathlib import Path
@@ -21,7 +22,7 @@ from pydantic import (
     model_validator,
 )
 
-from meso_robust.corners import Corner, fault, hull
+from meso_robust.corners import Corner, fault, hull, straight_edges
 from meso_robust.errors import InputError
 from meso_robust.reading import LARGEST_STATED, shown, text_of, toml_values
 from meso_robust.tasks import PAPER
@@ -74,6 +75,11 @@ def _exact(value: float) -> Fraction:
     return Fraction(repr(value))
 
 
+def _span(ends: Range) -> str:
+    low, high = ends
+    return f"{low:g} um" if low == high else f"{low:g} to {high:g} um"
+
+
 class _Made(_Section):
     """How far a part may be from its outline as stated."""
 
@@ -85,6 +91,36 @@ class _Made(_Section):
     corner_radius_um: Error | None = None
     """Schema 2. Largest rounding of the corners, um; tips must keep off them. Left out: sharp."""
 
+    def _check_edges(self, corners: Sequence[Corner]) -> None:
+        """Refuse tolerances that do not leave the part its edges."""
+        size, skew = self.size_tolerance_um or 0.0, self.squareness_deg or 0.0
+        rounding = self.corner_radius_um or 0.0
+        for key, value, left, rule in (
+            (
+                "size_tolerance_um",
+                size,
+                straight_edges(corners, size / 2, 0.0, 0.0),
+                "must be smaller than the part, and leave it every edge",
+            ),
+            (
+                "squareness_deg",
+                skew,
+                straight_edges(corners, size / 2, math.radians(skew), 0.0),
+                "must not turn the part inside out",
+            ),
+            (
+                "corner_radius_um",
+                rounding,
+                straight_edges(corners, size / 2, math.radians(skew), rounding),
+                "must leave a straight piece of every edge",
+            ),
+        ):
+            if min(left) <= 0.0:
+                raise ValueError(
+                    f"{key} = {value}: {rule}; the edge after corner {left.index(min(left))} could "
+                    "vanish; give a smaller value"
+                )
+
 
 class Part(_Made):
     """A rectangle, reference point at its centre."""
@@ -95,12 +131,14 @@ class Part(_Made):
     """Side across it, um."""
 
     @model_validator(mode="after")
-    def _long_side_first(self) -> Self:
+    def _is_a_part(self) -> Self:
         if not self.length_um >= self.width_um:
             raise ValueError(
                 f"width_um = {self.width_um} exceeds length_um = {self.length_um}: give the long "
                 "side as length_um"
             )
+        x, y = _exact(self.length_um) / 2, _exact(self.width_um) / 2
+        self._check_edges(((-x, -y), (x, -y), (x, y), (-x, y)))
         return self
 
 
@@ -119,6 +157,7 @@ class PolygonPart(_Made):
         wrong = fault(self.corners_um)
         if wrong is not None:
             raise ValueError(f"polygon_um: {wrong}")
+        self._check_edges(self.corners_um)
         return self
 
     @property
@@ -198,7 +237,19 @@ class Probe(_Section):
             radius = getattr(self, key)
             if radius is not None:
                 _ordered(key, radius)
+                self._check_apart(key, radius)
         return self
+
+    def _check_apart(self, key: str, radius: Range) -> None:
+        """Refuse tips that could overlap; a passive tip that large would not fit between, either."""
+        slack = self.tip_spacing_tolerance_um or 0.0
+        if not 2 * _exact(radius[1]) < _exact(self.tip_spacing_um) - _exact(slack):
+            less = f" less tip_spacing_tolerance_um = {slack}" if slack else ""
+            raise ValueError(
+                f"{key} = {list(radius)}: must be less than half of tip_spacing_um = "
+                f"{self.tip_spacing_um}{less}, or tips overlap; give the radius, not the diameter, or "
+                "tips further apart"
+            )
 
 
 class Uncertainty(_Section):
@@ -309,8 +360,30 @@ class Slot(_Section):
         return _exact(self.mouth_x_um) + turned[0], _exact(self.mouth_y_um) + turned[1]
 
 
+def _which_keys(schema: dict[str, Any]) -> None:
+    """The rules between keys, for the published JSON Schema: :meth:`Task._keys_of_its_schema`."""
+    sections: dict[str, type[BaseModel]] = {
+        "part": _Made,
+        "probe": Probe,
+        "uncertainty": Uncertainty,
+    }
+    newer = {
+        name: {
+            "properties": dict.fromkeys(sorted(SCHEMA_2_KEYS & model.model_fields.keys()), False)
+        }
+        for name, model in sections.items()
+    }
+    schema["if"] = {"properties": {"schema": {"const": POINT_TIPS}}}
+    schema["then"] = {"properties": {**newer, "film": False}}
+    schema["else"] = {"properties": {"probe": {"required": ["tip_radius_um"]}}}
+    with_force = {"properties": {"probe": {"required": ["max_force_un"]}}}
+    schema["dependentSchemas"] = {"probe": {"if": with_force, "then": {"required": ["film"]}}}
+
+
 class Task(_Section):
     """One assembly task."""
+
+    model_config = ConfigDict(json_schema_extra=_which_keys)
 
     schema_: Annotated[Literal["meso-robust/task/1", "meso-robust/task/2"], Field(alias="schema")]
     """Name and version of the format. 1: point tips, an exact part and one friction coefficient."""
@@ -336,35 +409,41 @@ class Task(_Section):
     @model_validator(mode="after")
     def _keys_of_its_schema(self) -> Self:
         if self.schema_ == POINT_TIPS:
-            newer = self._newer_keys()
+            newer = self.schema_2_values
             if newer:
                 raise ValueError(
-                    f"{newer[0]} belongs to schema {ROUND_TIPS!r}; give that schema, with "
-                    "probe.tip_radius_um, or leave the key out"
+                    f"{newer[0]}: belongs to schema = {ROUND_TIPS!r}, and the file has schema = "
+                    f"{POINT_TIPS!r}; give that schema, with probe.tip_radius_um, or leave the key out"
                 )
         elif self.probe.tip_radius_um is None:
             raise ValueError(
-                "probe.tip_radius_um is missing; give the range [low, high] of the radius of the tips"
+                f"probe.tip_radius_um is missing: schema = {ROUND_TIPS!r} must have it; give the range "
+                "[low, high] of the radius of the tips, um"
             )
         if self.probe.max_force_un is not None and self.film is None:
             raise ValueError(
-                "probe.max_force_un needs film.drag_un_s_per_um; give the film's drag, or leave out the force"
+                f"probe.max_force_un = {self.probe.max_force_un}: must come with film.drag_un_s_per_um, "
+                "which a force is in proportion to; give the film's drag, or leave out the force"
             )
         return self
 
-    def _newer_keys(self) -> list[str]:
-        """Keys that schema 1 does not have."""
-        found = [
-            f"{name}.{key}"
-            for name, section in (
-                ("part", self.part),
-                ("probe", self.probe),
-                ("uncertainty", self.uncertainty),
-            )
+    @property
+    def schema_2_values(self) -> tuple[str, ...]:
+        """Key and value of what schema 1 does not have."""
+        sections = {"part": self.part, "probe": self.probe, "uncertainty": self.uncertainty}
+        given = [
+            (f"{name}.{key}", value)
+            for name, section in sections.items()
             for key, value in section
-            if value is not None and key in SCHEMA_2_KEYS
+            if key in SCHEMA_2_KEYS
         ]
-        return [*found, *(["film"] if self.film is not None else [])]
+        if self.film is not None:
+            given += [(f"film.{key}", value) for key, value in self.film]
+        return tuple(
+            f"{key} = {list(value) if isinstance(value, tuple) else value}"
+            for key, value in given
+            if value is not None
+        )
 
     card: ClassVar[Callable[[Task], str] | None] = None
     """Shows a task in a notebook; put here by the calls, since what draws lies above."""
@@ -378,8 +457,11 @@ class Task(_Section):
     @property
     def tips(self) -> str:
         """How a proof takes the tips; every line that tells a verdict on the task says so."""
-        radius = self.probe.tip_radius_um
-        return "point tips" if radius is None else f"tip radius {radius[0]:g} to {radius[1]:g} um"
+        radius, passive = self.probe.tip_radius_um, self.probe.passive_tip_radius_um
+        if radius is None:
+            return "point tips"
+        also = "" if passive in (None, radius) else f", the passive one's {_span(passive)}"
+        return f"round tips, radius {_span(radius)}{also}"
 
     def rectangle(self, use: str) -> Part:
         """The part as a rectangle, for a ``use`` that is made for rectangles.

@@ -60,6 +60,8 @@ def radians(value_deg: float) -> Interval:
     Interval
         Radians.
     """
+    if value_deg == 0.0:  # a product is rounded outward, and what is exact shall cost nothing
+        return Interval.point(0.0)
     return Interval.exactly(Fraction(repr(float(value_deg))) / 90) * HALF_PI
 
 

@@ -141,7 +141,7 @@ least_y_translations = 1          # Section X-C: "one robust Y motion followed b
     "another schema": (
         'schema = "meso-robust/task/1"',
         'schema = "meso-robust/task/3"',
-        ("schema", "meso-robust/task/3", "meso-robust/task/1"),
+        ("schema", "meso-robust/task/3", "meso-robust/task/1", "meso-robust/task/2"),
     ),
 }
 

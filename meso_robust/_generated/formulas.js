@@ -161,6 +161,33 @@ const formulas = {
       return [(p_S*(d2 + x0) + rho)*Math.sin(theta)/(Math.pow(d2, 2) + d2*x0 + rho)];
     },
   },
+  round_tips: {
+    // m: travel along `direction` until a tip of radius r touches whose centre is at (dx, dy) from the reference point, and d2 of its contact
+    touch(theta, direction, d1, r, dx, dy) {
+      const x0 = direction - theta;
+      const x1 = 1/Math.sin(x0);
+      const x2 = d1 + r;
+      return [-x1*(dx*Math.sin(theta) - dy*Math.cos(theta) - x2), -x1*(-dx*Math.sin(direction) + dy*Math.cos(direction) + x2*Math.cos(x0))];
+    },
+    // m: d2 of the contact that was at d2 when the edge was at theta_start
+    rolled(theta, theta_start, d2, r) {
+      return [d2 - r*(theta - theta_start)];
+    },
+    // m: how much closer the upper of two tips is to the edge: zero where both touch
+    upper_first(theta, beta, spacing, r_upper, r_lower) {
+      return [-r_lower + r_upper + spacing*Math.cos(beta - theta)/Math.cos(beta)];
+    },
+    // m: distance of the two tips along the edge
+    contact_gap(theta, beta, spacing) {
+      return [-spacing*Math.sin(beta - theta)/Math.cos(beta)];
+    },
+  },
+  contact_forces: {
+    // most that one sticking tip, or two on one edge together, press on a part, over e_x and the speed of the probe
+    carrying_force(stretch, shear) {
+      return [Math.sqrt(Math.pow(shear, 2) + Math.pow(stretch, 2)) + 1];
+    },
+  },
   y_translation: {
     // m: rise of the centre over tilt and straightening
     gain(theta_0, theta_1, theta_2, d1, d2, d2_back) {
@@ -182,6 +209,146 @@ const formulas = {
       const x3 = x0*x1;
       const x4 = y0*y1;
       return [x2*(x0*y1 - x1*y0), x2*(-Math.pow(x0, 2) + x3 + x4 - Math.pow(y0, 2)), x2*(Math.pow(x1, 2) - x3 - x4 + Math.pow(y1, 2))];
+    },
+    // d2, m, where the straight part of an edge at d1 ends that meets the line at d1_next, turned from it by the exterior angle, in a corner rounded with this radius
+    end_offset(d1, d1_next, exterior, rounding) {
+      const x0 = 1/Math.sin(exterior);
+      const x1 = Math.cos(exterior);
+      return [-rounding*x0*(1 - x1) + x0*(-d1*x1 + d1_next)];
+    },
+  },
+  drag_tensor: {
+    // m: travel of the tip per radian of the turn while it sticks; theta: of the edge less that of the push; d1, d2 from the centre of drag
+    travel_rate(theta, d1, d2, rho, stretch, shear, bend) {
+      const x0 = d1*shear;
+      const x1 = stretch + 1;
+      const x2 = 1 - stretch;
+      const x3 = Math.cos(theta);
+      const x4 = Math.sin(theta);
+      return [(Math.pow(d1, 2)*x1 + Math.pow(d2, 2)*x2 - 2*d2*x0 + rho)/((-bend*x3 + x4)*(d2*x2 - x0) - (bend*x4 + x3)*(d1*x1 - d2*shear))];
+    },
+    // pressing force, m^2: the tip pushes where it is positive; theta: of the edge less that of the push; d1, d2 from the centre of drag
+    normal_force(theta, d1, d2, rho, stretch, shear, bend) {
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      const x2 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      return [(-bend*x0 + x1)*(Math.pow(d1, 2)*x2 + rho*(1 - stretch)) + (bend*x1 + x0)*(d1*d2*x2 + rho*shear)];
+    },
+    // mu times the pressing force -+ the force along the edge, same scale, m^2: both positive where the contact sticks
+    friction_margin(theta, d1, d2, rho, stretch, shear, bend, mu) {
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      const x2 = bend*x1 + x0;
+      const x3 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x4 = d1*d2*x3 + rho*shear;
+      const x5 = -bend*x0 + x1;
+      const x6 = x2*x4 + x5*(Math.pow(d1, 2)*x3 + rho*(1 - stretch));
+      const x7 = x2*(Math.pow(d2, 2)*x3 + rho*(stretch + 1)) + x4*x5;
+      return [mu*x6 + x7, mu*x6 - x7];
+    },
+    // m: positive where the part turns counter-clockwise (side = 1) or clockwise (-1)
+    turning(theta, d1, d2, stretch, shear, bend, side) {
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      return [side*((-bend*x0 + x1)*(-d1*shear + d2*(1 - stretch)) - (bend*x1 + x0)*(d1*(stretch + 1) - d2*shear))];
+    },
+    // m^2: both positive where a sticking solution excludes every slipping one
+    only_solution(d1, d2, rho, stretch, shear, mu) {
+      const x0 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x1 = mu*(d1*d2*x0 + rho*shear);
+      const x2 = Math.pow(d2, 2)*x0 + rho*(stretch + 1);
+      return [x1 + x2, -x1 + x2];
+    },
+    // m: where positive, one contact alone turns the part counter-clockwise (side = 1) or clockwise (-1), whether it sticks or slips
+    turns_any_way(d1, d2, mu, side) {
+      return [-d1*mu + d2*side];
+    },
+    // the first two positive: two tips on one edge stick; the others: no motion slips
+    pair_friction(theta, stretch, shear, bend, mu) {
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      const x2 = bend*x1 + x0;
+      const x3 = -bend*x0 + x1;
+      const x4 = shear*x2 + x3*(1 - stretch);
+      const x5 = stretch + 1;
+      const x6 = shear*x3 + x2*x5;
+      const x7 = mu*shear;
+      return [mu*x4 + x6, mu*x4 - x6, x5 - x7, x5 + x7];
+    },
+    // pressing forces of the upper tip, at d2, and of the lower one, gap below it, times the gap, m: both must be positive
+    pair_forces(theta, d1, d2, gap, stretch, shear, bend) {
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      const x2 = bend*x1 + x0;
+      const x3 = -bend*x0 + x1;
+      const x4 = shear*x2 + x3*(1 - stretch);
+      const x5 = d1*(-shear*x3 - x2*(stretch + 1)) + d2*x4;
+      return [gap*x4 - x5, x5];
+    },
+  },
+  contact_response: {
+    // velocity of the part's point (x, y) where a force (f_x, f_y), over e_x, acts at (x_f, y_f); both from the centre of drag, in axes of the part
+    velocity(x, y, x_f, y_f, f_x, f_y, rho, stretch, shear) {
+      const x0 = (-f_x*y_f + f_y*x_f)/rho;
+      const x1 = 1/(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1);
+      return [-x0*y + x1*(f_x*(1 - stretch) - f_y*shear), x*x0 + x1*(-f_x*shear + f_y*(stretch + 1))];
+    },
+    // rate of the turn under that force
+    turning(x_f, y_f, f_x, f_y, rho) {
+      return [(-f_x*y_f + f_y*x_f)/rho];
+    },
+  },
+  dry_sticking: {
+    // share of the weight on each support: all positive if the centre is between them
+    shares(x_1, y_1, x_2, y_2, x_3, y_3) {
+      const x0 = x_2*y_3 - x_3*y_2;
+      const x1 = x_1*y_3;
+      const x2 = x_1*y_2 - x_2*y_1;
+      const x3 = 1/(x0 - x1 + x2 + x_3*y_1);
+      return [x0*x3, x3*(-x1 + x_3*y_1), x2*x3];
+    },
+    // grows with omega and vanishes at the turn per travel of a tip that sticks, m
+    moment(theta, d1, d2, omega, x_1, y_1, x_2, y_2, x_3, y_3) {
+      const x0 = x_1*y_2 - x_2*y_1;
+      const x1 = x_1*y_3;
+      const x2 = x_2*y_3 - x_3*y_2;
+      const x3 = 1/(x0 - x1 + x2 + x_3*y_1);
+      const x4 = -Math.cos(theta);
+      const x5 = -d1 + y_3;
+      const x6 = omega*x5 + x4;
+      const x7 = Math.sin(theta);
+      const x8 = -d2 + x_3;
+      const x9 = -omega*x8 - x7;
+      const x10 = -d1 + y_2;
+      const x11 = omega*x10 + x4;
+      const x12 = -d2 + x_2;
+      const x13 = -omega*x12 - x7;
+      const x14 = -d1 + y_1;
+      const x15 = omega*x14 + x4;
+      const x16 = -d2 + x_1;
+      const x17 = -omega*x16 - x7;
+      return [x0*x3*(x5*x6 - x8*x9)/Math.sqrt(Math.pow(x6, 2) + Math.pow(x9, 2)) + x2*x3*(x14*x15 - x16*x17)/Math.sqrt(Math.pow(x15, 2) + Math.pow(x17, 2)) + x3*(-x1 + x_3*y_1)*(x10*x11 - x12*x13)/Math.sqrt(Math.pow(x11, 2) + Math.pow(x13, 2))];
+    },
+    // mu lambda_n -+ lambda_t over all dry friction: both positive where the contact sticks
+    friction_margin(theta, d1, d2, omega, x_1, y_1, x_2, y_2, x_3, y_3, mu) {
+      const x0 = Math.sin(theta);
+      const x1 = -omega*(-d2 + x_1) - x0;
+      const x2 = -Math.cos(theta);
+      const x3 = omega*(-d1 + y_1) + x2;
+      const x4 = x_1*y_3;
+      const x5 = x_2*y_3 - x_3*y_2;
+      const x6 = x_1*y_2 - x_2*y_1;
+      const x7 = 1/(-x4 + x5 + x6 + x_3*y_1);
+      const x8 = x5*x7/Math.sqrt(Math.pow(x1, 2) + Math.pow(x3, 2));
+      const x9 = -omega*(-d2 + x_2) - x0;
+      const x10 = omega*(-d1 + y_2) + x2;
+      const x11 = x7*(-x4 + x_3*y_1)/Math.sqrt(Math.pow(x10, 2) + Math.pow(x9, 2));
+      const x12 = -omega*(-d2 + x_3) - x0;
+      const x13 = omega*(-d1 + y_3) + x2;
+      const x14 = x6*x7/Math.sqrt(Math.pow(x12, 2) + Math.pow(x13, 2));
+      const x15 = mu*(x1*x8 + x11*x9 + x12*x14);
+      const x16 = x10*x11 + x13*x14 + x3*x8;
+      return [-x15 - x16, -x15 + x16];
     },
   },
 };

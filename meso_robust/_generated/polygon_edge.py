@@ -30,3 +30,12 @@ def edge_offsets(ops: Any, x0: Any, y0: Any, x1: Any, y1: Any) -> tuple[Any, ...
         x2*(-x0**2 + x3 + x4 - y0**2),
         x2*(x1**2 - x3 - x4 + y1**2),
     )
+
+
+def end_offset(ops: Any, d1: Any, d1_next: Any, exterior: Any, rounding: Any) -> tuple[Any, ...]:
+    """Return d2, m, where the straight part of an edge at d1 ends that meets the line at d1_next, turned from it by the exterior angle, in a corner rounded with this radius."""
+    x0 = 1/ops.sin(exterior)
+    x1 = ops.cos(exterior)
+    return (
+        -rounding*x0*(1 - x1) + x0*(-d1*x1 + d1_next),
+    )

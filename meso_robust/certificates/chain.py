@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import Verdict
-from meso_robust.certificates.grid import on_grid
+from meso_robust.certificates.grid import roomy
 from meso_robust.primitives.certify import Before, certify_move
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, Reason, about
@@ -75,8 +75,8 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> C
 
     Notes
     -----
-    What a move can leave is widened to a decimal grid before the next one starts from it, so that a
-    checker whose enclosures differ in the last digits can meet the same boxes.
+    What a move can leave is widened by a hundredth of its width on either side and to a decimal grid
+    before the next one starts from it, so that a checker whose enclosures differ a little meets it.
     """
     state: PoseBox | None = setup.start
     steps: list[Step] = []
@@ -86,7 +86,7 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> C
             break
         step, before = certify_move(rule, state, setup, before)
         if step.post is not None:
-            step = replace(step, post=on_grid(step.post))
+            step = replace(step, post=roomy(step.post))
         steps.append(step)
         state = step.post
     complete = 0 < len(steps) == len(rules) and state is not None

@@ -19,7 +19,7 @@ from meso_robust import units
 from meso_robust.bounds import Box, Verdict, VerdictWord
 from meso_robust.certificates.chain import Chain
 from meso_robust.certificates.margin import Limit, Margin
-from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.premise import Premise, premises
 from meso_robust.certificates.words import (
     PREMISES,
     claim_words,
@@ -36,6 +36,9 @@ from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reading import Count, Distance, Factor, MoveNumber, PaperStep, Seed
 from meso_robust.task import Task
 from meso_robust.wording import up
+
+STATED = 0.9
+"""Share of a proved bound that is stated: a checker that encloses in its own way finds another one."""
 
 
 class NamedDocument(Document):
@@ -320,7 +323,7 @@ def _obligation(obligation: Obligation) -> ObligationDocument:
         about=dict(obligation.name.about),
         inequality=obligation.inequality,
         verdict=proof.verdict.word,
-        lower_bound=proof.lower.hex() if finite else None,
+        lower_bound=(STATED * proof.lower).hex() if finite else None,
         boxes=proof.boxes,
         over=_hex_box(proof.box),
     )
@@ -403,7 +406,7 @@ def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
     return ClaimDocument(
         id="ends_in_goal" if task.slot is None else "ends_in_goal_clear_of_walls",
         moves=moves,
-        premises=tuple(Premise),
+        premises=premises(task),
         uncertainties=_hex_box(u.stated),
         inequalities={one.inequality: one.inequality.derivation for one in _obligations(chain)},
     )
@@ -443,7 +446,7 @@ def reading_document(
     listed = tuple(_obligations(chain))
     return ReadingDocument(
         claim=claim_words(task, moves),
-        premises={one.value: PREMISES[one] for one in Premise},
+        premises={one.value: PREMISES[one] for one in premises(task)},
         properties={step.claim.key: words(step.claim) for step in chain.steps},
         obligations={one.name.key: words(one.name) for one in listed},
         inequalities={

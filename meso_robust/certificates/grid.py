@@ -19,6 +19,30 @@ ROOM = 0.25
 """Least widening of an end, in steps of the grid."""
 
 
+WIDENING = Interval.point(0.01)
+"""Share of its width by which a box is widened on either side: what another enclosure may differ by."""
+
+
+def roomy(box: PoseBox) -> PoseBox:
+    """The box with room for another careful enclosure of the same poses, on the grid.
+
+    Parameters
+    ----------
+    box
+        What was proved.
+
+    Returns
+    -------
+    PoseBox
+        What is stated.
+    """
+    return on_grid(PoseBox(x=_with_room(box.x), y=_with_room(box.y), theta=_with_room(box.theta)))
+
+
+def _with_room(side: Interval) -> Interval:
+    return side.hull(side + WIDENING * (side - side))
+
+
 def on_grid(box: PoseBox) -> PoseBox:
     """The box widened to multiples of 0.001 um and 0.0001 deg."""
     return PoseBox(

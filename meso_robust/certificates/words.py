@@ -5,7 +5,7 @@ Nothing is decided by these sentences; they may be reworded at any time.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from enum import StrEnum
 
 from meso_robust.certificates.premise import Premise
@@ -40,6 +40,18 @@ PREMISES: Mapping[Premise, str] = {
     Premise.PROBES_RIGID: "probes and tips are rigid under any force: no force is bounded, and close "
     "to a jam the forces grow without limit",
     Premise.PART_RESTS: "the part rests between moves, and probes are lifted without disturbing it",
+    Premise.FILM_LINEAR: "the film's drag is linear in the motion, symmetric and positive; its centre "
+    "is fixed in the part and within its bound, and rho and the anisotropy keep within theirs at every "
+    "instant, whether fixed in the part or in the stage",
+    Premise.COULOMB_EACH_TIP: "Coulomb friction at point contacts; each tip has its own mu in the range "
+    "at every instant",
+    Premise.PART_WITHIN_TOLERANCE: "the part is rigid, with straight edges that keep within their "
+    "tolerances, and no rounding of its corners is larger than stated; nothing but the probes touches it",
+    Premise.TRAVEL_WITHIN_BOUNDS: "the travel of a moving probe keeps within its bounds of direction, "
+    "length and wandering; a probe that is not moved rests",
+    Premise.TIPS_ARE_DISCS: "tips are discs that do not turn, each with a radius in its range; positions "
+    "of probes are those of the centres",
+    Premise.PROBES_RIGID_BELOW_CAP: "probes and tips are rigid under every force up to max_force_un",
 }
 
 _PROPERTIES: Mapping[StrEnum, str] = {
@@ -96,13 +108,11 @@ _REMEDIES: Mapping[StrEnum, str] = {
     Remedy.LEAVE_SLOT: "the plan is robust away from the slot: widen the slot, or start further from "
     "its mouth, so that the part is straight before it enters",
     Remedy.CHANGE_MOVE: "change the move that is not proved, or let `meso-robust plan` find a plan",
-    Remedy.MEASURE_PART: "measure the part's sides more closely, or clear what lies on the stage: the "
-    "plan is certified for the middle of the interval, not for all of it",
+    Remedy.CLEAR_STAGE: "clear away what lies on the stage: the plan is certified without it",
     Remedy.BOUND_EFFECT: "recordings that bound it: `meso-robust identify --design N` proposes pushes",
     Remedy.WITHOUT_EFFECT: "a laboratory without {effect}, or a proof of {claim} that includes it",
     Remedy.NEXT_PUSH: "the push that diagnosis.json proposes next",
     Remedy.DIAGNOSE: "`meso-robust diagnose` on the recordings, and a plan with the model that it writes",
-    Remedy.PROVE_ROUND_TIPS: "a proof that holds for round tips of {radius_um} um",
     Remedy.CALIBRATE_CAMERA: "calibrate the camera: its effects grow with the place and the time",
 }
 
@@ -223,30 +233,15 @@ def claim_words(task: Task, moves: int) -> str:
     """What is claimed of a plan of so many moves."""
     goal, u = task.goal, task.uncertainty
     walls = "" if task.slot is None else " and neither the part nor a tip touches the slot's walls"
+    real = ", ".join(("", *task.schema_2_values))
     return (
         f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "
         f"({task.start.x_um} um, {task.start.y_um} um, {task.start.theta_deg} deg), whatever the "
         f"sensing errors (same bounds, before each move), the probe errors (within "
         f"{u.probe_position_um} um), mu in {list(u.friction)}, film ratio within "
         f"{u.film_ratio_percent} % of {u.film_ratio_um2} um^2 and tip misalignment in "
-        f"{list(u.tip_misalignment_deg)} deg, the plan's policy of {counted(moves, 'move')} can be "
+        f"{list(u.tip_misalignment_deg)} deg{real}, the plan's policy of {counted(moves, 'move')} can be "
         f"carried out, and every motion of the quasi-static model ends with the part within "
         f"{goal.position_tolerance_um} um and {goal.orientation_tolerance_deg} deg of "
         f"({goal.x_um} um, {goal.y_um} um, {goal.theta_deg} deg){walls}."
     )
-
-
-def premise_words(premises: Iterable[Premise] = tuple(Premise)) -> tuple[str, ...]:
-    """Premises, a sentence each.
-
-    Parameters
-    ----------
-    premises
-        Which; all of them if left out.
-
-    Returns
-    -------
-    tuple
-        Their sentences, in the order given.
-    """
-    return tuple(PREMISES[one] for one in premises)

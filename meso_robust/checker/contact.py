@@ -1,18 +1,13 @@
-"""One tip on one edge: where it touches, what it presses, how the part turns.
+"""One tip on one edge: where it touches and how the part turns about it.
 
 The part's edge has direction ``a = (c, s)`` and outward normal ``n = (s, -c)``; the contact is at
-``r = d2 a + d1 n`` from the centre. The film (drag 1 for translation, ``rho`` for rotation) makes
-the part move with the force ``f`` on it, ``v = f``, and turn with ``rho omega = r x f``.
+``d2 a + d1 n`` from the reference point, the tip's centre its radius farther out.
 
-Sticking. The part's point at ``r`` moves with the tip, ``v + omega z x r = (-1, 0)`` for one unit
-of travel; eliminating ``f`` leaves ``omega (rho + r^2) = r_y`` and
-
-    f (rho + r^2) = -(rho (1, 0) + r_x r),
-
-whose parts along ``-n`` and ``a`` are ``press`` and ``shear`` below. ``r`` keeps its length and
-turns by ``omega = r_y/(rho + r^2)``. Written as ``r = R (tanh u, +-sech u)`` this is
-``du/d(travel) = -R/(rho + R^2)``: the motion is uniform in ``u``, and the angle of ``r`` is known
-from ``u`` (the Gudermannian).
+A point tip that sticks on an even film: the part's point under the tip, at ``r`` from the centre of
+drag, moves with it, ``v + omega z x r = (-1, 0)`` for one unit of travel, so that ``r`` keeps its length
+and turns by ``omega = r_y/(rho + r^2)``. Written as ``r = R (tanh u, +-sech u)`` this is ``du/d(travel) =
+-R/(rho + R^2)``: the motion is uniform in ``u``, and the angle of ``r`` is known from ``u`` (the
+Gudermannian). Any other tip and film: ``roll.py``.
 """
 
 from __future__ import annotations
@@ -22,6 +17,8 @@ from dataclasses import dataclass
 from flint import arb
 
 from meso_robust.checker.dual import Dual, Number
+from meso_robust.checker.film import EVEN, Film
+from meso_robust.checker.roll import travel_of, turn_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,16 +29,22 @@ class Contact:
     s: Dual
     d1: Dual | arb
     d2: Dual
+    radius: Number = EVEN
 
     @property
     def arm_x(self) -> Dual:
-        """Contact minus centre, x."""
-        return self.c * self.d2 + self.s * self.d1
+        """Tip minus part, x."""
+        return self.c * self.d2 + self.s * self.out
 
     @property
     def arm_y(self) -> Dual:
-        """Contact minus centre, y."""
-        return self.s * self.d2 - self.c * self.d1
+        """Tip minus part, y."""
+        return self.s * self.d2 - self.c * self.out
+
+    @property
+    def out(self) -> Dual | arb:
+        """How far the tip's centre is out along the normal."""
+        return self.d1 if self.radius is EVEN else self.d1 + self.radius
 
     def press(self, rho: Number) -> Dual:
         """Normal force times ``rho + r^2``, sticking."""
@@ -72,26 +75,84 @@ class Turning:
     """Sticking motion that starts at a contact and turns the part to ``side``."""
 
     start: Contact
+    angle: Dual
+    """Direction of the edge at the start."""
     side: int
+    film: Film
 
     @property
-    def radius(self) -> Dual:
-        """Length of ``r``."""
-        return (self.start.d2.squared() + self.start.d1 * self.start.d1).sqrt()
+    def uniform(self) -> bool:
+        """Whether there is a closed form."""
+        film = self.film
+        return all(one is EVEN for one in (self.start.radius, film.stretch, film.shear, film.bend))
 
-    def u(self, at: Contact) -> Dual:
-        """The variable that falls uniformly with the travel."""
-        return (at.arm_x / (at.arm_y * self.side)).asinh()
+    def after(self, travel: Number) -> Dual:
+        """Turn after ``travel``, counter-clockwise."""
+        if self.uniform:
+            about = _Uniform.of(self.start, self.film, self.side)
+            return (about.first.gudermannian() - about.last(travel).gudermannian()) * self.side
+        whole = travel if isinstance(travel, Dual) else Dual(arb(travel))
+        return turn_of(self._state, whole, self.side)
 
-    def needed(self, end: Contact, rho: Number) -> Dual:
-        """Travel until the edge has the direction that it has in ``end``."""
-        R = self.radius
-        return (R.squared() + rho) / R * (self.u(self.start) - self.u(end))
+    def contact(self, turned: Dual) -> Contact:
+        """Where the tip touches when the part has turned so far; a round one rolls."""
+        s, c = (self.angle + turned).sin_cos()
+        start = self.start
+        rolled = start.d2 if start.radius is EVEN else start.d2 - turned * start.radius
+        return Contact(c, s, start.d1, rolled, start.radius)
 
-    def after(self, travel: Number, rho: Number) -> tuple[Dual, Dual, Dual]:
-        """Turn, and arm of the contact, after ``travel``."""
-        R, first = self.radius, self.u(self.start)
-        last = first - R * travel / (R.squared() + rho)
-        tanh, sech = last.tanh_sech()
-        turned = (first.gudermannian() - last.gudermannian()) * self.side
-        return turned, R * tanh, R * sech * self.side
+    def contact_after(self, travel: Number) -> tuple[Dual, Dual, Dual]:
+        """Turn, and arm of the tip, after ``travel``."""
+        if self.uniform and self.film.drag_a is EVEN and self.film.drag_n is EVEN:
+            about = _Uniform.of(self.start, self.film, self.side)
+            tanh, sech = about.last(travel).tanh_sech()
+            return self.after(travel), about.R * tanh, about.R * sech * self.side
+        turned = self.after(travel)
+        contact = self.contact(turned)
+        return turned, contact.arm_x, contact.arm_y
+
+    def needed(self, turned: Dual) -> Dual:
+        """Travel until the part has turned so far."""
+        if self.uniform:
+            about = _Uniform.of(self.start, self.film, self.side)
+            return about.needed(_Uniform.of(self.contact(turned), self.film, self.side))
+        return travel_of(self._state, turned)
+
+    @property
+    def _state(self) -> tuple[Number, ...]:
+        start, film = self.start, self.film
+        return (
+            self.angle,
+            start.d1 - film.drag_n,
+            start.d2 - film.drag_a,
+            start.radius,
+            film.rho,
+            film.stretch,
+            film.shear,
+            film.bend,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Uniform:
+    """The arm of a point tip from the centre of drag, which turns uniformly in ``first``."""
+
+    R: Dual
+    first: Dual
+    speed: Dual
+    """By how much ``u`` falls per travel."""
+
+    @classmethod
+    def of(cls, contact: Contact, film: Film, side: int) -> _Uniform:
+        arm = Contact(contact.c, contact.s, contact.d1 - film.drag_n, contact.d2 - film.drag_a)
+        square = arm.d2.squared() + (
+            arm.d1.squared() if isinstance(arm.d1, Dual) else arm.d1 * arm.d1
+        )
+        R = square.sqrt()
+        return cls(R, (arm.arm_x / (arm.arm_y * side)).asinh(), R / (R.squared() + film.rho))
+
+    def last(self, travel: Number) -> Dual:
+        return self.first - self.speed * travel
+
+    def needed(self, end: _Uniform) -> Dual:
+        return (self.first - end.first) / self.speed

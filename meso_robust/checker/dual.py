@@ -5,8 +5,8 @@ Each operation encloses the value and every first derivative over the whole box 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TypeAlias
+from collections.abc import Callable, Hashable, Mapping
+from typing import Any, TypeAlias, TypeVar
 
 from flint import arb
 
@@ -85,6 +85,10 @@ class Dual:
         """Inverse tangent."""
         return self._chain(self.value.atan(), 1 / (1 + _square(self.value)))
 
+    def asin(self) -> Dual:
+        """Inverse sine; not finite beyond -1 and 1."""
+        return self._chain(self.value.asin(), 1 / (1 - _square(self.value)).sqrt())
+
     def sqrt(self) -> Dual:
         """Square root; not finite where the radicand may be negative."""
         value = self.value.sqrt()
@@ -106,6 +110,29 @@ class Dual:
 
 Number: TypeAlias = Dual | arb | int
 Point: TypeAlias = Mapping[str, Dual]
+
+
+class Remembered(dict[str, Dual]):
+    """A point, or a box seen as one, with what was worked out at it."""
+
+    __slots__ = ("found",)
+
+    def __init__(self, values: Mapping[str, Dual]) -> None:
+        super().__init__(values)
+        self.found: dict[Hashable, Any] = {}
+
+
+Found = TypeVar("Found")
+
+
+def once(key: Hashable, at: Point, work: Callable[[], Found]) -> Found:
+    """What ``work`` finds at a point: worked out once, if the point remembers."""
+    if not isinstance(at, Remembered):
+        return work()
+    if key not in at.found:
+        at.found[key] = work()
+    found: Found = at.found[key]
+    return found
 
 
 def _sum(one: Slopes, other: Slopes) -> Slopes:

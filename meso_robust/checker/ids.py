@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
+from meso_robust.task import Task
+
 
 class Must(StrEnum):
     """What a move must fulfil."""
@@ -34,6 +36,7 @@ class Must(StrEnum):
     TIP_CLEAR_OF_PART = "tip_clear_of_part"
     PART_CLEAR_OF_WALLS = "part_clear_of_walls"
     TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
+    FORCE_BELOW_CAP = "force_below_cap"
     # proved by the checker only: no certificate lists them
     ACTIVE_PRESSES = "active_presses"
     ACTIVE_PRESSES_ALONE = "active_presses_alone"
@@ -63,6 +66,38 @@ class Premise(StrEnum):
     MISALIGNMENT_SIGN = "misalignment_sign"
     PROBES_RIGID = "probes_rigid"
     PART_RESTS = "part_rests"
+    FILM_LINEAR = "film_linear"
+    COULOMB_EACH_TIP = "coulomb_each_tip"
+    PART_WITHIN_TOLERANCE = "part_within_tolerance"
+    TRAVEL_WITHIN_BOUNDS = "travel_within_bounds"
+    TIPS_ARE_DISCS = "tips_are_discs"
+    PROBES_RIGID_BELOW_CAP = "probes_rigid_below_cap"
+
+
+EXACT_PARTS = {
+    Premise.FILM_DRAG: Premise.FILM_LINEAR,
+    Premise.COULOMB_FRICTION: Premise.COULOMB_EACH_TIP,
+    Premise.PART_KNOWN: Premise.PART_WITHIN_TOLERANCE,
+    Premise.TRAVEL_STRAIGHT: Premise.TRAVEL_WITHIN_BOUNDS,
+    Premise.TRAVEL_TO_SCALE: None,
+    Premise.POINT_TIPS: Premise.TIPS_ARE_DISCS,
+    Premise.TIP_SPACING_EXACT: None,
+}
+"""Premises of schema 1, and what a task of schema 2 has in their place."""
+
+
+def premises(task: Task) -> tuple[Premise, ...]:
+    """What must be granted for a task, as its certificate must say, in this order."""
+    swapped: dict[Premise, Premise | None] = {}
+    if task.schema_ != "meso-robust/task/1":
+        swapped |= EXACT_PARTS
+        if task.uncertainty.friction_common:
+            del swapped[Premise.COULOMB_FRICTION]
+        if task.probe.max_force_un is not None:
+            swapped[Premise.PROBES_RIGID] = Premise.PROBES_RIGID_BELOW_CAP
+    old = tuple(Premise)[: tuple(Premise).index(Premise.PART_RESTS) + 1]
+    found = (swapped.get(one, one) for one in old)
+    return tuple(one for one in found if one is not None)
 
 
 class Claim(StrEnum):

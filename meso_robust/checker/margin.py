@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from fractions import Fraction
 
 from meso_robust.checker.chain import verify_alone
 from meso_robust.checker.document import Certificate, MarginDocument
 from meso_robust.checker.ids import place
-from meso_robust.checker.inputs import SCALED, given
+from meso_robust.checker.inputs import given
 from meso_robust.checker.prover import PLAIN, Prover
 from meso_robust.checker.refusal import Refused
 from meso_robust.task import Task
 
 
-def check_form(margin: MarginDocument) -> None:
-    """What must hold of the margin's numbers among each other.
+def check_form(margin: MarginDocument, names: Collection[str]) -> None:
+    """What must hold of the margin's numbers among each other, ``names`` being what can be scaled.
 
     Raises
     ------
@@ -22,8 +23,8 @@ def check_form(margin: MarginDocument) -> None:
         It does not.
     """
     alone = margin.each_alone
-    if set(alone) != set(SCALED):
-        raise Refused(place("margin.each_alone"), sorted(alone), sorted(SCALED))
+    if set(alone) != set(names):
+        raise Refused(place("margin.each_alone"), sorted(alone), sorted(names))
     least = min(alone, key=lambda name: alone[name])
     if margin.binds_first is None or alone.get(margin.binds_first) != alone[least]:
         raise Refused(place("margin.binds_first"), margin.binds_first, least)

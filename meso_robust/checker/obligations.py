@@ -1,12 +1,14 @@
 """The inequalities that a certificate lists, compared with what the checker required itself.
 
 Each must be the same inequality about the same thing; its box must hold everything that the checker
-finds reachable; and over that box it must hold with the stated bound.
+finds reachable; and over that box it must hold with the stated bound. A box is one of the variables of
+the move (``scene.py``), of which those that are left out have the ranges of the task, or, where it has
+exactly the names of the inequality, one of these.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from flint import arb
 
@@ -14,7 +16,7 @@ from meso_robust.checker.document import ObligationDocument
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.ids import Named, Objection, named
 from meso_robust.checker.numbers import double, side
-from meso_robust.checker.ranges import ZERO, Box, Formula, Side, either, least
+from meso_robust.checker.ranges import ZERO, Box, Formula, Side, either, least, shift
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, formulas
 from meso_robust.checker.statement import Statement
@@ -33,27 +35,45 @@ def compare(stated: tuple[ObligationDocument, ...], found: tuple[Requirement, ..
     Refused
         One differs, is missing, or claims more than is true.
     """
-    wanted = [requirement for requirement in found if requirement.stated]
-    told = [(one.id, one.about) for one in stated]
-    if told != [(one.name.id, one.name.about) for one in wanted]:
-        missing = (w for w in wanted if (w.name.id, w.name.about) not in told)
-        lacks = next((sentence(w.name) for w in missing), "another order")
-        raise Refused(
-            named(Objection.OBLIGATIONS_LISTED), f"{len(told)} of them", f"lacks: {lacks}"
-        )
+    wanted = _listed(stated, [requirement for requirement in found if requirement.stated])
     for one, requirement in zip(stated, wanted, strict=True):
         _form(one, requirement)
     for one, requirement in zip(stated, wanted, strict=True):
         _verify(one, requirement)
 
 
+def _listed(
+    stated: tuple[ObligationDocument, ...], found: Sequence[Requirement]
+) -> list[Requirement]:
+    """The requirements that are listed: all but optional ones."""
+    left, wanted = [(one.id, one.about) for one in stated], []
+    for requirement in found:
+        name = (requirement.name.id, requirement.name.about)
+        if left and left[0] == name:
+            wanted.append(requirement)
+            left.pop(0)
+        elif not requirement.optional:
+            lacks = sentence(requirement.name) if name not in left else "another order"
+            raise Refused(
+                named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"lacks: {lacks}"
+            )
+    if left:
+        raise Refused(
+            named(Objection.OBLIGATIONS_LISTED), f"{len(stated)} of them", f"{len(wanted)} of them"
+        )
+    return wanted
+
+
 def _verify(stated: ObligationDocument, requirement: Requirement) -> None:
     """What is stated must be the requirement, or one that serves as well."""
     refused = None
-    for wanted in (requirement, *requirement.instead):
+    for wanted in _meant(stated, requirement):
         try:
-            _reach(stated, wanted)
-            _bound(stated, wanted)
+            if wanted.verify is None and _of_move(stated, wanted):
+                _over_move(stated, wanted)
+            else:
+                _reach(stated, wanted)
+                _bound(stated, wanted)
         except Refused as refusal:
             refused = refused or refusal
         else:
@@ -62,14 +82,60 @@ def _verify(stated: ObligationDocument, requirement: Requirement) -> None:
         raise refused
 
 
+def _meant(stated: ObligationDocument, requirement: Requirement) -> list[Requirement]:
+    """The requirements, of those that serve, with the stated inequality."""
+    every = (requirement, *requirement.instead)
+    return [one for one in every if one.statement.id == stated.inequality]
+
+
 def _form(stated: ObligationDocument, requirement: Requirement) -> None:
-    pairs = (
-        ("inequality", stated.inequality, requirement.statement.id),
-        ("verdict", stated.verdict, "PROVED"),
-    )
-    for key, told, own in pairs:
-        if told != own:
-            raise Refused(requirement.name.value(key), told, own)
+    if not _meant(stated, requirement):
+        wanted = requirement.statement.id
+        raise Refused(requirement.name.value("inequality"), stated.inequality, wanted)
+    if stated.verdict != "PROVED":
+        raise Refused(requirement.name.value("verdict"), stated.verdict, "PROVED")
+
+
+def _of_move(stated: ObligationDocument, requirement: Requirement) -> bool:
+    """Whether a box is stated in the variables of the move, not in those of the inequality."""
+    listed = requirement.cover or requirement.parts
+    return all(set(stated.over) != set(part.variables) for part in listed)
+
+
+def _over_move(stated: ObligationDocument, requirement: Requirement) -> None:
+    """Verify the bound with the stated ranges in the place of the checker's own."""
+    bound = _stated_bound(stated, requirement)
+    for part in requirement.parts:
+        box = dict(part.box)
+        for key, (low, high) in _sides(stated, requirement.name).items():
+            own = _own_name(key, part.box, requirement)
+            if own is None:
+                continue
+            if own == "theta":  # stated is the part's orientation
+                low, high = shift((low, high), -part.box["turn"][0])
+            known = part.box[own]
+            room = (abs(low) + abs(high)) * NINE_DIGITS
+            if not (low - room <= known[0] and known[1] <= high + room):
+                told = f"{float(low):.9g} to {float(high):.9g}"
+                raise Refused(requirement.name.value(key), told, "more can be reached")
+            # two names may be one variable here: it has all values of both
+            box[own] = (low.min(box[own][0]), high.max(box[own][1]))
+        if not _holds(requirement.statement, Part(part.variables, box), bound):
+            raise Refused(
+                requirement.name.value("lower_bound"),
+                float(bound),
+                "the inequality has less to spare",
+            )
+
+
+def _own_name(key: str, box: Box, requirement: Requirement) -> str | None:
+    """The variable that a certificate means; None: one along a way that this part does not have."""
+    plain = key.removesuffix("_now")
+    friction = "mu" if plain in {"mu_upper", "mu_lower", "mu_passive"} else plain
+    found = next((name for name in (key, plain, friction) if name in box), None)
+    if found is None and key != "share":
+        raise Refused(requirement.name.value("over"), key, "a variable of the move")
+    return found
 
 
 def _sides(stated: ObligationDocument, of: Named) -> dict[str, Side]:
@@ -103,12 +169,17 @@ def _at_least(of: Formula, box: Box, bound: arb) -> bool:
 
 def _bound(stated: ObligationDocument, requirement: Requirement) -> None:
     """The stated bound must be one."""
+    bound = _stated_bound(stated, requirement)
+    if not _spares(stated, requirement, bound):
+        what = requirement.name.value("lower_bound")
+        raise Refused(what, float(bound), "the inequality has less to spare")
+
+
+def _stated_bound(stated: ObligationDocument, requirement: Requirement) -> arb:
     what = requirement.name.value("lower_bound")
     if stated.lower_bound is None:
         raise Refused(what, "null", "a number")
-    bound = double(stated.lower_bound, what)
-    if not _spares(stated, requirement, arb(bound)):
-        raise Refused(what, bound, "the inequality has less to spare")
+    return arb(double(stated.lower_bound, what))
 
 
 def _spares(stated: ObligationDocument, requirement: Requirement, bound: arb) -> bool:

@@ -15,6 +15,7 @@ from fractions import Fraction
 from flint import arb, fmpq
 
 from meso_robust.checker.ids import Objection, named
+from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
 from meso_robust.task import Part, PolygonPart
 
@@ -31,6 +32,16 @@ def _metres(value_um: float) -> Fraction:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Neighbour:
+    """The edge of the part that meets another one at a corner."""
+
+    turn: arb
+    """By how much the outline turns at the corner, run counter-clockwise, rad."""
+    d1: arb
+    """Distance of its line from the centre, m; negative: the centre is on its outer side."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Edge:
     """A side of the convex hull."""
 
@@ -43,6 +54,8 @@ class Edge:
     first: arb
     last: arb
     """Its ends along its direction, from the centre's foot, m."""
+    ends: tuple[Neighbour, Neighbour] | None = None
+    """What meets it at both; None: it bridges a notch and is no edge of the part."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +75,9 @@ class Rectangle:
         d1, half = self.half_width, self.half_length
         if quarter % 2 == 1:
             d1, half = half, d1
-        return Edge(name=quarter, turn=arb.pi() / 2 * quarter, d1=d1, first=-half, last=half)
+        corner = Neighbour(turn=arb.pi() / 2, d1=half)
+        turn = arb.pi() / 2 * quarter
+        return Edge(name=quarter, turn=turn, d1=d1, first=-half, last=half, ends=(corner, corner))
 
     def sides(self, edge: Edge) -> tuple[Edge, ...]:
         """All sides of the hull, ``edge`` first."""
@@ -78,6 +93,13 @@ class Rectangle:
     def reach(self) -> arb:
         """About how far a corner is from the centre, m."""
         return self.half_length
+
+    def astray(self, out: Side, turned: Side) -> arb:
+        """How far a corner of the hull can be from where it is stated, m.
+
+        ``out`` and ``turned``: by how much each edge lies farther out, and is turned.
+        """
+        return _astray([self._edge(k) for k in (0, 1)], out, turned)
 
     def mirrored(self) -> Rectangle:
         """With the y axis mirrored: the same."""
@@ -103,9 +125,7 @@ class Polygon:
         Refused
             No edge of the part is a side of its convex hull.
         """
-        count = len(self.corners)
-        ends = zip(self.around, (*self.around[1:], self.around[0]), strict=True)
-        own = [e for e, (i, j) in zip(self.every, ends, strict=True) if (j - i) % count == 1]
+        own = [edge for edge in self.every if edge.ends is not None]
         if not own:
             raise Refused(named(Objection.EDGE_ON_HULL), 0, "1 or more")
         ahead = [(theta - edge.turn) / (arb.pi() / 2) - 1 for edge in own]
@@ -134,6 +154,16 @@ class Polygon:
         """About how far a corner is from the centre, m."""
         return _ball(max(abs(x) + abs(y) for x, y in self.corners))
 
+    def astray(self, out: Side, turned: Side) -> arb:
+        """How far a corner of the hull can be from where it is stated, m."""
+        return _astray(self._at_corners, out, turned)
+
+    @property
+    def _at_corners(self) -> list[Edge]:
+        """An edge of the part before or after each corner of the hull."""
+        count = len(self.corners)
+        return [_side(self.corners, k, (k + 1) % count, hull=False) for k in self.around]
+
     def mirrored(self) -> Polygon:
         """With the y axis mirrored."""
         return _polygon(tuple((x, -y) for x, y in reversed(self.corners)))
@@ -157,7 +187,7 @@ def _polygon(corners: tuple[Corner, ...]) -> Polygon:
     return Polygon(
         corners=corners,
         around=around,
-        every=tuple(_side(i, corners[i], corners[j]) for i, j in ends),
+        every=tuple(_side(corners, i, j) for i, j in ends),
     )
 
 
@@ -183,20 +213,65 @@ def _further_right(here: Corner, known: Corner, new: Corner) -> bool:
     return left < 0 or (left == 0 and b[0] ** 2 + b[1] ** 2 > a[0] ** 2 + a[1] ** 2)
 
 
-def _side(name: int, p: Corner, q: Corner) -> Edge:
+def _astray(edges: Sequence[Edge], out: Side, turned: Side) -> arb:
+    """How far the corners at which some edges begin can be from where they are stated.
+
+    In the axes of an edge as it is the corner is at ``-(e' - e cos(t))/sin(t)`` along it and at its
+    distance ``e`` across; these axes are themselves turned.
+    """
+    found = arb(0)
+    off, turn = out[0].union(out[1]), turned[0].union(turned[1])
+    for edge in edges:
+        if edge.ends is None:
+            continue
+        before, across = edge.ends[0], edge.d1 + off
+        s, c = (before.turn + turn - turn).sin_cos()  # each of the two edges has its own turn
+        along = (across * c - (before.d1 + off)) / s
+        sin, cos = turn.sin_cos()
+        x, y = along * cos + across * sin - edge.first, across * cos - along * sin - edge.d1
+        found = found.max((x * x + y * y).sqrt().upper())
+    return found
+
+
+def _side(corners: Sequence[Corner], i: int, j: int, *, hull: bool = True) -> Edge:
+    """The side of the hull between two corners."""
+    line, count = _line(corners[i], corners[j]), len(corners)
+    if hull and not line.d1 > 0:
+        raise Refused(named(Objection.CENTRE_IN_HULL), float(line.d1), "more than 0")
+    ends = None
+    if (j - i) % count == 1:
+        before = _line(corners[i - 1], corners[i])
+        after = _line(corners[j], corners[(j + 1) % count])
+        ends = (_corner(before, line, before), _corner(line, after, after))
+    return Edge(name=i, turn=-line.heading, d1=line.d1, first=line.first, last=line.last, ends=ends)
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """From one corner to another one."""
+
+    along: Corner
+    d1: arb
+    first: arb
+    last: arb
+
+    @property
+    def heading(self) -> arb:
+        return arb.atan2(_ball(self.along[1]), _ball(self.along[0]))
+
+
+def _line(p: Corner, q: Corner) -> _Line:
     along = (q[0] - p[0], q[1] - p[1])
     length = _ball(along[0] ** 2 + along[1] ** 2).sqrt()
-
-    def over(value: Fraction) -> arb:
-        return _ball(value) / length
-
-    d1 = over(p[0] * q[1] - p[1] * q[0])
-    if not d1 > 0:
-        raise Refused(named(Objection.CENTRE_IN_HULL), float(d1), "more than 0")
-    return Edge(
-        name=name,
-        turn=-arb.atan2(_ball(along[1]), _ball(along[0])),
-        d1=d1,
-        first=over(p[0] * along[0] + p[1] * along[1]),
-        last=over(q[0] * along[0] + q[1] * along[1]),
+    return _Line(
+        along,
+        _ball(p[0] * q[1] - p[1] * q[0]) / length,
+        _ball(p[0] * along[0] + p[1] * along[1]) / length,
+        _ball(q[0] * along[0] + q[1] * along[1]) / length,
     )
+
+
+def _corner(before: _Line, after: _Line, other: _Line) -> Neighbour:
+    """What ``other`` is at the corner where two lines meet."""
+    (a, b), (c, d) = before.along, after.along
+    return Neighbour(turn=arb.atan2(_ball(a * d - b * c), _ball(a * c + b * d)), d1=other.d1)

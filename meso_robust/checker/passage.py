@@ -19,8 +19,8 @@ class Memory:
     """How the height of the centre after a tilt hangs together with the angle."""
 
     scene: Scene
-    height: Callable[[Point, Dual, Dual], Dual]
-    """y of the centre, from the tilt's variables and the direction of the edge after it."""
+    height: Callable[[Point, Dual], Dual]
+    """y of the part, from the tilt's variables and the stated direction of the edge after it."""
 
     def about(self, scene: Scene) -> bool:
         """Whether a move has the same axes and pushes the same edge."""

@@ -2,7 +2,7 @@
 
 A box is cut until each piece decides. On a piece every variable along which the formula is proved
 to be monotone is put to the end where the formula is least; what is left is bounded by the mean
-value theorem.
+value theorem. What may change at every instant on the way is never cut (``roll.py``).
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from typing import TypeAlias
 
 from flint import arb
 
-from meso_robust.checker.dual import Dual, Point, Slopes
+from meso_robust.checker.dual import Dual, Point, Remembered, Slopes
+from meso_robust.checker.roll import HISTORIES
 
 Side: TypeAlias = tuple[arb, arb]
 """Lower and upper end, each a ball around the exact number."""
@@ -40,6 +41,8 @@ def whole(side: Side) -> arb:
 
 def shift(side: Side, by: arb) -> Side:
     """A range moved by a number."""
+    if side[0] is side[1]:
+        return side_of(side[0] + by)
     return side[0] + by, side[1] + by
 
 
@@ -53,13 +56,15 @@ def common(one: Side, other: Side) -> Side:
     return one[0].max(other[0]), one[1].min(other[1])
 
 
-def point_of(box: Box) -> dict[str, Dual]:
+def point_of(box: Box) -> Remembered:
     """The variables over a box, each with slope 1 along itself; a single number has none."""
     one = arb(1)
-    return {
-        name: Dual(side[0]) if side[0] is side[1] else Dual(whole(side), {name: one})
-        for name, side in box.items()
-    }
+    return Remembered(
+        {
+            name: Dual(side[0]) if side[0] is side[1] else Dual(whole(side), {name: one})
+            for name, side in box.items()
+        }
+    )
 
 
 def least(
@@ -88,7 +93,7 @@ def least(
     queue, attained = [(_key(start.low), next(order), start)], start.attained
     for _ in range(cuts):
         piece = queue[0][2]
-        done = piece.low + within >= attained or not piece.slopes
+        done = piece.low + within >= attained or not _cuttable([piece.slopes])
         if done or (above is not None and (piece.low > above or attained <= above)):
             break
         heapq.heappop(queue)
@@ -162,6 +167,19 @@ def positive(of: Formula, box: Box, *, cuts: int = CUTS) -> bool:
     return bool(least(of, box, above=ZERO, cuts=cuts) > 0)
 
 
+def lows(of: Callable[[Point], Sequence[Dual]], box: Box) -> list[arb]:
+    """Proved lower bounds of several formulas over ``box``, which is not cut."""
+    middle = {name: side_of(((low + high) / 2).mid()) for name, (low, high) in box.items()}
+    reach = {name: abs(whole(box[name]) - middle[name][0]) for name in box}
+
+    def low(wide: Dual, there: Dual) -> arb:
+        off = sum((abs(slope) * reach[name] for name, slope in wide.slopes.items()), ZERO)
+        found = _finite(wide.value.lower(), NEVER)
+        return found.max(_finite((there.value - off).lower(), NEVER))
+
+    return list(map(low, of(point_of(box)), of(point_of(middle))))
+
+
 def span(of: Formula, box: Box, *, within: float = 1e-12) -> Side:
     """Proved lower and upper bound of ``of`` over ``box``."""
     return least(of, box, within=within), -least(lambda at: -of(at), box, within=within)
@@ -181,6 +199,8 @@ def either(formulas: tuple[Formula, ...], box: Box) -> bool:
         piece = left.pop()
         if not any(positive(of, piece, cuts=2) for of in formulas):
             slopes = [of(point_of(piece)).slopes for of in formulas]
+            if not _cuttable(slopes):
+                return False
             left += halved(piece, _weightiest(slopes, piece))
     return not left
 
@@ -192,7 +212,12 @@ def _weightiest(slopes: Sequence[Slopes], box: Box) -> str:
         steepest = max(_largest(one[name]) for one in slopes if name in one)
         return float(whole(box[name]).rad()) * steepest
 
-    return max((name for one in slopes for name in one), key=weight)
+    return max(_cuttable(slopes), key=weight)
+
+
+def _cuttable(slopes: Sequence[Slopes]) -> set[str]:
+    """The variables along which a box may be cut: a history passes from one half to the other."""
+    return {name for one in slopes for name in one if name not in HISTORIES}
 
 
 def _largest(slope: arb) -> float:

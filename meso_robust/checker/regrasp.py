@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from meso_robust.checker import statement as st
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.ids import Must, Property, named
 from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Edge
 from meso_robust.checker.passage import Passage
-from meso_robust.checker.pushing import NAMES, UNIT, constant
+from meso_robust.checker.pushing import UNIT, line_off
 from meso_robust.checker.ranges import shift
 from meso_robust.checker.requirement import Part, Requirement, holds, prove
-from meso_robust.checker.scene import Scene
+from meso_robust.checker.scene import NAMES, Scene
 
 
 def check_regrasp(scene: Scene) -> Passage:
@@ -41,18 +43,17 @@ def _clear(scene: Scene, side: int) -> Requirement:
 
 
 def _beyond(scene: Scene, side: int, edge: Edge) -> Requirement:
-    def way(at: Point) -> Dual:
-        first = scene.ahead(at, side)
-        return first + at["share"] * (scene.ahead_end(at, side) - first)
-
-    variables = {
-        "theta": lambda at: at["theta"] - (edge.turn - scene.turn),
-        "d1": constant(edge.d1),
-        "dx": way,
-        "dy": lambda at: scene.rise(at, side),
-    }
+    place = partial(_place, scene, side)
     return Requirement(
         name=named(Must.TIP_CLEAR_OF_PART, tip=NAMES[side]),
         statement=st.CLEARANCE,
-        parts=(Part(variables, {**scene.box, "share": UNIT}),),
+        parts=(
+            Part(line_off(scene, edge, scene.angle, place, side), {**scene.box, "share": UNIT}),
+        ),
     )
+
+
+def _place(scene: Scene, side: int, at: Point) -> tuple[Dual, Dual]:
+    """A tip on its way, from the part, axes of the travel."""
+    first = scene.ahead(at, side)
+    return first + at["share"] * (scene.ahead_end(at, side) - first), scene.rise(at, side)

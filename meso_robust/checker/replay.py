@@ -136,11 +136,15 @@ class _Run:
     def scene(self, rule: RuleDocument, number: int, pose: PoseBox) -> Scene:
         """A move of the run, every error of it put to one number."""
         scene, frame = scene_of(rule, pose, self.given), frame_of(rule)
-        errors = {"s": self.sensing[number][:2], "p": self.dual[number], "q": self.single[number]}
+        errors = {
+            "sensed": self.sensing[number][:2],
+            "probe": self.dual[number],
+            "passive": self.single[number],
+        }
         box = dict(scene.box)
         for name, (x, y) in errors.items():
             own = frame.own(_box(x, y, ZERO))  # an error turns with the axes as a position does
-            box[f"{name}x"], box[f"{name}y"] = side_of(own.x[0]), side_of(own.y[0])
+            box[f"{name}_x"], box[f"{name}_y"] = side_of(own.x[0]), side_of(own.y[0])
         return replace(scene, box=box)
 
 

@@ -45,7 +45,11 @@ class Requirement:
     over_parts: bool = False
     """Whether the stated bound is one over the checker's own parts (a tube), not the stated box."""
     instead: tuple[Requirement, ...] = ()
-    """Others that serve as well and are proved too: the certificate may state any one of them."""
+    """Others that serve as well: the certificate may state any one of them."""
+    shown: bool = False
+    """Whether it is proved already, or nothing rests on it."""
+    optional: bool = False
+    """Whether the certificate may leave it out."""
     verify: Callable[[Box, arb], bool] | None = None
     """Whether a stated bound holds over the stated box and all else that it is about; None: the
     inequality is one of a few numbers, which ``statement`` and ``parts`` give."""
@@ -84,7 +88,7 @@ def prove(requirement: Requirement) -> None:
     Refused
         It does not follow.
     """
-    for part in requirement.parts:
+    for part in () if requirement.shown else requirement.parts:
         if not holds(requirement.statement, part):
             found = ", ".join(_bounds(requirement.statement, part))
             raise Refused(requirement.name, "more than 0", f"a bound of {found}")

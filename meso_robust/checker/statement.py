@@ -1,12 +1,12 @@
 """The inequalities that a certificate may state, each with the checker's own formula for it.
 
 An inequality is named by its id: one with a dot is what that file of the derivations states. What is
-not in this table is not understood, and the certificate is rejected.
+not in this table is not understood, and the certificate is rejected. Variables that are exactly zero
+for a task (radii, an uneven film ...) may be left out.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from flint import arb
 
 from meso_robust.checker.contact import Contact, Turning, along, off_line
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.grip import Forces, Grip
+from meso_robust.checker.film import EVEN, Arm, Film
 
 Values = tuple[Dual, ...]
 
@@ -36,9 +36,8 @@ class Statement:
         return f"derivations/{module}.py" if dot else None
 
 
-def _contact(at: Point) -> Contact:
-    s, c = at["theta"].sin_cos()
-    return Contact(c, s, at["d1"], at["d2"])
+def _arm(at: Point) -> Arm:
+    return Arm.of(at["d1"], at["d2"], Film.at(at))
 
 
 def _clearance(at: Point) -> Values:
@@ -52,69 +51,89 @@ def _beside(at: Point) -> Values:
     return off_line(c, s, at["dx"], at["dy"]), beyond
 
 
+def _press(at: Point) -> Values:
+    s, c = at["theta"].sin_cos()
+    return (_arm(at).press(c, s),)
+
+
 def _friction(at: Point) -> Values:
-    contact = _contact(at)
-    cone, shear = contact.press(at["rho"]) * at["mu"], contact.shear(at["rho"])
+    s, c = at["theta"].sin_cos()
+    arm = _arm(at)
+    cone, shear = arm.press(c, s) * at["mu"], arm.shear(c, s)
     return cone - shear, cone + shear
+
+
+def _turns(at: Point) -> Values:
+    s, c = at["theta"].sin_cos()
+    return (_arm(at).turn(c, s) * at["side"],)
 
 
 def _only(at: Point) -> Values:
     # normal speed per normal force of the contact, while it slips either way, times rho
-    straight, across = at["rho"] + at["d2"].squared(), at["mu"] * at["d1"] * at["d2"]
+    arm = _arm(at)
+    straight, across = arm.straight, at["mu"] * arm.mixed
     return straight - across, straight + across
 
 
+def _turns_any_way(at: Point) -> Values:
+    # moment about the centre of drag of one unit of pressing, whatever friction does: the turn's sign
+    arm = _arm(at)
+    return (arm.d2 * at["side"] - at["mu"] * arm.d1,)
+
+
 def _pair_sticks(at: Point) -> Values:
-    # the drag of a translation along -x: cos(beta) on the edge, sin(beta) along it
+    """Both tips together hold the part against the drag of its translation, and nothing else can be.
+
+    A part that slides along both tips by ``y`` more has the forces ``f_a + (1 + stretch) y`` and ``N -
+    shear y``, with ``f_a = -+k N`` for y above or below zero and some k between both friction
+    coefficients: impossible where ``|f_a| < k N`` and ``1 + stretch > k |shear|``.
+    """
+    film, ratios = Film.at(at), [at[key] for key in ("mu", "mu_other") if key in at]
     s, c = at["beta"].sin_cos()
-    return c * at["mu"] - s, c * at["mu"] + s
+    along, press = film.force_of_slide(-s, c)
+    held = [press * mu + along * sign for mu in ratios for sign in (-1, 1)]
+    if film.even:
+        return tuple(held)
+    return *held, *(film.shear * mu * k + (film.stretch + 1) for mu in ratios for k in (-1, 1))
 
 
 def _pair_presses(at: Point) -> Values:
-    # that drag acts at the centre: each tip carries the lever of the other one
+    # the drag acts at its centre: each tip carries the lever of the other one
+    film = Film.at(at)
     s, c = at["beta"].sin_cos()
-    height = c * at["d2"] + s * at["d1"]
-    return at["d4"] - height, height
+    along, press = film.force_of_slide(-s, c)
+    arm = _arm(at)
+    height = press * arm.d2 + along * arm.d1
+    return (press * at["gap"] if "gap" in at else at["d4"]) - height, height
 
 
 def _arrives(at: Point) -> Values:
     side = 1 if at["side"].value > 0 else -1
-    start, end = (
-        Contact(c, s, at["d1"], at["d2"])
-        for s, c in (at["theta_start"].sin_cos(), at["theta_end"].sin_cos())
-    )
-    return (at["travel"] - Turning(start, side).needed(end, at["rho"]),)
+    s, c = at["theta_start"].sin_cos()
+    start = Contact(c, s, at["d1"], at["d2"], at.get("radius", EVEN))
+    turning = Turning(start, at["theta_start"], side, Film.at(at))
+    return (at["travel"] - turning.needed(at["theta_end"] - at["theta_start"]),)
+
+
+def _faces_back(at: Point) -> Values:
+    s, c = at["theta"].sin_cos()
+    return (Film.at(at).along(c, s)[1],)
+
+
+def _on_edge(at: Point) -> Values:
+    if "half" in at:
+        return at["half"] - at["d2"], at["half"] + at["d2"]
+    return at["d2"] - at["first"], at["last"] - at["d2"]
 
 
 def _no_jam(at: Point) -> Values:
+    stretched = (at["mu"].squared() + 1).sqrt()
+    return (at["V"] * stretched - at["width"] * stretched.squared() - at["radii"],)
+
+
+def _no_jam_points(at: Point) -> Values:
     width = at["d1"] * 2
     return (at["V"].squared() - width.squared() * (at["mu"].squared() + 1),)
-
-
-def _forces(at: Point) -> list[Forces]:
-    grip, mu = Grip.at(at["h"], at["V"], at["d1"]), at["mu"]
-    ends = itertools.product((-1, 1), repeat=2)
-    return [grip.forces(at["sigma"], at["rho"], mu * one, mu * two) for one, two in ends]
-
-
-def _passive_force(at: Point, above: arb) -> Values:
-    return tuple(forces.S - forces.divisor * above for forces in _forces(at))
-
-
-def _active_force(at: Point, above: arb) -> Values:
-    return tuple(forces.D - forces.divisor * above for forces in _forces(at))
-
-
-def _alone(at: Point) -> Values:
-    # its force L follows from L (rho + d2 m) = rho sin(theta), see approach.py
-    d2 = Grip.at(at["h"], at["V"], at["d1"]).T / 2 - at["sigma"]
-    lever = at["mu"] * at["d1"]
-    return tuple(at["rho"] + d2 * (d2 + lever * sign) for sign in (-1, 1))
-
-
-def _tips_on_edges(at: Point) -> Values:
-    reach = Grip.at(at["h"], at["V"], at["d1"]).T / 2
-    return tuple(at["half"] - (reach + at["sigma"] * sign) for sign in (-1, 1))
 
 
 def _less(values: Callable[[Point], Values]) -> Callable[[Point, arb], Values]:
@@ -127,42 +146,36 @@ def _plain(id_: str, values: Callable[[Point], Values], *, any_value: bool = Fal
 
 CLEARANCE = _plain("sticking_motion.clearance", _clearance)
 BESIDE = _plain("sticking_motion.beside", _beside, any_value=True)
-PRESSES = _plain(
-    "one_point_sticking.normal_force",
-    lambda at: (_contact(at).press(at["rho"]),),
-)
+BESIDE_ONE = _plain("sticking_motion.beside", _clearance)
+"""The same of a tip that is off one and the same of these lines all the time."""
+ANY_WAY = _plain("drag_tensor.turns_any_way", _turns_any_way)
+PRESSES = _plain("one_point_sticking.normal_force", _press)
 STICKS = _plain("one_point_sticking.friction_margin", _friction)
-TURNS = _plain(
-    "one_point_sticking.turning",
-    lambda at: (_contact(at).arm_y * at["side"],),
-)
+TURNS = _plain("one_point_sticking.turning", _turns)
 ONLY = _plain("one_point_sticking.only_solution", _only)
 PAIR_STICKS = _plain("two_point_sticking.friction_margin", _pair_sticks)
 PAIR_PRESSES = _plain("two_point_sticking.normal_forces", _pair_presses)
-NO_JAM = _plain("two_sided_rotation.no_jam", _no_jam)
+NO_JAM = _plain("opposite_edges.no_jam", _no_jam)
+NO_JAM_POINTS = _plain("two_sided_rotation.no_jam", _no_jam_points)
 REACHES = _plain("travel", lambda at: (at["travel"],))
-ON_EDGE = _plain("within_edge", lambda at: (at["half"] - at["d2"], at["half"] + at["d2"]))
-BETWEEN_ENDS = _plain(
-    "between_corners",
-    lambda at: (at["d2"] - at["first"], at["last"] - at["d2"]),
-)
+ON_EDGE = _plain("within_edge", _on_edge)
+BETWEEN_ENDS = _plain("between_corners", _on_edge)
 ARRIVES = _plain("travel_to_spare", _arrives)
 RESTS = _plain("touch_before_end", lambda at: (at["h_start"] - at["h_end"],))
-COMES_FREE = _plain("faces_back", lambda at: (at["theta"].sin_cos()[0],))
-PASSIVE_FORCE = Statement("two_sided_rotation.passive_force", _passive_force)
-ALONE = _plain("active_alone", _alone)
-ACTIVE_FORCE = Statement("active_force", _active_force)
-TIPS_ON_EDGES = _plain("two_sided_rotation.ends_of_edges", _tips_on_edges)
-PART_CLEAR, TIPS_CLEAR = (
-    # verified over what is swept (walls.py), not as a formula of a few numbers
+COMES_FREE = _plain("faces_back", _faces_back)
+PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR, FORCE = (
+    # verified over a tube (rotate.py), a sweep (walls.py) or all (force.py), not as a formula of a few numbers
     Statement(id_, lambda at, above: ())
-    for id_ in ("part_to_wall", "tip_to_wall")
-)
+    for id_ in (
+        "two_sided_rotation.passive_force", "two_sided_rotation.ends_of_edges", "part_to_wall", "tip_to_wall",
+        "force_to_spare",
+    )
+)  # fmt: skip
 STATEMENTS: Mapping[str, Statement] = {
     one.id: one
     for one in (
-        CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
-        REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
-        TIPS_CLEAR,
+        CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
+        NO_JAM_POINTS, REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
+        TIPS_CLEAR, FORCE,
     )
 }  # fmt: skip

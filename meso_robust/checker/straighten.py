@@ -3,8 +3,9 @@
 Once both touch, the line through them keeps its direction ``pi/2 + beta`` and so does the edge.
 Nothing but the translation can follow: a motion that both tips keep in contact does not turn and
 differs from it by a slide along the edge only, against which the friction of both tips together
-stands; one that leaves a tip is a motion of the other tip alone, which sticks and turns the part
-back onto the tip that it left; with no tip in contact the part rests in the way of both.
+stands (``statement.py``); one that leaves a tip is a motion of the other tip alone, which turns the
+part back onto the tip that it left, for any friction at all or because it sticks; with no tip in
+contact the part rests in the way of both.
 """
 
 from __future__ import annotations
@@ -17,11 +18,12 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.film import EVEN
 from meso_robust.checker.ids import Must, Property, named
 from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
-    NAMES,
+    NEAR,
     UNIT,
     comes_free,
     constant,
@@ -29,10 +31,12 @@ from meso_robust.checker.pushing import (
     on_edge,
     sticks,
     touch,
+    turning,
+    turns_back,
 )
-from meso_robust.checker.ranges import Box, Side, common, hull, shift, span
-from meso_robust.checker.requirement import Part, Requirement, Variables, prove
-from meso_robust.checker.scene import Scene, direction
+from meso_robust.checker.ranges import Box, Formula, Side, common, hull, shift, span
+from meso_robust.checker.requirement import Part, Requirement, Variables, holds, prove
+from meso_robust.checker.scene import NAMES, Scene, direction
 
 
 def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
@@ -52,41 +56,45 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
     """
     requirements = [
         *free_at_start(scene, (1, -1)),
-        comes_free("pair", _aligned, scene.box),
+        comes_free("pair", functools.partial(_aligned, scene), scene, scene.box),
     ]
     cases = [_Case(scene, side, box) for side, box in _first_contacts(scene)]
     for case in cases:
         requirements += case.requirements()
     for requirement in requirements:
         prove(requirement)
-    theta = scene.box["beta"]
-    right = arb.pi() / 2
+    theta = span(functools.partial(_aligned_as_stated, scene), scene.box)
     return Passage(
         does=named(Property.STRAIGHTENS),
         post=PoseBox(
-            x=functools.reduce(hull, (span(case.x_end, case.box) for case in cases)),
+            x=functools.reduce(hull, (span(case.x_end, case.box, within=NEAR) for case in cases)),
             y=functools.reduce(hull, (case.height(memory) for case in cases)),
-            theta=shift(shift(theta, right), scene.turn),
+            theta=shift(theta, scene.turn),
         ),
         requirements=tuple(requirements),
         swept=tuple(sweep for case in cases for sweep in case.swept(exact=len(cases) == 1)),
     )
 
 
-def _aligned(at: Point) -> Dual:
-    """Direction of the edge while both tips touch."""
-    return at["beta"] + arb.pi() / 2
+def _aligned(scene: Scene, at: Point) -> Dual:
+    """Direction of the edge while both tips touch, from the axes of the travel."""
+    return scene.aligned(at) + arb.pi() / 2
+
+
+def _aligned_as_stated(scene: Scene, at: Point) -> Dual:
+    return scene.stated(at, _aligned(scene, at))
 
 
 def _first_contacts(scene: Scene) -> list[tuple[int, Box]]:
     """Which tip can touch first (the upper one turns the part counter-clockwise), and from where.
 
     The second tip stands off the line of the edge as long as the first has not turned it all the
-    way: its distance is ``spacing cos(theta - beta)/cos(beta)``, positive below ``pi/2 + beta``.
+    way: its distance is ``spacing cos(theta - beta)/cos(beta)``, positive below ``pi/2 + beta``; radii
+    that differ add the same to both angles.
     """
-    box, right = scene.box, arb.pi() / 2
-    (low, high), beta = box["theta"], box["beta"]
-    first, last = beta[0] + right, beta[1] + right
+    box = scene.box
+    low, high = box["theta"]
+    first, last = span(functools.partial(_aligned_as_stated, scene), box)
     cases: list[tuple[int, Box]] = []
     if not low > last:
         cases.append((1, {**box, "theta": (low, high.min(last))}))
@@ -106,37 +114,67 @@ class _Case:
     def first(self, at: Point) -> Contact:
         return touch(self.scene, at, self.side)
 
+    def turn(self, at: Point) -> Turning:
+        """The turn about the first tip."""
+        return turning(self.scene, at, self.side, self.side)
+
     def end(self, at: Point) -> Contact:
         """The first contact when the other tip touches."""
-        c, s = direction(at["beta"])
-        return Contact(-s, c, self.scene.d1, self.first(at).d2)
+        first = self.first(at)
+        c, s = direction(self.scene.aligned(at))
+        if first.radius is EVEN:
+            return dataclasses.replace(first, c=-s, s=c)
+        rolled = (_aligned(self.scene, at) - self.scene.angle(at)) * first.radius
+        return dataclasses.replace(first, c=-s, s=c, d2=first.d2 - rolled)
 
     def other(self, at: Point) -> Dual:
         """``d2`` of the tip that touches second."""
-        c, _ = direction(at["beta"])
-        return self.first(at).d2 - self.scene.spacing * self.side / c
+        return self.end(at).d2 - self.scene.gap(at) * self.side
 
     def travel(self, at: Point) -> Dual:
         """Travel in contact."""
         return self.first(at).arm_x - self.scene.ahead_end(at, self.side)
 
+    def place(self, at: Point) -> tuple[Dual, Dual]:
+        """Where the part is at the end, x and y from where it was, axes of the travel."""
+        end, scene = self.end(at), self.scene
+        x = scene.ahead_end(at, self.side) - end.arm_x
+        return x, scene.rise_end(at, self.side) - end.arm_y
+
     def x_end(self, at: Point) -> Dual:
-        return at["x"] + self.scene.ahead_end(at, self.side) - self.end(at).arm_x
+        return at["x"] + self.scene.from_travel(at, *self.place(at))[0]
+
+    def y_end(self, at: Point) -> Dual:
+        return at["y"] + self.scene.from_travel(at, *self.place(at))[1]
+
+    def path(self, at: Point) -> Dual:
+        """Direction of the edge when a share of the first tip's turn is done."""
+        first = self.scene.angle(at)
+        return first + at["share"] * (_aligned(self.scene, at) - first)
+
+    def offset(self, at: Point) -> Dual:
+        """``d2`` of the first tip then."""
+        first = self.first(at)
+        if first.radius is EVEN:
+            return first.d2
+        return first.d2 - (self.path(at) - self.scene.angle(at)) * first.radius
 
     def turning(self, at: Point) -> Pose:
         """The part when a share of the first tip's turn is done."""
-        first, scene = self.first(at), self.scene
-        angle = at["theta"] + at["share"] * (_aligned(at) - at["theta"])
-        now = Contact(*direction(angle), scene.d1, first.d2)
-        ahead = first.arm_x - Turning(first, self.side).needed(now, at["rho"])
-        y = at["y"] + scene.rise(at, self.side) - now.arm_y
-        return at["x"] + ahead - now.arm_x, y, angle
+        first, scene, turn = self.first(at), self.scene, self.turn(at)
+        turned = self.path(at) - turn.angle
+        now = turn.contact(turned)
+        ahead = first.arm_x - turn.needed(turned)
+        x, y = scene.from_travel(at, ahead - now.arm_x, scene.rise_end(at, self.side) - now.arm_y)
+        return at["x"] + x, at["y"] + y, at["theta"] + turned
 
     def together(self, at: Point) -> Pose:
         """The part when a share of the travel of both tips is still to come."""
-        alone = Turning(self.first(at), self.side).needed(self.end(at), at["rho"])
-        left = (self.travel(at) - alone) * at["share"]
-        return self.x_end(at) + left, self.y_end(at), _aligned(at)
+        scene, turn = self.scene, self.turn(at)
+        alone = turn.needed(_aligned(scene, at) - turn.angle)
+        x, y = self.place(at)
+        x, y = scene.from_travel(at, x + (self.travel(at) - alone) * at["share"], y)
+        return at["x"] + x, at["y"] + y, _aligned_as_stated(scene, at)
 
     def swept(self, *, exact: bool) -> tuple[Sweep, Sweep]:
         """All poses while the first tip is alone, and while both push."""
@@ -148,73 +186,77 @@ class _Case:
 
     def height(self, memory: Memory | None) -> Side:
         """Where y of the part is at the end."""
-        plain = span(self.y_end, self.box)
+        plain = span(self.y_end, self.box, within=NEAR)
         if memory is None or not memory.about(self.scene):
             return plain
-        return common(plain, span(functools.partial(self.y_after, memory), self.joint(memory)))
-
-    def y_end(self, at: Point) -> Dual:
-        return at["y"] + self.scene.rise(at, self.side) - self.end(at).arm_y
+        return common(
+            plain, span(functools.partial(self.y_after, memory), self.joint(memory), within=NEAR)
+        )
 
     def y_after(self, memory: Memory, at: Point) -> Dual:
         """The same, from the tilt's own start: its height before follows from the angle."""
-        c, s = direction(at["theta"])
         earlier = {key.removeprefix("tilt "): at[key] for key in at if key.startswith("tilt ")}
-        before = {"beta": at["beta"], "rho": at["rho"], "mu": at["mu"], **earlier}
-        return self.y_end({**at, "y": memory.height(before, c, s)})
+        before = {**{name: at[name] for name in at if name in LASTING}, **earlier}
+        return self.y_end({**at, "y": memory.height(before, at["theta"])})
 
     def joint(self, memory: Memory) -> Box:
         """The variables of both moves; what is constant during a run is shared."""
-        own = {f"tilt {n}": s for n, s in memory.scene.box.items() if n not in _LASTING}
+        own = {f"tilt {n}": s for n, s in memory.scene.box.items() if n not in LASTING}
         return {**self.box, **own}
 
     def requirements(self) -> list[Requirement]:
         scene, side, box = self.scene, self.side, self.box
         first, second = NAMES[side], NAMES[-side]
 
-        def path(at: Point) -> Dual:
-            return at["theta"] + at["share"] * (_aligned(at) - at["theta"])
-
-        def start(at: Point) -> Dual:
-            return at["theta"]
-
-        def offset(at: Point) -> Dual:
-            return self.first(at).d2
-
-        pair: Variables = {
-            "beta": lambda at: at["beta"],
-            "d1": constant(scene.d1),
-            "d2": offset if side > 0 else self.other,
-            "d4": constant(scene.spacing),
+        film = scene.film_variables("_now")
+        uneven = {name: of for name, of in film.items() if name != "rho"}
+        aligned = functools.partial(_aligned, scene)
+        sticking: Variables = {"beta": scene.aligned, "mu": lambda at: at[scene.mu(1)], **uneven}
+        if scene.mu(1) != scene.mu(-1):
+            sticking = {**sticking, "mu_other": lambda at: at[scene.mu(-1)]}
+        pressing: Variables = {
+            "beta": scene.aligned,
+            "d1": lambda at: at["depth"],
+            "d2": self.at_end if side > 0 else self.other,
+            **uneven,
         }
+        if scene.plain:
+            pressing = {**pressing, "d4": lambda at: at["spacing"]}
+        else:
+            pressing = {**pressing, "gap": scene.gap}
         turn: Variables = {
             "travel": self.travel,
-            "theta_start": lambda at: at["theta"],
-            "theta_end": _aligned,
-            "d1": constant(scene.d1),
-            "d2": offset,
-            "rho": lambda at: at["rho"],
+            "theta_start": scene.angle,
+            "theta_end": aligned,
+            "d1": lambda at: at["depth"],
+            "d2": lambda at: self.first(at).d2,
             "side": constant(arb(side)),
+            **scene.film_variables(),
         }
+        if self.first_rolls:
+            turn = {**turn, "radius": lambda at: at[f"radius_{first}"]}
         ends = tuple(
-            Part({"travel": self.travel, "theta": angle, "d2": offset}, box)
-            for angle in (start, _aligned)
+            Part({"travel": self.travel, "theta": angle, "d2": turn["d2"]}, box)
+            for angle in (scene.angle, aligned)
         )
+        turned = {**box, "share": UNIT}
         return [
-            on_edge(first, scene, offset, box),
-            *sticks(first, scene, path, offset, side, {**box, "share": UNIT}, (start, _aligned)),
+            on_edge(first, scene, self.offset, turned if self.first_rolls else box),
+            *sticks(
+                first, scene, self.path, self.offset, side, side, turned, (scene.angle, aligned)
+            ),
             on_edge(second, scene, self.other, box),
             Requirement(
                 name=named(Must.PAIR_STICKS),
                 statement=st.PAIR_STICKS,
-                parts=(Part({"beta": lambda at: at["beta"], "mu": lambda at: at["mu"]}, box),),
+                parts=(Part(sticking, box),),
             ),
             Requirement(
                 name=named(Must.PAIR_PUSHES),
                 statement=st.PAIR_PRESSES,
-                parts=(Part(pair, box),),
+                parts=(Part(pressing, box),),
             ),
-            *sticks(second, scene, _aligned, self.other, -side, box),
+            *self.second_alone(second, aligned),
             Requirement(
                 name=named(Must.SECOND_TIP_TOUCHES),
                 statement=st.ARRIVES,
@@ -223,6 +265,32 @@ class _Case:
                 stated_box=self.longest,
             ),
         ]
+
+    def second_alone(self, which: str, aligned: Formula) -> list[Requirement]:
+        """The second tip alone would turn the part back onto the first one: proved in one of two ways."""
+        back = turns_back(which, self.scene, self.other, -self.side, self.box)
+        sticking = sticks(which, self.scene, aligned, self.other, -self.side, -self.side, self.box)
+        if not all(holds(back.statement, part) for part in back.parts):
+            for requirement in sticking:
+                prove(requirement)
+        return [
+            dataclasses.replace(
+                one,
+                shown=True,
+                optional=one.name.id != back.name.id,
+                instead=(back,) if one.name.id == back.name.id else (),
+            )
+            for one in sticking
+        ]
+
+    @property
+    def first_rolls(self) -> bool:
+        """Whether the first tip's contact moves along the edge."""
+        return not self.scene.exact(f"radius_{NAMES[self.side]}")
+
+    def at_end(self, at: Point) -> Dual:
+        """``d2`` of the first tip when the other touches."""
+        return self.end(at).d2
 
     def longest(self, stated: Box) -> Box:
         """The stated box of the arrival: the turn goes through all of its angles."""
@@ -240,4 +308,21 @@ class _Case:
         }
 
 
-_LASTING = ("beta", "rho", "mu")
+LASTING = frozenset(
+    [
+        "beta",
+        "spacing",
+        "radius_upper",
+        "radius_lower",
+        "radius_passive",
+        "depth",
+        "kappa",
+        "size_other",
+        "kappa_other",
+        "drag_a",
+        "drag_n",
+        "rho",
+        "mu",
+    ]
+)
+"""What is constant during a run, or does not change where a tilt leaves the part at a given angle."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from flint import arb, ctx
@@ -12,7 +12,7 @@ from meso_robust.checker import margin as margins, words
 from meso_robust.checker.chain import holds_side, passages, within
 from meso_robust.checker.document import Certificate, HexPair, StepDocument
 from meso_robust.checker.evidence import check_evidence
-from meso_robust.checker.ids import Claim, Named, Objection, Premise, named, of_move, place
+from meso_robust.checker.ids import Claim, Named, Objection, named, of_move, place, premises
 from meso_robust.checker.inputs import Given, PoseBox, given, uncertainties
 from meso_robust.checker.moves import check_rule
 from meso_robust.checker.numbers import box, check_reading, side
@@ -30,8 +30,19 @@ NEAR = 1e-14
 """m and rad: by how much a box that the task gives may be told too large or too small. A few last
 digits of doubles up to a metre; that it holds what it must is checked without any room."""
 Word = Literal["VERIFIED", "REJECTED", "WITNESS CONFIRMED", "WITNESS UNDECIDED", "NOTHING CLAIMED"]
-SECTIONS = {"schema_", "name", "part", "start", "goal", "probe", "uncertainty", "plan", "slot"}
-"""What the checker's proof takes from a task (``plan`` and the probe's speed are for the planner)."""
+SECTIONS = {
+    "schema_",
+    "name",
+    "part",
+    "start",
+    "goal",
+    "probe",
+    "uncertainty",
+    "plan",
+    "slot",
+    "film",
+}
+"""What the checker's proof takes from a task (``plan`` is for the planner, ``film`` for forces)."""
 EVIDENCE = (
     "simulation: runs of the simulator",
     "margin.refused_at, margin.limit: where the search of the margin gave up",
@@ -57,11 +68,8 @@ class Answer:
     """What the certificate is now known, or said, to claim, in the checker's own words."""
     refused: Refused | None = None
     not_checked: tuple[str, ...] = EVIDENCE
-
-    @property
-    def premises(self) -> Mapping[str, str]:
-        """What the proof takes for granted, by name and in words; nothing if nothing is proved."""
-        return {one.value: words.PREMISES[one] for one in Premise} if self.positive else {}
+    premises: Mapping[str, str] = field(default_factory=dict)
+    """What the proof takes for granted, by name and in words; nothing if nothing is proved."""
 
     @property
     def positive(self) -> bool:
@@ -118,13 +126,14 @@ def _check(
     if certificate.verdict == "REFUTED":
         return _refuted(certificate, known)
     _check_shape(certificate)
-    margins.check_form(certificate.margin)
+    margins.check_form(certificate.margin, uncertainties(known))
     boxes = _boxes(certificate, known)
     _check_steps(certificate, known, boxes, prover)
     margins.check_factor(certificate, task, alone=thorough, prover=prover)
     not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
     claims = words.claim(task, len(certificate.policy))
-    return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked)
+    granted = {one.value: words.PREMISES[one] for one in premises(task)}
+    return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked, premises=granted)
 
 
 def _refuted(certificate: Certificate, known: Given) -> Answer:
@@ -176,7 +185,7 @@ def _check_claim(certificate: Certificate, task: Task, known: Given) -> None:
     _same(place("task"), certificate.task, task.name)
     _same(place("claim.id"), claim.id, own)
     _same(place("claim.moves"), claim.moves, len(certificate.policy))
-    _same(place("claim.premises"), list(claim.premises), [one.value for one in Premise])
+    _same(place("claim.premises"), list(claim.premises), [one.value for one in premises(task)])
     _check_uncertainties(claim.uncertainties, uncertainties(known))
     listed = {one.inequality for step in certificate.steps for one in step.obligations}
     _same(place("claim.inequalities"), sorted(claim.inequalities), sorted(listed))

@@ -1,7 +1,8 @@
 """No collision with the slot: every pose of a move, and every way of a tip, is beside each wall.
 
 Two convex polygons are apart if all corners of one lie beyond a side of the other; of a part that is
-not convex its convex hull is taken. What is swept is enclosed in boxes of poses, from the checker's own path of the move; a box
+not convex its convex hull is taken. A part that is not as stated lies within as much around it as a
+corner can be astray, a tip within its radius around its centre. What is swept is enclosed in boxes of poses, from the checker's own path of the move; a box
 that no side decides is cut.
 """
 
@@ -51,7 +52,7 @@ NEAR = 1e-7
 """How closely the sides of a box are bounded, m and rad."""
 SIGNS = (-1, 1)
 Way = tuple[Side, Side]
-"""Where a tip can be on its way, x and y in world axes, m."""
+"""Where the centre of a tip can be on its way, x and y in world axes, m."""
 Verify = Callable[[Box, arb], bool]
 
 
@@ -76,13 +77,14 @@ def clear_of_walls(scene: Scene, passage: Passage, given: Given) -> tuple[Requir
     if not given.blocks:
         return ()
     sweeps, ways = (_rest(scene), *passage.swept), _ways(scene)
+    radius = given.radius[1].max(given.passive_radius[1])
     certain = [box for sweep in sweeps if sweep.exact for box in _nominal(scene, sweep)]
 
     def part_apart(boxes: list[Box], above: arb) -> bool:
         return all(apart(box, block, given, above) for box in boxes for block in given.blocks)
 
     def tips_apart(ways: list[Way], above: arb) -> bool:
-        return all(beside(way, block, above) for way in ways for block in given.blocks)
+        return all(beside(way, block, radius + above) for way in ways for block in given.blocks)
 
     _expect(
         named(Must.PART_CLEAR_OF_WALLS),
@@ -125,8 +127,10 @@ def _enters(box: Box, block: Block, given: Given) -> bool:
     sides = list(_block_sides(block, given))
     corners = zip(*sides, strict=True)  # of each corner, how far it is beyond the four sides
 
+    astray = _astray(given)
+
     def short(of: Formula) -> Formula:
-        return lambda at: -of(at)
+        return lambda at: -of(at) - astray
 
     return any(all(positive(short(of), box) for of in beyond) for beyond in corners)
 
@@ -221,19 +225,17 @@ def _ways(scene: Scene) -> list[Way]:
     """Where the tips can be, both tips of the active probe on their travel and the passive one."""
     box = {**scene.box, "share": UNIT}
 
-    def ahead(side: int, at: Point) -> Dual:
+    def place(side: int, axis: int, at: Point) -> Dual:
         first = scene.ahead(at, side)
-        return at["x"] + first + at["share"] * (scene.ahead_end(at, side) - first)
+        x = first + at["share"] * (scene.ahead_end(at, side) - first)
+        return at["xy"[axis]] + scene.from_travel(at, x, scene.rise(at, side))[axis]
 
     def placed(x: Formula, y: Formula) -> Way:
         own = PoseBox(x=span(x, box), y=span(y, box), theta=side_of(ZERO))
         world = scene.frame.world(own)
         return world.x, world.y
 
-    def rise(side: int, at: Point) -> Dual:
-        return at["y"] + scene.rise(at, side)
-
-    ways = [placed(partial(ahead, side), partial(rise, side)) for side in SIGNS]
+    ways = [placed(partial(place, side, 0), partial(place, side, 1)) for side in SIGNS]
     if scene.rule.single_x is not None:
         passive_x: Formula = lambda at: at["x"] + scene.passive_ahead(at)  # noqa: E731
         ways.append(placed(passive_x, lambda at: at["y"] + scene.passive_rise(at)))
@@ -266,7 +268,7 @@ def apart(box: Box, block: Block, given: Given, above: arb = ZERO, *, pieces: in
     """
     if not all(end.is_finite() for side in box.values() for end in side):
         return False
-    sides = [*_block_sides(block, given), *_part_sides(block, given)]
+    sides, above = [*_block_sides(block, given), *_part_sides(block, given)], above + _astray(given)
     left = [box]
     for _ in range(pieces):
         if not left:
@@ -275,6 +277,15 @@ def apart(box: Box, block: Block, given: Given, above: arb = ZERO, *, pieces: in
         if not any(_beyond(corners, piece, above) for corners in sides):
             left += halved(piece, _widest(piece, given))
     return not left
+
+
+def _astray(given: Given) -> arb:
+    """How far outside its stated outline the part can be, m."""
+    return given.outline.astray(given.size, given.squareness) if _varies(given) else ZERO
+
+
+def _varies(given: Given) -> bool:
+    return not all(end == 0 for end in (*given.size, *given.squareness))
 
 
 def _beyond(corners: list[Formula], box: Box, above: arb) -> bool:

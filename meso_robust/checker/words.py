@@ -31,6 +31,17 @@ PREMISES: Mapping[Premise, str] = {
     Premise.PROBES_RIGID: "probes and tips are rigid under any force; no force is bounded, and forces "
     "grow without limit close to a jam",
     Premise.PART_RESTS: "the part rests between moves; lifting a probe does not disturb it",
+    Premise.FILM_LINEAR: "the film drags linearly and symmetrically; its centre is a point of the part "
+    "within the bound, rho and anisotropy are within theirs at every instant",
+    Premise.COULOMB_EACH_TIP: "point contacts have Coulomb friction; each tip has a mu of its own in the "
+    "range at every instant",
+    Premise.PART_WITHIN_TOLERANCE: "the part is rigid, its edges are straight and within tolerance, its "
+    "corners rounded by no more than stated; only probes touch it",
+    Premise.TRAVEL_WITHIN_BOUNDS: "a moving probe keeps within the bounds of direction, length and "
+    "wandering; one that is not moved rests",
+    Premise.TIPS_ARE_DISCS: "tips are discs of a radius in the range that do not turn; positions are "
+    "those of their centres",
+    Premise.PROBES_RIGID_BELOW_CAP: "probes and tips are rigid up to max_force_un",
 }
 
 _SENTENCES: Mapping[StrEnum, str] = {
@@ -55,6 +66,7 @@ _SENTENCES: Mapping[StrEnum, str] = {
     Must.TIP_CLEAR_OF_PART: "the {tip} tip stays clear of the part on its way",
     Must.PART_CLEAR_OF_WALLS: "the part stays clear of the slot's walls",
     Must.TIPS_CLEAR_OF_WALLS: "the tips stay clear of the slot's walls",
+    Must.FORCE_BELOW_CAP: "no contact force exceeds max_force_un",
     Must.ACTIVE_PRESSES: "the active tip presses on the part between both tips",
     Must.ACTIVE_PRESSES_ALONE: "the active tip alone would press on the part",
     Objection.VALUE: "",
@@ -92,12 +104,13 @@ def sentence(name: Named) -> str:
 def claim(task: Task, moves: int) -> str:
     """What is verified of a policy of so many moves."""
     u, start, goal = task.uncertainty, task.start, task.goal
+    real = ", ".join(("", *task.schema_2_values))
     return (
         f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "
         f"({start.x_um} um, {start.y_um} um, {start.theta_deg} deg), whatever the sensing errors "
         f"(same bounds, before each move), the probe errors (within {u.probe_position_um} um), "
         f"mu in {list(u.friction)}, film ratio within {u.film_ratio_percent} % of "
-        f"{u.film_ratio_um2} um^2 and tip misalignment in {list(u.tip_misalignment_deg)} deg, the "
+        f"{u.film_ratio_um2} um^2 and tip misalignment in {list(u.tip_misalignment_deg)} deg{real}, the "
         f"plan's policy of {moves} move{'s' * (moves != 1)} can be carried out, and every motion of the quasi-static "
         f"model ends with the part within {goal.position_tolerance_um} um and "
         f"{goal.orientation_tolerance_deg} deg of ({goal.x_um} um, {goal.y_um} um, "

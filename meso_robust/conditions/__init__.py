@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from meso_robust.conditions.arrays import values as values
 from meso_robust.conditions.ball import balls as balls
-from meso_robust.conditions.formula import formula, inputs
+from meso_robust.conditions.formula import formula as formula, inputs
 
 if TYPE_CHECKING:
     from meso_robust.bounds import Bounded

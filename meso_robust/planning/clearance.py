@@ -34,25 +34,32 @@ def start_ahead_um(rises: tuple[tuple[int, Interval], ...], pre: PoseBox, setup:
         All poses before the move, and the task.
     """
     edge, u = setup.edge(pre.theta.mid), setup.uncertainty
-    angle = edge.angle(pre.theta)
+    angle, off = edge.angle(pre.theta) + u.squareness, u.probe_position + u.probe_wander
     needed = []
     for side, rise in rises:
         up = Interval.point(float(side)) * HALF * setup.spacing
         lag = up * sin(u.misalignment) / cos(u.misalignment)
-        reach = sticking.contact_reach(angle, edge.depth, rise)
-        needed.append((reach + lag - u.sensed_position - u.probe_position).hi)
+        reach = sticking.contact_reach(angle, edge.depth + u.tip_radius, rise)
+        needed.append((reach + lag - u.sensed_position - off).hi)
     return _rounded_up(max(needed), setup)
 
 
 def passive_behind_um(rise: Interval, pre: PoseBox, setup: Setup) -> float:
     """Smallest distance of the passive tip behind the sensed part, um, rounded up to 0.1 um."""
     edge, u = setup.edge(pre.theta.mid), setup.uncertainty
-    reach = sticking.contact_reach(edge.angle(pre.theta), edge.depth, -rise)
-    return _rounded_up((reach + u.sensed_position + u.probe_position).hi, setup)
+    angle, off = edge.angle(pre.theta) + u.squareness, u.probe_position + u.probe_wander
+    reach = sticking.contact_reach(angle, edge.depth + u.passive_tip_radius, -rise)
+    return _rounded_up((reach + u.sensed_position + off).hi, setup)
 
 
 def _rounded_up(length: float, setup: Setup) -> float:
     return math.ceil(10.0 * (units.to_um(length) + fine(setup) * AIR_UM)) / 10.0
+
+
+def errors_across(setup: Setup) -> Interval:
+    """By how much a commanded height above the sensed part can be wrong, m."""
+    u = setup.uncertainty
+    return u.sensed_position + u.probe_position + u.probe_wander
 
 
 def rise_of(offset: Interval, side: int, setup: Setup) -> Interval:

@@ -60,14 +60,20 @@ def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
     side = 1.0 if start < end else -1.0
     rise = middle + 0.5 * side * setup.spacing.mid
     touch = condition("sticking_motion", "contact_offset").function
-    first = float(touch([start, depth, rise]))
+    first = float(touch([start, depth + setup.uncertainty.tip_radius.mid, rise]))
     second = first - side * setup.spacing.mid
     turning = condition("one_point_sticking", "turning").function
+    away = -side * second - setup.uncertainty.friction.mid * depth > 0.0  # it turns back any way
     return (
         edge.first.mid < min(first, second)
         and max(first, second) < edge.last.mid
         and float(turning([start, depth, first, side])) > 0.0
-        and float(turning([end, depth, second, -side])) > 0.0
         and sticks(start, end, first, depth, setup)
-        and sticks(end, end, second, depth, setup)
+        and (
+            away
+            or (
+                float(turning([end, depth, second, -side])) > 0.0
+                and sticks(end, end, second, depth, setup)
+            )
+        )
     )

@@ -9,7 +9,7 @@ from typing import TypeVar
 from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.planning import nominal
-from meso_robust.planning.clearance import rise_of, start_ahead_um
+from meso_robust.planning.clearance import errors_across, rise_of, start_ahead_um
 from meso_robust.planning.sampling import best_robust
 from meso_robust.primitives.move import Aim, MoveRule, Point, from_part, in_world
 from meso_robust.primitives.names import ObligationId
@@ -29,13 +29,13 @@ def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
 
     Of the samples of one level the one is taken that leaves most of the travel in reserve.
     """
-    depth = setup.edge(pre.theta.mid).depth.mid
+    depth = setup.edge(pre.theta.mid).depth.mid + setup.uncertainty.tip_radius.mid
     end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
     number = 3 if past_um else 4
 
     def attempt(middle: float) -> tuple[float, Step] | None:
         rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
-        return _worth(certify_straighten(rule, pre, setup))
+        return _worth(certify_straighten(rule, pre, setup, whole=False))
 
     return _sample(pre, setup, attempt)
 
@@ -62,7 +62,7 @@ def upright(
 
     def attempt(middle: float) -> tuple[float, MoveRule] | None:
         far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
-        found = _worth(certify_straighten(far, pre, setup, tilt))
+        found = _worth(certify_straighten(far, pre, setup, tilt, whole=False))
         if found is None:
             return None
         left, trial = found
@@ -70,7 +70,7 @@ def upright(
         return left, replace(trial.rule, dual_end=end)
 
     rule = _sample(pre, setup, attempt)
-    return None if rule is None else certify_straighten(rule, pre, setup, tilt)
+    return None if rule is None else certify_straighten(rule, pre, setup, tilt, whole=False)
 
 
 def _sample(
@@ -94,9 +94,8 @@ def rule_at(
     middle: float, pre: PoseBox, setup: Setup, end: Aim, *, step: int, primitive: str
 ) -> MoveRule:
     """The rule of a t^2 push with the pair's middle ``middle`` (m) above the sensed centre."""
-    u = setup.uncertainty
     y = from_part(units.to_um(middle))
-    around = y.offset + u.sensed_position + u.probe_position
+    around = y.offset + errors_across(setup)
     rises = tuple((side, rise_of(around, side, setup)) for side in (1, -1))
     ahead = start_ahead_um(rises, pre, setup)
     return MoveRule(

@@ -8,7 +8,7 @@ from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.conditions import condition
 from meso_robust.planning import nominal
-from meso_robust.planning.clearance import rise_of, start_ahead_um
+from meso_robust.planning.clearance import errors_across, rise_of, start_ahead_um
 from meso_robust.planning.sampling import best_robust
 from meso_robust.planning.x_translation import upright
 from meso_robust.primitives.move import MoveRule, Point, from_part
@@ -70,7 +70,7 @@ def _tilt(
         if not nominal.sticks(start, start + side * tilt, side * offset, edge.depth.mid, setup):
             return None
         rule = _tilt_rule(offset, tilt, side, pre, setup, step)
-        tilted, turn = certify_tilt(rule, pre, setup)
+        tilted, turn = certify_tilt(rule, pre, setup, whole=False)
         if tilted.verdict is not Verdict.PROVED or turn is None:
             return None
         return offset, (tilted, turn)
@@ -84,7 +84,7 @@ def _tilt_rule(
 ) -> MoveRule:
     edge, u = setup.edge(pre.theta.mid), setup.uncertainty
     y = from_part(units.to_um(side * (offset + 0.5 * setup.spacing.mid)))
-    around = y.offset + u.sensed_position + u.probe_position
+    around = y.offset + errors_across(setup)
     ahead = start_ahead_um(tuple((s, rise_of(around, s, setup)) for s in (1, -1)), pre, setup)
     start = edge.angle(pre.theta).mid
     nominal = [start, start + side * tilt, edge.depth.mid, side * offset, u.film_ratio.mid]
@@ -95,7 +95,7 @@ def _tilt_rule(
         action="tilt",
         side=side,
         dual=Point(x=from_part(ahead), y=y),
-        dual_end=from_part(units.to_um(edge.depth.mid - travel)),
+        dual_end=from_part(units.to_um(edge.depth.mid + u.tip_radius.mid - travel)),
     )
 
 
@@ -105,5 +105,6 @@ def _pushed_at(straight: Step, tilted: PoseBox, setup: Setup, side: int) -> floa
     angle = edge.angle(tilted.theta).mid
     tip = -side * 0.5 * setup.spacing.mid
     rise = straight.rule.dual.y.offset.mid + tip
-    touch = condition("sticking_motion", "contact_offset").function([angle, edge.depth.mid, rise])
+    out = edge.depth.mid + setup.uncertainty.tip_radius.mid
+    touch = condition("sticking_motion", "contact_offset").function([angle, out, rise])
     return -side * float(touch)

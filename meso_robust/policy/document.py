@@ -15,7 +15,8 @@ import numpy as np
 from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.certificates.document import exact_box
-from meso_robust.certificates.words import premise_words
+from meso_robust.certificates.premise import premises
+from meso_robust.certificates.words import PREMISES
 from meso_robust.errors import InputError
 from meso_robust.planning.document import box_document, plan_document
 from meso_robust.planning.plan_file import ExactBox, HexPair, PlanDocument, RuleDocument
@@ -56,7 +57,9 @@ def policy_document(policy: Policy) -> PolicyDocument:
     return PolicyDocument(
         task=task.name,
         task_hash=task.hash,
-        claim=PolicyClaim(words=claim(policy), assumptions=premise_words()),
+        claim=PolicyClaim(
+            words=claim(policy), assumptions=tuple(PREMISES[one] for one in premises(task))
+        ),
         most_moves=policy.moves,
         region=tuple(_region(region) for region in region_of(policy)),
         rest=None if rest is None else box_document(rest),
@@ -81,12 +84,13 @@ def claim(policy: Policy) -> str:
     """The claim in words."""
     task = policy.task
     goal, u = task.goal, task.uncertainty
+    real = ", ".join(("", *task.schema_2_values))
     return (
         f"From every pose that is sensed in one of the {counted(len(policy.cells), 'cell')}, whatever the "
         f"sensing errors (within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg, "
         f"before each move), the probe errors (within {u.probe_position_um} um), mu in "
         f"{list(u.friction)}, film ratio within {u.film_ratio_percent} % of {u.film_ratio_um2} um^2 "
-        f"and tip misalignment in {list(u.tip_misalignment_deg)} deg: the move of the first cell "
+        f"and tip misalignment in {list(u.tip_misalignment_deg)} deg{real}: the move of the first cell "
         f"that holds the sensed pose can be carried out, every motion of the quasi-static model "
         f"leads to poses that are sensed in a cell with fewer moves to go or that lie in the goal, "
         f"and so after at most {counted(policy.moves, 'move')} the part lies within "

@@ -95,6 +95,7 @@ class Inequality(StrEnum):
     NORMAL_FORCE = "one_point_sticking.normal_force"
     FRICTION_MARGIN = "one_point_sticking.friction_margin"
     TURNING = "one_point_sticking.turning"
+    TURNS_ANY_WAY = "drag_tensor.turns_any_way"
     ONLY_SOLUTION = "one_point_sticking.only_solution"
     PAIR_FRICTION = "two_point_sticking.friction_margin"
     PAIR_FORCES = "two_point_sticking.normal_forces"

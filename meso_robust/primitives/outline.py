@@ -13,12 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import HALF_PI, Interval, enclose
-from meso_robust.bounds.interval import arcsin
+from meso_robust.bounds.interval import arcsin, cos, sin
 from meso_robust.conditions import condition
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.task import Part, PolygonPart
 from meso_robust.units import metres
 
+ZERO = Interval.point(0.0)
 PI = HALF_PI + HALF_PI
 ANYWHERE = Interval(-math.inf, math.inf)
 Point = tuple[Interval, Interval]
@@ -55,8 +56,11 @@ class Edge(Line):
     """Where it begins along its direction (least d2), from the foot of the centre, m."""
     last: Interval
     """Where it ends (largest d2), m."""
+    before: Line
+    after: Line
+    """The edges of the part that it meets where it begins and where it ends."""
     beyond: tuple[Line, ...] = ()
-    """The other sides of the convex hull; none for a rectangle, which ends where its edge ends."""
+    """The other sides of the convex hull; none for a rectangle."""
 
     @property
     def half(self) -> Interval:
@@ -65,11 +69,72 @@ class Edge(Line):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerance:
+    """How far a part may be from its outline as stated."""
+
+    size: Interval
+    """How much farther out an edge lies, each by its own amount, m."""
+    squareness: Interval
+    """By how much an edge is turned from its direction, each by its own angle, rad."""
+    rounding: Interval
+    """Largest radius of a corner, m."""
+
+    @property
+    def exact(self) -> bool:
+        """Whether the part is the outline as stated."""
+        return self == EXACT
+
+    def line(self, line: Line) -> Line:
+        """Where the line of an edge can be: its own angle is in its turn."""
+        return Line(turn=line.turn + self.squareness, depth=line.depth + self.size)
+
+    def edge(self, edge: Edge) -> Edge:
+        """An edge that is pushed: its own angle is not in its turn, its ends are those that are certain."""
+        depth = edge.depth + self.size
+        last = self._end(depth, edge.after, edge.turn - edge.after.turn, self.rounding)
+        first = self._end(depth, edge.before, edge.before.turn - edge.turn, self.rounding)
+        return replace(
+            edge,
+            depth=depth,
+            first=Interval.point(-first.lo),
+            last=Interval.point(last.lo),
+            beyond=tuple(map(self.line, edge.beyond)),
+        )
+
+    def corner(self, before: Line, after: Line) -> Point:
+        """Where the sharp corner can be in which two edges meet, in the part's own frame."""
+        depth = after.depth + self.size
+        first = -self._end(depth, before, before.turn - after.turn, ZERO)
+        c, s = cos(self.line(after).turn), -sin(self.line(after).turn)
+        return first * c + depth * s, first * s - depth * c
+
+    def _end(
+        self, depth: Interval, other: Line, exterior: Interval, rounding: Interval
+    ) -> Interval:
+        """Where the straight part of an edge ends, derivations/polygon_edge.py."""
+        box = {
+            "d1": depth,
+            "d1_next": other.depth + self.size,
+            "exterior": exterior + self.squareness - self.squareness,
+            "rounding": rounding,
+        }
+        return enclose(condition("polygon_edge", "end_offset"), box)[0]
+
+
+EXACT = Tolerance(size=ZERO, squareness=ZERO, rounding=ZERO)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Rectangle:
     """A rectangle about its centre."""
 
     half_length: Interval
     half_width: Interval
+
+    def sides(self, theta: float) -> tuple[Line, ...]:
+        """All sides, the one that faces the probe at orientation ``theta`` first."""
+        edges = (self.edge(theta + k * HALF_PI.mid) for k in range(4))
+        return tuple(Line(turn=edge.turn, depth=edge.depth) for edge in edges)
 
     def edge(self, theta: float) -> Edge:
         """The edge that faces the probe at orientation ``theta``."""
@@ -80,12 +145,15 @@ class Rectangle:
             if long_edge
             else (self.half_length, self.half_width)
         )
+        turn = HALF_PI * Interval.point(quarter)
         return Edge(
             name="long" if long_edge else "short",
-            turn=HALF_PI * Interval.point(quarter),
+            turn=turn,
             depth=depth,
             first=-half,
             last=half,
+            before=Line(turn=turn + HALF_PI, depth=half),
+            after=Line(turn=turn - HALF_PI, depth=half),
         )
 
     @property
@@ -108,15 +176,27 @@ class Rectangle:
         """The outline with the y axis mirrored: the same."""
         return self
 
+    def within(self, tolerance: Tolerance) -> Rectangle:
+        """A rectangle that holds every part within ``tolerance`` of this one."""
+        a, b = (side + tolerance.size for side in (self.half_length, self.half_width))
+        lean = Interval.point(tolerance.squareness.hi)
+        # a corner lies on two lines, at x cos k1 + y sin k1 = a' and y cos k2 + x sin k2 = b'
+        c, s, below = cos(lean), sin(lean), cos(lean + lean)
+        return Rectangle(half_length=(a * c + b * s) / below, half_width=(b * c + a * s) / below)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Polygon:
-    """A simple polygon about the centre of drag."""
+    """A simple polygon about its reference point."""
 
     corners: tuple[Point, ...]
     """Counter-clockwise."""
+    around: tuple[int, ...]
+    """Numbers of those of the convex hull, counter-clockwise."""
     hull: tuple[Point, ...]
-    """Those of the convex hull, counter-clockwise."""
+    """These corners."""
+    walls: tuple[Line, ...]
+    """All edges of the part, from one corner to the next; a depth may be negative."""
     lines: tuple[Line, ...]
     """All sides of the convex hull."""
     edges: tuple[Edge, ...]
@@ -143,6 +223,44 @@ class Polygon:
         ahead = (replace(line, turn=_next_below(line.turn, turn)) for line in edge.beyond)
         return replace(edge, turn=turn, beyond=tuple(ahead))
 
+    def sides(self, theta: float) -> tuple[Line, ...]:
+        """All sides of the convex hull, the one that faces the probe at orientation ``theta`` first."""
+        edge = self.edge(theta)
+        return (Line(turn=edge.turn, depth=edge.depth), *edge.beyond)
+
+    def within(self, tolerance: Tolerance) -> Polygon:
+        """Where corners and sides of every part within ``tolerance`` can be.
+
+        A side of the hull that joins two corners of the part, none of its edges, is put beyond all of
+        them, which are all that the part is the hull of.
+        """
+        walls = self.walls
+        corners = tuple(
+            tolerance.corner(before, after)
+            for before, after in zip((walls[-1], *walls[:-1]), walls, strict=True)
+        )
+        steps = zip(self.around, (*self.around[1:], self.around[0]), strict=True)
+        lines = tuple(
+            tolerance.line(line) if (j - i) % len(corners) == 1 else _beyond(line, corners)
+            for line, (i, j) in zip(self.lines, steps, strict=True)
+        )
+        edges = tuple(
+            replace(
+                tolerance.edge(edge),
+                beyond=tuple(
+                    new for new, old in zip(lines, self.lines, strict=True) if old.turn != edge.turn
+                ),
+            )
+            for edge in self.edges
+        )
+        return replace(
+            self,
+            corners=corners,
+            hull=tuple(corners[k] for k in self.around),
+            lines=lines,
+            edges=edges,
+        )
+
     @property
     def reach(self) -> float:
         """About how far a corner is from the centre, m; for choosing, not for proofs."""
@@ -163,9 +281,13 @@ class Polygon:
         def point(corner: Point) -> Point:
             return corner[0], -corner[1]
 
+        count = len(self.corners)
         return Polygon(
             corners=tuple(map(point, reversed(self.corners))),
+            around=tuple(count - 1 - k for k in reversed(self.around)),
             hull=tuple(map(point, reversed(self.hull))),
+            # the edge from corner k to the next ends at what is corner count - 1 - k now
+            walls=tuple(_mirrored(self.walls[(count - 2 - k) % count]) for k in range(count)),
             lines=tuple(map(_mirrored, self.lines)),
             edges=tuple(
                 replace(
@@ -173,6 +295,8 @@ class Polygon:
                     turn=-edge.turn - PI,
                     first=-edge.last,
                     last=-edge.first,
+                    before=_mirrored(edge.after),
+                    after=_mirrored(edge.before),
                     beyond=tuple(map(_mirrored, edge.beyond)),
                 )
                 for edge in self.edges
@@ -187,6 +311,13 @@ def _whole_turns(angle: Interval, turns: int) -> Interval:
 def _next_below(turn: Interval, edge: Interval) -> Interval:
     """The turn of a line by whole turns less than an edge's: run on from it, the line comes later."""
     return _whole_turns(turn, math.floor((edge.mid - turn.mid) / (4.0 * HALF_PI.mid)))
+
+
+def _beyond(line: Line, corners: Sequence[Point]) -> Line:
+    """A line of this direction that has all corners inside."""
+    out = -sin(line.turn), -cos(line.turn)
+    reached = [out[0] * x + out[1] * y for x, y in corners]
+    return Line(turn=line.turn, depth=functools.reduce(Interval.hull, reached, line.depth))
 
 
 def _mirrored(line: Line) -> Line:
@@ -211,33 +342,50 @@ def _polygon(part: PolygonPart) -> Polygon:
     corners = tuple((metres(x), metres(y)) for x, y in part.polygon_um)
     around = part.hull
     pairs = list(zip(around, (*around[1:], around[0]), strict=True))
-    sides = [_side(corners, *pair) for pair in pairs]
+    count = len(corners)
+    walls = tuple(_line(corners, k, (k + 1) % count)[0] for k in range(count))
+    sides = [_side(corners, walls, *pair) for pair in pairs]
     lines = tuple(Line(turn=side.turn, depth=side.depth) for side in sides)
     return Polygon(
         corners=corners,
+        around=tuple(around),
         hull=tuple(corners[k] for k in around),
+        walls=walls,
         lines=lines,
         edges=tuple(
             replace(side, beyond=(*lines[:k], *lines[k + 1 :]))
             for k, (side, (i, j)) in enumerate(zip(sides, pairs, strict=True))
-            if j == (i + 1) % len(corners)
+            if j == (i + 1) % count
         ),
     )
 
 
-def _side(corners: Sequence[Point], first: int, last: int) -> Edge:
-    """The side of the hull from one corner to another (derivations/polygon_edge.py)."""
+def _line(corners: Sequence[Point], first: int, last: int) -> tuple[Line, Interval, Interval]:
+    """The line from one corner to another, and d2 at both (derivations/polygon_edge.py)."""
     (x0, y0), (x1, y1) = corners[first], corners[last]
     box = {"x0": x0, "y0": y0, "x1": x1, "y1": y1}
     c, s = enclose(condition("polygon_edge", "edge_direction"), box)
     depth, begin, end = enclose(condition("polygon_edge", "edge_offsets"), box)
-    direction = _direction(c, s)
-    if not (depth.lo > 0.0 and direction.width < 1.0):
+    return Line(turn=-_direction(c, s), depth=depth), begin, end
+
+
+def _side(corners: Sequence[Point], walls: Sequence[Line], first: int, last: int) -> Edge:
+    """The side of the hull from one corner to another."""
+    line, begin, end = _line(corners, first, last)
+    if not (line.depth.lo > 0.0 and line.turn.width < 1.0):
         raise InputError(
             f"key part.polygon_um: the side from corner {first} to corner {last} is too close to "
             "the reference point or too short to be computed with; leave more room"
         )
-    return Edge(name=f"edge {first}", turn=-direction, depth=depth, first=begin, last=end)
+    return Edge(
+        name=f"edge {first}",
+        turn=line.turn,
+        depth=line.depth,
+        first=begin,
+        last=end,
+        before=walls[first - 1],
+        after=walls[last],
+    )
 
 
 def _direction(c: Interval, s: Interval) -> Interval:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
@@ -11,7 +12,15 @@ import numpy as np
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.errors import InputError
-from meso_robust.primitives.outline import Edge, Outline, Rectangle, outline_of
+from meso_robust.primitives.outline import (
+    Edge,
+    Line,
+    Outline,
+    Polygon,
+    Rectangle,
+    Tolerance,
+    outline_of,
+)
 from meso_robust.task import POINT_TIPS, Slot, Task
 from meso_robust.types import Floats
 
@@ -131,8 +140,8 @@ class Uncertainty:
 
 
 def _widened(range_: Interval, factor: float) -> Interval:
-    if range_.lo == range_.hi:
-        return range_  # what is exact stays so; rounding outward would open it
+    if range_.lo == range_.hi:  # what is exact stays so: a product is rounded outward
+        return range_
     middle = Interval.point(range_.mid)
     return middle + (range_ - middle) * Interval.point(factor)
 
@@ -179,9 +188,34 @@ class Setup:
         """Distance of the centres of the two tips across the push (d4), m."""
         return self.stated_spacing + self.uncertainty.tip_spacing
 
+    @property
+    def tolerance(self) -> Tolerance:
+        """How far the part may be from its outline as stated."""
+        u = self.uncertainty
+        return Tolerance(size=u.size, squareness=u.squareness, rounding=self.corner_radius)
+
+    @property
+    def body(self) -> Outline:
+        """An outline that holds the part whatever its tolerances."""
+        return _body(self.outline, self.tolerance)
+
     def edge(self, theta: float) -> Edge:
-        """The edge that faces the probe at orientation ``theta``."""
-        return self.outline.edge(theta)
+        """The edge that faces the probe at orientation ``theta``: its depth and its certain ends.
+
+        Its own error of direction (squareness) is not in its turn.
+        """
+        return _edge(self.outline, self.tolerance, theta)
+
+    def sides(self, theta: float) -> tuple[Line, ...]:
+        """The sides of the convex hull, the one that faces the probe at orientation ``theta`` first.
+
+        Their errors of direction are in their turns.
+        """
+        body = self.body if isinstance(self.outline, Polygon) else self.outline
+        sides = body.sides(theta)
+        if isinstance(body, Polygon):
+            return (replace(sides[0], turn=sides[0].turn + self.uncertainty.squareness), *sides[1:])
+        return tuple(map(self.tolerance.line, sides))
 
     @property
     def rectangle(self) -> Rectangle:
@@ -205,6 +239,21 @@ class Setup:
     def half_width(self) -> Interval:
         """Half the short side of a rectangle, m."""
         return self.rectangle.half_width
+
+
+@functools.lru_cache(maxsize=64)  # every move of a search asks for the same ones
+def _body(outline: Outline, tolerance: Tolerance) -> Outline:
+    return outline if tolerance.exact else outline.within(tolerance)
+
+
+@functools.lru_cache(maxsize=1024)
+def _edge(outline: Outline, tolerance: Tolerance, theta: float) -> Edge:
+    edge = outline.edge(theta)
+    if tolerance.exact:
+        return edge
+    if isinstance(outline, Polygon):
+        return _body(outline, tolerance).edge(theta)
+    return tolerance.edge(edge)
 
 
 def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:

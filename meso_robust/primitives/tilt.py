@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from meso_robust.bounds import Interval
-from meso_robust.motion import sticking
+from meso_robust.bounds.implicit import Implicit, at_middle, bound
+from meso_robust.motion import one_tip
+from meso_robust.primitives.base import (
+    Wanted,
+    base_box,
+    free_at_start,
+    holds,
+    pose_of,
+    positive,
+)
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import (
     TURNS,
@@ -17,40 +26,30 @@ from meso_robust.primitives.names import (
     Which,
     about,
 )
-from meso_robust.primitives.obligation import Knot, Obligation, Step, require_order
-from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.obligation import Knot, Step
+from meso_robust.primitives.outline import Edge, Line, Rectangle
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.tips import (
-    comes_free,
-    free_at_start,
-    in_flight,
-    on_edge,
-    passes,
-    sticks,
-    tip_of,
-    touch,
-    way_back,
-)
 from meso_robust.primitives.tube import turn_tube
+
+GUESS = 0.06
+"""rad: a turn from which the search for its end starts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Turn:
     """What a tilt leaves behind for the straightening that follows it."""
 
-    y: Interval
-    """y of the centre before, m."""
-    start: Interval
-    """Angle of the edge before, rad."""
-    end: Interval
-    """Angle of the edge after, rad."""
-    offset: Interval
-    """Contact offset d2, m."""
+    side: int
+    """1 if it turned the part counter-clockwise, -1 if clockwise."""
+    box: Mapping[str, Interval]
+    """Its base parameters."""
     edge: Edge
     """The edge that was pushed: after a large tilt another one may face the pair."""
 
 
-def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn | None]:
+def certify_tilt(
+    rule: MoveRule, pre: PoseBox, setup: Setup, *, whole: bool = True
+) -> tuple[Step, Turn | None]:
     """Certify a tilt from every pose in ``pre``.
 
     The lower tip pushes above the middle (``rule.side`` = 1) or the upper one below it (-1), while
@@ -60,6 +59,8 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
     ----------
     rule, pre, setup
         The move, all poses before it, the task; all in the move's axes.
+    whole
+        False: nothing but the verdict and the box of poses after a proved move is wanted.
 
     Returns
     -------
@@ -68,60 +69,68 @@ def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Step, Turn
         that follows may use of it.
     """
     side, edge = rule.side, setup.edge(pre.theta.mid)
-    u = setup.uncertainty
-    pusher, idle = tip_of(rule, -side, pre, setup), tip_of(rule, side, pre, setup)
-    start = edge.angle(pre.theta)
-    offset, reach = touch(pusher, start, edge)
-    travel = reach - pusher.ahead_end
-    monotone = sticking.travel_monotone(_wide(start, side), side, edge.depth, offset, u.film_ratio)
-    obligations = [
-        *free_at_start((pusher, idle), start, edge),
-        require_order(
-            about(ObligationId.TIP_REACHES_PART), Inequality.TRAVEL, travel, {"travel": travel}
-        ),
-        on_edge(Which.PUSHING, offset, edge),
-    ]
-    if not monotone:
-        return _step(rule, pre, None, obligations), None
-    end = sticking.turned(start, travel, side, edge.depth, offset, u.film_ratio)
-    if not end.width < math.inf:
-        return _step(rule, pre, None, obligations), None
-    path = start.hull(end)
-    obligations += sticks(Which.PUSHING, path, offset, side, edge, setup)
-    obligations += [
-        passes(start, in_flight(pusher, reach), offset, side, edge, setup, When.BEFORE_TOUCH),
-        passes(path, Interval.point(0.0), offset, side, edge, setup, When.WHILE_TURNING),
-        passes(end, way_back(pusher), offset, side, edge, setup, When.ON_WITHDRAWAL),
-        comes_free(Which.PUSHING, end),
-    ]
-    post = PoseBox(
-        x=pusher.x_end - sticking.arm(end, edge.depth, offset)[0],
-        y=pre.y + sticking.lift(start, end, edge.depth, offset),
-        theta=edge.orientation(end),
+    of, box = one_tip.tilt(side), base_box(rule, pre, setup, edge)
+    guess = edge.angle(pre.theta).mid + side * GUESS
+    box |= _lines(of, box, guess, side, edge, pre, setup)
+    margins = [name for name in of.outputs if name not in one_tip.POSE]
+    ends = bound(of, box, guess, both=one_tip.POSE, lower=margins, proofs_only=not whole)
+    rest = Knot(stage="at rest", box=pre)
+    passage = (
+        () if ends is None or not whole else turn_tube(one_tip.tilt_tube(side), box, ends.end.mid)
     )
-    tube = turn_tube(start, end, side, offset, reach, edge, u.film_ratio, pre)
-    return _step(rule, pre, post, obligations, tube), Turn(
-        y=pre.y, start=start, end=end, offset=offset, edge=edge
-    )
-
-
-def _wide(start: Interval, side: int) -> Interval:
-    """All angles that the candidates of the enclosure can visit."""
-    return start.hull(start + Interval.point(side * sticking.LARGEST_TURN))
-
-
-def _step(
-    rule: MoveRule,
-    pre: PoseBox,
-    post: PoseBox | None,
-    obligations: list[Obligation],
-    tube: tuple[Knot, ...] = (),
-) -> Step:
-    return Step(
+    step = Step(
         rule=rule,
-        claim=about(Property.TURNS_PART, turn=TURNS[rule.side]),
+        claim=about(Property.TURNS_PART, turn=TURNS[side]),
         pre=pre,
-        post=post,
-        obligations=tuple(obligations),
-        tube=(Knot(stage="at rest", box=pre), *tube),
+        post=None if ends is None else pose_of(ends),
+        obligations=(
+            *free_at_start((-side, side), box, edge),
+            *(positive(one, of, box, ends) for one in _wanted(side, edge)),
+        ),
+        tube=(rest, *passage),
     )
+    return step, None if ends is None else Turn(side=side, box=box, edge=edge)
+
+
+def _wanted(side: int, edge: Edge) -> list[Wanted]:
+    passes = Inequality.CLEARANCE if edge.beyond else Inequality.BESIDE
+    return [
+        (about(ObligationId.TIP_REACHES_PART), Inequality.TRAVEL, ["reaches"]),
+        *holds(Which.PUSHING, side, "pushing", edge),
+        *(
+            (about(ObligationId.IDLE_TIP_PASSES, when=when), passes, [when.value])
+            for when in (When.BEFORE_TOUCH, When.WHILE_TURNING, When.ON_WITHDRAWAL)
+        ),
+        (
+            about(ObligationId.WITHDRAWS_FREE, tips=Which.PUSHING),
+            Inequality.FACES_BACK,
+            ["withdraws"],
+        ),
+    ]
+
+
+def _lines(
+    of: Implicit,
+    box: Mapping[str, Interval],
+    guess: float,
+    side: int,
+    edge: Edge,
+    pre: PoseBox,
+    setup: Setup,
+) -> dict[str, Interval]:
+    """The side of the part's convex hull that the idle tip is farthest off, in the middle of the box."""
+    sides = setup.sides(pre.theta.mid)
+    if isinstance(setup.outline, Rectangle):  # the next edge the other way round is sides[3]
+        sides = (sides[0], sides[3 if side > 0 else 1])
+    found: dict[str, tuple[float, dict[str, Interval]]] = {}
+    for line in sides:
+        trial = {name: value for when in one_tip.LINES for name, value in _line(when, line, edge)}
+        values = at_middle(of, {**box, **trial}, guess)
+        for when in one_tip.LINES:
+            if when not in found or values[when] > found[when][0]:
+                found[when] = values[when], dict(_line(when, line, edge))
+    return {name: value for _, chosen in found.values() for name, value in chosen.items()}
+
+
+def _line(when: str, line: Line, edge: Edge) -> list[tuple[str, Interval]]:
+    return [(f"{when}_turn", line.turn - edge.turn), (f"{when}_depth", line.depth)]

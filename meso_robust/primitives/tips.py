@@ -8,7 +8,7 @@ from meso_robust.bounds import Box, Interval
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.conditions import values
 from meso_robust.motion import sticking
-from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
     SIDES,
     TURNS,
@@ -23,7 +23,7 @@ from meso_robust.primitives.obligation import Obligation, require, require_order
 from meso_robust.primitives.outline import Edge, Line
 from meso_robust.primitives.setup import PoseBox, Setup
 
-HALF = Interval.point(0.5)
+ZERO, HALF, ONE = Interval.point(0.0), Interval.point(0.5), Interval.point(1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +40,10 @@ class Tip:
     """x of the tip at the end of its travel minus x of the part before the move, m."""
     x_end: Interval
     """x of the tip in the world at the end of its travel, m."""
+    rise_end: Interval
+    """y of the tip at the end of its travel minus y of the part before the move, m."""
+    radius: Interval
+    """m; all places are those of the tip's centre."""
 
 
 def tip_of(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Tip:
@@ -59,14 +63,33 @@ def tip_of(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Tip:
     u = setup.uncertainty
     up = Interval.point(float(side)) * HALF * setup.spacing
     lag = up * sin(u.misalignment) / cos(u.misalignment)
-    start, sensed, off = rule.dual, u.sensed_position, u.probe_position
+    sensed, off = u.sensed_position, u.probe_position + u.probe_wander
+    start, end = rule.dual, rule.dual_end
+    short_x, astray_y = astray(rule, pre, setup)
+    rise = start.y.ahead_of(pre.y, sensed, off) + up
     return Tip(
         side=side,
         ahead=start.x.ahead_of(pre.x, sensed, off) - lag,
-        rise=start.y.ahead_of(pre.y, sensed, off) + up,
-        ahead_end=rule.dual_end.ahead_of(pre.x, sensed, off) - lag,
-        x_end=rule.dual_end.place(pre.x, sensed, off) - lag,
+        rise=rise,
+        ahead_end=end.ahead_of(pre.x, sensed, off) - lag + short_x,
+        x_end=end.place(pre.x, sensed, off) - lag + short_x,
+        rise_end=rise + astray_y,
+        radius=u.tip_radius,
     )
+
+
+def astray(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Interval, Interval]:
+    """How far from where it is commanded a travel ends, by its direction and scale, m."""
+    u = setup.uncertainty
+    if u.travel_direction == ZERO == u.travel_scale:
+        return ZERO, ZERO
+    base = ZERO
+    if rule.dual.x.anchor is not rule.dual_end.anchor:
+        sensed = pre.x + u.sensed_position
+        base = sensed if rule.dual.x.anchor is Anchor.PART else -sensed
+    travel = base + rule.dual.x.offset - rule.dual_end.offset
+    length = travel * (ONE + u.travel_scale)
+    return travel - length * cos(u.travel_direction), -(length * sin(u.travel_direction))
 
 
 def second_tip(side: int, setup: Setup) -> tuple[Interval, Interval]:
@@ -106,9 +129,11 @@ def passes(
     """
     dx, dy = second_tip(-side, setup)
     name = about(ObligationId.IDLE_TIP_PASSES, when=when)
-    if edge.beyond:
-        arm_x, arm_y = sticking.arm(path, edge.depth, offset)
-        return _off_a_side(name, edge, path, arm_x + dx + flight, arm_y + dy)
+    radius = setup.uncertainty.tip_radius
+    if edge.beyond or radius != ZERO or not setup.tolerance.exact:
+        arm_x, arm_y = sticking.arm(path, edge.depth + radius, offset)
+        lines = setup.sides(pre_theta(edge, path))
+        return _off_a_side(name, edge, lines, path, arm_x + dx + flight, arm_y + dy, radius)
     return require(
         name,
         Inequality.BESIDE,
@@ -123,7 +148,20 @@ def passes(
     )
 
 
-def _off_a_side(name: Named, edge: Edge, path: Interval, dx: Interval, dy: Interval) -> Obligation:
+def pre_theta(edge: Edge, path: Interval) -> float:
+    """An orientation at which ``edge`` faces the probe."""
+    return edge.orientation(path).mid
+
+
+def _off_a_side(
+    name: Named,
+    edge: Edge,
+    lines: tuple[Line, ...],
+    path: Interval,
+    dx: Interval,
+    dy: Interval,
+    radius: Interval,
+) -> Obligation:
     """A tip at ``(dx, dy)`` from the centre is off the line of a side of the part's convex hull.
 
     The side is the one that the tip is farthest off in the middle of all that can be.
@@ -135,8 +173,8 @@ def _off_a_side(name: Named, edge: Edge, path: Interval, dx: Interval, dy: Inter
         angle = line.angle(theta).mid
         return float(clearance(theta=angle, d1=line.depth.mid, dx=dx.mid, dy=dy.mid)[0])
 
-    line = max((edge, *edge.beyond), key=off)
-    box = {"theta": line.angle(theta), "d1": line.depth, "dx": dx, "dy": dy}
+    line = max(lines, key=off)
+    box = {"theta": line.angle(theta), "d1": line.depth + radius, "dx": dx, "dy": dy}
     return require(name, Inequality.CLEARANCE, box)
 
 
@@ -151,7 +189,7 @@ def free_at_start(tips: tuple[Tip, ...], angle: Interval, edge: Edge) -> tuple[O
         require(
             about(ObligationId.TIP_FREE_AT_START, tip=SIDES[tip.side]),
             Inequality.CLEARANCE,
-            {"theta": angle, "d1": edge.depth, "dx": tip.ahead, "dy": tip.rise},
+            {"theta": angle, "d1": edge.depth + tip.radius, "dx": tip.ahead, "dy": tip.rise},
         )
         for tip in tips
     )
@@ -245,9 +283,10 @@ def touch(tip: Tip, angle: Interval, edge: Edge) -> tuple[Interval, Interval]:
     offset
         d2 of the contact, m.
     reach
-        x of the contact minus x of the part's centre, m.
+        x of the tip's centre minus x of the part's centre, m.
     """
+    out, rise = edge.depth + tip.radius, tip.rise.hull(tip.rise_end)
     return (
-        sticking.contact_offset(angle, edge.depth, tip.rise),
-        sticking.contact_reach(angle, edge.depth, tip.rise),
+        sticking.contact_offset(angle, out, rise),
+        sticking.contact_reach(angle, out, rise),
     )

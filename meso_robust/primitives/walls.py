@@ -11,14 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from meso_robust.bounds import Interval
+from meso_robust.bounds import Interval, arithmetic as ia
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.primitives.move import MoveRule, Point
 from meso_robust.primitives.names import Inequality, ObligationId, about
 from meso_robust.primitives.obligation import Knot, Obligation, require_order
 from meso_robust.primitives.outline import Polygon
 from meso_robust.primitives.setup import Block, PoseBox, Setup
-from meso_robust.primitives.tips import HALF
+from meso_robust.primitives.tips import HALF, astray
 
 MOST_SPLITS = 400  # of one slice against one wall; beyond it the pair stays undecided
 TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point, another careful
@@ -49,8 +49,12 @@ def tips_clear(rule: MoveRule, pre: PoseBox, setup: Setup) -> Obligation:
     pre, setup
         All poses before it and the task, in the axes of the move (the walls in the world's).
     """
-    ways = [rule.frame.point_to_world(x, y) for x, y in _ways(rule, pre, setup)]
-    found = [(_beside(x, y, block), x, y) for x, y in ways for block in setup.blocks]
+    ways = [(*rule.frame.point_to_world(x, y), radius) for x, y, radius in _ways(rule, pre, setup)]
+    found = [
+        (float(ia.down(_beside(x, y, block) - radius.hi)), x, y)
+        for x, y, radius in ways
+        for block in setup.blocks
+    ]
     distance, x, y = min(found, key=lambda one: one[0])
     return require_order(
         about(ObligationId.TIPS_CLEAR_OF_WALLS),
@@ -60,19 +64,22 @@ def tips_clear(rule: MoveRule, pre: PoseBox, setup: Setup) -> Obligation:
     )
 
 
-def _ways(rule: MoveRule, pre: PoseBox, setup: Setup) -> Iterator[tuple[Interval, Interval]]:
-    """Boxes that hold every way of every tip, in the axes of the move."""
+def _ways(
+    rule: MoveRule, pre: PoseBox, setup: Setup
+) -> Iterator[tuple[Interval, Interval, Interval]]:
+    """Boxes that hold every way of the centre of every tip, in the axes of the move, and its radius."""
     u = setup.uncertainty
-    sensed, off = u.sensed_position, u.probe_position
+    sensed, off = u.sensed_position, u.probe_position + u.probe_wander
+    short_x, astray_y = astray(rule, pre, setup)
     first = rule.dual.x.place(pre.x, sensed, off)
-    last = rule.dual_end.place(pre.x, sensed, off)
+    last = rule.dual_end.place(pre.x, sensed, off) + short_x
     y = rule.dual.y.place(pre.y, sensed, off)
     for side in (1.0, -1.0):
         up = Interval.point(side) * HALF * setup.spacing
         lag = up * sin(u.misalignment) / cos(u.misalignment)
-        yield first.hull(last) - lag, y + up
+        yield first.hull(last) - lag, y.hull(y + astray_y) + up, u.tip_radius
     if rule.single is not None:
-        yield _place(rule.single, pre, setup)
+        yield (*_place(rule.single, pre, setup), u.passive_tip_radius)
 
 
 def _place(point: Point, pre: PoseBox, setup: Setup) -> tuple[Interval, Interval]:
@@ -110,12 +117,11 @@ def _separation(box: PoseBox, block: Block, setup: Setup) -> float:
 
 def _apart(box: PoseBox, block: Block, setup: Setup) -> float:
     """Lower bound of the largest of the distances that holds for a whole box, m."""
-    if isinstance(setup.outline, Polygon):
-        found = max(
-            _beyond_wall(box, block, setup.outline), _beyond_part(box, block, setup.outline)
-        )
+    part = setup.body
+    if isinstance(part, Polygon):
+        found = max(_beyond_wall(box, block, part), _beyond_part(box, block, part))
         return found * TOLD if found > 0.0 else found
-    a, b, c, s = setup.half_length, setup.half_width, cos(box.theta), sin(box.theta)
+    a, b, c, s = part.half_length, part.half_width, cos(box.theta), sin(box.theta)
     along, across = _size_of(c), _size_of(s)
     reach_x, reach_y = a * along + b * across, a * across + b * along
     half_x, half_y = _half(block.x), _half(block.y)

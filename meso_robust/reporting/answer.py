@@ -10,10 +10,10 @@ from meso_robust.reporting.words import Side, Witness, factor, number, sides, wi
 from meso_robust.transfer.promise import Promise
 
 MEANING = {
-    "PROVED": "The plan is certified for point tips: it reaches the goal for every error within the stated "
+    "PROVED": "The plan is certified for {tips}: it reaches the goal for every error within the stated "
     "bounds.",
     "REFUTED": (
-        "The plan fails: a simulated run, with point tips and within every stated bound, does not end in the goal, "
+        "The plan fails: a simulated run, with {tips} and within every stated bound, does not end in the goal, "
         "even at half the simulation step."
     ),
     "UNKNOWN": "Not proved and not refuted: one inequality is open, and no simulated failure is confirmed.",
@@ -56,7 +56,7 @@ def answer(result: Planned, promise: Promise | None = None) -> Answer:
     witness = certificate.witness
     return Answer(
         verdict=certificate.verdict,
-        meaning=_meaning(certificate.verdict, promise),
+        meaning=_meaning(certificate.verdict, promise).format(tips=result.task.tips),
         figures=_figures(result) if promise is None else _promised(result, promise),
         open=_open(result),
         witness=None
@@ -71,7 +71,7 @@ def _meaning(verdict: str, promise: Promise | None) -> str:
     if verdict == "PROVED":
         so = ", on the conditions below" if promise.conditions else ""
         return (
-            "The plan is certified for point tips: it reaches the goal in every laboratory within the fitted "
+            "The plan is certified for {tips}: it reaches the goal in every laboratory within the fitted "
             f"model's intervals, for every error within the bounds below{so}."
         )
     if promise.broken:

@@ -50,6 +50,7 @@ function instant(time) {
     pose: [mix(move.x), mix(move.y), mix(move.t)],
     tips: move.tips.map((tip, p) => [
       tip[0] + share * move.travel[p][0], tip[1] + share * move.travel[p][1]]),
+    radii: move.radii || [],
     modes: move.modes.map((text) => Number(text[nearest])),
   };
 }

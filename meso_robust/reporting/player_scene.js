@@ -51,7 +51,7 @@ function drawScene(now) {
   drawPart(draw, to, now);
   layers.forEach((layer) => layer(draw, seen, now));
   drawTrace(draw, to, now);
-  drawTips(draw, to, now);
+  drawTips(draw, seen, now);
   drawScaleBar(draw, seen, width);
 }
 
@@ -158,7 +158,7 @@ function drawTravel(draw, to, now) {
   draw.globalAlpha = 1;
 }
 
-function drawTips(draw, to, now) {
+function drawTips(draw, { to, scale }, now) {
   const move = data.moves[now.k];
   now.tips.forEach((tip, p) => {
     const [x, y] = to(tip[0], tip[1]);
@@ -172,6 +172,10 @@ function drawTips(draw, to, now) {
       draw.closePath();
     } else draw.arc(x, y, 6, 0, 2 * Math.PI);
     draw.fill();
+    draw.stroke();
+    const wide = (now.radii[p] || 0) * scale; // the tip itself, to scale
+    draw.beginPath();
+    draw.arc(x, y, wide, 0, 2 * Math.PI);
     draw.stroke();
     draw.fillStyle = css("--ink");
     const right = x < scene.clientWidth - 150;

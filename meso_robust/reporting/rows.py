@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, NamedTuple
@@ -25,6 +26,7 @@ from meso_robust.reporting.words import (
     significant,
     small,
 )
+from meso_robust.task import Task
 from meso_robust.wording import down, down_to, up
 
 Three = tuple[str, str, str]
@@ -78,31 +80,69 @@ def margin_rows(result: Planned) -> MarginRows:
 def _stated(result: Planned) -> dict[str, str]:
     """The task's own ranges, in the words of its file."""
     u = result.task.uncertainty
-    return {
-        "sensed_position": f"± {u.sensed_position_um:g} µm",
-        "sensed_orientation": f"± {u.sensed_orientation_deg:g} deg",
-        "probe_position": f"± {u.probe_position_um:g} µm",
-        "friction": f"{u.friction[0]:g} … {u.friction[1]:g}",
-        "film_ratio": f"{u.film_ratio_um2:g} µm² ± {u.film_ratio_percent:g} %",
-        "misalignment": " … ".join(significant(end) for end in u.tip_misalignment_deg) + " deg",
+    found = {
+        name: " … ".join(significant(end) for end in ends) + _unit(name)
+        for name, (_, ends) in _ranges(result.task).items()
     }
+    found |= {name: f"± {value:g}{_unit(name)}" for name, value in _errors(result.task).items()}
+    return found | {"film_ratio": f"{u.film_ratio_um2:g} µm² ± {u.film_ratio_percent:g} %"}
 
 
 def _budget(result: Planned, name: str, times: float) -> str:
     """The range of one uncertainty widened about its middle, in the words of the task's file."""
-    u = result.task.uncertainty
-    if name in ("friction", "misalignment"):
-        low, high = map(_spelled, u.friction if name == "friction" else u.tip_misalignment_deg)
+    ranges = _ranges(result.task)
+    if name in ranges:
+        least, ends = ranges[name]
+        low, high = map(_spelled, ends)
         middle, half = (low + high) / 2, (high - low) / 2 * Fraction(times)
-        ends = float(up(middle - half, 3)), float(down(middle + half, 3))
-        return f"{ends[0]:g} … {ends[1]:g}" + (" deg" if name == "misalignment" else "")
-    unit, stated = {
-        "sensed_position": ("µm", u.sensed_position_um),
-        "sensed_orientation": ("deg", u.sensed_orientation_deg),
-        "probe_position": ("µm", u.probe_position_um),
-        "film_ratio": ("%", u.film_ratio_percent),
-    }[name]
-    return f"± {down_to(float(down(_spelled(stated) * Fraction(times), 3)), 15)} {unit}"
+        shown = max(float(up(middle - half, 3)), least), float(down(middle + half, 3))
+        return f"{shown[0]:g} … {shown[1]:g}{_unit(name)}"
+    stated = _errors(result.task)[name]
+    return f"± {down_to(float(down(_spelled(stated) * Fraction(times), 3)), 15)}{_unit(name)}"
+
+
+_UNITS = {
+    **dict.fromkeys(
+        ("sensed_orientation", "misalignment", "squareness", "travel_direction"), " deg"
+    ),
+    **dict.fromkeys(("film_ratio", "travel_scale", "drag_anisotropy"), " %"),
+    "friction": "",
+}
+
+
+def _unit(name: str) -> str:
+    return _UNITS.get(name, " µm")
+
+
+def _ranges(task: Task) -> dict[str, tuple[float, tuple[float, float]]]:
+    """Uncertainties that the file states as a range, with the least value that it can have."""
+    u, probe, exact = task.uncertainty, task.probe, (0.0, 0.0)
+    radius = probe.tip_radius_um or exact
+    return {
+        "friction": (-math.inf, u.friction),
+        "misalignment": (-math.inf, u.tip_misalignment_deg),
+        "tip_radius": (0.0, radius),
+        "passive_tip_radius": (0.0, probe.passive_tip_radius_um or radius),
+        "travel_direction": (-math.inf, u.travel_direction_deg or exact),
+    }
+
+
+def _errors(task: Task) -> dict[str, float]:
+    """Uncertainties that the file states by the largest error."""
+    u, part = task.uncertainty, task.part
+    return {
+        "sensed_position": u.sensed_position_um,
+        "sensed_orientation": u.sensed_orientation_deg,
+        "probe_position": u.probe_position_um,
+        "film_ratio": u.film_ratio_percent,
+        "tip_spacing": task.probe.tip_spacing_tolerance_um or 0.0,
+        "size": part.size_tolerance_um or 0.0,
+        "squareness": part.squareness_deg or 0.0,
+        "travel_scale": u.travel_scale_percent or 0.0,
+        "drag_centre": u.drag_centre_um or 0.0,
+        "drag_anisotropy": u.drag_anisotropy_percent or 0.0,
+        "probe_wander": u.probe_wander_um or 0.0,
+    }
 
 
 def _spelled(value: float) -> Fraction:

@@ -46,6 +46,7 @@ def task_card(task: Task, text: str) -> str:
             ),
             ("probes to ±", f"{known.probe_position_um:g} µm"),
             ("friction", "{:g} … {:g}".format(*known.friction)),
+            ("tips", task.tips),
             ("film ratio", f"{known.film_ratio_um2:g} µm² ± {known.film_ratio_percent:g} %"),
         ),
         picture=cards.picture(lambda: task_figure(task), repr(task), "Start and goal"),

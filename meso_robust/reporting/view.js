@@ -27,7 +27,7 @@ function played(one) {
       const stop = Math.min(Math.max(move.share, 0), 1);
       const seen = sampled(move.path);
       return { x: seen.map(({ pose }) => pose[0]), y: seen.map(({ pose }) => pose[1]),
-        t: seen.map(({ pose }) => pose[2] / DEG), tips: move.tips, travel: move.travel,
+        t: seen.map(({ pose }) => pose[2] / DEG), tips: move.tips, travel: move.travel, radii: move.radii,
         stop: move.end ? stop : 1,
         modes: move.tips.map((_, p) => seen.map(({ codes }) => codes[p]).join("")) };
     }) };
@@ -81,14 +81,16 @@ function soon() {
 const WIDTHS = 2.5; // half widths that a slider reaches on either side
 
 function limits(knob) {
-  const range = rangeOf(knob), centre = middle(range);
-  const half = halfWidth(range) || 0.1 * Math.abs(centre) || 1;
-  const least = knob.group === "constant" && knob.of !== "misalignment" ? 0.02 * centre : -Infinity;
+  if (knob.free) return knob.free;
+  const ends = rangeOf(knob), centre = middle(ends);
+  const half = halfWidth(ends) || 0.1 * Math.abs(centre) || 1;
+  const least = knob.positive ? 0.02 * centre : -Infinity;
   return [Math.max(centre - WIDTHS * half, least), centre + WIDTHS * half];
 }
 
 // The stated range, as the task's file has it.
 function stated(knob) {
+  if (knob.free) return "any";
   const [low, high] = rangeOf(knob), short = (value) => String(Number(value.toPrecision(4)));
   if (knob.of === "film_ratio") return `± ${short((100 * halfWidth([low, high])) / middle([low, high]))} %`;
   return Math.abs(low + high) < 1e-9 * (high - low) ? "± " + short(high)
@@ -103,11 +105,11 @@ function makeKnob(knob, i) {
   const value = element(row, "output");
   input.type = "range";
   input.id = label.htmlFor = value.htmlFor = "knob-" + i;
-  const [low, high] = limits(knob), range = rangeOf(knob);
+  const [low, high] = limits(knob), ends = rangeOf(knob);
   [input.min, input.max, input.step] = [low, high, (high - low) / 200];
   const percent = (end) => ((end - low) / (high - low)).toFixed(4);
-  input.style.setProperty("--low", percent(range[0]));
-  input.style.setProperty("--high", percent(range[1]));
+  input.style.setProperty("--low", percent(ends[0]));
+  input.style.setProperty("--high", percent(ends[1]));
   input.addEventListener("input", () => {
     knob.places(which).forEach((k) => knob.set(draw_, Number(input.value), k));
     searching += 1; // a search that still runs is given up

@@ -8,19 +8,22 @@ the certificate along that run. Nothing of it enters a verdict.
 from __future__ import annotations
 
 import math
+import re
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
 from meso_robust import units
-from meso_robust.bounds import HALF_PI, Interval
+from meso_robust.bounds import Interval
 from meso_robust.certificates.document import MarginDocument, name_of
 from meso_robust.certificates.words import words
+from meso_robust.corners import hull
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import BoxDocument, names_of
 from meso_robust.primitives.names import every_obligation
-from meso_robust.primitives.outline import Edge, Line, Outline, Polygon
+from meso_robust.primitives.outline import Outline
 from meso_robust.primitives.setup import Setup
 from meso_robust.reporting.animation import embedded
 from meso_robust.reporting.words import factor
@@ -33,9 +36,29 @@ ENGINE = ("view_geometry.js", "view_modes.js", "view_grip.js", "view_conditions.
 
 
 def engine() -> Markup:
-    """The script that makes a run: the generated formulas and what carries out a plan by them."""
-    files = [FORMULAS, *(Path(__file__).parent / name for name in ENGINE)]
-    return Markup("".join(file.read_text(encoding="utf-8") for file in files))
+    """The script that makes a run: its generated formulas and what carries out a plan by them."""
+    own = [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in ENGINE]
+    return Markup(_formulas("".join(own)) + "".join(own))
+
+
+def _formulas(script: str) -> str:
+    """Of the generated formulas those that a script calls: a page carries no others."""
+    kept: list[str] = []
+    function: list[str] = []
+    for line in FORMULAS.read_text(encoding="utf-8").splitlines(keepends=True):
+        if not line.startswith(" " * 4):  # of a module
+            kept.append(line)
+            continue
+        function.append(line)
+        if line == "    },\n":
+            name = next(found[1] for line in function if (found := _HEAD.match(line)))
+            kept += function if f".{name}(" in script else []
+            function = []
+    return "".join(kept)
+
+
+_HEAD = re.compile(r" {4}(\w+)\(")
+"""The first line of a generated function."""
 
 
 def view(result: Planned) -> Markup:
@@ -64,6 +87,7 @@ def data(result: Planned) -> Json:
         "rules": [rule.model_dump(mode="json") for rule in certificate.policy],
         "start": [*map(units.to_um, setup.start.mid[:2]), setup.start.mid[2]],
         "ranges": _ranges(setup),
+        "friction_common": setup.friction_common,
         "probes": list(dict.fromkeys(name for move in moves for name in move["probes"])),
         "moves": moves,
         "words": {name.key: words(name) for name in every_obligation()},
@@ -87,8 +111,9 @@ def task(setup: Setup) -> Json:
     """What a run is made from besides the rules and a draw, um and rad."""
     return {
         "corners": [[_um(end) for end in corner] for corner in setup.outline.corners],
-        "lines": [_line(line) for line in _hull(setup.outline)],
-        "spacing": units.to_um(setup.spacing.mid),
+        "hull": list(_hull(setup.outline)),
+        "corner_radius": _um(setup.corner_radius),
+        "spacing": _um(setup.stated_spacing),
         "walls": [
             [units.to_um(end) for end in (block.x.lo, block.x.hi, block.y.lo, block.y.hi)]
             for block in setup.blocks
@@ -96,28 +121,15 @@ def task(setup: Setup) -> Json:
     }
 
 
-def _hull(outline: Outline) -> tuple[Line, ...]:
-    """The sides of the convex hull; those that are edges of the part as such."""
-    if not isinstance(outline, Polygon):
-        return tuple(outline.edge(k * HALF_PI.mid) for k in (1, 2, 3, 4))
-    edges = {edge.turn: edge for edge in outline.edges}
-    return tuple(edges.get(line.turn, line) for line in outline.lines)
+def _hull(outline: Outline) -> tuple[int, ...]:
+    """Which corners are those of the convex hull, counter-clockwise."""
+    corners = [tuple(Fraction(end.mid) for end in corner) for corner in outline.corners]
+    return hull([(x, y) for x, y in corners])
 
 
 def _um(length: Interval) -> float:
     """The middle in um, to 1e-9 um: a page is short without the digits that units leave."""
     return round(units.to_um(length.mid), 9)
-
-
-def _line(line: Line) -> dict[str, float | None]:
-    """Turn in rad; depth and the ends of an edge in um, no ends where no edge is."""
-    edge = line if isinstance(line, Edge) else None
-    return {
-        "turn": line.turn.mid,
-        "depth": _um(line.depth),
-        "first": None if edge is None else _um(edge.first),
-        "last": None if edge is None else _um(edge.last),
-    }
 
 
 def _ranges(setup: Setup) -> dict[str, list[float]]:
@@ -127,14 +139,14 @@ def _ranges(setup: Setup) -> dict[str, list[float]]:
     def ends(range_: Interval, unit: float) -> list[float]:
         return [range_.lo / unit, range_.hi / unit]
 
-    return {
-        "friction": ends(u.friction, 1.0),
-        "film_ratio": ends(u.film_ratio, units.UM**2),
-        "misalignment": ends(u.misalignment, units.DEG),
-        "sensed_position": ends(u.sensed_position, units.UM),
-        "sensed_orientation": ends(u.sensed_orientation, units.DEG),
-        "probe_position": ends(u.probe_position, units.UM),
+    scales = {
+        **dict.fromkeys(
+            ("sensed_orientation", "misalignment", "squareness", "travel_direction"), units.DEG
+        ),
+        **dict.fromkeys(("friction", "travel_scale", "drag_anisotropy"), 1.0),
+        "film_ratio": units.UM**2,
     }
+    return {name: ends(range_, scales.get(name, units.UM)) for name, range_ in u.stated.items()}
 
 
 def _moves(result: Planned) -> list[Json]:

@@ -3,22 +3,65 @@
 // minus direction of the line (turn), distance from the centre (depth), and for an edge of the part
 // where it begins and ends from the foot of the centre (first, last). Upright, facing +x, its angle is
 // a quarter turn.
-const { one_point_sticking: onePoint, sticking_motion: sticking,
-  two_point_sticking: twoPoint, two_sided_rotation: twoSided } = formulas;
+const { one_point_sticking: onePoint, sticking_motion: sticking, contact_response: response,
+  polygon_edge: polygonEdge, two_sided_rotation: twoSided } = formulas;
 const QUARTER = Math.PI / 2, TURN = 2 * Math.PI;
+
+const dot = ([x, y], [u, v]) => x * u + y * v;
+const combined = (p, [x, y], q, [u, v]) => [p * x + q * u, p * y + q * v];
+const turnedBy = (angle, [x, y]) => {
+  const c = Math.cos(angle), s = Math.sin(angle);
+  return [c * x - s * y, s * x + c * y];
+};
 
 const edgeAngle = (theta, line) => theta - line.turn;
 const isEdge = (line) => line.first !== null;
-const room = (edge, offset) => Math.min(offset - edge.first, edge.last - offset);
+// To the nearer end of the straight piece of an edge.
+const room = (edge, offset) => Math.min(offset - edge.first - edge.cut[0], edge.last - edge.cut[1] - offset);
 const tipAt = (tip, s) => (tip.active ? [tip.x - s, tip.y] : [tip.x, tip.y]);
 
-// The outline with the y axis mirrored: a line is run the other way there.
-const mirroredLine = ({ turn, depth, first, last }) => ({ turn: -turn - Math.PI, depth,
-  first: first === null ? null : -last, last: last === null ? null : -first });
+// The corners of a part as made: every edge moved outward and turned by its own amount.
+function made(corners, moved, skewed) {
+  if (moved.every((by) => by === 0) && skewed.every((by) => by === 0)) return corners;
+  const lines = corners.map(([x, y], k) => {
+    const [u, v] = corners[(k + 1) % corners.length];
+    const [depth] = polygonEdge.edge_offsets(x, y, u, v);
+    return { out: turnedBy(skewed[k] - QUARTER, polygonEdge.edge_direction(x, y, u, v)), depth: depth + moved[k] };
+  });
+  return lines.map((line, k) => {
+    const before = lines.at(k - 1);
+    return solved([before.out, line.out], [before.depth, line.depth]);
+  });
+}
 
-const partOf = (task, draw, mirrored) => ({ mu: draw.friction, rho: draw.film_ratio,
-  corners: mirrored ? task.corners.map(([x, y]) => [x, -y]).reverse() : task.corners,
-  lines: mirrored ? task.lines.map(mirroredLine) : task.lines });
+// The sides of the convex hull; one that is an edge has its ends, and how much a rounded corner takes.
+function linesOf(corners, hull, rounded) {
+  const count = corners.length;
+  const between = (i, j) => polygonEdge.edge_direction(...corners[i], ...corners[j]);
+  const cut = (i) => {
+    const [before, after] = [between((i + count - 1) % count, i), between(i, (i + 1) % count)];
+    return rounded * Math.tan(Math.acos(Math.min(dot(before, after), 1)) / 2);
+  };
+  return hull.map((i, k) => {
+    const j = hull[(k + 1) % hull.length], along = between(i, j), edge = j === (i + 1) % count;
+    const [depth, first, last] = polygonEdge.edge_offsets(...corners[i], ...corners[j]);
+    return { turn: -Math.atan2(along[1], along[0]), along, out: [along[1], -along[0]], depth,
+      first: edge ? first : null, last: edge ? last : null, cut: edge ? [cut(i), cut(j)] : null };
+  });
+}
+
+const mirroredPoint = ([x, y]) => [x, -y];
+
+// The part that a draw makes, seen from axes whose y may be mirrored: its outline runs the other way then.
+function partOf(task, draw, mirrored) {
+  const own = made(task.corners, draw.size, draw.squareness), last = own.length - 1;
+  const corners = mirrored ? own.map(mirroredPoint).reverse() : own;
+  const hull = mirrored ? task.hull.map((i) => last - i).reverse() : task.hull;
+  const flip = mirrored ? -1 : 1, centre = turnedBy(draw.bearing, [draw.centre, 0]);
+  const [stretch, shear] = turnedBy(2 * draw.axis, [draw.anisotropy / 2, 0]);
+  return { rho: draw.film_ratio, stretch, shear: flip * shear, centre: [centre[0], flip * centre[1]], corners,
+    lines: linesOf(corners, hull, task.corner_radius) };
+}
 
 // A line with its angle, by whole turns, closest to upright.
 const upright = (line, theta) => ({ ...line,
@@ -46,7 +89,18 @@ function cornersAt(part, { x, y, theta }) {
 const cornerDistance = (part, pose, [x, y]) =>
   Math.min(...cornersAt(part, pose).map(([u, v]) => Math.hypot(u - x, v - y)));
 
-const gap = (part, pose, point) => Math.max(...clearances(part, pose, point));
+// Distance of a point from the line of a side of the hull that it is farthest beyond.
+const offLine = (part, pose, point) => Math.max(...clearances(part, pose, point));
+
+// Distance of a point from the convex hull; inside it the negative one from the nearest side.
+function gap(part, pose, point) {
+  const all = clearances(part, pose, point), most = Math.max(...all);
+  if (most <= 0) return most;
+  const line = part.lines[all.indexOf(most)];
+  if (!isEdge(line)) return most;
+  const along = dot(turnedBy(pose.theta, line.along), [point[0] - pose.x, point[1] - pose.y]);
+  return along >= line.first && along <= line.last ? most : cornerDistance(part, pose, point);
+}
 
 // Whether a point lies in the part: a ray from it meets the outline an odd number of times.
 function inPart(part, pose, [x, y]) {
@@ -62,16 +116,19 @@ function nearestLine(part, pose, point) {
   return upright(part.lines[all.indexOf(Math.max(...all))], pose.theta);
 }
 
-// How far a point outside can travel along −x until it touches the hull; Infinity if it never does.
-function flight(part, pose, point) {
+// How far a tip outside can travel along −x until it touches the hull, and whether on a corner;
+// Infinity if it never does.
+function flight(part, pose, tip, [x, y]) {
   let enters = -Infinity, leaves = Infinity;
-  clearances(part, pose, point).forEach((distance, k) => {
-    const closing = Math.sin(edgeAngle(pose.theta, part.lines[k]));
+  clearances(part, pose, [x, y]).forEach((far, k) => {
+    const closing = Math.sin(edgeAngle(pose.theta, part.lines[k])), distance = far - tip.r;
     if (closing > 0) enters = Math.max(enters, distance / closing);
     else if (closing < 0) leaves = Math.min(leaves, distance / closing);
     else if (distance >= 0) enters = Infinity;
   });
-  return enters >= 0 && enters < leaves ? enters : Infinity;
+  if (!(enters >= 0 && enters < leaves)) return { travel: Infinity, corner: false };
+  // where two sides meet, the tip comes later: it is round
+  return { travel: enters, corner: gap(part, pose, [x - enters, y]) > tip.r + GRAZES };
 }
 
 // Distance of the part's hull and a wall along the best of their sides (separating axes); world axes.
@@ -88,14 +145,21 @@ const pointToWall = ([x, y], [x0, x1, y0, y1]) => Math.max(x - x1, x0 - x, y - y
 // Axes of a move: world = R(quarters) diag(1, ±1) own, as meso_robust/primitives/frame.py has them.
 const HEADINGS = ["-x", "-y", "+x", "+y"];
 
-function frameOf(rule) {
+// They are turned once more by the direction of the true travel, so that it goes along −x.
+function frameOf(rule, direction) {
   const quarters = HEADINGS.indexOf(rule.heading), sign = rule.mirrored ? -1 : 1;
-  const [c, s] = [[1, 0], [0, 1], [-1, 0], [0, -1]][quarters];
+  const [c, s] = [[1, 0], [0, 1], [-1, 0], [0, -1]][quarters], lean = sign * direction;
+  const stated = ([x, y]) => [c * x + s * y, sign * (c * y - s * x)];
   return {
     sign,
-    toWorld: ([x, y]) => [c * x - s * sign * y, s * x + c * sign * y],
-    toOwn: ([x, y]) => [c * x + s * y, sign * (c * y - s * x)],
-    angleToWorld: (theta) => sign * theta + quarters * QUARTER,
-    angleToOwn: (theta) => sign * (theta - quarters * QUARTER),
+    stated, // axes in which the rule is stated
+    fromStated: (point) => turnedBy(-lean, point),
+    toWorld: (own) => {
+      const [x, y] = turnedBy(lean, own);
+      return [c * x - s * sign * y, s * x + c * sign * y];
+    },
+    toOwn: (point) => turnedBy(-lean, stated(point)),
+    angleToWorld: (theta) => sign * (theta + lean) + quarters * QUARTER,
+    angleToOwn: (theta) => sign * (theta - quarters * QUARTER) - lean,
   };
 }

@@ -181,11 +181,11 @@ function drawLanding(pen, box, trail, pose, inside, { width, height }) {
   }
   pen.globalAlpha = 1;
   if (!pose) return;
-  dot(pen, ...place(pose), inside);
-  dot(pen, turn(pose[2]), line, inside);
+  spot(pen, ...place(pose), inside);
+  spot(pen, turn(pose[2]), line, inside);
 }
 
-function dot(pen, x, y, inside) {
+function spot(pen, x, y, inside) {
   pen.beginPath();
   if (inside) {
     pen.fillStyle = css("--box");

@@ -1,95 +1,161 @@
 // Contact modes. Each tells how the part moves while the tips travel on (advance), what must stay
 // positive for it to last (guards), and what every touching tip does (touching: tip, code).
+// Tips are discs that do not turn. The travel that turns the part is a quadrature, done here by steps
+// of Runge and Kutta: a picture, not a proof.
 const SEPARATE = 0, STICK = 1, SLIP_LEFT = 2, SLIP_RIGHT = 3; // as the simulator numbers them
 const LOOSE = 1e-7; // um: what counts as touching
 const EVEN = 1e-9; // slack below which a mode is not left: it was just entered
+const STRIDE = 4; // um of travel in one step of Runge and Kutta, at most
 
-// Where friction drags the part, seen from a tip: tau > 0 drags it along the edge's direction, which
-// lies to the right of a tip that looks along −x and to the left of one on the opposite edge.
-const slipCode = (tau, opposite) => (tau > 0) !== opposite ? SLIP_RIGHT : SLIP_LEFT;
+// Friction drags the part along the edge where its ratio is positive: to the right of a tip that looks at it.
+const slipCode = (way) => (way === 0 ? STICK : way > 0 ? SLIP_RIGHT : SLIP_LEFT);
 
 const rest = () => ({
   kind: "rest", touching: [], advance: (now, ds) => ({ ...now, s: now.s + ds }), guards: () => [],
 });
 
-// The angle after so much travel in sticking contact: the closed form, inverted by Newton's method.
-function turned(start, ds, d1, d2, rho) {
-  const rate = (theta) => twoSided.one_contact_turning(
-    theta, d1, d2, rho, onePoint.stick_ratio(theta, d1, d2, rho)[0])[0];
-  let theta = start + rate(start) * ds;
-  if (Math.abs(theta - start) < 1e-13) return theta; // pushed through the centre: it does not turn
-  for (let i = 0; i < 30; i++) {
-    const step = (sticking.travel(start, theta, d1, d2, rho)[0] - ds) * rate(theta);
-    theta -= step;
-    if (Math.abs(step) < 1e-15) break;
+// How far along its edge a tip touches it, from the foot of the reference point.
+const offsetAt = (tip, edge, now) =>
+  sticking.contact_offset(edgeAngle(now.theta, edge), edge.depth + tip.r, tip.y - now.y)[0];
+
+// A contact in the part's axes: its place from the centre of drag, and the velocity of the tip.
+function contactOf(part, tip, edge, theta, offset) {
+  const arm = combined(offset, edge.along, edge.depth, edge.out);
+  return { tip, edge, offset, arm: combined(1, arm, -1, part.centre),
+    velocity: tip.active ? turnedBy(-theta, [-1, 0]) : [0, 0] };
+}
+
+const contactsOf = (part, tips, touched, now) => touched.map(({ i, edge }) =>
+  contactOf(part, tips[i], edge, now.theta, offsetAt(tips[i], edge, now)));
+
+// Linear equations by elimination, the largest entry of a column first.
+function solved(matrix, right) {
+  const rows = matrix.map((row, i) => [...row, right[i]]), size = rows.length;
+  for (let k = 0; k < size; k++) {
+    const best = rows.slice(k).reduce((b, row, i) => (Math.abs(row[k]) > Math.abs(rows[b][k]) ? k + i : b), k);
+    [rows[k], rows[best]] = [rows[best], rows[k]];
+    for (let i = 0; i < size; i++) {
+      if (i === k) continue;
+      const factor = rows[i][k] / rows[k][k];
+      for (let j = k; j <= size; j++) rows[i][j] -= factor * rows[k][j];
+    }
   }
-  return theta;
+  return rows.map((row, k) => row[size] / row[k]);
+}
+
+// The balance where each contact sticks (way 0) or slips with its friction ratio at way mu: the rate of
+// the turn, and of each contact the pressing force, the force along the edge and the slip of the part.
+function balanced(part, contacts, ways) {
+  const { rho, stretch, shear } = part;
+  const answers = ({ arm }, pushed, force) => response.velocity(...arm, ...pushed.arm, ...force, rho, stretch, shear);
+  const rows = [], pushes = [];
+  contacts.forEach((contact, k) => {
+    const { along, out } = contact.edge, inward = [-out[0], -out[1]];
+    rows.push({ contact, along: out });
+    if (ways[k] === 0) rows.push({ contact, along });
+    if (ways[k] === 0) pushes.push({ contact, force: inward }, { contact, force: along });
+    else pushes.push({ contact, force: combined(1, inward, ways[k] * contact.tip.mu, along) });
+  });
+  const matrix = rows.map((row) => pushes.map(({ contact, force }) =>
+    dot(row.along, answers(row.contact, contact, force))));
+  const sizes = solved(matrix, rows.map(({ contact, along }) => dot(along, contact.velocity)));
+  const at = (place) => pushes.reduce((sum, { contact, force }, k) =>
+    combined(1, sum, sizes[k], answers(place, contact, force)), [0, 0]);
+  const forces = contacts.map((contact) => pushes.reduce((sum, push, k) =>
+    (push.contact === contact ? combined(1, sum, sizes[k], push.force) : sum), [0, 0]));
+  return {
+    turn: pushes.reduce((sum, { contact, force }, k) => sum + sizes[k] * response.turning(...contact.arm, ...force, rho)[0], 0),
+    reference: () => at({ arm: [-part.centre[0], -part.centre[1]] }), // its velocity, in the part's axes
+    at,
+    press: contacts.map(({ edge }, k) => -dot(forces[k], edge.out)),
+    drag: contacts.map(({ edge }, k) => dot(forces[k], edge.along)),
+    slip: contacts.map((contact) => dot(contact.edge.along, combined(1, at(contact), -1, contact.velocity))),
+  };
+}
+
+// Positive where the mode satisfies Coulomb's law with every tip pressing.
+function slackOf(contacts, ways, motion) {
+  const each = contacts.map(({ tip }, k) => Math.min(motion.press[k], ways[k] === 0
+    ? tip.mu * motion.press[k] - Math.abs(motion.drag[k]) : -ways[k] * motion.slip[k]));
+  const least = Math.min(...each);
+  return least > -Infinity ? least : -Infinity;
+}
+
+const WAYS = { 1: [[0], [1], [-1]],
+  2: [[1, 1], [1, -1], [-1, 1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]] };
+
+function bestWays(part, contacts) {
+  const all = WAYS[contacts.length].map((ways) =>
+    ({ ways, slack: slackOf(contacts, ways, balanced(part, contacts, ways)) }));
+  return all.reduce((best, one) => (one.slack > best.slack ? one : best));
+}
+
+// A contact gives way under a force at either side of its friction cone: else it slips in two ways.
+function givesWay(part, contact) {
+  const { edge: { along, out }, arm, tip } = contact, { rho, stretch, shear } = part;
+  return Math.min(...[-tip.mu, tip.mu].map((tau) => {
+    const force = combined(-1, out, tau, along);
+    return -dot(out, response.velocity(...arm, ...arm, ...force, rho, stretch, shear));
+  }));
 }
 
 // One tip pushes: it sticks, or slips with the ratio of the friction cone's nearer side.
 function single(part, tips, i, edge, now) {
-  const { depth: d1 } = edge, { mu, rho } = part;
-  const offset = (pose, s = pose.s) => sticking.contact_offset(
-    edgeAngle(pose.theta, edge), d1, tipAt(tips[i], s)[1] - pose.y)[0];
-  const margins = (pose) => onePoint.friction_margin(
-    edgeAngle(pose.theta, edge), d1, offset(pose), rho, mu);
-  const force = (pose) => onePoint.normal_force(
-    edgeAngle(pose.theta, edge), d1, offset(pose), rho)[0];
-  const common = (pose) => [
-    [room(edge, offset(pose)), { end: "a tip passes the end of an edge" }],
-    [Math.min(force(pose), ...onePoint.only_solution(d1, offset(pose), rho, mu)),
-      { end: "a pushing tip may let go or slip in more than one way" }]];
-  const [left, right] = margins(now);
-  const base = { kind: "single", pusher: i, edge, offset };
-  if (left >= 0 && right >= 0) {
-    const d2 = offset(now);
-    return { ...base, tau: 0, touching: [[i, STICK]], offset: () => d2,
-      advance: (from, ds) => onSticking(part, tips[i], edge, d2, from, ds),
-      guards: (pose) => [...common(pose),
-        [Math.min(...margins(pose)) / rho + EVEN, { change: "slips" }]] };
-  }
-  const tau = left < 0 ? mu : -mu, broken = left < 0 ? 0 : 1;
-  return { ...base, tau, touching: [[i, slipCode(tau, false)]],
-    advance: (from, ds) => onSlipping(part, tips[i], edge, tau, from, ds),
-    guards: (pose) => [...common(pose),
-      [EVEN - margins(pose)[broken] / rho, { change: "sticks again" }]] };
+  const contacts = (pose) => contactsOf(part, tips, [{ i, edge }], pose);
+  const { ways } = bestWays(part, contacts(now));
+  return { kind: "single", pusher: i, edge, ways, touching: [[i, slipCode(ways[0])]],
+    offset: (pose) => offsetAt(tips[i], edge, pose),
+    advance: (from, ds) => onOne(part, tips[i], edge, ways, from, ds),
+    guards: (pose) => {
+      const [contact] = contacts(pose), motion = balanced(part, [contact], ways);
+      return [[room(edge, contact.offset), { end: "a tip passes the end of an edge" }],
+        [Math.min(motion.press[0], givesWay(part, contact)),
+          { end: "a pushing tip may let go or slip in more than one way" }],
+        [slackOf([contact], ways, motion) + EVEN, { change: "sticks or slips" }]];
+    } };
 }
 
-function onSticking(part, tip, edge, d2, from, ds) {
-  const angle = turned(edgeAngle(from.theta, edge), ds, edge.depth, d2, part.rho);
-  const [x, y] = tipAt(tip, from.s + ds), [dx, dy] = sticking.arm(angle, edge.depth, d2);
-  return { s: from.s + ds, x: x - dx, y: y - dy, theta: angle + edge.turn };
-}
-
-function onSlipping(part, tip, edge, tau, from, ds) {
-  const d1 = edge.depth, height = tip.y;
-  const rates = ([angle, y]) => {
-    const d2 = sticking.contact_offset(angle, d1, height - y)[0];
-    return [twoSided.one_contact_turning(angle, d1, d2, part.rho, tau)[0],
-      twoSided.one_contact_motion(angle, d1, d2, part.rho, tau)[1]];
+// The angle and the offset change; the pose follows from them and the tip. The contact slips over the
+// edge, and a round tip rolls along it while the part turns.
+function onOne(part, tip, edge, ways, from, ds) {
+  const rates = ([theta, offset]) => {
+    const motion = balanced(part, [contactOf(part, tip, edge, theta, offset)], ways);
+    return [motion.turn, -motion.slip[0] - tip.r * motion.turn];
   };
-  const [angle, y] = rungeKutta(rates, [edgeAngle(from.theta, edge), from.y], ds);
-  const reach = sticking.contact_reach(angle, d1, height - y)[0];
-  return { s: from.s + ds, x: tipAt(tip, from.s + ds)[0] - reach, y, theta: angle + edge.turn };
+  const [theta, offset] = rungeKutta(rates, [from.theta, offsetAt(tip, edge, from)], ds);
+  const arm = turnedBy(theta, combined(offset, edge.along, edge.depth + tip.r, edge.out));
+  const [x, y] = combined(1, tipAt(tip, from.s + ds), -1, arm);
+  return { s: from.s + ds, x, y, theta };
 }
 
-// Classical fourth-order step; `rates` may also depend on how far the step has come.
+// Classical fourth-order steps; `rates` may also depend on how far they have come.
 function rungeKutta(rates, start, ds) {
-  const moved = (by, share) => start.map((value, i) => value + share * ds * by[i]);
-  const k1 = rates(start, 0), k2 = rates(moved(k1, 0.5), 0.5 * ds);
-  const k3 = rates(moved(k2, 0.5), 0.5 * ds), k4 = rates(moved(k3, 1), ds);
-  return start.map((value, i) => value + (ds / 6) * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]));
+  const count = Math.max(Math.ceil(Math.abs(ds) / STRIDE), 1), step = ds / count;
+  let now = start;
+  for (let i = 0; i < count; i++) {
+    const moved = (by, part) => now.map((value, j) => value + part * step * by[j]);
+    const k1 = rates(now, i * step), k2 = rates(moved(k1, 0.5), (i + 0.5) * step);
+    const k3 = rates(moved(k2, 0.5), (i + 0.5) * step), k4 = rates(moved(k3, 1), (i + 1) * step);
+    now = now.map((value, j) => value + (step / 6) * (k1[j] + 2 * k2[j] + 2 * k3[j] + k4[j]));
+  }
+  return now;
 }
 
-// Both tips of the active probe touch one edge: the part travels with them.
-function pairForces(tips, upper, lower, edge, now, offset) {
-  const rise = tips[upper].y - tips[lower].y;
-  const beta = Math.atan2(tips[lower].x - tips[upper].x, rise);
-  return { beta, forces: twoPoint.normal_forces(beta, edge.depth, offset, rise) };
+// Both tips of the active probe touch one edge: the part travels with them. The forces of the film act
+// at its centre; those along the edge in one line, so that only their sum is known.
+function pairForces(part, tips, upper, lower, edge, now) {
+  const [first, second] = contactsOf(part, tips, [{ i: upper, edge }, { i: lower, edge }], now);
+  const [u, v] = first.velocity, { stretch, shear } = part;
+  const force = [(1 + stretch) * u + shear * v, shear * u + (1 - stretch) * v];
+  const drag = dot(force, edge.along), pressing = -dot(force, edge.out);
+  const place = (contact) => dot(contact.arm, edge.along), depth = dot(first.arm, edge.out);
+  const apart = place(first) - place(second);
+  const ofFirst = (-depth * drag - place(second) * pressing) / apart;
+  return { drag, apart, forces: [ofFirst, pressing - ofFirst] };
 }
 
-const pair = (upper, lower, edge, offset, beta) => ({
-  kind: "pair", upper, lower, edge, offset, beta, touching: [[upper, STICK], [lower, STICK]],
+const pair = (upper, lower, edge, now) => ({
+  kind: "pair", upper, lower, edge, touching: [[upper, STICK], [lower, STICK]],
   advance: (from, ds) => ({ ...from, s: from.s + ds, x: from.x - ds }),
   guards: () => [],
 });

@@ -4,6 +4,7 @@ const SHORTEST = 0.5; // um: shorter steps are only taken to meet an event
 const GRAZES = 1; // um: closer to a corner a free tip is not told to hit or to miss
 const MOST_CHANGES = 60; // of the contact mode in a move
 const LEAVES = "leaves what the closed forms describe: ";
+const JAM = { jam: true, end: "jams: no contact mode lets the tips keep moving" };
 const IN_NOTCH = "a tip comes between two corners of the part that no edge joins";
 
 // Which mode follows from the tips that touch; what it cannot tell ends the run in words.
@@ -23,25 +24,22 @@ function modeOfPair(part, tips, active, now) {
   const [upper, lower] = active.map(({ i }) => i).sort((a, b) => tips[b].y - tips[a].y);
   const { edge } = active[0];
   if (active[1].edge.turn !== edge.turn) return { end: LEAVES + "the tips touch two edges" };
-  const offset = single(part, tips, upper, edge, now).offset(now);
-  const { beta, forces } = pairForces(tips, upper, lower, edge, now, offset);
+  const { drag, forces } = pairForces(part, tips, upper, lower, edge, now);
   if (forces[0] <= 0) return single(part, tips, lower, edge, now);
   if (forces[1] <= 0) return single(part, tips, upper, edge, now);
-  if (!(Math.min(...twoPoint.friction_margin(beta, part.mu)) > 0)) {
+  if (!(tips[upper].mu * forces[0] + tips[lower].mu * forces[1] > Math.abs(drag))) {
     return { end: LEAVES + "the pair of tips slips" };
   }
-  return pair(upper, lower, edge, offset, beta);
+  return pair(upper, lower, edge, now);
 }
 
 function modeOfGrip(part, tips, { D, S, edge, other }, alone, now) {
   if (!opposite(edge, other)) return { end: LEAVES + "the tips touch edges that are not opposite" };
-  const grip = gripOf(tips, D, S, edge, other), angle = edgeAngle(now.theta, edge);
-  const h = grip.across(now.s), sigma = slideOf(grip, now);
-  const best = bestGripMode(part, grip, h, sigma);
-  if (best.slack > -EVEN) return gripped(part, tips, grip, best);
-  const offset = alone.offset(now), along = -twoSided.pair(h, grip.V, grip.d1)[0] / 2 - sigma;
-  const closing = twoSided.closing(angle, grip.d1, offset, along, part.rho, alone.tau)[0];
-  return closing <= 0 ? alone : { jam: true, end: "jams: no contact mode lets the tips keep moving" };
+  const grip = gripOf(tips, D, S, edge, other), contacts = gripContacts(part, tips, grip, now);
+  const best = bestWays(part, contacts);
+  if (best.slack > -EVEN) return gripped(part, tips, grip, best.ways);
+  const closing = dot(other.out, balanced(part, contacts.slice(0, 1), alone.ways).at(contacts[1]));
+  return closing <= 0 ? alone : JAM;
 }
 
 // Tips that the moving part may meet.
@@ -50,7 +48,7 @@ const freeTips = (tips, mode) => mode.kind === "rest" ? []
 
 // No free tip comes a quarter of its way to the part closer in one step, so none is jumped over.
 function longest(part, tips, mode, now) {
-  const gaps = freeTips(tips, mode).map((i) => gap(part, now, tipAt(tips[i], now.s)));
+  const gaps = freeTips(tips, mode).map((i) => gap(part, now, tipAt(tips[i], now.s)) - tips[i].r);
   return Math.min(STEP, Math.max(SHORTEST, Math.min(...gaps) / 4));
 }
 
@@ -58,15 +56,17 @@ function longest(part, tips, mode, now) {
 function freedom(part, tips, mode, walls, now) {
   const clear = freeTips(tips, mode).flatMap((i) => {
     const point = tipAt(tips[i], now.s);
-    return [[gap(part, now, point) + LOOSE, { touch: i }],
-      [cornerDistance(part, now, point) - GRAZES, { end: LEAVES + "a tip grazes a corner" }]];
+    return [[gap(part, now, point) - tips[i].r + LOOSE, { touch: i }],
+      [cornerDistance(part, now, point) - tips[i].r - GRAZES, { end: LEAVES + "a tip grazes a corner" }]];
   });
-  const apart = Math.min(walls.part(now), ...tips.map((tip) => walls.tip(tipAt(tip, now.s))));
+  const apart = Math.min(walls.part(now), ...tips.map((tip) => walls.tip(tipAt(tip, now.s)) - tip.r));
   return [...clear, [apart, { end: "touches a wall of the slot, which the closed forms leave out" }]];
 }
 
 function firstBroken(part, tips, mode, walls, now) {
-  if (![now.x, now.y, now.theta].every(Number.isFinite)) return { end: LEAVES + "no finite pose" };
+  if (![now.x, now.y, now.theta].every(Number.isFinite)) {
+    return mode.kind === "grip" ? JAM : { end: LEAVES + "no finite pose" };
+  }
   const found = [...mode.guards(now), ...freedom(part, tips, mode, walls, now)]
     .find(([value]) => !(value > 0));
   return found ? found[1] : null;
@@ -74,22 +74,21 @@ function firstBroken(part, tips, mode, walls, now) {
 
 // One step: to its end, or to where the first guard breaks (found by bisection).
 function stepped(part, tips, mode, walls, now, whole) {
-  const at = (ds) => mode.advance(now, ds);
   const broken = (state) => firstBroken(part, tips, mode, walls, state);
-  let next = at(whole), why = broken(next);
+  let next = mode.advance(now, whole), why = broken(next);
   if (!why) return [next, null];
-  for (let low = 0, high = whole, i = 0; i < 60 && high - low > 1e-11; i++) {
-    const middle = (low + high) / 2, there = at(middle), how = broken(there);
-    if (how) { high = middle; next = there; why = how; } else low = middle;
+  for (let from = now, width = whole, i = 0; i < 60 && width > 1e-11; i++) {
+    const there = mode.advance(from, width / 2), how = broken(there);
+    width /= 2;
+    if (how) { next = there; why = how; } else from = there;
   }
   return [next, why];
 }
 
 // While the part rests, the next touch is known in closed form.
 function nextTouch(part, tips, now) {
-  const flights = tips.map((tip) => tip.active ? flight(part, now, tipAt(tip, now.s)) : Infinity);
-  const least = Math.min(...flights);
-  return { travel: least, i: flights.indexOf(least) };
+  return tips.map((tip, i) => ({ i, ...(tip.active ? flight(part, now, tip, tipAt(tip, now.s)) : { travel: Infinity }) }))
+    .reduce((first, other) => (other.travel < first.travel ? other : first));
 }
 
 // One move in its own axes. `seen` is shown every instant with its mode.
@@ -100,13 +99,15 @@ function runMove(part, tips, length, walls, start, seen) {
     let whole = Math.min(longest(part, tips, mode, now), length - now.s), touch = null;
     if (mode.kind === "rest") {
       const next = nextTouch(part, tips, now);
-      if (next.travel <= whole) [whole, touch] = [next.travel, { touch: next.i }];
+      if (next.travel <= whole) [whole, touch] = [next.travel, next.corner
+        ? { end: LEAVES + "a tip meets a corner" } : { touch: next.i }];
     }
     const [next, why] = stepped(part, tips, mode, walls, now, whole);
+    if (why === JAM) return { now, mode, ...JAM };
     now = next;
     seen(now, mode);
     const change = why || touch;
-    if (change && change.end) return { now, mode, end: change.end };
+    if (change && change.end) return { now, mode, ...change };
     if (change) {
       changes += 1;
       if (change.touch !== undefined) touching.push({ i: change.touch,
@@ -122,18 +123,19 @@ function runMove(part, tips, length, walls, start, seen) {
 }
 
 // Where the probes really go in a move, in its own axes, for the pose sensed before it.
-function tipsOf(rule, frame, sensed, spacing, draw, k) {
-  const [x, y] = frame.toOwn(sensed);
+function tipsOf(rule, frame, sensed, draw, k) {
+  const [x, y] = frame.stated(sensed);
   const aim = (one, base) => (one.relative_to === "world" ? 0 : base) + one.offset_um;
-  const lead = (spacing / 2) * Math.tan(frame.sign * draw.misalignment);
+  const half = draw.spacing / 2, lead = half * Math.tan(frame.sign * draw.misalignment);
   const middle = [aim(rule.dual_x, x), aim(rule.dual_y, y)];
-  const places = [[middle[0] - lead, middle[1] + spacing / 2], [middle[0] + lead, middle[1] - spacing / 2]];
+  const places = [[middle[0] - lead, middle[1] + half], [middle[0] + lead, middle[1] - half]];
   if (rule.single_x) places.push([aim(rule.single_x, x), aim(rule.single_y, y)]);
   const tips = places.map((place, i) => {
-    const [ex, ey] = frame.toOwn(i < 2 ? draw.dual[k] : draw.single[k]);
-    return { x: place[0] + ex, y: place[1] + ey, active: i < 2 };
+    const error = frame.stated(i < 2 ? draw.dual[k] : draw.single[k]);
+    const [u, v] = frame.fromStated(combined(1, place, 1, error));
+    return { x: u, y: v, active: i < 2, r: draw.radius[i], mu: draw.friction[i] };
   });
-  return { tips, length: middle[0] - aim(rule.dual_end_x, x) };
+  return { tips, length: (middle[0] - aim(rule.dual_end_x, x)) * (1 + draw.scale[k]) };
 }
 
 function wallsOf(task, draw, frame) {
@@ -147,7 +149,7 @@ function wallsOf(task, draw, frame) {
     tip: (own) => least((wall) => pointToWall(frame.toWorld(own), wall)) };
 }
 
-// The plan: task {corners, lines, spacing, walls}, rules as plan.json states them, draw as Draws has it.
+// The plan: task {corners, hull, corner_radius, walls}, rules as plan.json states them, draw as Draws has it.
 function runPlan(task, rules, draw) {
   const moves = [];
   let pose = draw.start, end = null;
@@ -163,8 +165,9 @@ function runPlan(task, rules, draw) {
 
 // Why the probes cannot start a move where they stand; null if they can.
 function hindrance(part, tips, length, start) {
-  const within = tips.map(({ x, y }) => [x, y]).filter((point) => gap(part, start, point) < 0);
-  if (within.some((point) => inPart(part, start, point))) {
+  const within = tips.filter(({ x, y, r }) => gap(part, start, [x, y]) < r).map(({ x, y }) => [x, y]);
+  const hollow = part.lines.some((line) => !isEdge(line));
+  if (within.some((point) => !hollow || inPart(part, start, point))) {
     return { inside: true, end: "a probe would start inside the part" };
   }
   if (within.length > 0) return { end: LEAVES + IN_NOTCH };
@@ -172,7 +175,7 @@ function hindrance(part, tips, length, start) {
 }
 
 function oneMove(task, rule, pose, sensed, draw, k) {
-  const frame = frameOf(rule), { tips, length } = tipsOf(rule, frame, sensed, task.spacing, draw, k);
+  const frame = frameOf(rule, draw.direction[k]), { tips, length } = tipsOf(rule, frame, sensed, draw, k);
   const [x, y] = frame.toOwn(pose), start = { x, y, theta: frame.angleToOwn(pose[2]) };
   const part = partOf(task, draw, frame.sign < 0);
   const walls = wallsOf(task, draw, frame), path = [], found = conditions();
@@ -192,6 +195,7 @@ function oneMove(task, rule, pose, sensed, draw, k) {
     after: world(done.now), conditions: found.all,
     tips: tips.map((tip) => frame.toWorld([tip.x, tip.y])),
     travel: tips.map((tip) => frame.toWorld([tip.active ? -length : 0, 0])),
+    radii: tips.map(({ r }) => r),
   };
 }
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.words import words
 from meso_robust.transfer.assumption_check import BREAKS, Standing, remedy
-from meso_robust.transfer.changing import Changed
 from meso_robust.transfer.document import (
     BeyondMade,
     ChangeMade,
@@ -16,7 +15,9 @@ from meso_robust.transfer.document import (
 )
 from meso_robust.transfer.lines import Ground
 from meso_robust.transfer.promise import Promise, model_hash
-from meso_robust.wording import counted, do, down, down_to, worded
+from meso_robust.wording import counted, do, down, worded
+
+CLEAR_OF_POST = "part and tips stay clear of the post"
 
 
 def document(made: Promise) -> PremisesDocument:
@@ -125,7 +126,7 @@ def summary(made: Promise) -> str:
     """
     certificate = made.planned.certificate
     lines = [
-        f"{certificate.verdict} ({made.before.tips}): {made.before.name}, with the model {made.document.model}"
+        f"{certificate.verdict} ({made.changed.task.tips}): {made.before.name}, with the model {made.document.model}"
     ]
     lines += [
         f"  {one.key}: {one.before} -> {one.after} ({one.because})" for one in made.changed.changes
@@ -137,7 +138,7 @@ def summary(made: Promise) -> str:
     ]
     lines += [f"  only if {one}" for one in made.conditions]
     if made.wide is not None:
-        lines.append(f"  {size_claim(made.changed)}: {made.wide.verdict.word}")
+        lines.append(f"  {CLEAR_OF_POST}: {made.wide.verdict.word}")
     said = [*lines, *_judged_words(made), *_evidence_words(made), *cautions(made)]
     return worded("\n".join(said))
 
@@ -146,7 +147,7 @@ def _judged_words(made: Promise) -> list[str]:
     """The margin, or what is not kept and what would settle it."""
     certificate = made.planned.certificate
     if certificate.verdict == "PROVED":
-        of = "" if made.wide is None else " (of the task, at the middle of the part's sizes)"
+        of = "" if made.wide is None else " (of the task without the post)"
         factor = certificate.margin.factor
         return [f"margin: still proved with all uncertainties x {down(factor, 2)}{of}"]
     if made.broken:
@@ -160,20 +161,6 @@ def _judged_words(made: Promise) -> list[str]:
     if said is None:
         return []
     return [f"not proved: {said.claim}", f"what would settle it: {said.settled_by}"]
-
-
-def size_claim(changed: Changed) -> str:
-    """What is claimed beyond the changed task."""
-    length, width = changed.half_um
-    said = []
-    if length or width:
-        said.append(
-            f"the same for every part of half sides within {down_to(length, 6)} um (length) and {down_to(width, 6)} um "
-            "(width) of the changed task's"
-        )
-    if changed.posts:
-        said.append("part and tips stay clear of the post")
-    return " and ".join(said)
 
 
 def _evidence_words(made: Promise) -> list[str]:
@@ -217,7 +204,7 @@ def _beyond(made: Promise) -> BeyondMade | None:
         return None
     proved = made.wide.verdict is Verdict.PROVED
     return BeyondMade(
-        claim=size_claim(made.changed),
+        claim=CLEAR_OF_POST,
         verdict=made.wide.verdict.word,
         open="" if proved else words(made.wide.first_open[1]),
     )

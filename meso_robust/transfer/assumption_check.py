@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.premise import Premise, premise_of
 from meso_robust.certificates.words import PREMISES
 from meso_robust.identification.document import (
     ModelDocument,
@@ -17,14 +17,17 @@ from meso_robust.identification.document import (
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Named, about
 from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.task import Task
 from meso_robust.transfer.inflation import Absorbed, Budget, Ends, Ranges
-from meso_robust.transfer.lines import BASE, BASES, GROUND_WORDS, LINES, POINT_TIPS, Ground, Line
+from meso_robust.transfer.lines import BASE, BASES, GROUND_WORDS, LINES, Ground, Line
 from meso_robust.wording import down_to, up_to
 
 Word = Literal["absorbed", "off", "breaks a premise", "not identified"]
 BREAKS: Word = "breaks a premise"
 RATIO, FRICTION = "rho_um2", "mu"
 """Parameters of the base model that become ranges of the task."""
+ROUND_TIPS = "round tips"
+"""What the radius that the recordings state is called."""
 OFF: Ends = (0.0, 0.0)
 _SETTLED = (None, "consistent", "named")
 
@@ -118,14 +121,11 @@ def _rejected(quality: QualitySection) -> Standing:
 
 
 def _round(probe: ProbeSection) -> Standing:
-    """Tips that are not points: the proof has none yet."""
-    radius = f"{probe.tip_radius_um:g}"
+    """Tips that are not points: what the recordings were made with is what the proof is about."""
+    radius = probe.tip_radius_um
+    said = f"the recordings state tips of {radius:g} um radius"
     return _standing(
-        "round tips",
-        BREAKS,
-        POINT_TIPS,
-        f"the recordings state tips of {radius} um radius: {POINT_TIPS.why}",
-        settled_by=about(Remedy.PROVE_ROUND_TIPS, radius_um=radius),
+        ROUND_TIPS, "absorbed", LINES["tip_radius"], said, Absorbed(said=said, radius_um=(0.0, 0.0))
     )
 
 
@@ -243,6 +243,25 @@ def _standing(
         absorbed=absorbed,
         settled_by=settled_by,
     )
+
+
+def in_place(known: Standing, task: Task, *, held: bool) -> Standing:
+    """A standing by the premises that a task's certificate has.
+
+    Parameters
+    ----------
+    known
+        By the premises of point tips and exact parts.
+    task
+        The task as the model says it is.
+    held
+        Whether a passive tip holds the part in some move: then no probe may drift.
+    """
+    if isinstance(known.premise, Premise):
+        known = replace(known, premise=premise_of(task, known.premise))
+    if held and known.absorbed is not None and known.absorbed.drift_um_s:
+        return replace(known, word=BREAKS, absorbed=None, said=LINES[known.name].why)
+    return known
 
 
 def remedy(broken: Standing) -> Named:

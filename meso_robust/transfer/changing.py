@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
 
 from meso_robust import units
 from meso_robust.bounds import Interval
 from meso_robust.errors import InputError
 from meso_robust.identification.document import ModelDocument, PartSection
-from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import Block, Setup, setup_of
-from meso_robust.task import Task, parse_task
-from meso_robust.transfer.assumption_check import FRICTION, RATIO, Standing, by_name
+from meso_robust.task import POINT_TIPS, ROUND_TIPS as REAL, Task, parse_task
+from meso_robust.transfer.assumption_check import FRICTION, RATIO, ROUND_TIPS, Standing, by_name
 from meso_robust.transfer.inflation import NOTHING, Absorbed, Ends, Post, rounded_up, spelled
 
 _SAME = 1e-6  # of a length: two statements of it that differ by less are the same
@@ -32,12 +33,10 @@ class Change:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Changed:
-    """The changed task, and what it cannot say: that sides of the part have intervals, and a post."""
+    """The changed task, and what it cannot say: a post."""
 
     task: Task
     changes: tuple[Change, ...]
-    half_um: Ends
-    """By how much half the length and half the width may differ from the changed task's, um."""
     posts: tuple[Post, ...]
 
     @property
@@ -48,20 +47,12 @@ class Changed:
     @property
     def wider(self) -> bool:
         """Whether the promise is about more than the changed task says."""
-        return self.half_um != NOTHING or bool(self.posts)
+        return bool(self.posts)
 
     def setup(self) -> Setup:
-        """The changed task with every size of the part, and with the posts as walls."""
+        """The changed task with the posts as walls."""
         known = setup_of(self.task)
-        length, width = (units.metres(value) for value in self.half_um)
-        return replace(
-            known,
-            outline=Rectangle(
-                half_length=known.half_length + Interval(-length.hi, length.hi),
-                half_width=known.half_width + Interval(-width.hi, width.hi),
-            ),
-            blocks=(*known.blocks, *(_block(post) for post in self.posts)),
-        )
+        return replace(known, blocks=(*known.blocks, *(_block(post) for post in self.posts)))
 
 
 def check_part(task: Task, document: ModelDocument, source: str) -> None:
@@ -93,28 +84,101 @@ def changed(task: Task, document: ModelDocument, found: Iterable[Standing]) -> C
     """
     standings = by_name(tuple(found))
     absorbed = [one.absorbed for one in standings.values() if one.absorbed is not None]
-    values = task.model_dump(mode="json", by_alias=True, exclude_none=True)
-    part, half = _part(values["part"], absorbed)
-    uncertainty = {
-        **values["uncertainty"],
-        **_ranges(document, standings),
-        **_errors(values["uncertainty"], absorbed),
+    before = task.model_dump(mode="json", by_alias=True, exclude_none=True)
+    after = {
+        **before,
+        "part": {**before["part"], **_part(before["part"], absorbed)},
+        "uncertainty": {
+            **before["uncertainty"],
+            **_ranges(document, standings),
+            **_errors(before["uncertainty"], absorbed),
+        },
     }
-    after = {**values, "part": part, "uncertainty": uncertainty}
+    if task.schema_ != POINT_TIPS or _is_real(absorbed, after["part"], document):
+        _make_real(after, task, document, absorbed)
     because = _reasons(standings)
     return Changed(
         task=parse_task(after, "the task with the model's ranges"),
         changes=tuple(
             Change(
-                key=f"{section}.{key}", before=_told(old), after=_told(new), because=because[key]
+                key=f"{section}.{key}",
+                before="exact" if old is None else _told(old),
+                after=_told(new),
+                because=because[key],
             )
-            for section in ("part", "uncertainty")
+            for section in ("part", "probe", "uncertainty")
             for key, new in after[section].items()
-            if (old := values[section][key]) != new
+            if (old := before[section].get(key)) != new and key != "friction_common"
         ),
-        half_um=half,
         posts=tuple(one.post for one in absorbed if one.post is not None),
     )
+
+
+def _is_real(
+    absorbed: Sequence[Absorbed], part: Mapping[str, float], document: ModelDocument
+) -> bool:
+    """Whether the model says what only a task of schema 2 can."""
+    plain = Absorbed(said="")
+    fields = ("radius_um", "drag_centre_um", "anisotropy", "friction", "drift_um_s")
+    return (
+        "size_tolerance_um" in part
+        or bool(document.probe and document.probe.tip_radius_um)
+        or any(getattr(one, field) != getattr(plain, field) for one in absorbed for field in fields)
+    )
+
+
+def _make_real(
+    values: dict[str, Any], task: Task, document: ModelDocument, absorbed: Sequence[Absorbed]
+) -> None:
+    """Write radii, the film's unevenness and the travel's errors; what was exact before stays so."""
+    u = values["uncertainty"]
+    if task.schema_ == POINT_TIPS:
+        values["schema"] = REAL
+        u["friction_common"] = True
+    values["probe"] = {**values["probe"], **_radii(task, document, absorbed)}
+    low, high = 1.0, 1.0
+    for one in absorbed:
+        low, high = low * one.friction[0], high * one.friction[1]
+    if (low, high) != (1.0, 1.0):
+        u["friction_common"] = False
+        u["friction"] = _outward(u["friction"][0] * low, u["friction"][1] * high)
+    more = sum(spelled(one.drag_centre_um) for one in absorbed)
+    if more:
+        u["drag_centre_um"] = rounded_up(spelled(u.get("drag_centre_um", 0.0)) + more)
+    for share in (one.anisotropy for one in absorbed if one.anisotropy):
+        percent = u["film_ratio_percent"]
+        u["film_ratio_percent"] = rounded_up(percent + share * (100.0 + percent))
+        known = u.get("drag_anisotropy_percent", 0.0)
+        u["drag_anisotropy_percent"] = rounded_up(known + share * (200.0 + known))
+    _drift(u, sum(one.drift_um_s for one in absorbed) / task.probe.speed_um_s)
+
+
+def _drift(u: dict[str, Any], share: float) -> None:
+    """A drift of a share of the speed turns a travel by no more than its arcsine, and stretches it."""
+    if not share:
+        return
+    low, high = u.get("travel_direction_deg", NOTHING)
+    turn = rounded_up(math.degrees(math.asin(share)))
+    u["travel_direction_deg"] = [low - turn, high + turn]
+    known = u.get("travel_scale_percent", 0.0)
+    u["travel_scale_percent"] = rounded_up(known + share * (100.0 + known))
+
+
+def _radii(
+    task: Task, document: ModelDocument, absorbed: Sequence[Absorbed]
+) -> dict[str, list[float]]:
+    """Radii of the tips: as the recordings state them and the model corrects them, else as the task does."""
+    stated = 0.0 if document.probe is None else document.probe.tip_radius_um
+    by = [sum(spelled(one.radius_um[k]) for one in absorbed) for k in (0, 1)]
+    active, passive = task.probe.tip_radius_um, task.probe.passive_tip_radius_um
+    found = {}
+    if stated or active is None:
+        active = (stated, stated)
+    for key, ends in (("tip_radius_um", active), ("passive_tip_radius_um", passive)):
+        if ends is not None:
+            low = math.floor((spelled(ends[0]) + by[0]) * 100) / 100
+            found[key] = [max(low, 0.0), rounded_up(spelled(ends[1]) + by[1])]
+    return found
 
 
 def _sides(part: PartSection) -> Ends | None:
@@ -126,16 +190,20 @@ def _sides(part: PartSection) -> Ends | None:
     return (x[1] - x[0], y[1] - y[0]) if all(centred) and len(part.polygon_um) == 4 else None
 
 
-def _part(part: Mapping[str, float], absorbed: Iterable[Absorbed]) -> tuple[dict[str, float], Ends]:
-    """The part's sides at the middle of what they can be, and how far half of each may be off."""
-    sides, off = dict(part), []
-    for key in ("length_um", "width_um"):
+def _part(part: Mapping[str, float], absorbed: Iterable[Absorbed]) -> dict[str, float]:
+    """The part's sides at the middle of what they can be, and how far they may be off it."""
+    found, off = {}, 2 * [Fraction(0)]
+    for k, key in enumerate(("length_um", "width_um")):
         by = [getattr(one, key) for one in absorbed]
         low, high = (spelled(part[key]) + sum(spelled(one[k]) for one in by) for k in (0, 1))
-        sides[key] = round(float((low + high) / 2), 2)
-        middle = spelled(sides[key])
-        off.append(rounded_up(max(high - middle, middle - low) / 2))
-    return sides, (off[0], off[1])
+        found[key] = round(float((low + high) / 2), 2)
+        middle = spelled(found[key])
+        off[k] = max(high - middle, middle - low)
+    if any(off):
+        found["size_tolerance_um"] = rounded_up(
+            spelled(part.get("size_tolerance_um", 0.0)) + max(off)
+        )
+    return found
 
 
 def _ranges(document: ModelDocument, standings: Mapping[str, Standing]) -> dict[str, object]:
@@ -146,11 +214,16 @@ def _ranges(document: ModelDocument, standings: Mapping[str, Standing]) -> dict[
         found["film_ratio_um2"], found["film_ratio_percent"] = about_middle(low, high)
     if FRICTION in standings and standings[FRICTION].survives:
         low, high = document.parameters[FRICTION].low, document.parameters[FRICTION].high
-        found["friction"] = [
-            math.floor(spelled(low) * _FINE) / _FINE,
-            math.ceil(spelled(high) * _FINE) / _FINE,
-        ]
+        found["friction"] = _outward(low, high)
     return found
+
+
+def _outward(low: float, high: float) -> list[float]:
+    """Ends of a friction coefficient's range, rounded away from it."""
+    return [
+        math.floor(spelled(low) * _FINE) / _FINE,
+        math.ceil(spelled(high) * _FINE) / _FINE,
+    ]
 
 
 def about_middle(low: float, high: float) -> Ends:
@@ -171,26 +244,40 @@ def _errors(before: Mapping[str, float], absorbed: Iterable[Absorbed]) -> dict[s
     return {key: rounded_up(spelled(before[key]) + more) for key, more in added.items() if more > 0}
 
 
+_FIELDS = {
+    "length_um": "length_um",
+    "width_um": "width_um",
+    "sensed_position_um": "sensed_um",
+    "sensed_orientation_deg": "turned_deg",
+    "probe_position_um": "probe_um",
+    "tip_radius_um": "radius_um",
+    "passive_tip_radius_um": "radius_um",
+    "drag_centre_um": "drag_centre_um",
+    "drag_anisotropy_percent": "anisotropy",
+    "travel_direction_deg": "drift_um_s",
+    "travel_scale_percent": "drift_um_s",
+}
+"""The field of an absorbed effect that a key follows from."""
+
+
 def _reasons(standings: Mapping[str, Standing]) -> dict[str, str]:
     """For every key that can change, who changed it."""
-    fields = {
-        "length_um": "length_um",
-        "width_um": "width_um",
-        "sensed_position_um": "sensed_um",
-        "sensed_orientation_deg": "turned_deg",
-        "probe_position_um": "probe_um",
-    }
     effects = [one for one in standings.values() if one.absorbed is not None]
+
+    def by(field: str, *first: str) -> str:
+        plain = getattr(Absorbed(said=""), field)
+        names = [one.name for one in effects if getattr(one.absorbed, field) != plain]
+        return ", ".join([*(name for name in first if name in standings), *names])
+
+    found = {key: by(field) for key, field in _FIELDS.items()}
+    for key in ("tip_radius_um", "passive_tip_radius_um"):
+        found[key] = by("radius_um", ROUND_TIPS) or "the task's tips are points"
     return {
+        **found,
+        "size_tolerance_um": ", ".join(filter(None, (found["length_um"], found["width_um"]))),
         "film_ratio_um2": RATIO,
-        "film_ratio_percent": RATIO,
-        "friction": FRICTION,
-        **{
-            key: ", ".join(
-                one.name for one in effects if getattr(one.absorbed, field) not in (0.0, NOTHING)
-            )
-            for key, field in fields.items()
-        },
+        "film_ratio_percent": by("anisotropy", RATIO),
+        "friction": by("friction", FRICTION),
     }
 
 

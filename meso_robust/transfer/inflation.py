@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
+from meso_robust.wording import down_to, up_to
+
 Ends = tuple[float, float]
 Ranges = Mapping[str, Ends]
 """Lower and upper end of each parameter of an effect, in the catalogue's units."""
@@ -57,6 +59,16 @@ class Absorbed:
     length_um: Ends = NOTHING
     """By how much the part is longer than stated."""
     width_um: Ends = NOTHING
+    radius_um: Ends = NOTHING
+    """By how much every tip's radius is larger than stated."""
+    drag_centre_um: float = 0.0
+    """Added to the largest distance of the centre of drag from the reference point."""
+    anisotropy: float = 0.0
+    """Drag along the axis of the largest over the mean, less one: added for all axes."""
+    friction: Ends = (1.0, 1.0)
+    """Factors on the friction of a tip, each tip with its own."""
+    drift_um_s: float = 0.0
+    """Speed of all probes besides their travel, in any direction; no probe then rests."""
     post: Post | None = None
     """What the part and the tips must stay clear of."""
     bounded_by: Literal["", "place", "time"] = ""
@@ -125,6 +137,56 @@ def unmodelled_wall(ranges: Ranges, _: Budget) -> Absorbed:
     return Absorbed(
         said="of no effect if part and tips are proved to stay clear of it",
         post=Post(x_um=ranges["x_um"], y_um=ranges["y_um"], radius_um=ranges["radius_um"]),
+    )
+
+
+def tip_radius(ranges: Ranges, _: Budget) -> Absorbed:
+    """Every tip is larger than stated by the same."""
+    low, high = ranges["excess_um"]
+    return Absorbed(said=f"tips larger by {low:g} … {high:g} µm than stated", radius_um=(low, high))
+
+
+def drag_centre_offset(ranges: Ranges, _: Budget) -> Absorbed:
+    """The centre of drag is a point of the part, so far from the reference point."""
+    far = rounded_up(_distance(ranges, "x_um", "y_um"))
+    return Absorbed(said=f"drag centre within {far:g} µm", drag_centre_um=far)
+
+
+def drag_anisotropy(ranges: Ranges, _: Budget) -> Absorbed:
+    """The drag along two axes is 1 + a and 1 - a of their mean: they differ by 2 a.
+
+    Where every place of the area drags so, that of a turn is within (1 +- a) of the even film's.
+    """
+    most = largest(ranges["fraction"])
+    return Absorbed(
+        said=f"drag along two axes different by {up_to(200 * most, 3)} %, and ρ ± {up_to(100 * most, 3)} % more",
+        anisotropy=most,
+    )
+
+
+def edge_dependent_friction(ranges: Ranges, _: Budget) -> Absorbed:
+    """One edge has its own friction: a tip has that of the edge that it touches."""
+    low, high = ranges["change"]
+    factors = min(1.0, 1.0 + low), max(1.0, 1.0 + high)
+    return Absorbed(
+        said=f"each tip its own µ, × {down_to(factors[0], 4)} … {up_to(factors[1], 4)}",
+        friction=factors,
+    )
+
+
+def probe_drift(ranges: Ranges, budget: Budget) -> Absorbed:
+    """A steady drift bends and stretches a straight travel to another straight travel.
+
+    What drifted before the travel is an error of the probe's position.
+    """
+    speed = _distance(ranges, "x_um_s", "y_um_s")
+    far = rounded_up(speed * budget.seconds)
+    return Absorbed(
+        said=f"probe position ± {far:g} µm more: |d| t; and travels turned and stretched by |d| / v",
+        probe_um=far,
+        drift_um_s=speed,
+        bounded_by="time",
+        condition=f"the last move ends within {budget.seconds:g} s of the probes' calibration",
     )
 
 

@@ -48,6 +48,14 @@ def _one_point(claim: str, premise: Premise, why: str) -> Line:
     return Line(premise=premise, claim=claim, derivation=file, why=why)
 
 
+def _tensor(why: str, absorb: Absorb) -> Line:
+    file = "derivations/drag_tensor.py"
+    premise = Premise.FILM_DRAG
+    return Line(
+        premise=premise, claim="drag-tensor-sticking", derivation=file, why=why, absorb=absorb
+    )
+
+
 def _invariance(claim: str, premise: Premise, why: str, absorb: Absorb | None = None) -> Line:
     file = "derivations/invariances.py"
     return Line(premise=premise, claim=claim, derivation=file, why=why, absorb=absorb)
@@ -80,21 +88,20 @@ LINES: Mapping[str, Line] = {
         Premise.FILM_DRAG,
         "the drag is not linear in the twist: force over turning is no longer that of one ρ",
     ),
-    "anisotropic_drag": _invariance(
-        "film-isotropy", Premise.FILM_DRAG, "the drag has a preferred direction on the stage"
+    "anisotropic_drag": _tensor(
+        "the drag has a preferred direction on the stage", inflation.drag_anisotropy
     ),
-    "part_anisotropic_drag": _one_point(
-        "eq-5-normal-force",
-        Premise.FILM_DRAG,
-        "the drag along and across the part differ: e_x ≠ e_y",
+    "part_anisotropic_drag": _tensor(
+        "the drag along and across the part differ: e_x ≠ e_y", inflation.drag_anisotropy
     ),
-    "drag_centre_offset": _one_point(
-        "eq-5-turning",
-        Premise.FILM_DRAG,
+    "drag_centre_offset": _tensor(
         "the drag is centred beside the part's centre: pushing there turns it",
+        inflation.drag_centre_offset,
     ),
     "drag_gradient": _invariance(
-        "film-isotropy", Premise.FILM_DRAG, "the drag depends on the place, and its centre with it"
+        "film-isotropy",
+        Premise.FILM_DRAG,
+        "the drag depends on the place: its centre moves over the part as the part turns",
     ),
     "drag_drift": _invariance(
         "film-scale",
@@ -148,6 +155,7 @@ LINES: Mapping[str, Line] = {
         claim="no-jam",
         derivation="derivations/rotation_existence.py",
         why="the two tips of a rotation press on different edges: their μ differ",
+        absorb=inflation.edge_dependent_friction,
     ),
     "part_geometry": Line(
         premise=Premise.PART_KNOWN,
@@ -158,9 +166,10 @@ LINES: Mapping[str, Line] = {
     ),
     "tip_radius": Line(
         premise=Premise.POINT_TIPS,
-        claim="closed-form-motion",
-        derivation="derivations/sticking_motion.py",
+        claim="round-tip-sticking",
+        derivation="derivations/round_tips.py",
         why="a round tip rolls on the edge while the part turns: the contact does not stay at d2",
+        absorb=inflation.tip_radius,
     ),
     "reference_offset": _sensing(
         "the tracker follows another point of the part", inflation.reference_offset
@@ -178,11 +187,12 @@ LINES: Mapping[str, Line] = {
         inflation.backlash,
     ),
     "probe_drift": Line(
-        premise=Premise.ERRORS_BOUNDED,
+        premise=Premise.TRAVEL_STRAIGHT,
         claim="closed-form-motion",
         derivation="derivations/sticking_motion.py",
-        why="a probe's error grows during a move: its line is not along the axis, and the passive "
+        why="a probe's error grows during a move: its line is not along the axis, and a passive "
         "tip does not rest",
+        absorb=inflation.probe_drift,
     ),
     "camera_latency": _sensing("old poses are seen", inflation.camera_latency),
     "camera_scale": _sensing("lengths are seen too long", inflation.camera_scale),
@@ -191,14 +201,6 @@ LINES: Mapping[str, Line] = {
     "lens_distortion": _sensing("places far out are seen displaced", inflation.lens_distortion),
 }
 """Every effect of the simulator's catalogue."""
-
-POINT_TIPS = Line(
-    premise=Premise.POINT_TIPS,
-    claim=LINES["tip_radius"].claim,
-    derivation=LINES["tip_radius"].derivation,
-    why="a round tip touches beside its centre, and rolls on the edge while the part turns",
-)
-"""A tip of a radius, wherever its commanded place is that of its centre."""
 
 BASE = "viscous"
 """The model of motion that certificates are about."""

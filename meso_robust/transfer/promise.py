@@ -9,7 +9,6 @@ names the premise.
 from __future__ import annotations
 
 import hashlib
-import itertools
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -36,12 +35,12 @@ from meso_robust.identification.document import ModelDocument, read_model
 from meso_robust.identification.models import MODELS
 from meso_robust.laboratory.crosscheck import CLEAR, ROUNDING
 from meso_robust.pipeline import Planned, SimulatorContradictsProofError, judge
-from meso_robust.planning.compose import IN_HAND, Found, compose, robust_at
+from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Named, Reason, about
 from meso_robust.stages import Doing
-from meso_robust.task import Task
-from meso_robust.transfer.assumption_check import BREAKS, Standing, remedy, standings
+from meso_robust.task import POINT_TIPS, Task
+from meso_robust.transfer.assumption_check import BREAKS, Standing, in_place, remedy, standings
 from meso_robust.transfer.changing import Changed, changed, check_part
 from meso_robust.transfer.envelope import enough, needed, roomier
 from meso_robust.transfer.inflation import Budget
@@ -50,7 +49,6 @@ from meso_robust.transfer.running import Evidence, evidence
 MOST_RUNS = 200
 """Runs under the model's own physics; some of them are slow."""
 _ROUNDS = 4  # of budgets that are tried
-_WIDENED = (1.0, 2.0)  # times the part's uncertainty, added to the errors that the planner sees
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,12 +75,14 @@ class Promise:
     def conditions(self) -> tuple[str, ...]:
         """What the laboratory must also observe, besides the certificate's premises."""
         found = [one.absorbed.condition for one in self.standings if one.absorbed is not None]
-        points = [] if self.document.probe else ["the tips are points: the model states no radius"]
+        task = self.changed.task
+        silent = task.schema_ == POINT_TIPS and self.document.probe is None
+        points = ["the tips are points: the model states no radius"] if silent else []
         return (*points, *(one for one in found if one))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Found:
+class Recertified:
     """A plan for the task as changed for a budget."""
 
     changed: Changed
@@ -91,6 +91,12 @@ class _Found:
     wide: Chain
     kept: bool
     """Whether the plan keeps the budget that the bounds were computed for."""
+
+    @property
+    def proved(self) -> bool:
+        """Whether everything that the model says is kept and the plan certified."""
+        survives = all(one.survives for one in self.standings)
+        return survives and self.kept and self.wide.verdict is Verdict.PROVED
 
 
 def read(path: Path, task: Task) -> ModelDocument:
@@ -158,7 +164,7 @@ def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing:
         The simulator and the proof disagree.
     """
     with doing("searching for a plan with the model's parameters"):
-        found = _search(task, document)
+        found = recertified(task, document)
     planned = judge(found.changed.task, found.plan, samples, seed, doing)
     ran, why = None, "the model has no effects: the runs of the certificate are of its physics"
     if "+" in document.model or any(not one.survives for one in found.standings):
@@ -182,11 +188,28 @@ def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing:
     return made
 
 
-def _search(task: Task, document: ModelDocument) -> _Found:
+def recertified(task: Task, document: ModelDocument) -> Recertified:
     """A plan, and bounds of effects for as far out and as long as it goes.
 
     A first plan with small bounds tells how far that is; each further one gets bounds for the one
     before, until a plan keeps within what its own bounds were computed for.
+
+    Parameters
+    ----------
+    task, document
+        As for `promise`.
+
+    Returns
+    -------
+    Recertified
+        Neither simulated nor with a margin.
+
+    Raises
+    ------
+    InputError
+        The changed task breaks a rule of tasks.
+    NotApplicableError
+        No primitive can handle the changed task.
     """
     start, goal = task.start, task.goal
     far = max((one.x_um**2 + one.y_um**2) ** 0.5 for one in (start, goal))
@@ -200,7 +223,14 @@ def _search(task: Task, document: ModelDocument) -> _Found:
         if kept or wide.verdict is not Verdict.PROVED:
             break
         budget = roomier(need)
-    return _Found(changed=after, standings=found, plan=plan, wide=wide, kept=kept)
+    held = any(rule.single is not None for rule in plan.rules)
+    return Recertified(
+        changed=after,
+        standings=tuple(in_place(one, after.task, held=held) for one in found),
+        plan=plan,
+        wide=wide,
+        kept=kept,
+    )
 
 
 def _bounded(found: Sequence[Standing]) -> bool:
@@ -209,36 +239,17 @@ def _bounded(found: Sequence[Standing]) -> bool:
 
 
 def _plan(after: Changed) -> tuple[Found, Chain]:
-    """A plan for the changed task, and its certification for every size of the part."""
+    """A plan for the changed task, and its certification with posts."""
     try:
         first = compose(after.task)
     except NotApplicableError as error:
         said = ", ".join(f"{one.key} = {one.after}" for one in after.changes)
         raise NotApplicableError(f"{error} (with the model's {said or 'ranges'})") from error
-    wide = certify(first.rules, after.setup())
-    if wide.verdict is Verdict.PROVED or not any(after.half_um):
-        return first, wide
-    # the planner knows one size only: it is shown larger errors instead
-    for factor, scale in itertools.product(_WIDENED, IN_HAND):
-        rules = robust_at(_with_errors(after, factor), scale)
-        again = None if rules is None else certify(rules, after.setup())
-        if rules is not None and again is not None and again.verdict is Verdict.PROVED:
-            return Found(rules=rules, scale=1.0), again
-    return first, wide
-
-
-def _with_errors(after: Changed, factor: float) -> Task:
-    more = factor * max(after.half_um)
-    known = after.task.uncertainty
-    larger = {
-        "sensed_position_um": known.sensed_position_um + more,
-        "probe_position_um": known.probe_position_um + more,
-    }
-    return after.task.model_copy(update={"uncertainty": known.model_copy(update=larger)})
+    return first, certify(first.rules, after.setup())
 
 
 def _ran(
-    found: _Found, task: Task, document: ModelDocument, runs: int, seed: int, planned: Planned
+    found: Recertified, task: Task, document: ModelDocument, runs: int, seed: int, planned: Planned
 ) -> tuple[Evidence | None, str]:
     x, y, theta = (CLEAR * error + ROUNDING for error in planned.check.error)
     try:
@@ -247,7 +258,7 @@ def _ran(
         return None, f"the simulator cannot run this model: {error}"
 
 
-def _judged(planned: Planned, found: _Found, document: ModelDocument, task: Task) -> Planned:
+def _judged(planned: Planned, found: Recertified, document: ModelDocument, task: Task) -> Planned:
     """The plan with the certificate of the promise."""
     plain = planned.certificate
     made_with = {
@@ -262,7 +273,7 @@ def _judged(planned: Planned, found: _Found, document: ModelDocument, task: Task
         update |= _unknown(planned, chain, _premise(planned, broken))
     elif plain.verdict == "PROVED" and found.wide.verdict is not Verdict.PROVED:
         chain = found.wide
-        found_open = undecided_document(chain, about(Remedy.MEASURE_PART))
+        found_open = undecided_document(chain, about(Remedy.CLEAR_STAGE))
         update |= _unknown(planned, chain, found_open) | _steps(planned, chain)
     elif plain.verdict == "PROVED" and not found.kept:
         update |= _unknown(planned, chain, _budget(planned))

@@ -33,7 +33,7 @@ def adhering(pull_um_s: float) -> ModelDocument:
         {"tip_adhesion.pull_um_s": (pull_um_s, pull_um_s)},
         base={"rho_um2": (12_850.0, 13_130.0), "mu": (0.30, 0.36)},
         held={"tip_adhesion.range_um": 2.0},
-        part=task.part.model_dump(),
+        part=task.part.model_dump(exclude_none=True),
     )
 
 

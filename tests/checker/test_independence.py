@@ -8,7 +8,7 @@ import pytest
 from pydantic import BaseModel
 
 import meso_robust.checker
-from meso_robust.task import Goal, Part, PolygonPart, Pose, Probe, Slot, Uncertainty
+from meso_robust.task import Film, Goal, Part, PolygonPart, Pose, Probe, Slot, Uncertainty
 from tests.test_architecture import imported
 
 FOLDER = Path(meso_robust.checker.__file__).parent
@@ -30,15 +30,22 @@ def test_it_imports_nothing_of_the_planner_or_the_search(path: Path) -> None:
 
 def test_the_checker_knows_every_value_of_a_task() -> None:
     """A new one must be given a place in the proof before it is listed here."""
+    made = {"size_tolerance_um", "squareness_deg", "corner_radius_um"}
     known: dict[type[BaseModel], set[str]] = {
-        Part: {"length_um", "width_um"},
-        PolygonPart: {"polygon_um"},
+        Part: {"length_um", "width_um", *made},
+        PolygonPart: {"polygon_um", *made},
         Pose: {"x_um", "y_um", "theta_deg"},
         Goal: {"x_um", "y_um", "theta_deg", "position_tolerance_um", "orientation_tolerance_deg"},
-        Probe: {"tip_spacing_um", "speed_um_s", "headings"},
+        Probe: {
+            "tip_spacing_um", "tip_spacing_tolerance_um", "tip_radius_um", "passive_tip_radius_um",
+            "max_force_un", "speed_um_s", "headings",
+        },
+        Film: {"drag_un_s_per_um"},
         Uncertainty: {
             "sensed_position_um", "sensed_orientation_deg", "probe_position_um", "friction",
-            "film_ratio_um2", "film_ratio_percent", "tip_misalignment_deg",
+            "film_ratio_um2", "film_ratio_percent", "tip_misalignment_deg", "friction_common",
+            "travel_direction_deg", "travel_scale_percent", "drag_centre_um",
+            "drag_anisotropy_percent", "probe_wander_um",
         },
         Slot: {  # no wall is touched, so the friction there does not matter
             "mouth_x_um", "mouth_y_um", "opens", "width_um", "depth_um", "wall_um", "friction",

@@ -15,10 +15,10 @@ from flint import ctx
 from typer.testing import CliRunner
 
 from meso_robust.certificates import words as told
-from meso_robust.certificates.premise import Premise
+from meso_robust.certificates.premise import SCHEMA_1, Premise, premises
 from meso_robust.certificates.words import words
 from meso_robust.checker import ids, words as own
-from meso_robust.checker.inputs import SCALED, given, uncertainties
+from meso_robust.checker.inputs import ALWAYS_STATED, given, uncertainties
 from meso_robust.checker.reading import digest
 from meso_robust.checker.statement import STATEMENTS
 from meso_robust.checker.verdict import BITS
@@ -33,8 +33,10 @@ from meso_robust.primitives.names import (
     every_obligation,
 )
 from meso_robust.primitives.setup import Uncertainty
+from meso_robust.task import parse_task
 from tests.checker.test_check import checked, objection
 from tests.conftest import paper_task
+from tests.test_task_real import ROUND, values as task_values
 
 Document = dict[str, Any]
 UNDECIDED = {
@@ -59,7 +61,7 @@ def test_both_sides_name_the_same() -> None:
     for one in set(Inequality) - {Inequality.NONE}:
         assert one.derivation == STATEMENTS[one].derivation
         assert one.any_value == STATEMENTS[one].any_value
-    assert set(SCALED) <= {field.name for field in fields(Uncertainty)}
+    assert set(ALWAYS_STATED) <= {field.name for field in fields(Uncertainty)}
 
 
 def test_names_are_no_sentences_and_each_means_one_thing() -> None:
@@ -144,7 +146,30 @@ def test_outside_of_the_reading_there_is_no_sentence(document: Document) -> None
 # ----------------------------------------------------------------- the ground of a claim
 
 
-@pytest.mark.parametrize("name", Premise)
+@pytest.mark.parametrize(
+    ("changes", "swapped"),
+    [
+        ({}, set()),
+        (ROUND, {"coulomb_each_tip"}),
+        ({**ROUND, "uncertainty.friction_common": True}, {"coulomb_friction"}),
+        (
+            {**ROUND, "probe.max_force_un": 20.0, "film.drag_un_s_per_um": 0.2},
+            {"coulomb_each_tip", "probes_rigid_below_cap"},
+        ),
+    ],
+)
+def test_both_sides_grant_the_same_for_a_task(changes: dict[str, Any], swapped: set[str]) -> None:
+    task = parse_task(task_values(changes), "real")
+    found = [one.value for one in premises(task)]
+
+    assert found == [one.value for one in ids.premises(task)]
+    assert ("point_tips" in found) == (not changes)
+    assert ("tips_are_discs" in found) == bool(changes)
+    assert swapped <= set(found)
+    assert len(found) == (10 if changes else 12)
+
+
+@pytest.mark.parametrize("name", SCHEMA_1)
 def test_a_premise_may_not_be_left_out(document: Document, name: Premise) -> None:
     found = copy.deepcopy(document)
     found["claim"]["premises"].remove(name)
@@ -177,7 +202,7 @@ def test_an_uncertainty_that_the_checker_does_not_know_is_rejected(document: Doc
     assert objection(found) == "value: claim.uncertainties"
 
 
-@pytest.mark.parametrize("name", SCALED)
+@pytest.mark.parametrize("name", ALWAYS_STATED)
 @pytest.mark.parametrize("by", [-1e-9, 1e-9])
 def test_a_claim_for_another_range_is_rejected(document: Document, name: str, by: float) -> None:
     found = copy.deepcopy(document)

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.grip import Grip
+from meso_robust.checker.film import Arm, Film
 from meso_robust.checker.ranges import least, positive, span
 
 D1, RHO = 0.4185, 0.3769  # mm, mm^2
@@ -42,49 +42,27 @@ def test_sticking_forces_solve_the_balance(theta: float, d2: float) -> None:
     columns = np.array([column(-n, arm), column(a, arm)]).T
     speeds = np.array([speed(columns[:, k], arm) for k in (0, 1)]).T
     press, shear = np.linalg.solve(speeds, [-1.0, 0.0]) * (RHO + arm @ arm)
-    at = contact(theta, d2)
-    assert float(at.press(arb(RHO)).value) == pytest.approx(press, rel=1e-12)
-    assert float(at.shear(arb(RHO)).value) == pytest.approx(shear, rel=1e-12)
+    at, found = contact(theta, d2), Arm.of(arb(D1), Dual(arb(d2)), Film(arb(RHO)))
+    assert float(found.press(at.c, at.s).value) == pytest.approx(press, rel=1e-12)
+    assert float(found.shear(at.c, at.s).value) == pytest.approx(shear, rel=1e-12)
 
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_the_travel_of_a_turn_is_the_integral_of_its_rate(side: int) -> None:
-    d2, start, end = side * 0.33, 1.55, 1.55 + side * 0.1
-    turning = Turning(contact(start, d2), side)
-    needed = turning.needed(contact(end, d2), arb(RHO)).value
+    d2, start, turn = side * 0.33, 1.55, side * 0.1
+    turning = Turning(contact(start, d2), Dual(arb(start)), side, Film(arb(RHO)))
+    needed = turning.needed(Dual(arb(turn))).value
     factor = arb(RHO) + arb(d2) ** 2 + arb(D1) ** 2
     with ctx.workprec(80):
         integral = acb.integral(
-            lambda t, _: 1 / (acb(d2) * t.sin() - acb(D1) * t.cos()), acb(start), acb(end)
+            lambda t, _: 1 / (acb(d2) * t.sin() - acb(D1) * t.cos()), acb(start), acb(start + turn)
         ).real
     assert float(needed) == pytest.approx(float(factor * integral), rel=1e-10)
-    turned, arm_x, arm_y = turning.after(needed, arb(RHO))
-    assert float(turned.value) == pytest.approx(end - start, abs=1e-12)
-    last = contact(end, d2)
+    turned, arm_x, arm_y = turning.contact_after(needed)
+    assert float(turned.value) == pytest.approx(turn, abs=1e-12)
+    last = contact(start + turn, d2)
     assert float(arm_x.value) == pytest.approx(float(last.arm_x.value), abs=1e-12)
     assert float(arm_y.value) == pytest.approx(float(last.arm_y.value), abs=1e-12)
-
-
-@pytest.mark.parametrize("ratios", [(-1, -1), (-1, 1), (1, -1), (1, 1)])
-@pytest.mark.parametrize("h", [0.7, 0.0, -0.4])
-def test_the_slide_of_a_gripped_part_solves_the_balance(h: float, ratios: tuple[int, int]) -> None:
-    V, sigma, mu = 0.906, -0.3, 0.33
-    T = math.sqrt(h * h + V * V - 4 * D1 * D1)
-    theta = math.atan2(V, h) + math.asin(2 * D1 / math.hypot(h, V))
-    a, n = frame(theta)
-    arms = (T / 2 - sigma) * a + D1 * n, (-T / 2 - sigma) * a - D1 * n
-    forces = -n + ratios[0] * mu * a, n + ratios[1] * mu * a
-    columns = [column(force, arm) for force, arm in zip(forces, arms, strict=True)]
-    system = np.array([[speed(one, arm) @ n for one in columns] for arm in arms])
-    loads = np.linalg.solve(system, [np.array([-1.0, 0.0]) @ n, 0.0])
-    twist = loads @ np.array(columns)
-    grip = Grip.at(Dual(arb(h)), Dual(arb(V)), arb(D1))
-    found = grip.forces(Dual(arb(sigma)), arb(RHO), arb(mu * ratios[0]), arb(mu * ratios[1]))
-    pair = [float((force / found.divisor).value) for force in (found.D, found.S)]
-    assert pair == pytest.approx(list(loads), rel=1e-9)
-    slide = grip.slide(Dual(arb(sigma)), arb(RHO), arb(mu), *ratios).value
-    assert float(slide) == pytest.approx((twist[0] + 0.5) * a[0] + twist[1] * a[1], rel=1e-9)
-    assert twist[2] == pytest.approx(math.sin(theta) / T)
 
 
 def test_bounds_of_a_formula_hold_what_it_takes() -> None:

@@ -27,7 +27,7 @@ from meso_robust.checker import numbers
 from meso_robust.checker.approach import Approach, approach
 from meso_robust.checker.dual import Dual
 from meso_robust.checker.ids import place
-from meso_robust.checker.inputs import SCALED, given
+from meso_robust.checker.inputs import ALWAYS_STATED, given
 from meso_robust.checker.moves import verify_move
 from meso_robust.checker.pair import Pair
 from meso_robust.checker.passage import Sweep
@@ -65,7 +65,7 @@ def certificate() -> str:
     rules = compose(task).rules
     setup = setup_of(task)
     chain = certify(rules, setup)
-    margin = Margin(factor=1.0, refused=None, binding=SCALED[0], each=dict.fromkeys(SCALED, 1.0), limit=None)  # fmt: skip
+    margin = Margin(factor=1.0, refused=None, binding=ALWAYS_STATED[0], each=dict.fromkeys(ALWAYS_STATED, 1.0), limit=None)  # fmt: skip
     none = (0.0, 0.0, 0.0)
     return CertificateDocument(
         verdict=chain.verdict.word,
@@ -139,7 +139,7 @@ def test_walls_in_the_way_of_a_tip_only_are_rejected(slot_document: Document) ->
 
 
 def test_the_margin_includes_the_walls(slot_document: Document) -> None:
-    slot_document["margin"] |= {"factor": 1.2, "each_alone": dict.fromkeys(SCALED, 1.2)}
+    slot_document["margin"] |= {"factor": 1.2, "each_alone": dict.fromkeys(ALWAYS_STATED, 1.2)}
     obligation(slot_document, 3, "part_clear_of_walls")["lower_bound"] = (1e-9).hex()
     assert refusal(answer(slot_document, width_um=928.5)) == "value: margin.factor"
     slot_document["margin"] |= {"factor": 1.0}
@@ -272,7 +272,7 @@ def test_the_approach_closes_the_gap_between_tip_and_far_edge(slot_document: Doc
     """Geometry of both tips on a part while the gap is open."""
     rng = np.random.default_rng(3)
     scene = next(scene for scene, _ in sweeps(slot_document) if scene.rule.action == "rotate")
-    touching: Approach = approach(scene, Pair(scene))
+    touching: Approach = approach(Pair(scene))
     swept = touching.swept()
     for _ in range(20):
         at = at_random(swept.box, rng)
@@ -285,4 +285,4 @@ def test_the_approach_closes_the_gap_between_tip_and_far_edge(slot_document: Doc
         off = passive - (x, y)
         gap = float((at["left"] * at["gap"]).value)
         assert -off @ n == pytest.approx(gap + float(scene.d1), abs=1e-12)
-        assert off @ a == pytest.approx(float(touching.state(at).place.value), abs=1e-12)
+        assert off @ a == pytest.approx(float(touching.state(at).b.value), abs=1e-12)

@@ -18,8 +18,10 @@ from meso_robust.cli import app
 from meso_robust.planning.document import plan_document
 from meso_robust.reading import LARGEST_DATA, LARGEST_STATED
 from meso_robust.tasks import PAPER
+from meso_robust.toml_files import toml_text
 from tests.recordings.examples import folder_of
 from tests.strategies import paper_chain, paper_task
+from tests.test_task_real import BAD as UNREAL, values as task_values
 
 RUNNER = CliRunner()
 WAY_OUT = re.compile(
@@ -141,6 +143,19 @@ def test_a_file_that_is_not_what_it_should_be(
         bad = tmp_path / f"{what}.{ending}"
         bad.write_bytes(content(ending))
         refused(ran(line, good, bad, tmp_path / "out"), bad.name, tmp_path / "out")
+
+
+@pytest.mark.parametrize("name", UNREAL)
+def test_a_task_of_tips_and_parts_that_cannot_be(
+    name: str, good: dict[str, str], tmp_path: Path
+) -> None:
+    changes, words = UNREAL[name]
+    bad = tmp_path / "unreal.toml"
+    bad.write_text(toml_text(task_values(changes)), encoding="utf-8")
+    for line in ("plan {bad}", "drive {bad} PLAN"):
+        result = ran(line, good, bad, tmp_path / "out")
+        refused(result, bad.name, tmp_path / "out")
+        assert all(word in result.stderr.replace("µm", "um") for word in words), result.stderr
 
 
 @pytest.mark.parametrize("line", FILES)

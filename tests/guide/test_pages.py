@@ -22,6 +22,7 @@ from meso_robust.reporting.words import QUANTITIES
 from meso_robust.tasks import HEXAGON, SLOT, TWO_PROBES
 from reports.guide.pages import FORMATS, GLOSSARY, OTHERS, formats, with_symbols
 from tests.strategies import paper_chain
+from tests.test_task_real import GIVEN
 
 ROOT = Path(meso_robust.__file__).parent.parent
 PAGES = sorted(GUIDE.glob("*.md"))
@@ -130,6 +131,9 @@ def test_keys_of_a_task_that_are_explained_are_all_its_keys() -> None:
     for task in (SLOT, TWO_PROBES, HEXAGON):
         for section, of in tomllib.loads(task.read_text(encoding="utf-8")).items():
             values.setdefault(section, {}).update(of if isinstance(of, dict) else {})
+    for key, value in GIVEN.items():
+        section, _, name = key.partition(".")
+        values.setdefault(section, {})[name] = value
     explained = set(re.findall(r"`(\w+\.[\w…]+)`", text("your_task.md")))
     for section, keys in values.items():
         wanted = {f"{section}.{key}" for key in keys}

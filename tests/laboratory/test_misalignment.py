@@ -103,7 +103,9 @@ def test_the_checker_puts_them_there_too(frame: Frame, beta: float) -> None:
     start = PoseBox(**dict(zip(("x", "y", "theta"), (side_of(arb(v)) for v in mid), strict=True)))
     scene = scene_of(rule, start, known)
     zero = side_of(arb(0))
-    point = point_of({**scene.box, **dict.fromkeys(("sx", "sy", "px", "py"), zero)})
+    point = point_of(
+        {**scene.box, **dict.fromkeys(("sensed_x", "sensed_y", "probe_x", "probe_y"), zero)}
+    )
 
     def at(side: int) -> np.ndarray:
         found: list[Dual] = [

@@ -45,15 +45,23 @@ def runs_script(more: str = "") -> Script:
     return Script(slim(str(engine()) + TOLD + more))
 
 
-def draw_of(draws: Draws, row: int) -> Json:
-    """One row of draws as the script takes it, um and rad."""
+def draw_of(draws: Draws, row: int, spacing: float = 580e-6, edges: int = 4) -> Json:
+    """One row of draws as the script takes it, um and rad; what it does not have is exact."""
     scale = np.array([units.UM, units.UM, 1.0])
+    moves = draws.sensing.shape[1]
     return {
         "start": (draws.start[row] / scale).tolist(),
-        "friction": float(draws.friction[row]),
+        "friction": [float(draws.friction[row])] * 3,
         "film_ratio": float(draws.film_ratio[row]) / units.UM**2,
         "misalignment": float(draws.misalignment[row]),
         "sensing": (draws.sensing[row] / scale).tolist(),
         "dual": (draws.dual[row] / units.UM).tolist(),
         "single": (draws.single[row] / units.UM).tolist(),
+        "spacing": spacing / units.UM,
+        "radius": [0.0] * 3,
+        "size": [0.0] * edges,
+        "squareness": [0.0] * edges,
+        "direction": [0.0] * moves,
+        "scale": [0.0] * moves,
+        **dict.fromkeys(("centre", "bearing", "anisotropy", "axis"), 0.0),
     }

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
 
 from meso_robust.pipeline import Planned
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Reason, about
+from meso_robust.primitives.setup import Uncertainty
 from meso_robust.reporting import rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.plan import report
 from meso_robust.reporting.reading import Standing
 from meso_robust.reporting.steps import step_rows
+from meso_robust.task import parse_task
+from tests.test_task_real import GIVEN, ROUND, values
 
 
 def with_excess(result: Planned, *excess: tuple[float, float, float]) -> Planned:
@@ -65,6 +68,26 @@ def test_a_margin_is_told_as_less_than_was_proved_everywhere(proved: Planned) ->
     budgets = {row.name: row.budget for row in rows.margin_rows(result).rows}
     assert budgets["probe position"] == "± 8.437 µm"  # 5 times 1.6875 is 8.4375
     assert budgets["friction"] == "0.28 … 0.38"  # 0.33 ± 0.050625, inward
+
+
+def test_every_uncertainty_has_its_words_and_its_budget(proved: Planned) -> None:
+    """By hand: radii 7.5 ± 5 um by 1.5 and by 2, where a tip would get a negative one; the rest times 2."""
+    task = parse_task(values({**ROUND, **GIVEN}), "real")
+    result = replace(proved, task=task)
+    names = [field.name for field in fields(Uncertainty)]
+    stated = rows._stated(result)
+    budgets = {name: rows._budget(result, name, 2.0) for name in names}
+
+    assert set(stated) == set(names)
+    assert stated["tip_radius"] == "2.5 … 12.5 µm"
+    assert stated["travel_direction"] == "−0.1 … 0.1 deg"
+    assert stated["size"] == "± 4 µm"
+    assert rows._budget(result, "tip_radius", 1.5) == "0 … 15 µm"
+    assert budgets["tip_radius"] == "0 … 17.5 µm"
+    assert budgets["passive_tip_radius"] == "1.25 … 6.25 µm"
+    assert budgets["drag_anisotropy"] == "± 10 %"
+    assert budgets["squareness"] == "± 0.2 deg"
+    assert budgets["probe_wander"] == "± 1 µm"
 
 
 def test_what_is_to_spare_is_the_room_of_the_certified_box(proved: Planned) -> None:

@@ -148,7 +148,12 @@ def test_a_rectangle_told_by_its_corners_moves_the_same(script: Script) -> None:
 def part_of(script: Script, name: str) -> Json:
     task, _, _ = planned(name)
     setup = setup_of(task)
-    found = script.call("partOf", told_task(setup), draw_of(nominal(setup, 1), 0), False)
+    found = script.call(
+        "partOf",
+        told_task(setup),
+        draw_of(nominal(setup, 1), 0, edges=len(setup.outline.corners)),
+        False,
+    )
     assert isinstance(found, dict)
     return found
 
@@ -157,7 +162,7 @@ def test_a_tip_in_the_notch_is_declined_and_one_in_the_part_is_inside(script: Sc
     part, pose = part_of(script, "L-shape"), {"x": 0.0, "y": 0.0, "theta": 0.0}
 
     def told_of(x: float, y: float) -> Any:
-        return script.call("hindrance", part, [{"x": x, "y": y}], 100.0, pose)
+        return script.call("hindrance", part, [{"x": x, "y": y, "r": 0.0}], 100.0, pose)
 
     assert told_of(300.0, 300.0)["end"].startswith("leaves what the closed forms describe")
     assert "inside" not in told_of(300.0, 300.0)
@@ -168,7 +173,8 @@ def test_a_tip_in_the_notch_is_declined_and_one_in_the_part_is_inside(script: Sc
 
 def test_a_tip_that_enters_the_notch_is_declined(script: Script) -> None:
     part = part_of(script, "L-shape")
-    tips = [{"x": 900.0, "y": 200.0, "active": True}, {"x": 900.0, "y": 1500.0, "active": True}]
+    both = {"x": 900.0, "active": True, "r": 0.0, "mu": 0.3}
+    tips = [{**both, "y": 200.0}, {**both, "y": 1500.0}]
     source = """
     const entered = (part, tips) => runMove(part, tips, 700,
       { part: () => Infinity, tip: () => Infinity }, { x: 0, y: 0, theta: 0 }, () => {});

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from importlib import import_module
 from pathlib import Path
@@ -22,7 +23,7 @@ from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, ObligationId, When
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.reporting.view import task as told_task
+from meso_robust.reporting.view import FORMULAS, engine, task as told_task
 from meso_robust.simulator import Outcome
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import PAPER
@@ -58,8 +59,10 @@ def told(
 ) -> list[Json]:
     rules = [rule.model_dump(mode="json") for rule in policy]
     task = told_task(setup)
+    spacing, edges = setup.spacing.mid, len(task["corners"])
     return [
-        script.call("told", task, rules, draw_of(draws, row)) for row in range(len(draws.start))
+        script.call("told", task, rules, draw_of(draws, row, spacing, edges))
+        for row in range(len(draws.start))
     ]
 
 
@@ -101,6 +104,8 @@ LENGTHS = {
     "tau_S": (-0.9, 0.9),
     "side": (-1.0, 1.0),
     "beta": (-0.5, 0.5),
+    "stretch": (-0.3, 0.3),
+    "shear": (-0.3, 0.3),
 }
 
 
@@ -112,6 +117,7 @@ def value_of(name: str, rng: np.random.Generator) -> float:
 @pytest.mark.parametrize(
     "module",
     [
+        "contact_response",
         "one_point_sticking",
         "polygon_edge",
         "sticking_motion",
@@ -120,7 +126,8 @@ def value_of(name: str, rng: np.random.Generator) -> float:
         "y_translation",
     ],
 )
-def test_formulas_are_those_of_the_package(script: Script, module: str) -> None:
+def test_formulas_are_those_of_the_package(module: str) -> None:
+    script = Script(FORMULAS.read_text(encoding="utf-8"))
     rng = np.random.default_rng(1)
     functions = vars(import_module(f"meso_robust._generated.{module}"))
     compared = 0
@@ -140,6 +147,15 @@ def test_formulas_are_those_of_the_package(script: Script, module: str) -> None:
             assert found == pytest.approx(expected, rel=1e-9, abs=1e-11 * scale), name
             compared += 1
     assert compared >= 20 * (len([f for f in functions.values() if callable(f)]) - 1)
+
+
+def test_a_page_carries_the_formulas_that_it_calls_and_no_others() -> None:
+    whole, carried = FORMULAS.read_text(encoding="utf-8"), str(engine())
+    names = set(re.findall(r"^ {4}(\w+)\(", whole, re.M))
+    script = carried[carried.index("\n};\n") :]
+    called = {name for name in names if f".{name}(" in script}
+    assert called == set(re.findall(r"^ {4}(\w+)\(", carried[: -len(script)], re.M))
+    assert 5 < len(called) < len(names)
 
 
 # -- the runs --------------------------------------------------------------------------------------

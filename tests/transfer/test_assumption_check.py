@@ -6,8 +6,6 @@ import pytest
 
 from meso_robust.certificates.premise import Premise
 from meso_robust.certificates.words import PREMISES
-from meso_robust.planning.remedy import Remedy
-from meso_robust.primitives.names import about
 from meso_robust.transfer.assumption_check import by_name, standings
 from meso_robust.transfer.inflation import Budget
 from tests.transfer.models import model, values
@@ -87,15 +85,14 @@ def test_nothing_is_promised_on_a_diagnosis_that_is_open(verdict: str) -> None:
     assert found["mu"].survives
 
 
-def test_a_radius_that_the_recordings_state_is_a_premise_that_is_not_kept() -> None:
-    points = standings(model(probe={"tip_radius_um": 0.0}), BUDGET)
+def test_a_radius_that_the_recordings_state_is_what_is_proved() -> None:
+    points = by_name(standings(model(probe={"tip_radius_um": 0.0}), BUDGET))
     found = by_name(standings(model(probe={"tip_radius_um": 12.5}), BUDGET))["round tips"]
 
-    assert all(one.survives for one in points)
-    assert found.word == "breaks a premise"
+    assert "round tips" not in points
+    assert found.word == "absorbed"
     assert found.premise is Premise.POINT_TIPS
     assert "12.5 um" in found.said
-    assert found.settled_by == about(Remedy.PROVE_ROUND_TIPS, radius_um="12.5")
 
 
 @pytest.mark.parametrize(("p_value", "rejected"), [(0.0, True), (0.0009, True), (0.002, False)])

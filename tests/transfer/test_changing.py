@@ -7,7 +7,6 @@ from fractions import Fraction
 import pytest
 from hypothesis import given, strategies as st
 
-from meso_robust.bounds import Interval
 from meso_robust.errors import InputError
 from meso_robust.task import Part, load_task, parse_task
 from meso_robust.toml_files import read_toml, toml_of
@@ -86,17 +85,82 @@ def test_errors_of_several_effects_add_up() -> None:
 
 
 def test_sides_of_the_part_keep_their_interval() -> None:
+    """1616 + 2 (2 … 4) and 837 + 2 (-1 … 0.5) um: 1620 … 1624 and 835 … 838, and the larger half."""
     found = made({"part_geometry.x_um": (2.0, 4.0), "part_geometry.y_um": (-1.0, 0.5)})
-    setup = found.setup()
 
-    assert found.task.part == Part(length_um=1622.0, width_um=836.5)
-    assert found.half_um == (1.0, 0.75)
-    assert found.wider
-    # half of 1616 + 2 (2 … 4) and of 837 + 2 (-1 … 0.5)
-    assert Interval(810.0000001e-6, 811.9999999e-6).within(setup.half_length)
-    assert setup.half_length.within(Interval(809.999e-6, 812.001e-6))
-    assert Interval(417.5000001e-6, 418.9999999e-6).within(setup.half_width)
-    assert setup.half_width.within(Interval(417.499e-6, 419.001e-6))
+    assert found.task.part == Part(length_um=1622.0, width_um=836.5, size_tolerance_um=2.0)
+    assert not found.wider
+    assert found.setup().uncertainty.size.hi == pytest.approx(1e-6)
+
+
+def real(effects: dict[str, tuple[float, float]], **rest: object) -> Changed:
+    found = made(effects, **rest)
+    assert found.task.schema_ == "meso-robust/task/2"
+    return found
+
+
+def test_a_measured_radius_is_that_of_the_recordings_and_its_error() -> None:
+    found = real({"tip_radius.excess_um": (-0.456, 0.2)}, probe={"tip_radius_um": 12.5})
+
+    assert found.task.probe.tip_radius_um == (12.04, 12.7)
+    assert found.task.probe.passive_tip_radius_um is None
+    assert found.task.uncertainty.friction_common is True  # as in schema 1
+    assert found.task.tips == "round tips, radius 12.04 to 12.7 um"
+    changes = {one.key: one for one in found.changes}
+    assert changes["probe.tip_radius_um"].before == "exact"
+    assert changes["probe.tip_radius_um"].because == "round tips, tip_radius"
+    assert "uncertainty.friction_common" not in changes
+
+
+def test_recordings_with_round_tips_are_about_round_tips() -> None:
+    assert real({}, probe={"tip_radius_um": 12.5}).task.probe.tip_radius_um == (12.5, 12.5)
+
+
+def test_a_task_of_round_tips_keeps_what_it_says_unless_the_model_says_more() -> None:
+    """A stated passive tip is larger by the same as the others."""
+    values = paper_task().to_dict()
+    values["schema"] = "meso-robust/task/2"
+    values["probe"] |= {"tip_radius_um": [2.5, 12.5], "passive_tip_radius_um": [1.0, 2.0]}
+    task = parse_task(values, "real")
+    plain, wider = model({}), model({"tip_radius.excess_um": (0.0, 1.0)})
+    probes = [changed(task, one, standings(one, BUDGET)).task.probe for one in (plain, wider)]
+
+    assert (probes[0].tip_radius_um, probes[0].passive_tip_radius_um) == ((2.5, 12.5), (1.0, 2.0))
+    assert (probes[1].tip_radius_um, probes[1].passive_tip_radius_um) == ((2.5, 13.5), (1.0, 3.0))
+
+
+def test_the_film_s_unevenness_is_written_into_the_task() -> None:
+    """By hand: hypot(3, 4) = 5; 200 x 0.7 %; and ρ ± 5 % of an anisotropy of 0.7 % more."""
+    centre = real({"drag_centre_offset.x_um": (-3.0, 1.0), "drag_centre_offset.y_um": (2.0, 4.0)})
+    fraction = {"anisotropic_drag.fraction": (0.002, 0.007)}
+    lay = real(fraction, base={"rho_um2": (361_000.0, 399_000.0), "mu": (0.32, 0.34)}).task
+
+    assert centre.task.uncertainty.drag_centre_um == pytest.approx(5.0, abs=0.011)  # outward
+    assert lay.uncertainty.drag_anisotropy_percent == pytest.approx(1.4, abs=0.011)
+    assert lay.uncertainty.film_ratio_um2 == 380_000.0
+    assert 5.735 <= lay.uncertainty.film_ratio_percent <= 5.75
+    assert real({"part_anisotropic_drag.fraction": (-0.01, 0.0)}).task.uncertainty == (
+        real({"anisotropic_drag.fraction": (0.0, 0.01)}).task.uncertainty
+    )
+
+
+def test_an_edge_of_its_own_friction_gives_each_tip_its_own() -> None:
+    """By hand: 0.32 x 0.9 and 0.34 x 1, each tip in between."""
+    u = real({"edge_dependent_friction.change": (-0.1, -0.05)}).task.uncertainty
+
+    assert u.friction == pytest.approx((0.288, 0.34), abs=1.1e-6)
+    assert u.friction_common is False
+
+
+def test_a_drift_of_the_probes_bends_and_stretches_their_travel() -> None:
+    """By hand: 0.06 and 0.08 um/s are 0.1 of 75 um/s, so 0.0764 deg and 0.1334 %; 10 um in 100 s."""
+    u = real(
+        {"probe_drift.x_um_s": (0.0, 0.06), "probe_drift.y_um_s": (-0.08, 0.0)}
+    ).task.uncertainty
+
+    assert u.travel_direction_deg == (-0.08, 0.08)
+    assert u.travel_scale_percent == 0.14
+    assert u.probe_position_um == pytest.approx(15.0, abs=0.011)
 
 
 def test_a_post_becomes_a_wall_as_large_as_it_can_be() -> None:

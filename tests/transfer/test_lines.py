@@ -72,4 +72,10 @@ def test_which_effects_are_absorbed_is_said_here_once_more() -> None:
         "camera_rotation",
         "camera_drift",
         "lens_distortion",
+        "tip_radius",
+        "anisotropic_drag",
+        "part_anisotropic_drag",
+        "drag_centre_offset",
+        "edge_dependent_friction",
+        "probe_drift",
     }

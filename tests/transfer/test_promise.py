@@ -22,7 +22,6 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.transfer import promise as module
 from meso_robust.transfer.answer import document, summary, why, worst_words
 from meso_robust.transfer.assumption_check import standings
-from meso_robust.transfer.changing import changed
 from meso_robust.transfer.document import EvidenceMade
 from meso_robust.transfer.envelope import needed
 from meso_robust.transfer.inflation import Budget
@@ -46,7 +45,7 @@ def made(document: ModelDocument) -> Promise:
 
 
 def searched(document: ModelDocument) -> Any:
-    return module._search(paper_task(), document)
+    return module.recertified(paper_task(), document)
 
 
 @cache
@@ -128,40 +127,35 @@ def test_runs_that_contradict_an_absorbed_effect_are_no_answer(
         made(model({"drag_drift.rate_percent_s": (1.0, 2.0)}))
 
 
-def test_every_size_of_the_part_must_be_certified_not_only_the_middle() -> None:
-    """The plan for one size is not certified for sides of 6 um more or less; one for 2 um is found."""
+def test_every_size_of_the_part_is_what_is_certified() -> None:
+    """Sides of 1620 to 1624 um: the task says so, and its plan is proved for all of them."""
     found = _larger()
-    far = {"part_geometry.x_um": (0.0, 6.0), "part_geometry.y_um": (0.0, 6.0)}
-    other = model(far, base=SURE)
-    task = changed(paper_task(), other, standings(other, Budget(radius_um=1.0, seconds=1.0)))
 
+    assert found.changed.task.part.size_tolerance_um == 2.0
     assert found.wide.verdict is Verdict.PROVED
-    assert task.task == found.changed.task  # the middle is the same
-    assert certify(found.plan.rules, setup_of(task.task)).verdict is Verdict.PROVED
-    assert certify(found.plan.rules, task.setup()).verdict is not Verdict.PROVED
+    assert found.proved
 
 
-def test_round_tips_are_unknown_with_their_size_and_run_as_what_they_are() -> None:
-    """The same model with points is proved; with tips of 12.5 um its plan fails in the simulator."""
-    point = made(model(probe={"tip_radius_um": 0.0}, base=SURE))
-    round_ = made(model(probe={"tip_radius_um": 12.5}, base=SURE))
-    undecided = round_.planned.certificate.undecided
+def test_round_tips_are_proved_as_what_they_are() -> None:
+    """The recordings' radius is the task's; the lines say so."""
+    found = made(model(probe={"tip_radius_um": 12.5}, base=SURE))
 
-    assert point.planned.certificate.verdict == "PROVED"
-    assert point.conditions == ()
-    assert round_.planned.certificate.verdict == "UNKNOWN"
-    assert round_.planned.certificate.margin.factor == 0.0
-    assert undecided is not None
-    assert undecided.reason.id == Reason.PREMISE_KEPT
-    assert undecided.reason.about["premise"] == Premise.POINT_TIPS
-    assert undecided.settled_by.about == {"radius_um": "12.5"}
-    said = round_.planned.certificate.reading.undecided
-    assert said is not None
-    assert "tips are points" in said.claim
-    assert "12.5 um" in said.inequality
-    assert "round tips of 12.5 um" in said.settled_by
-    assert round_.evidence is not None
-    assert round_.evidence.in_goal < round_.evidence.runs
+    assert found.planned.task.probe.tip_radius_um == (12.5, 12.5)
+    assert found.planned.certificate.verdict == "PROVED"
+    assert "(round tips, radius 12.5 µm)" in summary(found)
+    assert Premise.TIPS_ARE_DISCS in found.planned.certificate.claim.premises
+    assert Premise.POINT_TIPS not in found.planned.certificate.claim.premises
+    assert found.conditions == ()
+
+
+def test_a_drifting_probe_is_not_promised_where_a_tip_must_rest() -> None:
+    drift = model({"probe_drift.x_um_s": (0.09, 0.1)}, base=SURE)
+    found = module.recertified(paper_task(), drift)
+    (standing,) = [one for one in found.standings if one.name == "probe_drift"]
+
+    assert any(rule.single is not None for rule in found.plan.rules)
+    assert not found.proved
+    assert (standing.word, standing.premise) == ("breaks a premise", Premise.TRAVEL_WITHIN_BOUNDS)
 
 
 def test_a_model_that_states_no_radius_is_proved_on_the_condition_of_points() -> None:

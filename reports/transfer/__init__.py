@@ -1,0 +1,1 @@
+"""Which effects a promise survives: see README.md."""
