@@ -56,6 +56,7 @@ reports: $(INSTALLED)
 	$(BIN)/python -m reports.tasks.adhesion --out reports/tasks
 	$(BIN)/python -m reports.policy.campaign --runs 2000
 	$(BIN)/python -m reports.simulator.convergence --out reports/simulator/convergence.md
+	$(BIN)/python -m reports.simulator.jam_thresholds --out reports/simulator/jam_thresholds.md
 	$(BIN)/python -m reports.simulator.inertia_report --out reports/simulator
 	$(BIN)/python -m reports.simulator.effects_report --out reports/simulator/effects.md
 	$(BIN)/python -m reports.dry_support.report --out reports/dry_support
@@ -78,6 +79,7 @@ campaign: $(INSTALLED)
 	$(BIN)/python -m reports.identification.design_report --sets 80 --out reports/identification
 	$(BIN)/python -m reports.blind.campaign --workers 2 --quick-diagnosis --out reports/blind/next_trial
 	$(BIN)/python -m reports.simulator.campaign --runs 100000 --out reports/simulator/campaign.md
+	$(BIN)/python -m reports.foreign_plant.campaign
 
 # What takes too long for every change.
 nightly: $(INSTALLED)

@@ -210,7 +210,18 @@ def first_tip(move: MoveRun) -> npt.NDArray[np.int64]:
 
 
 def first_meeting(move: MoveRun) -> tuple[npt.NDArray[np.int64], Meetings]:
-    """Which tip of the active probe meets the part first, as `first_tip`, and where."""
+    """Which tip of the active probe meets the part first, and where.
+
+    Parameters
+    ----------
+    move
+        One move of N runs.
+
+    Returns
+    -------
+    tuple
+        (N,) ``UPPER`` or ``LOWER`` as `first_tip` has it, and the meetings of these tips.
+    """
     upper, lower = (
         meets(move.ways[:, :, tip], move.radii[:, tip], move.before, move.outlines)
         for tip in (UPPER, LOWER)

@@ -17,6 +17,7 @@ from meso_robust.types import Floats
 EDGE = 9
 """Columns of a table of edges; see `edge_table`."""
 
+_ROUNDED = 0.02  # of the size of the outline: an edge this short belongs to a rounded corner
 _FLAT = 1e-9  # of the size of the outline: a corner this flat is no corner
 
 
@@ -186,6 +187,8 @@ def check_parts(outlines: Floats) -> None:
 def thickness(vertices: Floats) -> float:
     """Least distance of a corner of an outline from an edge that it does not belong to, m.
 
+    Corners close to each other, such as those of a rounding, count as one.
+
     Parameters
     ----------
     vertices
@@ -202,6 +205,9 @@ def thickness(vertices: Floats) -> float:
 @lru_cache(maxsize=256)
 def _thickness(corners: bytes) -> float:
     vertices = np.frombuffer(corners).reshape(-1, 2)
+    side = np.linalg.norm(np.roll(vertices, 1, axis=0) - vertices, axis=1)
+    long = side > _ROUNDED * float(np.max(np.ptp(vertices, axis=0)))
+    vertices = vertices[long] if long.sum() >= 3 else vertices
     least = np.inf
     count = len(vertices)
     for row, edge in enumerate(edge_table(vertices)):

@@ -34,9 +34,19 @@ _ARRAYS = ("vertices", "poses", "waypoints", "times", "friction", "radii")
 
 
 def leg_times(legs: Floats, speed: float) -> Floats:
-    """(N, L + 1) s at the ends of legs (N, L, P, 2), m, whose fastest probe has a speed, m/s.
+    """Times at which the legs of a move begin and end.
 
-    A leg in which no probe moves takes a second.
+    Parameters
+    ----------
+    legs
+        (N, L, P, 2) displacements of the probes, m.
+    speed
+        Of the fastest probe, m/s.
+
+    Returns
+    -------
+    Floats
+        (N, L + 1) s; a leg in which no probe moves takes a second.
 
     Raises
     ------

@@ -188,7 +188,7 @@ def carried_on(
     key = {"task": plan.task.hash, "plan": rules, "seed": seed, "radius_um": radius}
     entry = kept.get(name, {})
     same = all(entry.get(k) == v for k, v in key.items())
-    done = Outcome(**entry["outcome"]) if same else Outcome()
+    done = read(entry) if same else Outcome()
     while done.runs < runs:
         rng = np.random.default_rng([seed, done.runs])
         count = min(CHUNK, runs - done.runs)
@@ -202,6 +202,13 @@ def carried_on(
     return done
 
 
+def read(entry: dict[str, Any]) -> Outcome:
+    """What was written of a task."""
+    values: dict[str, Any] = entry["outcome"]
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+    return Outcome(**values)
+
+
 def page(kept: dict[str, dict[str, Any]]) -> str:
     """The results as a table in Markdown."""
     lines = [
@@ -213,7 +220,7 @@ def page(kept: dict[str, dict[str, Any]]) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     for name, entry in kept.items():
-        o = Outcome(**entry["outcome"])
+        o = read(entry)
         proved, moves = entry["proved"]
         error = ", ".join(f"{value:g}" for value in o.error)
         lines.append(

@@ -16,7 +16,6 @@ from meso_robust.errors import InputError
 from meso_robust.laboratory.ascent import Effort
 from meso_robust.laboratory.claims import Claims
 from meso_robust.laboratory.replay import Feedback
-from meso_robust.task import parse_task
 from meso_robust.types import Floats
 
 SHORT = Effort(corners=500, reaches=(1.0,), elite=2, generations=0)
@@ -51,11 +50,9 @@ def given(section: FalsifySection, folder: Path) -> Values:
     Raises
     ------
     InputError
-        A file cannot be read or breaks a rule, the plan states no policy, or the part is no
-        rectangle.
+        A file cannot be read or breaks a rule, or the plan states no policy.
     """
     found = given_plan(section, folder)
-    parse_task(dict(found["task"]), section.name).rectangle("attacks on a certificate")
     if not found["plan"]["policy"]:
         raise InputError(
             f"part {section.name!r}: key plan = {section.plan!r}: must state a policy, because bare "
