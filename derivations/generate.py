@@ -32,6 +32,8 @@ SOURCES = (
     "two_sided_rotation",
     "rotation_existence",
     "round_tips",
+    "unequal_friction",
+    "contact_forces",
     "final_orientation",
     "sampling",
     "y_translation",

@@ -182,6 +182,12 @@ const formulas = {
       return [-spacing*Math.sin(beta - theta)/Math.cos(beta)];
     },
   },
+  contact_forces: {
+    // most that one sticking tip, or two on one edge together, press on a part, over e_x and the speed of the probe
+    carrying_force(stretch, shear) {
+      return [Math.sqrt(Math.pow(shear, 2) + Math.pow(stretch, 2)) + 1];
+    },
+  },
   y_translation: {
     // m: rise of the centre over tilt and straightening
     gain(theta_0, theta_1, theta_2, d1, d2, d2_back) {

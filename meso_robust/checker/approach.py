@@ -1,39 +1,46 @@
 """The start of a rotation: the active tip alone pushes the part onto the passive one.
 
-The contact slips or sticks; its friction ratio ``k`` lies in [-mu, mu]. With the contact at
-``d2 a + d1 n`` and normal force ``L`` the film gives ``v = L (k a - n)`` and ``rho omega = L m``,
-``m = d2 + d1 k``, and the edge gives way to the tip as fast as the tip comes:
+The contact slips or sticks; its friction ratio ``k`` lies in [-mu, mu]. It is at ``p a + e n`` from the
+centre of drag and comes with the speed ``-f`` along ``a``, ``-g`` along ``n`` (``grip.py``). With the
+normal force ``L`` the film gives, ``D`` being the determinant of the drag of translations,
 
-    L (rho + d2 m) = rho s
+    D v = L (B a - A n),   rho omega = L m       A = 1 + stretch + shear k,  B = (1 - stretch) k + shear
+    L (rho A + D m p) = rho D g                  m = p + e k
 
-The far edge closes on the passive tip, ``p`` along the edge from the centre's foot, with the speed
-``(L/rho)(rho + p m)``. Against the closed gap, not time, the part therefore turns by
-``m/(rho + p m)`` per metre and the contact creeps along its edge by
+The centre of the passive tip is at ``b a - E n`` from there; the far edge, turned by an angle with the
+tangent ``t`` and the cosine ``1/q``, closes on it with the speed ``(L/(rho D)) K``,
 
-    -((c/s)(rho + d2 m) + rho k + d1 m)/(rho + p m)
+    q K = rho A + D m b - t (rho B - D m E)
 
-(the tip's speed ``-c`` along ``a`` less that of the part's point, ``L k + omega d1``). Until the gap is
-closed, turn and creep are the first gap times a mean of these rates, which lies between their bounds
-over the states that can be visited: those in which turn and creep are the gap closed so far times
-rates between such bounds. The bounds are guessed, and confirmed by recomputing them on the
-states that follow from the guess: the motion cannot be the first to leave them.
+Against the closed gap, not time, the part therefore turns by ``D m/K`` per metre, and the contact creeps
+along its edge (the tip's speed along ``a`` less that of the part under it) by
+
+    -((f/g)(rho A + D m p) + rho B + D m e)/K
+
+besides the rolling of a round tip, its radius times the turn.
+
+Until the gap is closed, turn and creep are the first gap times a mean of these rates, which lies between
+their bounds over the states that can be visited: those in which turn and creep are the gap closed so far
+times rates between such bounds. The bounds are guessed, and confirmed by recomputing them on the states
+that follow from the guess: the motion cannot be the first to leave them.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Callable
 
 from flint import arb
 
 from meso_robust.checker import statement as st
-from meso_robust.checker.contact import Contact, off_line, place_on_edge
-from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.grip import Grip
-from meso_robust.checker.ids import Must, Named, Objection, named
+from meso_robust.checker.contact import off_line, place_on_edge
+from meso_robust.checker.dual import Dual, Number, Point
+from meso_robust.checker.film import EVEN, Arm, Film
+from meso_robust.checker.ids import Must, Objection, named
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Pose, Sweep
-from meso_robust.checker.pushing import UNIT, constant
+from meso_robust.checker.pushing import UNIT, on_edge
 from meso_robust.checker.ranges import ZERO, Box, Side, positive, span
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
@@ -44,33 +51,65 @@ NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 20.0, 1e-2, 1e-2
 GUESSES = 12
 """How often the guess is enlarged before the checker gives up."""
 START = (arb(0), arb(0))
+EARLIER = "stray earlier"
+"""The path's distance from its line while the gap closes; ``stray`` is that when it is closed."""
+Barrier = Callable[[Dual], tuple[Dual, Dual]]
+"""By h, how far ahead of S a part on a barrier is, and the barrier's slope per travel."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class State:
     """The part while the active tip alone pushes."""
 
-    contact: Contact
+    c: Dual
+    s: Dual
     place: Dual
-    """p: the passive tip along the far edge, from the centre's foot, m."""
+    """The active tip along its edge, from the foot of the reference point, m."""
+    b: Dual
+    """The passive tip along the pushed edge, from the reference point, m."""
+    out: Dual
+    """How far it is out on the other side, m."""
+    film: Film
+    depth: Dual
+    tilt: Number
+    cosine: Number
+    """Tangent and cosine of the angle from the pushed to the far edge."""
     ratio: Dual
     """k"""
-    rho: Dual
+
+    @property
+    def arm(self) -> Arm:
+        """The contact from the centre of drag."""
+        return Arm.of(self.depth, self.place, self.film)
+
+    @property
+    def _drag(self) -> tuple[Number, Number]:
+        """A and B."""
+        if self.film.even:
+            return 1, self.ratio
+        stretch, shear = self.film.stretch, self.film.shear
+        return self.ratio * shear + stretch + 1, self.ratio * (1 - stretch) + shear
 
     @property
     def lever(self) -> Dual:
-        """Moment of the contact over its normal force (m)."""
-        return self.ratio * self.contact.d1 + self.contact.d2
+        """D m (m)."""
+        arm = self.arm
+        return (self.ratio * arm.d1 + arm.d2) * arm.room
 
     @property
     def pressing(self) -> Dual:
-        """Positive where the tip presses: ``rho + d2 m``."""
-        return self.lever * self.contact.d2 + self.rho
+        """Positive where the tip presses."""
+        return self.lever * self.arm.d2 + self.film.rho * self._drag[0]
 
     @property
     def closing(self) -> Dual:
-        """Positive where the gap closes: ``rho + p m``."""
-        return self.lever * self.place + self.rho
+        """K: positive where the gap closes."""
+        A, B = self._drag
+        found = self.lever * (self.b - self.film.drag_a) + self.film.rho * A
+        if self.tilt is EVEN:
+            return found
+        beside = self.film.rho * B - self.lever * (self.out + self.film.drag_n)
+        return (found - beside * self.tilt) * self.cosine
 
     @property
     def turn(self) -> Dual:
@@ -79,95 +118,179 @@ class State:
 
     @property
     def creep(self) -> Dual:
-        """Way of the contact along its edge per closed gap."""
-        ahead = self.contact.c / self.contact.s * self.pressing
-        return -(ahead + self.rho * self.ratio + self.lever * self.contact.d1) / self.closing
+        """Way of the tip along its edge per closed gap, without the rolling."""
+        f, g = self.film.along(self.c, self.s)
+        under = self.lever * self.arm.d1 + self.film.rho * self._drag[1]
+        return -(f / g * self.pressing + under) / self.closing
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Approach:
     """All that can happen until both tips touch."""
 
-    scene: Scene
     pair: Pair
     free: Box
-    """The variables of the move that matter, and the first gap as one of them."""
+    """The variables of the move, and the first gap as one of them."""
     turn: Side
     """Bounds of the turn per closed gap, 1/m."""
     creep: Side
-    """Bounds of the way of the contact along its edge per closed gap."""
+    """Bounds of the way of the tip along its edge per closed gap."""
     ratio: Side
     """Bounds of the friction ratio k."""
+
+    @property
+    def scene(self) -> Scene:
+        """The move."""
+        return self.pair.scene
 
     def box(self) -> Box:
         """The variables: those above, the share of the gap that is left, k and the mean rates."""
         own = {"left": UNIT, "turn": self.turn, "creep": self.creep, "k": self.ratio}
         return {**self.free, **own}
 
+    def box_at_touch(self) -> Box:
+        """The same when it is closed."""
+        box = {**self.box(), "part": UNIT}
+        if "stray" in box:
+            box[EARLIER] = box["stray"]
+        if not self.pair.parallel:
+            # S is farther out where the far edge leans towards it
+            box["lift"] = span(self._lift, self.box(), within=1e-9)
+        return box
+
+    def _lift(self, at: Point) -> Dual:
+        now = self.state(at)
+        out = self.pair.depth_far(at) + at["radius_passive"]
+        return now.out - out - at["left"] * at["gap"] / now.cosine
+
     def angle(self, at: Point) -> Dual:
         """Direction of the edge."""
-        return at["theta"] + at["turn"] * (1 - at["left"]) * at["gap"]
+        return self.scene.angle(at) + at["turn"] * (1 - at["left"]) * at["gap"]
 
-    def contact(self, at: Point) -> Contact:
+    def place(self, at: Point) -> Dual:
         """The active tip on its edge."""
-        d1 = self.scene.d1
-        first = place_on_edge(*direction(at["theta"]), d1, self.scene.rise(at, ACTIVE))
-        c, s = direction(self.angle(at))
-        return Contact(c, s, d1, first + at["creep"] * (1 - at["left"]) * at["gap"])
+        closed = (1 - at["left"]) * at["gap"]
+        return self._moved(at, at["turn"] * closed, at["creep"] * closed)
+
+    def _moved(self, at: Point, turned: Dual, crept: Dual) -> Dual:
+        first = self.first(at) + crept
+        if self.pair.exact("radius_lower"):
+            return first
+        return first - at["radius_lower"] * turned
+
+    def first(self, at: Point) -> Dual:
+        """That place at the first touch."""
+        c, s = direction(self.scene.angle(at))
+        return place_on_edge(c, s, at["depth"] + at["radius_lower"], self.scene.rise(at, ACTIVE))
 
     def state(self, at: Point) -> State:
         """The part, its contact and the passive tip."""
-        contact = self.contact(at)
-        across = at["left"] * at["gap"] + self.scene.d1
-        place = (contact.arm_y - self.pair.V(at) - contact.c * across) / contact.s
-        return State(contact, place, at["k"], at["rho"])
+        c, s = direction(self.angle(at))
+        place, turned = self.place(at), self.pair.turned(at)
+        near = at["depth"] + at["radius_lower"]
+        out = self.pair.depth_far(at) + at["radius_passive"] + at["left"] * at["gap"]
+        apart = self.pair.V(at) + at["stray"] if "stray" in at else self.pair.V(at)
+        tilt: Number = EVEN
+        cosine: Number = EVEN
+        if turned is None:
+            b = (place * s - (near + out) * c - apart) / s
+        else:
+            tilt, cosine = turned.tan(), direction(turned)[0]
+            out = out / cosine
+            b = (place * s - (near + out) * c - apart) / (s + c * tilt)
+            out = out + b * tilt
+        return State(
+            c=c,
+            s=s,
+            place=place,
+            b=b,
+            out=out,
+            film=self.scene.film(at),
+            depth=at["depth"],
+            tilt=tilt,
+            cosine=cosine,
+            ratio=at["k"],
+        )
 
     def pose(self, at: Point) -> Pose:
-        """The part: the active tip keeps its height, the passive one is off the far edge by the gap."""
-        scene, contact = self.scene, self.contact(at)
-        y = at["y"] + scene.rise(at, ACTIVE) - contact.arm_y
-        across = at["left"] * at["gap"] + scene.d1
-        below = contact.arm_y - self.pair.V(at)
-        x = at["x"] + scene.passive_ahead(at) + (across - contact.c * below) / contact.s
-        return x, y, self.angle(at)
+        """The part: the passive tip is off the far edge by the gap."""
+        now = self.state(at)
+        return pose_from(self.pair, at, now.c, now.s, now.b, now.out)
 
     def swept(self) -> Sweep:
         """All poses until the gap is closed."""
-        own = {key: self.scene.box[key] for key in ("x", "sensed_x", "passive_x")}
-        return Sweep(self.pose, {**self.box(), **own}, "left")
+        return Sweep(self.pose, self.box(), "left")
 
-    def touching(self, at: Point) -> tuple[Dual, Dual]:
-        """Position h and slide sigma when the gap is closed; the mean rates are those of some state before."""
-        d1, before = self.scene.d1, self.state(at)
-        first = place_on_edge(*direction(at["theta"]), d1, self.scene.rise(at, ACTIVE))
-        c, s = direction(at["theta"] + before.turn * at["gap"])
-        grip = Grip.of_angle(c, s, self.pair.V(at), d1)
-        return grip.h, grip.T / 2 - (first + before.creep * at["gap"])
+    def h(self, at: Point) -> Dual:
+        """The tips' distance in x when the gap is closed: the mean turn is that of some state before."""
+        turned = self._earlier(at).turn * at["gap"]
+        return self._level(at, self.scene.angle(at) + turned)[0]
+
+    def _earlier(self, at: Point) -> State:
+        return self.state({**at, "stray": at[EARLIER]} if EARLIER in at else at)
+
+    def _level(self, at: Point, angle: Dual) -> tuple[Dual, Dual, Dual]:
+        """h, T and the sine of the angle, the gap being closed."""
+        c, s = direction(angle)
+        apart = self.pair.V(at) + at["stray"] if "stray" in at else self.pair.V(at)
+        across = at["depth"] + at["radius_lower"] + self.pair.depth_far(at) + at["radius_passive"]
+        if "lift" in at:
+            across = across + at["lift"]
+        return (apart * c + across) / s, (across * c + apart) / s, s
+
+    def lead(self, at: Point, barrier: Barrier) -> Dual:
+        """How far a part on a barrier is ahead of this one when the gap is closed.
+
+        S is at ``place - T`` along the edge, ``T = (V + W c)/s``. The part's way ahead is thus linear
+        in how far the contact crept, and has the slope ``h/s`` over the turn, a barrier ``T/s`` times
+        its own. With that slope at some angle on the way the lead is linear in turn and creep, which are
+        the gap times mean rates: those of one state before, as the mean is that of one function.
+        """
+        start, now = self.scene.angle(at), self._earlier(at)
+        h, T, *_ = self._level(at, start)
+        first = barrier(h)[0] + self.first(at) - T
+        h, T, s = self._level(at, start + at["part"] * at["turn"] * at["gap"])
+        steep = (barrier(h)[1] * T + h) / s
+        if not self.pair.exact("radius_lower"):
+            steep = steep - at["radius_lower"]
+        return first + at["gap"] * (now.creep + steep * now.turn)
 
     def requirements(self) -> list[Requirement]:
         """What is asked of every visited state."""
-        box = self.box()
-        scene = self.scene
-        contact: Variables = {
+        box, scene, mu = self.box(), self.scene, self.scene.mu(ACTIVE)
+        film = scene.film_variables()
+        uneven = " ".join(name for name in film if name != "rho")
+        variables: Variables = {
             "theta": self.angle,
-            "d1": constant(scene.d1),
-            "d2": lambda at: self.contact(at).d2,
-            "rho": lambda at: at["rho"],
-            "mu": lambda at: at["mu"],
-            "half": constant(scene.half),
+            "d1": lambda at: at["depth"],
+            "d2": self.place,
+            "mu": lambda at: at[mu],
+            **film,
         }
 
-        def one(must: Named, statement: st.Statement, keys: str) -> Requirement:
-            part = Part({key: contact[key] for key in keys.split()}, box)
-            return Requirement(
-                name=must, statement=statement, parts=(part,), cover=(_at_first(part),)
-            )
+        def one(must: Must, statement: st.Statement, keys: str) -> Requirement:
+            part = Part({key: variables[key] for key in keys.split()}, box)
+            cover = (_at_first(part),)
+            return Requirement(name=named(must), statement=statement, parts=(part,), cover=cover)
 
+        edge = on_edge("active", scene, self.place, box)
         return [
-            one(named(Must.PUSHES_UNTIL_REST), st.PRESSES, "theta d1 d2 rho"),
-            one(named(Must.UNIQUE_UNTIL_REST), st.ONLY, "d1 d2 rho mu"),
-            one(named(Must.TIP_ON_EDGE, tip="active"), st.ON_EDGE, "d2 half"),
+            one(Must.PUSHES_UNTIL_REST, st.PRESSES, f"theta d1 d2 rho {uneven}"),
+            one(Must.UNIQUE_UNTIL_REST, st.ONLY, f"d1 d2 rho mu {uneven}"),
+            dataclasses.replace(edge, cover=tuple(map(_at_first, edge.parts))),
         ]
+
+
+def pose_from(pair: Pair, at: Point, c: Dual, s: Dual, b: Dual, out: Dual) -> Pose:
+    """The part, the passive tip's centre being at ``b a - out n`` from it; axes of the move."""
+    scene = pair.scene
+    x, y = scene.from_travel(at, out * s - b * c, -(b * s) - out * c)
+    angle = arb.pi() / 2 - (c / s).atan()
+    return (
+        at["x"] + scene.passive_ahead(at) + x,
+        at["y"] + scene.passive_rise(at) + y,
+        scene.stated(at, angle),
+    )
 
 
 def _at_first(part: Part) -> Part:
@@ -175,7 +298,7 @@ def _at_first(part: Part) -> Part:
     return Part(part.variables, {**part.box, "left": (arb(1), arb(1))})
 
 
-def approach(scene: Scene, pair: Pair) -> Approach:
+def approach(pair: Pair) -> Approach:
     """Confirm bounds of the rates until the part rests on the passive tip.
 
     Raises
@@ -183,12 +306,9 @@ def approach(scene: Scene, pair: Pair) -> Approach:
     Refused
         No guess could be confirmed.
     """
-    box = scene.box
-    free = {
-        **box,
-        "gap": span(functools.partial(_gap, scene), box),
-    }
-    trial = Approach(scene, pair, free, START, START, START)
+    free = {**pair.box, "gap": span(functools.partial(_gap, pair), pair.box, within=1e-9)}
+    free |= {name: side for name, side in pair.instants().items() if name == "stray"}
+    trial = Approach(pair, free, START, START, START)
     for _ in range(GUESSES):
         found = _follows(trial)
         if _inside(found.turn, trial.turn) and _inside(found.creep, trial.creep):
@@ -197,10 +317,12 @@ def approach(scene: Scene, pair: Pair) -> Approach:
     raise Refused(named(Objection.COMES_TO_REST), "bounded rates", "no bound")
 
 
-def _gap(scene: Scene, at: Point) -> Dual:
+def _gap(pair: Pair, at: Point) -> Dual:
     """Distance of the passive tip from the far edge before the move."""
-    c, s = direction(at["theta"])
-    return -off_line(c, s, scene.passive_ahead(at), scene.passive_rise(at)) - scene.d1
+    angle = pair.scene.angle(at)
+    turned = pair.turned(at)
+    c, s = direction(angle if turned is None else angle + turned)
+    return -off_line(c, s, *pair.passive(at)) - pair.depth_far(at) - at["radius_passive"]
 
 
 def _follows(trial: Approach) -> Approach:
@@ -213,7 +335,7 @@ def _follows(trial: Approach) -> Approach:
             raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", rate)
     turn = span(functools.partial(_rate, trial, "turn"), box, within=NEAR_TURN)
     low, high = span(functools.partial(_rate, trial, "creep"), box, within=NEAR_CREEP)
-    least_mu = trial.scene.box["mu"][0]
+    least_mu = trial.scene.box[trial.scene.mu(ACTIVE)][0]
     if ratio[1] < least_mu:  # it never slides towards +a
         high = high.min(ZERO)
     if ratio[0] > -least_mu:
@@ -234,11 +356,11 @@ def _ratio(trial: Approach) -> Side:
     """
 
     def sticking(at: Point) -> Dual:
-        contact = trial.contact(at)
-        return contact.shear(at["rho"]) / contact.press(at["rho"])
+        now = trial.state(at)
+        return now.arm.shear(now.c, now.s) / now.arm.press(now.c, now.s)
 
     low, high = span(sticking, trial.box(), within=NEAR_RATIO)
-    least_mu, most_mu = trial.scene.box["mu"]
+    least_mu, most_mu = trial.scene.box[trial.scene.mu(ACTIVE)]
     return _clipped(low, least_mu, most_mu), -_clipped(-high, least_mu, most_mu)
 
 

@@ -1,83 +1,329 @@
 """A part between a moving tip D and a resting tip S on opposite edges.
 
-``(h, V)`` is the vector from S to D, ``T`` its part along the edges, ``w = 2 d1`` that across them,
-so ``(h, V) = T a + w n`` with ``a = (c, s)``, ``n = (s, -c)``. One unit of travel takes D by
-``(-1, 0)``: both contacts hold only if the part turns by ``omega = s/T``.
+Axes are those of the travel: one unit of it takes D by ``-(1, bend)``. The pushed edge has direction
+``a = (c, s)`` and outward normal ``n = (s, -c)``; the far one is turned from it by an angle with the
+tangent ``t``. With ``(h, V)`` from the centre of S to that of D, and the centres at ``p_D a + W_D n``
+and ``b a - W_S n`` from the reference point,
 
-With ``p_D = T/2 - sigma`` and ``p_S = -T/2 - sigma`` the places of the tips along the edges (from
-the centre's foot), and friction ratios ``k_D``, ``k_S`` (force along ``a`` over normal force):
+    (h, V) = T a + W n,   T = p_D - b,   W = W_D + W_S,   W_S = (depth + radius) sqrt(1 + t^2) + t b,
 
-    normal speed at S is none         L_S - L_D = omega p_S
-    moment of the film                L_D m_D - L_S m_S = rho omega,   m = p + d1 k
+the last because S touches the far edge. One coordinate is left: the reference point is ahead of S by
+``-b`` along ``a``, and of D by ``-p_D = -b - T``; either will do.
 
-and the drag along the edges gives the speed ``k_D L_D + k_S L_S`` of the centre along ``a``.
+The contacts are at ``p a + e_D n`` and ``r a - e_S n`` from the centre of drag. Let the part's centre
+of drag move by ``u`` along ``a`` and the part turn by ``omega``. Both contacts hold if
+
+    omega (p - R) = g - t u,   R = r + t e_S,   g = s - bend c
+
+and the velocity along ``n`` is ``omega p - g``. Drag is ``((1 + stretch, shear), (shear, 1 -
+stretch))`` for translations, with determinant ``D``, and ``rho`` for turns. A force at D is ``L (k a -
+n)``, one at S ``M (l a + n)``: ``l`` is its friction ratio after a turn by the angle of the far edge.
+Balance of force and moment (``a x n = -1``) is linear in ``L``, ``M``, ``u``, ``omega``, with the
+solution
+
+    L N = g (rho (A' + t B') + D m' R)      A = 1 + stretch + shear k,   A' = 1 + stretch - shear l
+    M N = g (rho (A - t B) + D m R)         B = (1 - stretch) k + shear, B' = (1 - stretch) l - shear
+    u N = g (rho P/D + R Q)                 m = p + e_D k,               m' = r + e_S l
+    omega N = g (H + t Q)                   H = m A' - m' A,  P = A B' + A' B,  Q = m' B + m B'
+    N = (p - R) H + t (rho P/D + p Q)
+
+all of them linear in either ratio. The part slips over D at ``u + omega e_D + f`` with ``f = c + bend
+s``, over S at ``u - omega e_S``; friction pushes it back. The reference point gets ahead of D's centre
+by ``u + f + omega (e_D + radius)``, of S's by ``u - omega (e_S + level)`` with ``level`` how far the
+contact of S is from its centre along ``n``.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
-from meso_robust.checker.dual import Dual, Number
+from flint import arb
+
+from meso_robust.checker.dual import Dual
+from meso_robust.checker.film import EVEN
+
+Real: TypeAlias = Any
+"""A :data:`~meso_robust.checker.dual.Number` in a proof; a float where barriers are looked for."""
+
+
+ZERO = arb(0)
+D, S = 0, 1
+"""The tips."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """What is constant: both edges, both tips, the centre of drag."""
+
+    depth: Real
+    """Of the pushed edge from the reference point, m."""
+    depth_far: Real
+    radius: Real
+    """Of the tip at the pushed edge, m."""
+    radius_far: Real
+    tilt: Real = EVEN
+    """Tangent of the angle from the pushed to the far edge."""
+    drag_a: Real = EVEN
+    drag_n: Real = EVEN
+
+    @property
+    def parallel(self) -> bool:
+        """Whether both edges have exactly one direction."""
+        return self.tilt is EVEN
+
+    @property
+    def stretched(self) -> Real:
+        """Inverse cosine of the angle between the edges."""
+        return 1 if self.parallel else root(squared(self.tilt) + 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Drag:
+    """Drag over that of a mean translation, at an instant."""
+
+    rho: Real
+    stretch: Real = EVEN
+    shear: Real = EVEN
+
+    @property
+    def even(self) -> bool:
+        """Whether the drag of translations is exactly the same in all directions."""
+        return self.stretch is EVEN and self.shear is EVEN
+
+    @property
+    def determinant(self) -> Real:
+        """Of the drag of translations."""
+        return 1 if self.even else 1 - squared(self.stretch) - squared(self.shear)
 
 
 @dataclass(frozen=True, slots=True)
 class Forces:
-    """Normal forces as quotients; the divisor is positive where the grasp cannot close."""
+    """Normal forces, each over ``divisor``."""
 
-    D: Dual
-    S: Dual
-    divisor: Dual
+    moving: Real
+    """Normal force, for drag 1 and one unit of travel per time."""
+    resting: Real
+    divisor: Real
+    """Positive where the grip cannot close."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grip:
     """The grip at one instant."""
 
-    c: Dual
-    s: Dual
-    T: Dual
-    d1: Number
-    h: Dual
+    c: Real
+    s: Real
+    T: Real
+    f: Real
+    g: Real
+    p: Real
+    r: Real
+    apart: Real
+    """p - r"""
+    share: Real
+    """r over that."""
+    e_moving: Real
+    e_resting: Real
+    level_moving: Real
+    level_resting: Real
+    """How far the contacts are from the centres of the tips along n, towards the part."""
+    tilt: Real
+    tip: int
+    """Ahead of which tip the coordinate is: D or S."""
+    D_place: Real
+    """Contact at D along its edge, from the foot of the reference point, m."""
+    S_place: Real
+    """The same at S on the far edge."""
+    b: Real
+    """Centre of S along the pushed edge, and how far out it is on the other side, m."""
+    out_resting: Real
 
     @classmethod
-    def at(cls, h: Dual, V: Dual, d1: Number) -> Grip:
-        """The grip with D at ``(h, V)`` from S."""
-        w = d1 * 2
-        square = h.squared() + V.squared()
-        T = (square - w * w).sqrt()
-        return cls((T * h - V * w) / square, (T * V + h * w) / square, T, d1, h)
-
-    @classmethod
-    def of_angle(cls, c: Dual, s: Dual, V: Dual, d1: Number) -> Grip:
-        """The grip of a part whose edges have the direction ``(c, s)``."""
-        w = d1 * 2
-        T = (c * w + V) / s
-        return cls(c, s, T, d1, T * c + s * w)
-
-    @property
-    def slip_D(self) -> Dual:
-        """d(sigma)/d(travel) at which D sticks: half of T's rate. S sticks at minus this."""
-        return -self.h / (self.T * 2)
-
-    def forces(self, sigma: Dual, rho: Number, k_D: Number, k_S: Number) -> Forces:
-        """Normal forces at D and S, for drag 1 and one unit of travel per time."""
-        p_S = -(self.T / 2) - sigma
-        m_D, m_S = p_S + self.T + k_D * self.d1, p_S + k_S * self.d1
-        omega = self.s / self.T
-        return Forces(
-            omega * (p_S * m_S + rho), omega * (p_S * m_D + rho), self.T + (k_D - k_S) * self.d1
+    def at(cls, sides: Sides, h: Real, V: Real, tip: int, ahead: Real, bend: Real = EVEN) -> Grip:
+        """The grip with D's centre at ``(h, V)`` from that of S, the part ``ahead`` of a ``tip``."""
+        t, near, out = sides.tilt, sides.depth + sides.radius, sides.depth_far + sides.radius_far
+        out = out * sides.stretched
+        c, s, T = _held(h, V, near + out, t, tip, ahead)
+        p, b = (T - ahead, -ahead) if tip == S else (-ahead, -ahead - T)
+        W_S, sine = out, EVEN
+        if not sides.parallel:
+            W_S, sine = W_S + t * b, t / sides.stretched
+        level = sides.radius_far / sides.stretched
+        r = b + sides.radius_far * sine - sides.drag_a
+        apart = T if sides.parallel else T - sides.radius_far * sine
+        f, g = (c, s) if bend is EVEN else (c + s * bend, s - c * bend)
+        share = r / apart
+        if sides.parallel:  # the same, without what cancels in it
+            share = -(ahead + sides.drag_a) / T - (0 if tip == S else 1)
+        return cls(
+            c=c,
+            s=s,
+            T=T,
+            f=f,
+            g=g,
+            p=p - sides.drag_a,
+            r=r,
+            apart=apart,
+            share=share,
+            e_moving=sides.depth - sides.drag_n,
+            e_resting=W_S - level + sides.drag_n,
+            level_moving=sides.radius,
+            level_resting=level,
+            tilt=t,
+            tip=tip,
+            D_place=p,
+            S_place=b if sides.parallel else b / sides.stretched + sine * W_S,
+            b=b,
+            out_resting=W_S,
         )
 
-    def slide(self, sigma: Dual, rho: Number, mu: Number, D: int, S: int) -> Dual:
-        """d(sigma)/d(travel) while both tips slip, with the ratios ``D mu`` and ``S mu``.
+    @property
+    def R(self) -> Real:
+        """Where the far contact counts, its edge being tilted."""
+        return self.r if self.tilt is EVEN else self.r + self.tilt * self.e_resting
 
-        The speed of the centre along ``a``, less that of the middle of the tips, which moves by
-        (-1/2, 0). With the two forces put in, ``T`` (if D = S) or the whole denominator cancels.
-        """
-        p_S = -(self.T / 2) - sigma
-        if D == S:
-            lever = p_S * 2 + self.T + mu * self.d1 * (2 * D)
-            friction = mu * D * (p_S * lever + rho * 2) / self.T
+    def stick(self, tip: int) -> Real:
+        """Rate at which the part gets ahead while a tip sticks; above that it slips over it forwards."""
+        t, f = self.tilt, self.f
+        if tip == S:
+            omega = self.g / self.apart
+            if self.tip == S:
+                return -omega * self.level_resting
+            return omega * (self.e_resting + self.e_moving + self.level_moving) + f
+        if t is EVEN:
+            omega = self.g / self.apart
         else:
-            friction = mu * S * p_S
-        return self.s / self.T * friction + self.c / 2
+            omega = (self.g + t * f) / (self.apart - t * (self.e_resting + self.e_moving))
+        if self.tip == D:
+            return omega * self.level_moving
+        return -omega * (self.e_moving + self.e_resting + self.level_resting) - f
+
+    def ratio_S(self, k: Real) -> Real:
+        """Friction ratio at S, in the axes of the pushed edge."""
+        return k if self.tilt is EVEN else (k + self.tilt) / (1 - k * self.tilt)
+
+    def alone(self, film: Drag, k: Real) -> Real:
+        """Positive where D alone would press, friction ratio k."""
+        A = 1 if film.even else film.shear * k + film.stretch + 1
+        return film.rho * A + (self.e_moving * k + self.p) * self.p * film.determinant
+
+    def rate(self, film: Drag, k: Real, k_S: Real, opposite: bool = False) -> Real:
+        """Rate at which the part gets ahead at two friction ratios, where the grip cannot close.
+
+        ``opposite``: the ratios are known to cancel each other. Over ``H``: ``Q/H = B'/A' + (m'/A')
+        P/H``, so that what both forces share does not cancel.
+        """
+        t, R, ratio = self.tilt, self.R, self.ratio_S(k_S)
+        m_S, room = self.e_resting * ratio + self.r, film.determinant
+        by_turn, still = -(self.e_resting + self.level_resting), 0
+        if self.tip == D:
+            by_turn, still = self.e_moving + self.level_moving, self.f
+        if film.even and t is EVEN and opposite:
+            return self.g * (self.share * ratio + by_turn / self.apart) + still
+        H, P, B_S = self._span(film, k, ratio)
+        if film.even:
+            tangent, lever, turning = ratio, m_S, film.rho
+        else:
+            A_S = 1 + film.stretch - film.shear * ratio
+            tangent, lever, turning = B_S / A_S, m_S / A_S, film.rho / room
+        uneven = P / H
+        if t is EVEN:
+            more = uneven * (turning + R * lever) + by_turn
+            return self.g * (self.share * tangent + more / self.apart) + still
+        along = R * tangent + uneven * (turning + R * lever)
+        spin = 1 + t * (tangent + lever * uneven)
+        whole = self.apart + t * (
+            self.p * tangent - self.e_resting + uneven * (turning + self.p * lever)
+        )
+        return self.g * (along + spin * by_turn) / whole + still
+
+    def _span(self, film: Drag, k: Real, ratio: Real) -> tuple[Real, Real, Real]:
+        """H, P and B'."""
+        H, both = self.apart + self.e_moving * k - self.e_resting * ratio, k + ratio
+        if film.even:
+            return H, both, ratio
+        A, A_S = film.shear * k + film.stretch + 1, 1 + film.stretch - film.shear * ratio
+        B, B_S = (1 - film.stretch) * k + film.shear, (1 - film.stretch) * ratio - film.shear
+        m_S = self.e_resting * ratio + self.r
+        return H * A_S - m_S * film.shear * both, A * B_S + A_S * B, B_S
+
+    def forces(self, film: Drag, k: Real, k_S: Real) -> Forces:
+        """Normal forces at two friction ratios."""
+        t, R, ratio, room = self.tilt, self.R, self.ratio_S(k_S), film.determinant
+        m, m_S = self.e_moving * k + self.p, self.e_resting * ratio + self.r
+        H, P, B_S = self._span(film, k, ratio)
+        A, A_S, B = 1, 1, k
+        if not film.even:
+            A, A_S = film.shear * k + film.stretch + 1, 1 + film.stretch - film.shear * ratio
+            B = (1 - film.stretch) * k + film.shear
+        divisor, at_D, at_S = self.apart * H, A_S, A
+        if t is not EVEN:
+            Q = m_S * B + m * B_S
+            divisor = divisor + (film.rho * P / room + self.p * Q - self.e_resting * H) * t
+            at_D, at_S = at_D + t * B_S, at_S - t * B
+        return Forces(
+            moving=self.g * (film.rho * at_D + m_S * R * room),
+            resting=self.g * (film.rho * at_S + m * R * room),
+            divisor=divisor,
+        )
+
+
+def _held(h: Real, V: Real, flat: Real, t: Real, tip: int, ahead: Real) -> tuple[Real, Real, Real]:
+    """Direction of the pushed edge, and T.
+
+    Slopes follow from ``d(h, V) = dT a + dW n + (W a - T n) dtheta``; differentiated term by term the
+    quotients of :func:`_values` would lose most of what cancels in them.
+    """
+    if isinstance(h, float):
+        return _values(h, V, flat, t, tip, ahead)
+    flat = flat if isinstance(flat, Dual) else Dual(flat)
+    tilt = t if t is EVEN else t.value
+    c, s, T = _values(h.value, V.value, flat.value, tilt, tip, ahead.value)
+    W = flat.value
+    x, y, across = (Dual(ZERO, one.slopes) for one in (h, V, flat))
+    along = x * c + y * s
+    if t is EVEN:
+        across = across - x * s + y * c
+        turned = across / T
+        grown = along - turned * W
+    else:
+        b = -ahead.value if tip == S else -ahead.value - T
+        W = W + tilt * b
+        across = across + Dual(ZERO, t.slopes) * b - Dual(ZERO, ahead.slopes) * tilt - x * s + y * c
+        # b changes with T as well if the part is ahead of D
+        share = arb(0) if tip == S else tilt
+        grown = (along - across * (W / T)) / (1 - share * W / T)
+        turned = (across - grown * share) / T
+    return Dual(c, (turned * -s).slopes), Dual(s, (turned * c).slopes), Dual(T, grown.slopes)
+
+
+def _values(
+    h: Real, V: Real, flat: Real, t: Real, tip: int, ahead: Real
+) -> tuple[Real, Real, Real]:
+    square = h * h + V * V
+    if t is EVEN:
+        W = flat
+        T = root(square - W * W)
+    elif tip == S:
+        W = flat - t * ahead
+        T = root(square - W * W)
+    else:
+        y, more = flat - t * ahead, t * t + 1
+        T = (t * y + root(square * more - y * y)) / more
+        W = y - t * T
+    if isinstance(T, float):
+        return (T * h - W * V) / square, (T * V + W * h) / square, T
+    s, c = (arb.atan2(V, h) + (W / root(square)).asin()).sin_cos()
+    return c, s, T
+
+
+def squared(value: Real) -> Real:
+    """Its square, never negative."""
+    return value.squared() if hasattr(value, "squared") else value * value
+
+
+def root(value: Real) -> Real:
+    """Its square root."""
+    return math.sqrt(value) if isinstance(value, float) else value.sqrt()

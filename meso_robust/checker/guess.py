@@ -1,62 +1,145 @@
-"""Where barriers are looked for, in plain floating point: no proof rests on this file."""
+"""Where barriers are looked for, in plain floating point: no proof rests on this file.
+
+A barrier is looked for as the path of a motion whose friction and drag are always those that take it
+farthest, and how that path changes with each constant of the run.
+"""
 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-Corners = list[tuple[float, float, float]]
-"""V, rho, mu"""
+from meso_robust.checker.grip import D, Drag, Grip, S, Sides
 
-
-def corners_of(ends: Mapping[str, tuple[float, float]]) -> Corners:
-    """All corners of the box of V, rho and mu."""
-    return list(itertools.product(ends["V"], ends["rho"], ends["mu"]))
+Values = Mapping[str, float]
+INSTANT = ("rho", "stretch", "shear", "bend", "mu", "mu_lower", "mu_passive")
+"""What may change at every instant."""
 
 
-def fastest(h: float, sigma: float, d1: float, corners: Corners, side: int) -> float:
-    """The largest (side = 1) or smallest (-1) slide rate at some corners."""
-    rates = (_rate(h, sigma, d1, *corner) for corner in corners)
-    return max(rates) if side > 0 else min(rates)
+@dataclass(frozen=True)
+class Guess:
+    """A barrier at one place: how far the part is ahead of a tip."""
+
+    tip: int
+    ahead: float
+    slopes: dict[str, float]
+    """Change of that per change of each constant."""
+
+    def moved(self, rates: Guess, length: float) -> Guess:
+        """It goes on at some rates."""
+        slopes = {name: value + length * rates.slopes[name] for name, value in self.slopes.items()}
+        return Guess(self.tip, self.ahead + length * rates.ahead, slopes)
 
 
-def _rate(h: float, sigma: float, d1: float, V: float, rho: float, mu: float) -> float:
-    """The slide rate: of the rates at which tips slip and those at which one sticks, the middle."""
-    w = 2.0 * d1
-    T = math.sqrt(h * h + V * V - w * w)
-    c, s = (T * h - w * V) / (h * h + V * V), (w * h + T * V) / (h * h + V * V)
-    p_S = -0.5 * T - sigma
+@dataclass(frozen=True)
+class Flow:
+    """The motion that gains most (side = 1) or least (-1)."""
 
-    def slide(k_D: float, k_S: float) -> float:
-        m_D, m_S = p_S + T + d1 * k_D, p_S + d1 * k_S
-        share = s / T / (m_D - m_S)
-        return share * (k_D * (rho + p_S * m_S) + k_S * (rho + p_S * m_D)) + 0.5 * c
+    middle: Values
+    reach: Values
+    """Half the width of every range that has one."""
+    side: int
 
-    sticks = -0.5 * h / T
-    near = slide(mu, -mu) if sticks > 0.0 else slide(-mu, mu)
-    ends = sorted((sticks, -sticks))
-    if slide(-mu, -mu) > ends[1]:
-        return slide(-mu, -mu)
-    if slide(mu, mu) < ends[0]:
-        return slide(mu, mu)
-    return min(max(near, ends[0]), ends[1])
+    def corners(self) -> list[Values]:
+        """All that friction, drag and path can be at their ends."""
+        names = [name for name in INSTANT if name in self.reach]
+        return [
+            {n: self.middle[n] + sign * self.reach[n] for n, sign in zip(names, signs, strict=True)}
+            for signs in itertools.product((-1, 1), repeat=len(names))
+        ]
+
+    def worst(self, h: float, at: Guess, corners: Sequence[Values]) -> Values:
+        """The corner at which the part gains most on the path."""
+        strayed = at.slopes.get("stray", 0.0)
+
+        def gain(corner: Values) -> float:
+            there = {**self.middle, **corner}
+            return self.side * (
+                rate(h, at.tip, at.ahead, there) - strayed * corner.get("bend", 0.0)
+            )
+
+        return max(corners, key=gain)
+
+    def change(self, h: float, at: Guess, corner: Values) -> Guess:
+        """Derivative of a barrier with the travel."""
+        there = {**self.middle, **corner}
+
+        def per(name: str) -> float:
+            moved = [
+                rate(
+                    h,
+                    at.tip,
+                    at.ahead + sign * self.reach[name] * at.slopes[name],
+                    {**there, name: there[name] + sign * self.reach[name]},
+                )
+                for sign in (-1, 1)
+            ]
+            return (moved[1] - moved[0]) / (2 * self.reach[name])
+
+        straight = rate(h, at.tip, at.ahead, there)
+        strayed = at.slopes.get("stray", 0.0) * corner.get("bend", 0.0)
+        return Guess(at.tip, straight - strayed, {name: per(name) for name in at.slopes})
+
+    def step(self, h: float, length: float, at: Guess, rates: Guess, corner: Values) -> Guess:
+        """The barrier one step on, by the rates at its start and half way (second order)."""
+        half = at.moved(rates, length / 2)
+        return at.moved(self.change(h - length / 2, half, corner), length)
+
+    def ahead_of(self, tip: int, h: float, at: Guess) -> Guess:
+        """The same barrier ahead of another tip."""
+
+        def seen(name: str, sign: int) -> float:
+            off = sign * self.reach[name]
+            there = {**self.middle, name: self.middle[name] + off}
+            return other_tip(h, at.tip, at.ahead + off * at.slopes[name], there)
+
+        slopes = {n: (seen(n, 1) - seen(n, -1)) / (2 * self.reach[n]) for n in at.slopes}
+        return Guess(tip, other_tip(h, at.tip, at.ahead, self.middle), slopes)
+
+    def sticks(self, h: float, at: Guess, corner: Values) -> int:
+        """The tip that sticks, or else S."""
+        there = {**self.middle, **corner}
+        grip = _grip(h, at.tip, at.ahead, there)
+        return D if float(grip.stick(D)) == rate(h, at.tip, at.ahead, there) else S
 
 
-def curve(
-    first: float, last: float, sigma: float, d1: float, corners: Corners, side: int, rising: bool
-) -> tuple[float, float, float]:
-    """Slope at the start, slope at the end and rise of a curve that is as fast as any motion."""
+def _grip(h: float, tip: int, ahead: float, at: Values) -> Grip:
+    sides = Sides(
+        at["depth"], at["depth_far"], at["radius"], at["radius_far"],
+        at.get("tilt", 0.0), at.get("drag_a", 0.0), at.get("drag_n", 0.0),
+    )  # fmt: skip
+    return Grip.at(sides, h, at["V"] + at.get("stray", 0.0), tip, ahead, at.get("bend", 0.0))
 
-    def rate(h: float, at: float) -> float:
-        found = fastest(h, at, d1, corners, side)
-        return side * max(side * found, 0.0) if rising else found
 
-    length = first - last
-    middle = 0.5 * (first + last)
-    one = rate(first, sigma)
-    two = rate(middle, sigma + 0.5 * length * one)
-    three = rate(middle, sigma + 0.5 * length * two)
-    four = rate(last, sigma + length * three)
-    rise = length * (one + 2.0 * two + 2.0 * three + four) / 6.0
-    return one, rate(last, sigma + rise), rise
+def rate(h: float, tip: int, ahead: float, at: Values) -> float:
+    """The rate at which the part gets ahead of a tip, or one of them."""
+    grip = _grip(h, tip, ahead, at)
+    drag = Drag(at["rho"], at.get("stretch", 0.0), at.get("shear", 0.0))
+    mu_D = at["mu"] if "mu" in at else at["mu_lower"]
+    mu_S = at["mu"] if "mu" in at else at["mu_passive"]
+
+    def slip(at_D: int, at_S: int) -> float:
+        return float(grip.rate(drag, at_D * mu_D, at_S * mu_S))
+
+    sticks = (float(grip.stick(D)), float(grip.stick(S)))
+    low, high = min(sticks), max(sticks)
+    between = slip(-1, 1) if sticks[0] < sticks[1] else slip(1, -1)
+    if low <= between <= high:
+        return between
+    return max(slip(-1, -1), high) if between > high else min(slip(1, 1), low)
+
+
+def other_tip(h: float, tip: int, ahead: float, at: Values) -> float:
+    """How far the part is ahead of the other tip."""
+    grip = _grip(h, tip, ahead, at)
+    return float(ahead - grip.T if tip == S else ahead + grip.T)
+
+
+def first_ahead(h: float, at: Values) -> float:
+    """How far it is ahead of S when its reference point is ``Z`` above the centre of S."""
+    ahead = 0.0
+    for _ in range(3):  # with parallel edges the first is exact
+        grip = _grip(h, S, ahead, at)
+        ahead = (at["Z"] + grip.out_resting * grip.c) / grip.s
+    return float(ahead)

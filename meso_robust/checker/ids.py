@@ -36,6 +36,7 @@ class Must(StrEnum):
     TIP_CLEAR_OF_PART = "tip_clear_of_part"
     PART_CLEAR_OF_WALLS = "part_clear_of_walls"
     TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
+    FORCE_BELOW_CAP = "force_below_cap"
     # proved by the checker only: no certificate lists them
     ACTIVE_PRESSES = "active_presses"
     ACTIVE_PRESSES_ALONE = "active_presses_alone"

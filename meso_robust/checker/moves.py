@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from meso_robust.checker.document import RuleDocument
+from meso_robust.checker.force import force_below_cap
 from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.passage import Memory, Passage
@@ -46,8 +47,8 @@ def verify_move(
     check_rule(rule)
     scene = scene_of(rule, pre, given)
     passage = verify_scene(scene, given, memory)
-    walls = clear_of_walls(scene, passage, given)
-    return scene, replace(passage, requirements=(*passage.requirements, *walls))
+    more = (*force_below_cap(scene, given), *clear_of_walls(scene, passage, given))
+    return scene, replace(passage, requirements=(*passage.requirements, *more))
 
 
 def verify_scene(scene: Scene, given: Given, memory: Memory | None) -> Passage:

@@ -16,7 +16,7 @@ from meso_robust.checker.document import ObligationDocument
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.ids import Named, Objection, named
 from meso_robust.checker.numbers import double, side
-from meso_robust.checker.ranges import ZERO, Box, Formula, Side, either, least
+from meso_robust.checker.ranges import ZERO, Box, Formula, Side, either, least, shift
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, formulas
 from meso_robust.checker.statement import Statement
@@ -111,6 +111,8 @@ def _over_move(stated: ObligationDocument, requirement: Requirement) -> None:
             own = _own_name(key, part.box, requirement)
             if own is None:
                 continue
+            if own == "theta":  # stated is the part's orientation
+                low, high = shift((low, high), -part.box["turn"][0])
             known = part.box[own]
             room = (abs(low) + abs(high)) * NINE_DIGITS
             if not (low - room <= known[0] and known[1] <= high + room):

@@ -21,6 +21,9 @@ from meso_robust.checker.scene import NAMES, Scene, direction
 TURNS = {1: "counter_clockwise", -1: "clockwise"}
 UNIT = (arb(0), arb(1))
 """Side of a share between none and all."""
+NEAR = 5e-10
+"""m and rad: how closely poses after a move are bounded where no sign decides; a box that is stated
+has far more room."""
 
 
 def constant(value: Number) -> Formula:

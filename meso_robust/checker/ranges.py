@@ -167,6 +167,19 @@ def positive(of: Formula, box: Box, *, cuts: int = CUTS) -> bool:
     return bool(least(of, box, above=ZERO, cuts=cuts) > 0)
 
 
+def lows(of: Callable[[Point], Sequence[Dual]], box: Box) -> list[arb]:
+    """Proved lower bounds of several formulas over ``box``, which is not cut."""
+    middle = {name: side_of(((low + high) / 2).mid()) for name, (low, high) in box.items()}
+    reach = {name: abs(whole(box[name]) - middle[name][0]) for name in box}
+
+    def low(wide: Dual, there: Dual) -> arb:
+        off = sum((abs(slope) * reach[name] for name, slope in wide.slopes.items()), ZERO)
+        found = _finite(wide.value.lower(), NEVER)
+        return found.max(_finite((there.value - off).lower(), NEVER))
+
+    return list(map(low, of(point_of(box)), of(point_of(middle))))
+
+
 def span(of: Formula, box: Box, *, within: float = 1e-12) -> Side:
     """Proved lower and upper bound of ``of`` over ``box``."""
     return least(of, box, within=within), -least(lambda at: -of(at), box, within=within)

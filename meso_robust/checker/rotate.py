@@ -6,20 +6,23 @@ idle tip and the end.
 While both tips can touch none is left: if the part left S, D alone would push it and its far edge
 would close on S again (it would press, and S's force is positive for all friction ratios); if it left D, it
 would rest, as S rests, and D would run into it. Motion exists: the forces are positive for all
-ratios and the map from slip directions to speeds has a fixed point, because ``T + d1 (k_D - k_S)``
-vanishes nowhere (``V^2 > w^2 (1 + mu^2)``).
+ratios of either tip and the map from slip directions to speeds has a fixed point, because the divisor
+of ``grip.py`` vanishes nowhere.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import functools
+import itertools
+from collections.abc import Callable, Iterator
 
 from flint import arb
 
 from meso_robust.checker import statement as st
-from meso_robust.checker.approach import Approach, approach
+from meso_robust.checker.approach import Approach, approach, pose_from
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.grip import Grip
+from meso_robust.checker.grip import Forces, Grip
 from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Rectangle
@@ -34,16 +37,27 @@ from meso_robust.checker.pushing import (
     passes,
     touch,
 )
-from meso_robust.checker.ranges import ZERO, Box, Formula, Side, component, shift, side_of, span
+from meso_robust.checker.ranges import (
+    ZERO,
+    Box,
+    Formula,
+    Side,
+    component,
+    lows,
+    positive,
+    shift,
+    span,
+)
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables, prove
 from meso_robust.checker.scene import Scene
-from meso_robust.checker.slide import Piece, enclose
+from meso_robust.checker.slide import Piece, Start, drag_of, enclose, ratios_of
 
 IDLE = 1
 """The upper tip of the active probe touches nothing; the lower one pushes."""
 NEAR = 2e-7
 """How closely the touch is bounded, m."""
+SIGNS = (-1, 1)
 
 
 def check_rotate(scene: Scene) -> Passage:
@@ -58,23 +72,15 @@ def check_rotate(scene: Scene) -> Passage:
         raise Refused(named(Objection.IS_RECTANGLE), "a polygon", "a rectangle")
     if scene.rule.side != 1:
         raise Refused(named(Objection.SIDE_OF_MOVE, action="rotate"), scene.rule.side, 1)
-    if not scene.plain:
-        raise Refused(named(Objection.IS_RECTANGLE), "round tips, or an uneven film", "points")
-    pair, box = Pair(scene), scene.box
-    before = [*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(scene), _no_jam(pair)]
+    pair = Pair(scene)
+    before = [*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(pair), _no_jam(pair)]
     _prove(before)
-    touching = approach(scene, pair)
-    at_touch = touching.box()
-    h, sigma = (span(component(touching.touching, k), at_touch, within=NEAR) for k in (0, 1))
-    h_end = span(pair.h_end, box)
-    arrival = [
-        *touching.requirements(),
-        _rests(touching, h_end),
-    ]
+    touching = approach(pair)
+    h = span(touching.h, touching.box_at_touch(), within=NEAR)
+    h_end = span(pair.h_end, pair.box)
+    arrival = [*touching.requirements(), _rests(touching, h_end)]
     _prove(arrival)
-    turn = _Turn(scene, pair, touching, {
-        "V": span(pair.V, box), "rho": box["rho"], "mu": box["mu"], "d1": side_of(scene.d1),
-    }, h, sigma, h_end)  # fmt: skip
+    turn = _Turn(pair, touching, h, h_end)
     after = turn.requirements()
     _prove(after)
     return Passage(
@@ -90,125 +96,150 @@ def _prove(requirements: list[Requirement]) -> None:
         prove(requirement)
 
 
-def _passive_free(scene: Scene) -> Requirement:
+def _passive_free(pair: Pair) -> Requirement:
+    """The passive tip stands off the line of the far edge."""
     variables: Variables = {
-        "theta": lambda at: at["theta"],
-        "d1": constant(scene.d1),
-        "dx": lambda at: -scene.passive_ahead(at),
-        "dy": lambda at: -scene.passive_rise(at),
+        "theta": lambda at: pair.scene.angle(at) + (pair.turned(at) or 0),
+        "d1": lambda at: pair.depth_far(at) + at["radius_passive"],
+        "dx": lambda at: -pair.passive(at)[0],
+        "dy": lambda at: -pair.passive(at)[1],
     }
     return Requirement(
         name=named(Must.TIP_FREE_AT_START, tip="passive"),
         statement=st.CLEARANCE,
-        parts=(Part(variables, scene.box),),
+        parts=(Part(variables, pair.box),),
     )
 
 
 def _no_jam(pair: Pair) -> Requirement:
+    """A bound of the separation; that a motion exists is proved of every grip on the way."""
+    mu, scene = pair.scene.mu(ACTIVE), pair.scene
+    must, strays = named(Must.NO_JAM), not scene.exact("wander_x", "wander_y")
+
+    def apart(at: Point) -> Dual:
+        return pair.V(at) + pair.stray(at) if strays else pair.V(at)
+
     variables: Variables = {
-        "V": pair.V,
-        "d1": constant(pair.scene.d1),
-        "mu": lambda at: at["mu"],
+        "V": apart,
+        "width": lambda at: at["depth"] + pair.depth_far(at),
+        "radii": lambda at: at["radius_lower"] + at["radius_passive"],
+        "mu": lambda at: at[mu],
     }
-    return Requirement(
-        name=named(Must.NO_JAM),
-        statement=st.NO_JAM,
-        parts=(Part(variables, pair.scene.box),),
-    )
+    points: Variables = {"V": apart, "d1": lambda at: at["depth"], "mu": lambda at: at[mu]}
+    required = Requirement(name=must, statement=st.NO_JAM, parts=(Part(variables, pair.box),))
+    if not scene.plain:
+        return required
+    other = Requirement(name=must, statement=st.NO_JAM_POINTS, parts=(Part(points, pair.box),))
+    return dataclasses.replace(required, instead=(other,))
 
 
 def _rests(touching: Approach, h_end: Side) -> Requirement:
     variables: Variables = {
-        "h_start": lambda at: touching.touching(at)[0],
+        "h_start": touching.h,
         "h_end": lambda at: at["h_end"],
     }
     return Requirement(
         name=named(Must.RESTS_BEFORE_END),
         statement=st.RESTS,
-        parts=(Part(variables, {**touching.box(), "h_end": h_end}),),
+        parts=(Part(variables, {**touching.box_at_touch(), "h_end": h_end}),),
     )
+
+
+Spare = Callable[[Piece, arb, Point], tuple[Dual, ...]]
+"""By how much a grip of a piece exceeds a bound."""
 
 
 class _Turn:
     """The turn between both tips."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        pair: Pair,
-        touching: Approach,
-        box: Box,
-        h: Side,
-        sigma: Side,
-        h_end: Side,
-    ) -> None:
-        self.scene, self.pair, self.touching = scene, pair, touching
-        self.box, self.h, self.h_end = box, h, h_end
-        self.pieces = enclose(box, h, sigma, h_end)
+    def __init__(self, pair: Pair, touching: Approach, h: Side, h_end: Side) -> None:
+        self.scene, self.pair, self.touching = pair.scene, pair, touching
+        self.box, self.h, self.h_end = pair.ranges(), h, h_end
+        start = Start(touching.box_at_touch(), touching.lead, self.at_touch)
+        self.pieces = enclose(self.box, start, h, h_end)
+        self.near, self.far = self._straight("depth"), self._straight("depth_far")
+        for must, spare in (
+            (Must.NO_JAM, self._open),
+            (Must.ACTIVE_PRESSES, self._pressed),
+            (Must.BOTH_TIPS_TOUCH, self._forces),
+            (Must.BOTH_TIPS_ON_EDGES, self._on_edges),
+        ):
+            if not self._exceeds(spare, ZERO):
+                raise Refused(named(must), "more than 0", "not shown")
 
-    def grip(self, at: Point, piece: Piece) -> Grip:
-        return Grip.at(piece.h(at["done"]), at["V"], self.scene.d1)
+    def at_touch(self, at: Point) -> Point:
+        """What barriers are linear in when both tips touch."""
+        return self._known(at, {"stray": at["stray"]} if "stray" in at else {})
 
-    def part(self, piece: Piece) -> Part:
-        """The states of a piece, by the names of the inequalities."""
-        variables: Variables = {
-            "h": lambda at: piece.h(at["done"]),
-            "V": lambda at: at["V"],
-            "d1": constant(self.scene.d1),
-            "sigma": lambda at: piece.sigma(at["done"], at["share"]),
-            "rho": lambda at: at["rho"],
-            "mu": lambda at: at["mu"],
-            "half": constant(self.scene.half),
-        }
-        return Part(variables, {**self.box, "done": UNIT, "share": UNIT})
+    def _known(self, at: Point, more: dict[str, Dual]) -> dict[str, Dual]:
+        return {**self.pair.constants(at), **more}
 
-    def offset(self, at: Point, piece: Piece) -> Dual:
-        """d2 of the active tip."""
-        return self.grip(at, piece).T / 2 - piece.sigma(at["done"], at["share"])
+    def states(self) -> Box:
+        """All grips of a piece."""
+        return {**self.box, "done": UNIT, "share": UNIT}
 
-    def idle(self, piece: Piece) -> Part:
-        """The upper tip while a piece is passed."""
-        variables = beside(
-            self.scene,
-            lambda at: _angle(self.grip(at, piece)),
-            lambda at: self.offset(at, piece),
-            constant(ZERO),
-            IDLE,
-        )
-        tips = {name: self.scene.box[name] for name in ("beta", "spacing")}
-        return Part(variables, {**self.box, **tips, "done": UNIT, "share": UNIT})
+    def _exceeds(self, spare: Spare, bound: arb) -> bool:
+        """Whether something has more than ``bound`` to spare in all grips of the tube."""
+        states = self.states()
+        for piece in self.pieces:
+            of = functools.partial(spare, piece, bound)
+            for k, low in enumerate(lows(of, states)):
+                if not low > 0 and not positive(component(of, k), states):
+                    return False
+        return True
+
+    def _corners(self, piece: Piece, at: Point) -> list[Forces]:
+        """The forces at the corners of both cones; numerators and divisor are linear in the ratios."""
+        grip, drag, (mu_D, mu_S) = piece.grip(at), drag_of(at), ratios_of(at)
+        ends = itertools.product(SIGNS, repeat=2)
+        return [grip.forces(drag, mu_D * k, mu_S * k_S) for k, k_S in ends]
+
+    def _open(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
+        return tuple(forces.divisor - bound for forces in self._corners(piece, at))
+
+    def _pressed(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
+        """D presses, also alone."""
+        grip, drag, (mu, _) = piece.grip(at), drag_of(at), ratios_of(at)
+        found = [forces.moving - bound for forces in self._corners(piece, at)]
+        return (*found, *(grip.alone(drag, mu * k) - bound for k in SIGNS))
+
+    def _forces(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
+        return tuple(forces.resting - forces.divisor * bound for forces in self._corners(piece, at))
+
+    def _on_edges(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
+        grip = piece.grip(at)
+        ends = ((grip.D_place, self.near - bound), (grip.S_place, self.far - bound))
+        return tuple(end - place * sign for place, end in ends for sign in SIGNS)
+
+    def _straight(self, depth: str) -> arb:
+        """How far the straight part of an edge reaches at least, from the foot of the part, m."""
+        scene = self.scene
+        size, kappa = scene.box["size_other"], scene.box["kappa_other"]
+        if self.pair.parallel and scene.exact("size_other") and scene.corner_radius == 0:
+            return scene.half
+        turned = kappa[0].union(kappa[1]) - scene.box["kappa"][0].union(scene.box["kappa"][1])
+        corner = arb.pi() / 2 + turned
+        s, c = corner.sin_cos()
+        out = scene.half + size[0].union(size[1])
+        deep = self.box[depth][0].union(self.box[depth][1])
+        return ((out - deep * c) / s - (corner / 2).tan() * scene.corner_radius).lower()
 
     def requirements(self) -> list[Requirement]:
-        tube = tuple(self.part(piece) for piece in self.pieces)
         span_of = (Part({"h": lambda at: at["h"], "V": lambda at: at["V"]}, self.ends()),)
-        while_turning = tuple(self.idle(piece) for piece in self.pieces)
+        while_turning = tuple(self.idle(piece) for piece in self._stages())
+
+        def shown(must: Must, statement: st.Statement, spare: Spare) -> Requirement:
+            return Requirement(
+                name=named(must),
+                statement=statement,
+                parts=(),
+                cover=span_of,
+                verify=lambda stated, bound: self._exceeds(spare, bound),
+            )
+
         return [
-            Requirement(
-                name=named(Must.BOTH_TIPS_TOUCH),
-                statement=st.PASSIVE_FORCE,
-                parts=tube,
-                cover=span_of,
-                over_parts=True,
-            ),
-            Requirement(
-                name=named(Must.BOTH_TIPS_ON_EDGES),
-                statement=st.TIPS_ON_EDGES,
-                parts=tube,
-                cover=span_of,
-                over_parts=True,
-            ),
-            Requirement(
-                name=named(Must.ACTIVE_PRESSES),
-                statement=st.ACTIVE_FORCE,
-                parts=tube,
-                stated=False,
-            ),
-            Requirement(
-                name=named(Must.ACTIVE_PRESSES_ALONE),
-                statement=st.ALONE,
-                parts=tube,
-                stated=False,
-            ),
+            shown(Must.BOTH_TIPS_TOUCH, st.PASSIVE_FORCE, self._forces),
+            shown(Must.BOTH_TIPS_ON_EDGES, st.TIPS_ON_EDGES, self._on_edges),
             passes("before_touch", (self.flight(),)),
             passes("early_in_turn", (self.early(),)),
             passes("late_in_turn", while_turning, cover=(self.at_end(),)),
@@ -216,8 +247,51 @@ class _Turn:
             comes_free("both", self.end_angle, self.scene, self.end_box()),
         ]
 
+    def _stages(self) -> Iterator[Piece]:
+        yield from self.pieces
+
     def ends(self) -> Box:
-        return {"h": (self.h_end[0], self.h[1]), "V": self.box["V"]}
+        return {"h": (self.h_end[0], self.h[1]), "V": self._apart()}
+
+    def _apart(self) -> Side:
+        V = self.box["V"]
+        if "stray" not in self.box:
+            return V
+        return V[0] + self.box["stray"][0], V[1] + self.box["stray"][1]
+
+    def idle(self, piece: Piece) -> Part:
+        """The upper tip while a piece is passed."""
+        own = {
+            name: self.scene.box[name] for name in ("beta", "spacing", "direction", "radius_upper")
+        }
+
+        def offset(at: Point) -> Dual:
+            return piece.grip(at).D_place
+
+        variables = self.beside(lambda at: _angle(piece.grip(at)), offset, constant(ZERO), "radius")
+        return Part(variables, {**self.states(), **own})
+
+    def beside(
+        self, theta: Formula, offset: Formula, flight: Formula, radius: str = "radius_lower"
+    ) -> Variables:
+        """The upper tip while the lower one is ``flight`` short of its place on the edge."""
+        scene = self.scene
+        variables = dict(beside(scene, theta, offset, flight, IDLE))
+        if not scene.exact("radius_upper", "radius_lower"):
+            # centres: the line off which the upper one must be is moved by the difference of radii
+            x, y = variables["dx"], variables["dy"]
+
+            def more(at: Point) -> Dual:
+                return at[radius] - at["radius_upper"]
+
+            variables["dx"] = lambda at: x(at) + theta(at).sin_cos()[0] * more(at)
+            variables["dy"] = lambda at: y(at) - theta(at).sin_cos()[1] * more(at)
+        if not scene.plain:
+            size, kappa = scene.box["size_other"], scene.box["kappa_other"]
+            leaning = (abs(kappa[0]).max(abs(kappa[1])).sin() * scene.d1).upper()
+            out = scene.half + scene.outline.astray(size, kappa) + leaning
+            variables["half"] = lambda at: at["radius_upper"] + out
+        return variables
 
     def flight(self) -> Part:
         """Until the active tip touches the part."""
@@ -226,39 +300,40 @@ class _Turn:
         def short(at: Point) -> Dual:
             return at["share"] * (scene.ahead(at, ACTIVE) - touch(scene, at, ACTIVE).arm_x)
 
-        variables = beside(
-            scene, lambda at: at["theta"], lambda at: touch(scene, at, ACTIVE).d2, short, IDLE
-        )
-        return Part(variables, {**scene.box, "share": UNIT})
+        variables = self.beside(scene.angle, lambda at: touch(scene, at, ACTIVE).d2, short)
+        return Part(self._straying(variables), {**scene.box, "share": UNIT})
+
+    def _straying(self, variables: Variables) -> Variables:
+        """The same in the air, where the probe is not on the line of the touch or of the end."""
+        pair = self.pair
+        if self.scene.exact("wander_x", "wander_y"):
+            return variables
+        y = variables["dy"]
+        return {**variables, "dy": lambda at: y(at) + pair.stray(at, "_now") - pair.stray(at)}
 
     def early(self) -> Part:
         """Until the part rests on the passive tip."""
         touching = self.touching
-        offset: Formula = lambda at: touching.contact(at).d2  # noqa: E731
-        variables = beside(self.scene, touching.angle, offset, constant(ZERO), IDLE)
-        return Part(variables, {**touching.box(), "beta": self.scene.box["beta"]})
+        variables = self.beside(touching.angle, touching.place, constant(ZERO))
+        return Part(variables, touching.box())
 
     def end_box(self) -> Box:
-        return {**self.scene.box, "share": UNIT, "back": UNIT}
+        return {**self.pair.box, "share": UNIT, "back": UNIT}
 
     def end_grip(self, at: Point) -> Grip:
-        return Grip.at(self.pair.h_end(at), self.pair.V(at), self.scene.d1)
+        strays = "stray" in self.box
+        more = {"stray": self.pair.stray(at, "_now")} if strays else {}
+        known = self._known(at, {**more, "share": at["share"]})
+        return self.pieces[-1].grip_at(self.pair.h_end(at), known)
 
     def end_angle(self, at: Point) -> Dual:
         return _angle(self.end_grip(at))
-
-    def end_sigma(self, at: Point) -> Dual:
-        piece = self.pieces[-1]
-        return piece.sigma(piece.done(self.pair.h_end(at)), at["share"])
 
     def at_end(self) -> Part:
         return Part(self.beside_at_end(constant(ZERO)), self.end_box())
 
     def beside_at_end(self, short: Formula) -> Variables:
-        def offset(at: Point) -> Dual:
-            return self.end_grip(at).T / 2 - self.end_sigma(at)
-
-        return beside(self.scene, self.end_angle, offset, short, IDLE)
+        return self.beside(self.end_angle, lambda at: self.end_grip(at).D_place, short)
 
     def withdrawal(self) -> Part:
         """While the active probe backs off to its start."""
@@ -267,35 +342,30 @@ class _Turn:
         def way(at: Point) -> Dual:
             return at["back"] * (scene.ahead(at, ACTIVE) - scene.ahead_end(at, ACTIVE))
 
-        return Part(self.beside_at_end(way), self.end_box())
+        return Part(self._straying(self.beside_at_end(way)), self.end_box())
 
     def swept(self) -> tuple[Sweep, ...]:
         """All poses between both tips."""
-        names = ("x", "sensed_x", "passive_x", "y", "sensed_y", "passive_y")
-        box = {**self.box, **{name: self.scene.box[name] for name in names}}
+        box = {**self.pair.box, **self.pair.instants(), "done": UNIT, "share": UNIT}
 
         def pose(piece: Piece, at: Point) -> Pose:
-            grip, sigma = self.grip(at, piece), piece.sigma(at["done"], at["share"])
-            x = at["x"] + self.scene.passive_ahead(at) + grip.h / 2 + sigma * grip.c
-            y = at["y"] + self.scene.passive_rise(at) + at["V"] / 2 + sigma * grip.s
-            return x, y, _angle(grip)
+            more = {name: at[name] for name in ("stray", "done", "share") if name in at}
+            return self._pose(at, piece.grip(self._known(at, more)))
 
-        states = {**box, "done": UNIT, "share": UNIT}
-        return tuple(Sweep(functools.partial(pose, one), states, "done") for one in self.pieces)
+        return tuple(Sweep(functools.partial(pose, one), box, "done") for one in self.pieces)
+
+    def _pose(self, at: Point, grip: Grip) -> Pose:
+        return pose_from(self.pair, at, grip.c, grip.s, grip.b, grip.out_resting)
 
     def post(self) -> PoseBox:
         """All poses at the end, in the axes of the move."""
         box = {name: side for name, side in self.end_box().items() if name != "back"}
 
-        def x(at: Point) -> Dual:
-            grip, h = self.end_grip(at), self.pair.h_end(at)
-            return at["x"] + self.scene.passive_ahead(at) + h / 2 + self.end_sigma(at) * grip.c
+        def at_end(k: int, at: Point) -> Dual:
+            return self._pose(at, self.end_grip(at))[k]
 
-        def y(at: Point) -> Dual:
-            return at["y"] + self.pair.middle(at) + self.end_sigma(at) * self.end_grip(at).s
-
-        theta = shift(span(self.end_angle, box), self.scene.turn)
-        return PoseBox(x=span(x, box), y=span(y, box), theta=theta)
+        x, y, theta = (span(functools.partial(at_end, k), box, within=1e-9) for k in range(3))
+        return PoseBox(x=x, y=y, theta=shift(theta, self.scene.turn))
 
 
 def _angle(grip: Grip) -> Dual:

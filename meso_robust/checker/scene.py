@@ -3,7 +3,8 @@
 All that is not known is a variable of its own with a side of its own; what depends on the same
 error depends on the same variable:
 
-``x y theta``             true pose before the move (theta: stated direction of the pushed edge)
+``x y theta``             true pose before the move (theta: stated direction of the pushed edge,
+                          ``turn`` less than the part's orientation)
 ``sensed_x sensed_y``     sensed minus true position
 ``probe_x probe_y``       true minus commanded position of the active probe
 ``passive_x passive_y``   the same of the passive one
@@ -49,24 +50,10 @@ WANDERS_IN = arb("1e-4")
 """m of travel in which a probe strays by no more than ``probe_wander``."""
 
 
-PLAIN = frozenset(
-    [
-        "x",
-        "y",
-        "theta",
-        "sensed_x",
-        "sensed_y",
-        "probe_x",
-        "probe_y",
-        "passive_x",
-        "passive_y",
-        "beta",
-        "spacing",
-        "depth",
-        "rho",
-        "mu",
-    ]
-)
+PLAIN = {
+    *("x", "y", "theta", "turn", "sensed_x", "sensed_y", "probe_x", "probe_y"),
+    *("passive_x", "passive_y", "beta", "spacing", "depth", "rho", "mu"),
+}
 """Variables that a move of points on an exact part depends on."""
 
 
@@ -345,6 +332,7 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
         "x": own.x,
         "y": own.y,
         "theta": shift(own.theta, -edge.turn),
+        "turn": side_of(edge.turn),
         "sensed_x": given.sensed,
         "sensed_y": given.sensed,
         "probe_x": given.probe,

@@ -27,7 +27,7 @@ from meso_robust.checker.document import (
     SimulationDocument,
     Word,
 )
-from meso_robust.checker.ids import Claim, Must, Premise, Property
+from meso_robust.checker.ids import Claim, Must, Property, premises
 from meso_robust.checker.inputs import given, uncertainties
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.statement import STATEMENTS
@@ -288,7 +288,9 @@ def _claim(old: CertificateOne, task: Task) -> dict[str, Any]:
     return {
         "id": own if stated.words == _words(task, moves) else stated.words,
         "moves": moves,
-        "premises": list(Premise) if stated.assumptions == taken else list(stated.assumptions),
+        "premises": list(premises(task))
+        if stated.assumptions == taken
+        else list(stated.assumptions),
         "uncertainties": ranges,
         "inequalities": {
             # what is listed twice is another name, so that it is rejected

@@ -7,7 +7,6 @@ for a task (radii, an uneven film ...) may be left out.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -16,7 +15,6 @@ from flint import arb
 from meso_robust.checker.contact import Contact, Turning, along, off_line
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.film import EVEN, Arm, Film
-from meso_robust.checker.grip import Forces, Grip
 
 Values = tuple[Dual, ...]
 
@@ -129,34 +127,13 @@ def _on_edge(at: Point) -> Values:
 
 
 def _no_jam(at: Point) -> Values:
+    stretched = (at["mu"].squared() + 1).sqrt()
+    return (at["V"] * stretched - at["width"] * stretched.squared() - at["radii"],)
+
+
+def _no_jam_points(at: Point) -> Values:
     width = at["d1"] * 2
     return (at["V"].squared() - width.squared() * (at["mu"].squared() + 1),)
-
-
-def _forces(at: Point) -> list[Forces]:
-    grip, mu = Grip.at(at["h"], at["V"], at["d1"]), at["mu"]
-    ends = itertools.product((-1, 1), repeat=2)
-    return [grip.forces(at["sigma"], at["rho"], mu * one, mu * two) for one, two in ends]
-
-
-def _passive_force(at: Point, above: arb) -> Values:
-    return tuple(forces.S - forces.divisor * above for forces in _forces(at))
-
-
-def _active_force(at: Point, above: arb) -> Values:
-    return tuple(forces.D - forces.divisor * above for forces in _forces(at))
-
-
-def _alone(at: Point) -> Values:
-    # its force L follows from L (rho + d2 m) = rho sin(theta), see approach.py
-    d2 = Grip.at(at["h"], at["V"], at["d1"]).T / 2 - at["sigma"]
-    lever = at["mu"] * at["d1"]
-    return tuple(at["rho"] + d2 * (d2 + lever * sign) for sign in (-1, 1))
-
-
-def _tips_on_edges(at: Point) -> Values:
-    reach = Grip.at(at["h"], at["V"], at["d1"]).T / 2
-    return tuple(at["half"] - (reach + at["sigma"] * sign) for sign in (-1, 1))
 
 
 def _less(values: Callable[[Point], Values]) -> Callable[[Point, arb], Values]:
@@ -178,27 +155,27 @@ TURNS = _plain("one_point_sticking.turning", _turns)
 ONLY = _plain("one_point_sticking.only_solution", _only)
 PAIR_STICKS = _plain("two_point_sticking.friction_margin", _pair_sticks)
 PAIR_PRESSES = _plain("two_point_sticking.normal_forces", _pair_presses)
-NO_JAM = _plain("two_sided_rotation.no_jam", _no_jam)
+NO_JAM = _plain("opposite_edges.no_jam", _no_jam)
+NO_JAM_POINTS = _plain("two_sided_rotation.no_jam", _no_jam_points)
 REACHES = _plain("travel", lambda at: (at["travel"],))
 ON_EDGE = _plain("within_edge", _on_edge)
 BETWEEN_ENDS = _plain("between_corners", _on_edge)
 ARRIVES = _plain("travel_to_spare", _arrives)
 RESTS = _plain("touch_before_end", lambda at: (at["h_start"] - at["h_end"],))
 COMES_FREE = _plain("faces_back", _faces_back)
-PASSIVE_FORCE = Statement("two_sided_rotation.passive_force", _passive_force)
-ALONE = _plain("active_alone", _alone)
-ACTIVE_FORCE = Statement("active_force", _active_force)
-TIPS_ON_EDGES = _plain("two_sided_rotation.ends_of_edges", _tips_on_edges)
-PART_CLEAR, TIPS_CLEAR = (
-    # verified over what is swept (walls.py), not as a formula of a few numbers
+PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR, FORCE = (
+    # verified over a tube (rotate.py), a sweep (walls.py) or all (force.py), not as a formula of a few numbers
     Statement(id_, lambda at, above: ())
-    for id_ in ("part_to_wall", "tip_to_wall")
-)
+    for id_ in (
+        "two_sided_rotation.passive_force", "two_sided_rotation.ends_of_edges", "part_to_wall", "tip_to_wall",
+        "force_to_spare",
+    )
+)  # fmt: skip
 STATEMENTS: Mapping[str, Statement] = {
     one.id: one
     for one in (
         CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
-        REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
-        TIPS_CLEAR,
+        NO_JAM_POINTS, REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
+        TIPS_CLEAR, FORCE,
     )
 }  # fmt: skip

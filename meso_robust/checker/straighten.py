@@ -3,8 +3,9 @@
 Once both touch, the line through them keeps its direction ``pi/2 + beta`` and so does the edge.
 Nothing but the translation can follow: a motion that both tips keep in contact does not turn and
 differs from it by a slide along the edge only, against which the friction of both tips together
-stands (``statement.py``); one that leaves a tip is a motion of the other tip alone, which turns the part back
-onto the tip that it left, for any friction at all or because it sticks; with no tip in contact the part rests in the way of both.
+stands (``statement.py``); one that leaves a tip is a motion of the other tip alone, which turns the
+part back onto the tip that it left, for any friction at all or because it sticks; with no tip in
+contact the part rests in the way of both.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from meso_robust.checker.ids import Must, Property, named
 from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
+    NEAR,
     UNIT,
     comes_free,
     constant,
@@ -65,7 +67,7 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
     return Passage(
         does=named(Property.STRAIGHTENS),
         post=PoseBox(
-            x=functools.reduce(hull, (span(case.x_end, case.box) for case in cases)),
+            x=functools.reduce(hull, (span(case.x_end, case.box, within=NEAR) for case in cases)),
             y=functools.reduce(hull, (case.height(memory) for case in cases)),
             theta=shift(theta, scene.turn),
         ),
@@ -184,10 +186,12 @@ class _Case:
 
     def height(self, memory: Memory | None) -> Side:
         """Where y of the part is at the end."""
-        plain = span(self.y_end, self.box)
+        plain = span(self.y_end, self.box, within=NEAR)
         if memory is None or not memory.about(self.scene):
             return plain
-        return common(plain, span(functools.partial(self.y_after, memory), self.joint(memory)))
+        return common(
+            plain, span(functools.partial(self.y_after, memory), self.joint(memory), within=NEAR)
+        )
 
     def y_after(self, memory: Memory, at: Point) -> Dual:
         """The same, from the tilt's own start: its height before follows from the angle."""

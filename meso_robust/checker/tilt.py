@@ -15,6 +15,7 @@ from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Rectangle
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
+    NEAR,
     TURNS,
     UNIT,
     any_of,
@@ -101,7 +102,7 @@ def check_tilt(scene: Scene) -> Passage:
         prove(requirement)
 
     centre = functools.partial(_centre, scene, left=ZERO)
-    x, y, theta_end = (span(component(centre, k), box) for k in range(3))
+    x, y, theta_end = (span(component(centre, k), box, within=NEAR) for k in range(3))
     return Passage(
         does=named(Property.TURNS_PART, turn=TURNS[side]),
         post=PoseBox(x=x, y=y, theta=shift(theta_end, scene.turn)),

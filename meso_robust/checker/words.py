@@ -66,6 +66,7 @@ _SENTENCES: Mapping[StrEnum, str] = {
     Must.TIP_CLEAR_OF_PART: "the {tip} tip stays clear of the part on its way",
     Must.PART_CLEAR_OF_WALLS: "the part stays clear of the slot's walls",
     Must.TIPS_CLEAR_OF_WALLS: "the tips stay clear of the slot's walls",
+    Must.FORCE_BELOW_CAP: "no contact force exceeds max_force_un",
     Must.ACTIVE_PRESSES: "the active tip presses on the part between both tips",
     Must.ACTIVE_PRESSES_ALONE: "the active tip alone would press on the part",
     Objection.VALUE: "",

@@ -306,19 +306,22 @@ class Bench:
             return np.zeros((1, order.names.shape[-1]))
         return _of_names(self.draws.radii, order.names)
 
+    def friction(self, k: int, order: Order) -> Floats:
+        """(N, 1, 1) of all tips in the whole move, or (N, L, P) of each in each leg."""
+        if self.draws.tip_friction is None:
+            return self.draws.friction[:, None, None]
+        return _of_names(self.draws.tip_friction[:, k], order.names)
+
     def push(
         self, k: int, order: Order, runs: Which, poses: Floats, ways: Floats, record: int
     ) -> Pushed:
         """Pushes along straight legs by an engine of the simulator."""
-        friction, outlines = self.draws.friction[runs, None], self.outlines
-        if self.draws.tip_friction is not None:
-            friction = _of_names(self.draws.tip_friction[:, k], order.names)[runs]
-        radii = self.radii(order)
+        friction, radii, outlines = self.friction(k, order)[runs], self.radii(order), self.outlines
         push = Push.along(
             vertices=outlines[runs] if len(outlines) > 1 else outlines[0],
             poses=poses,
             ways=ways,
-            friction=np.broadcast_to(friction, (*friction.shape[:-1], ways.shape[2])),
+            friction=np.broadcast_to(friction, (len(friction), ways.shape[1] - 1, ways.shape[2])),
             radii=radii[runs] if len(radii) > 1 else radii,
             support=self.film.some(runs),
             step=self.step,

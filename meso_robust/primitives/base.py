@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from meso_robust import units
-from meso_robust.bounds import Box, Interval, Proof, Verdict
-from meso_robust.primitives import one_tip
-from meso_robust.primitives.implicit import Ends, Implicit
+from meso_robust.bounds import Box, Interval, Proof, Verdict, prove_positive
+from meso_robust.bounds.implicit import Ends, Implicit
+from meso_robust.motion import one_tip
 from meso_robust.primitives.move import Aim, Anchor, MoveRule
 from meso_robust.primitives.names import (
     SIDES,
@@ -21,10 +22,10 @@ from meso_robust.primitives.names import (
     about,
 )
 from meso_robust.primitives.obligation import Obligation
-from meso_robust.primitives.outline import Edge
+from meso_robust.primitives.outline import Edge, Line
 from meso_robust.primitives.setup import PoseBox, Setup
 
-UNIT = Interval(0.0, 1.0)
+NOTHING, UNIT = Interval.point(0.0), Interval(0.0, 1.0)
 BENDING = units.metres(100.0)
 """Length over which a probe's path strays by ``probe_wander`` at most: what bounds its direction."""
 
@@ -42,7 +43,7 @@ def base_box(rule: MoveRule, pre: PoseBox, setup: Setup, edge: Edge) -> dict[str
     Returns
     -------
     dict
-        Parameters and constants of :mod:`meso_robust.primitives.one_tip`, SI.
+        Parameters and constants of :mod:`meso_robust.motion.one_tip`, SI.
     """
     u = setup.uncertainty
     anisotropy, astray = u.drag_anisotropy, u.probe_wander
@@ -131,16 +132,53 @@ def holds(which: Which, side: int, contact: str, edge: Edge) -> list[Wanted]:
     ]
 
 
-def free_at_start(tips: Sequence[int]) -> list[Wanted]:
-    """These tips (1: upper, -1: lower) stand clear of the edge's line before the move."""
-    return [
-        (
-            about(ObligationId.TIP_FREE_AT_START, tip=SIDES[tip]),
-            Inequality.CLEARANCE,
-            [f"free_{SIDES[tip]}"],
-        )
-        for tip in tips
-    ]
+def free_at_start(tips: Sequence[int], box: Box, edge: Edge) -> tuple[Obligation, ...]:
+    """These tips (1: upper, -1: lower) stand clear of the edge's line before the move.
+
+    Parameters
+    ----------
+    tips, box
+        Which tips, and the base parameters of the move.
+    edge
+        The edge that is pushed.
+
+    Returns
+    -------
+    tuple[Obligation, ...]
+        One a tip.
+    """
+    start = {**box, "share": NOTHING}
+    line = Line(turn=edge.turn - box["kappa"], depth=edge.depth)
+    return tuple(off_line(ObligationId.TIP_FREE_AT_START, tip, line, start) for tip in tips)
+
+
+def off_line(id_: ObligationId, tip: int, line: Line, box: Box) -> Obligation:
+    """A tip is off a line on its way, while nothing touches the part.
+
+    Parameters
+    ----------
+    id_
+        What that means for the move.
+    tip
+        1: the upper one, -1: the lower one.
+    line
+        A side of the part's convex hull, its own error of direction in its turn.
+    box
+        The base parameters of the move; ``share`` tells how much of the way.
+
+    Returns
+    -------
+    Obligation
+        Proved or not.
+    """
+    of = one_tip.passing(tip)
+    there = {**box, "line_turn": line.turn, "line_depth": line.depth}
+    proof = prove_positive(of, {name: there[name] for name in of.inputs})
+    return Obligation(
+        name=about(id_, tip=SIDES[tip]),
+        inequality=Inequality.CLEARANCE,
+        proof=replace(proof, box=stated(proof.box)),
+    )
 
 
 def positive(
@@ -183,7 +221,7 @@ def stated(box: Box) -> Box:
     Parameters
     ----------
     box
-        By the names of :mod:`meso_robust.primitives.one_tip`.
+        By the names of :mod:`meso_robust.motion.one_tip`.
 
     Returns
     -------

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from meso_robust.bounds import Box, Verdict, prove_positive
-from meso_robust.primitives import one_tip
-from meso_robust.primitives.base import base_box, stated
+from meso_robust.bounds import Box, Verdict
+from meso_robust.primitives.base import base_box, off_line
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.names import SIDES, Inequality, ObligationId, Property, about
+from meso_robust.primitives.names import ObligationId, Property, about
 from meso_robust.primitives.obligation import Knot, Obligation, Step
-from meso_robust.primitives.outline import Line
 from meso_robust.primitives.setup import PoseBox, Setup
 
 
@@ -42,16 +38,6 @@ def certify_regrasp(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
 
 def _passes_by(tip: int, box: Box, pre: PoseBox, setup: Setup) -> Obligation:
     """One side of the convex hull has the whole way of the tip on its outer side."""
-    tried = [_beyond(line, tip, box) for line in setup.sides(pre.theta.mid)]
+    id_ = ObligationId.TIP_CLEAR_OF_PART
+    tried = [off_line(id_, tip, line, box) for line in setup.sides(pre.theta.mid)]
     return next((o for o in tried if o.proof.verdict is Verdict.PROVED), tried[0])
-
-
-def _beyond(line: Line, tip: int, box: Box) -> Obligation:
-    of = one_tip.passing(tip)
-    there = {**box, "line_turn": line.turn, "line_depth": line.depth}
-    proof = prove_positive(of, {name: there[name] for name in of.inputs})
-    return Obligation(
-        name=about(ObligationId.TIP_CLEAR_OF_PART, tip=SIDES[tip]),
-        inequality=Inequality.CLEARANCE,
-        proof=replace(proof, box=stated(proof.box)),
-    )

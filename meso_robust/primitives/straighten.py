@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.bounds.implicit import Ends, bound
 from meso_robust.bounds.interval import arcsin, cos
-from meso_robust.primitives import one_tip
+from meso_robust.motion import one_tip
 from meso_robust.primitives.base import (
     Wanted,
     base_box,
@@ -21,7 +22,6 @@ from meso_robust.primitives.base import (
     pose_of,
     positive,
 )
-from meso_robust.primitives.implicit import Ends, bound
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import (
     SIDES,
@@ -32,7 +32,7 @@ from meso_robust.primitives.names import (
     Which,
     about,
 )
-from meso_robust.primitives.obligation import Knot, Obligation, Step
+from meso_robust.primitives.obligation import Knot, Step
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tilt import Turn
@@ -62,7 +62,8 @@ def certify_straighten(
     edge = setup.edge(pre.theta.mid)
     tilt = tilt if tilt is not None and tilt.edge == edge else None
     box, aligned = base_box(rule, pre, setup, edge), _aligned(setup)
-    obligations: list[Obligation] = []
+    obligations = [*free_at_start((1, -1), box, edge)]
+    alike = len(obligations)
     posts: list[PoseBox | None] = []
     knots = [Knot(stage="at rest", box=pre)]
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
@@ -77,7 +78,7 @@ def certify_straighten(
             proofs_only=not whole,
         )
         lighter = ends is not None and any(not ends.lower[name] > 0.0 for name in _STICKS)
-        wanted = _wanted(side, edge, lighter)[len(_ALIKE) if obligations else 0 :]
+        wanted = _wanted(side, edge, lighter)[0 if len(obligations) == alike else 1 :]
         proofs = [positive(one, of, part, ends) for one in wanted]
         obligations += proofs
         if ends is None or any(one.proof.verdict is not Verdict.PROVED for one in proofs):
@@ -122,13 +123,6 @@ def _first_contacts(theta: Interval, aligned: Interval) -> list[tuple[int, Inter
     return cases or [(1, theta)]
 
 
-_ALIKE: tuple[Wanted, ...] = (
-    *free_at_start((1, -1)),
-    (about(ObligationId.WITHDRAWS_FREE, tips=Which.PAIR), Inequality.FACES_BACK, ["withdraws"]),
-)
-"""What does not depend on which tip touches first."""
-
-
 _STICKS = tuple(f"second_{name}" for name in one_tip.MARGINS)
 _EITHER = (*_STICKS, "second_turns_any_way")
 """Of the second tip alone it is enough that it would stick and turn the part back, or that it would
@@ -152,7 +146,8 @@ def _wanted(side: int, edge: Edge, lighter: bool) -> list[Wanted]:
     )
     outputs = one_tip.straighten(side).outputs
     return [
-        *_ALIKE,
+        # the same for either tip
+        (about(ObligationId.WITHDRAWS_FREE, tips=Which.PAIR), Inequality.FACES_BACK, ["withdraws"]),
         *holds(SIDES[side], side, "first", edge),
         on_edge,
         *(

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from meso_robust.bounds import Interval
-from meso_robust.primitives import one_tip
+from meso_robust.bounds.implicit import Implicit, at_middle, bound
+from meso_robust.motion import one_tip
 from meso_robust.primitives.base import (
     Wanted,
     base_box,
@@ -15,7 +16,6 @@ from meso_robust.primitives.base import (
     pose_of,
     positive,
 )
-from meso_robust.primitives.implicit import Implicit, at_middle, bound
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import (
     TURNS,
@@ -83,7 +83,10 @@ def certify_tilt(
         claim=about(Property.TURNS_PART, turn=TURNS[side]),
         pre=pre,
         post=None if ends is None else pose_of(ends),
-        obligations=tuple(positive(one, of, box, ends) for one in _wanted(side, edge)),
+        obligations=(
+            *free_at_start((-side, side), box, edge),
+            *(positive(one, of, box, ends) for one in _wanted(side, edge)),
+        ),
         tube=(rest, *passage),
     )
     return step, None if ends is None else Turn(side=side, box=box, edge=edge)
@@ -92,7 +95,6 @@ def certify_tilt(
 def _wanted(side: int, edge: Edge) -> list[Wanted]:
     passes = Inequality.CLEARANCE if edge.beyond else Inequality.BESIDE
     return [
-        *free_at_start((-side, side)),
         (about(ObligationId.TIP_REACHES_PART), Inequality.TRAVEL, ["reaches"]),
         *holds(Which.PUSHING, side, "pushing", edge),
         *(

@@ -148,7 +148,7 @@ class Film:
 
     def some(self, runs: slice | Flags) -> Film:
         """The film of some of the runs."""
-        if isinstance(runs, slice) and runs == slice(None):
+        if isinstance(runs, slice):  # all of them
             return self
         drag, lay = (a[runs] if len(a) > 1 else a for a in (self.drag, self.stage_lay))
         return Film(drag, lay)

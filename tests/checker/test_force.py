@@ -10,7 +10,7 @@ import pytest
 from flint import arb
 
 from meso_robust.checker.dual import Dual
-from meso_robust.checker.grip import Grip
+from meso_robust.checker.grip import Drag, Grip, S, Sides
 from meso_robust.checker.ranges import ZERO
 from meso_robust.checker.statement import NO_JAM
 
@@ -32,9 +32,11 @@ def by_hand(separation: float) -> float:
 
 
 def by_the_checker(separation: float) -> float:
-    grip = Grip.at(Dual(arb(0)), Dual(arb(separation)), arb(WIDTH / 2.0))
-    found = grip.forces(Dual(arb(0)), arb(RATIO), arb(-MU), arb(MU))
-    return max(float((force / found.divisor).value) for force in (found.D, found.S))
+    half, none = Dual(arb(WIDTH / 2.0)), Dual(arb(0))
+    ahead = Dual(arb(math.sqrt(separation**2 - WIDTH**2) / 2.0))
+    grip = Grip.at(Sides(half, half, none, none), none, Dual(arb(separation)), S, ahead)
+    found = grip.forces(Drag(arb(RATIO)), arb(-MU), arb(MU))
+    return max(float((force / found.divisor).value) for force in (found.moving, found.resting))
 
 
 @pytest.mark.parametrize("separation_um", [890.0, 900.0, 916.0])
@@ -54,7 +56,7 @@ def test_the_force_grows_without_bound() -> None:
 def test_the_condition_against_a_jam_ends_where_the_force_has_no_bound(
     share: float, holds: bool
 ) -> None:
-    numbers = {"V": JAM * (1.0 + share), "d1": WIDTH / 2.0, "mu": MU}
+    numbers = {"V": JAM * (1.0 + share), "width": WIDTH, "radii": 0.0, "mu": MU}
     (margin,) = NO_JAM.of({name: Dual(arb(value)) for name, value in numbers.items()}, ZERO)
 
     assert bool(margin.value > 0) is holds

@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 from meso_robust.checker.contact import Contact, Turning
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.film import Arm, Film
-from meso_robust.checker.grip import Grip
 from meso_robust.checker.ranges import least, positive, span
 
 D1, RHO = 0.4185, 0.3769  # mm, mm^2
@@ -64,28 +63,6 @@ def test_the_travel_of_a_turn_is_the_integral_of_its_rate(side: int) -> None:
     last = contact(start + turn, d2)
     assert float(arm_x.value) == pytest.approx(float(last.arm_x.value), abs=1e-12)
     assert float(arm_y.value) == pytest.approx(float(last.arm_y.value), abs=1e-12)
-
-
-@pytest.mark.parametrize("ratios", [(-1, -1), (-1, 1), (1, -1), (1, 1)])
-@pytest.mark.parametrize("h", [0.7, 0.0, -0.4])
-def test_the_slide_of_a_gripped_part_solves_the_balance(h: float, ratios: tuple[int, int]) -> None:
-    V, sigma, mu = 0.906, -0.3, 0.33
-    T = math.sqrt(h * h + V * V - 4 * D1 * D1)
-    theta = math.atan2(V, h) + math.asin(2 * D1 / math.hypot(h, V))
-    a, n = frame(theta)
-    arms = (T / 2 - sigma) * a + D1 * n, (-T / 2 - sigma) * a - D1 * n
-    forces = -n + ratios[0] * mu * a, n + ratios[1] * mu * a
-    columns = [column(force, arm) for force, arm in zip(forces, arms, strict=True)]
-    system = np.array([[speed(one, arm) @ n for one in columns] for arm in arms])
-    loads = np.linalg.solve(system, [np.array([-1.0, 0.0]) @ n, 0.0])
-    twist = loads @ np.array(columns)
-    grip = Grip.at(Dual(arb(h)), Dual(arb(V)), arb(D1))
-    found = grip.forces(Dual(arb(sigma)), arb(RHO), arb(mu * ratios[0]), arb(mu * ratios[1]))
-    pair = [float((force / found.divisor).value) for force in (found.D, found.S)]
-    assert pair == pytest.approx(list(loads), rel=1e-9)
-    slide = grip.slide(Dual(arb(sigma)), arb(RHO), arb(mu), *ratios).value
-    assert float(slide) == pytest.approx((twist[0] + 0.5) * a[0] + twist[1] * a[1], rel=1e-9)
-    assert twist[2] == pytest.approx(math.sin(theta) / T)
 
 
 def test_bounds_of_a_formula_hold_what_it_takes() -> None:

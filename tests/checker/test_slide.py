@@ -1,77 +1,267 @@
-"""Barriers: what is no barrier is refused, and motions by the planner's formula stay between them."""
+"""The turn between two round tips: formulas, barriers and forces against balance by elimination."""
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 from flint import arb
 
-from meso_robust.checker.dual import Dual
+from meso_robust.checker import grip as grips
+from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.grip import D, Drag, Grip, S, Sides
 from meso_robust.checker.ranges import Box, Side
-from meso_robust.checker.slide import Cubic, Piece, _is_barrier, enclose
-from meso_robust.conditions import values
+from meso_robust.checker.slide import (
+    Cubic,
+    Curve,
+    Piece,
+    Start,
+    enclose,
+    grip_of,
+    least_lead,
+)
+from tests.checker.balance import Held, Numbers
+
+UM = 1e-6
+Change = Callable[[Any], Any]
 
 
 def side(low: float, high: float) -> Side:
     return arb(low), arb(high)
 
 
-D1 = arb(418.5e-6)
-BOX: Box = {
-    "V": side(900e-6, 912e-6),
-    "rho": side(3.6e-7, 3.9e-7),
-    "mu": side(0.30, 0.36),
-    "d1": (D1, D1),
+def dual(value: float) -> Dual:
+    return Dual(arb(value))
+
+
+def whatever(rng: np.random.Generator) -> Numbers:
+    """A part, tips, drag and path that are far from ideal; lengths in units of about a mm."""
+    return {
+        "V": rng.uniform(1.0, 1.2),
+        "depth": rng.uniform(0.3, 0.45),
+        "depth_far": rng.uniform(0.3, 0.45),
+        "radius": rng.uniform(0.0, 0.04),
+        "radius_far": rng.uniform(0.0, 0.04),
+        "tilt": rng.uniform(-0.1, 0.1),
+        "drag_a": rng.uniform(-0.1, 0.1),
+        "drag_n": rng.uniform(-0.1, 0.1),
+        "rho": rng.uniform(0.2, 0.5),
+        "stretch": rng.uniform(-0.2, 0.2),
+        "shear": rng.uniform(-0.2, 0.2),
+        "bend": rng.uniform(-0.05, 0.05),
+    }
+
+
+def grip_at(numbers: Numbers, h: float, ahead: float, tip: int) -> Grip:
+    """The checker's, ahead of S or, by the same distance less T, of D."""
+    sides = Sides(*(
+        dual(numbers[name])
+        for name in ("depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n")
+    ))  # fmt: skip
+    place = (dual(h), dual(numbers["V"]))
+    found = Grip.at(sides, *place, S, dual(ahead), dual(numbers["bend"]))
+    if tip == S:
+        return found
+    return Grip.at(sides, *place, D, dual(ahead) - found.T, dual(numbers["bend"]))
+
+
+def off_balance(seed: int, tip: int) -> float:
+    """By how much a formula differs at most from the balance."""
+    rng = np.random.default_rng(seed)
+    numbers = whatever(rng)
+    h, ahead = rng.uniform(-0.4, 0.8), rng.uniform(0.1, 0.7)
+    grip, held = grip_at(numbers, h, ahead, tip), Held.at(numbers, h, ahead)
+    drag = Drag(*(dual(numbers[name]) for name in ("rho", "stretch", "shear")))
+    mu = (rng.uniform(0.1, 0.3), rng.uniform(0.1, 0.3))
+    own = {
+        "c": (grip.c, held.edges[0][0]),
+        "s": (grip.s, held.edges[0][1]),
+        "D": (grip.D_place, held.contacts[D] @ held.edges[0]),
+        "S": (grip.S_place, held.contacts[S] @ held.edges[1]),
+    }
+    for ways in itertools.product((-1, 1), (-1, 1)):
+        motion = held.motion(ways, mu)
+        assert motion is not None
+        k, k_S = (dual(way * friction) for way, friction in zip(ways, mu, strict=True))
+        forces = grip.forces(drag, k, k_S)
+        leaning = held.edges[0] @ held.edges[1], held.normals[1] @ held.edges[0]
+        across = (
+            leaning[0] - ways[1] * mu[1] * leaning[1]
+        )  # of S's force, along the pushed edge's n
+        own |= {
+            f"rate {ways}": (grip.rate(drag, k, k_S), held.rate(motion, tip)),
+            f"D {ways}": (forces.moving / forces.divisor, motion[3]),
+            f"S {ways}": (forces.resting / forces.divisor, motion[5] * across),
+        }
+    one, other = (held.motion(ways, mu) for ways in ((1, 1), (-1, 1)))
+    assert one is not None
+    assert other is not None
+    for stuck in (D, S):  # the rate is linear in the slip
+        slips = held.slip(one, stuck), held.slip(other, stuck)
+        rates = held.rate(one, tip), held.rate(other, tip)
+        level = rates[0] - slips[0] * (rates[1] - rates[0]) / (slips[1] - slips[0])
+        own[f"stick {stuck}"] = grip.stick(stuck), level
+    return max(abs(float(found.value) - by_hand) for found, by_hand in own.values())
+
+
+@pytest.mark.parametrize("tip", [D, S])
+@pytest.mark.parametrize("seed", range(20))
+def test_formulas_are_those_of_the_balance(seed: int, tip: int) -> None:
+    assert off_balance(seed, tip) < 1e-11
+
+
+def _sign(of: str) -> Change:
+    return lambda value: dataclasses.replace(value, **{of: -getattr(value, of)})
+
+
+@pytest.mark.parametrize("field", ["f", "g", "p", "r", "e_moving", "e_resting", "level_moving", "level_resting", "tilt"])  # fmt: skip
+def test_a_sign_that_is_wrong_is_noticed(field: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = Grip.at.__func__  # type: ignore[attr-defined]
+    monkeypatch.setattr(grips.Grip, "at", classmethod(lambda *args: _sign(field)(right(*args))))
+    assert max(off_balance(seed, tip) for seed in range(2) for tip in (D, S)) > 1e-3
+
+
+def test_slopes_are_those_of_differences() -> None:
+    rng = np.random.default_rng(3)
+    numbers = {**whatever(rng), "ahead": 0.4}
+    step = 1e-6
+
+    def grip(at: Numbers, tip: int) -> Grip:
+        point = {name: Dual(arb(value), {name: arb(1)}) for name, value in at.items()}
+        h = Dual(arb(at["h"]), {"h": arb(1)})
+        return grip_of(point, h, tip, point["ahead"] - (0 if tip == S else 1))
+
+    there = {**numbers, "h": 0.3}
+    for tip, field, name in itertools.product((D, S), ("c", "s", "T"), ("h", "V", "depth", "tilt", "ahead")):  # fmt: skip
+        ends = (
+            float(getattr(grip({**there, name: there[name] + sign * step}, tip), field).value)
+            for sign in (-1, 1)
+        )
+        low, high = ends
+        slope = float(getattr(grip(there, tip), field).slopes[name])
+        assert slope == pytest.approx((high - low) / (2 * step), abs=1e-7)
+
+
+POINTS: dict[str, tuple[float, float]] = {
+    "V": (900 * UM, 912 * UM),
+    "Z": (240 * UM, 260 * UM),
+    "depth": (418.5 * UM, 418.5 * UM),
+    "depth_far": (418.5 * UM, 418.5 * UM),
+    "radius": (0.0, 0.0),
+    "radius_far": (0.0, 0.0),
+    "rho": (3.6e-7, 3.9e-7),
+    "mu": (0.30, 0.36),
 }
-H, SIGMA, H_END = side(770e-6, 820e-6), side(-220e-6, -190e-6), side(-420e-6, -400e-6)
+ROUND = {
+    **POINTS,
+    "V": (1010 * UM, 1012 * UM),
+    "Z": (249 * UM, 251 * UM),
+    "depth": (418.3 * UM, 418.7 * UM),
+    "depth_far": (418.3 * UM, 418.7 * UM),
+    "radius": (4.0 * UM, 6.0 * UM),
+    "radius_far": (2.0 * UM, 4.0 * UM),
+    "tilt": (-2e-4, 2e-4),
+    "drag_a": (-2 * UM, 2 * UM),
+    "drag_n": (-2 * UM, 2 * UM),
+    "stretch": (-0.002, 0.002),
+    "shear": (-0.002, 0.002),
+    "stray": (-1 * UM, 1 * UM),
+    "bend": (-0.01, 0.01),
+    "mu_lower": (0.32, 0.33),
+    "mu_passive": (0.33, 0.34),
+}
+del ROUND["mu"]
+H, H_END = (770 * UM, 776 * UM), (-320 * UM, -300 * UM)
+
+
+def box_of(ranges: dict[str, tuple[float, float]]) -> Box:
+    ends = {name: (arb(low), arb(high)) for name, (low, high) in ranges.items()}
+    return {n: e if ranges[n][0] < ranges[n][1] else (e[0], e[0]) for n, e in ends.items()}
+
+
+def first(at: Point, h: Dual) -> Dual:
+    """How far the part is ahead of S when it is ``Z`` above it."""
+    grip = grip_of({**at, "stray": dual(0.0)}, h, S, dual(0.0))
+    return (at["Z"] + grip.out_resting * grip.c) / grip.s
+
+
+def tube_of(ranges: dict[str, tuple[float, float]]) -> tuple[Piece, ...]:
+    box = box_of(ranges)
+    start = Start(
+        {**box, "h": side(*H)},
+        lambda at, barrier: barrier(at["h"])[0] - first(at, at["h"]),
+        lambda at: at,
+    )
+    return enclose(box, start, side(*H), side(*H_END))
 
 
 @pytest.fixture(scope="module")
-def pieces() -> tuple[Piece, ...]:
-    return enclose(BOX, H, SIGMA, H_END)
+def tubes() -> dict[str, tuple[Piece, ...]]:
+    return {"points": tube_of(POINTS), "round": tube_of(ROUND)}
 
 
-def rate(h: float, V: float, sigma: float, rho: float, mu: float) -> float:
-    """The slide rate: the corner of both cones whose slips fit, else that of the tip that sticks."""
-    *slips, stuck = (
-        float(value)
-        for value in values("two_sided_rotation", "slide_rates")(
-            h=h, V=V, d1=418.5e-6, sigma=sigma, rho=rho, mu=mu
-        )
-    )
-    for (k_D, k_S), speed in zip(itertools.product((-1, 1), repeat=2), slips, strict=True):
-        if (stuck - speed) * k_D > 0 and (-stuck - speed) * k_S > 0:
-            return speed
-    low, high = sorted((stuck, -stuck))
-    between = slips[2] if stuck > 0 else slips[1]  # the tips slip apart or together
-    return low if between < low else high
-
-
-def test_motions_stay_between_the_barriers(pieces: tuple[Piece, ...]) -> None:
-    rng = np.random.default_rng(0)
-    for V, rho, mu in itertools.product(*([float(e) for e in BOX[n]] for n in ("V", "rho", "mu"))):
-        h = rng.uniform(770e-6, 820e-6)
-        sigma = float(rng.choice([-220e-6, -190e-6]))
-        for piece in pieces:
+@pytest.mark.parametrize(("name", "ranges"), [("points", POINTS), ("round", ROUND)])
+def test_motions_stay_between_the_barriers(
+    name: str, ranges: dict[str, tuple[float, float]], tubes: dict[str, tuple[Piece, ...]]
+) -> None:
+    """Friction, drag and path at the ends of their ranges, changed on the way."""
+    rng, step, seen = np.random.default_rng(0), 3 * UM, []
+    instants = [
+        n
+        for n in ("rho", "stretch", "shear", "bend", "mu", "mu_lower", "mu_passive")
+        if n in ranges
+    ]
+    for run in range(12):
+        numbers = {n: float(rng.choice(ends)) for n, ends in ranges.items()}
+        numbers["stray"] = 0.0
+        h = float(rng.uniform(*H))
+        ahead = float(first({n: dual(v) for n, v in numbers.items()}, dual(h)).value)
+        for piece in tubes[name]:
             while piece.last < h <= piece.first:
-                done = piece.done(Dual(arb(h)))
-                low, high = float(piece.lower(done).value), float(piece.upper(done).value)
-                assert low - 1e-8 <= sigma <= high + 1e-8
-                sigma += 2e-6 * rate(h, V, sigma, rho, mu)
-                h -= 2e-6
+                at = {n: dual(v) for n, v in numbers.items() if n in ranges}
+                low, high = (
+                    float((-piece.grip_at(dual(h), {**at, "share": dual(share)}).b).value)
+                    for share in (0.0, 1.0)
+                )
+                assert low - 1e-8 <= ahead <= high + 1e-8
+                held = Held.at(numbers, h, ahead)
+                mu = (numbers.get("mu", 0.0) or numbers["mu_lower"], numbers.get("mu", 0.0) or numbers["mu_passive"])  # fmt: skip
+                ahead += step * held.rate(held.motions(mu)[0], S)
+                h -= step
+                if "bend" in numbers:
+                    strayed = numbers["stray"] - step * numbers["bend"]
+                    if abs(strayed) > ranges["stray"][1]:
+                        numbers["bend"] *= -1
+                    else:
+                        numbers["stray"] = strayed
+                if run % 3 == 0 and rng.uniform() < 0.05:
+                    numbers |= {n: float(rng.choice(ranges[n])) for n in instants if n != "bend"}
+        seen.append((ahead - low) / (high - low))
+    assert max(seen) - min(seen) > 0.2  # the tube is not much wider than what is seen
 
 
-def test_the_tube_is_not_much_wider_than_it_was(pieces: tuple[Piece, ...]) -> None:
-    last = pieces[-1]
-    assert last.upper.end - last.lower.end < 80e-6
+def test_the_tube_is_hardly_wider_than_the_motions(tubes: dict[str, tuple[Piece, ...]]) -> None:
+    last = tubes["points"][-1]
+    middle = {n: dual((low + high) / 2) for n, (low, high) in POINTS.items()}
+    low, high = (
+        float((-last.grip({**middle, "done": dual(1.0), "share": dual(share)}).b).value)
+        for share in (0.0, 1.0)
+    )
+    assert high - low < 12 * UM
 
 
 @pytest.mark.parametrize("which", [-1, 1])
 def test_a_curve_that_motions_overtake_is_no_barrier(which: int) -> None:
-    ends, start = (500e-6, 480e-6), -250e-6
-    # motions go at about -0.25 there
-    far, near = -0.25 + 0.1 * which, -0.25 - 0.1 * which
-    assert _is_barrier(Cubic((start, far * 20e-6, 0.0, 0.0)), BOX, ends, which)
-    assert not _is_barrier(Cubic((start, near * 20e-6, 0.0, 0.0)), BOX, ends, which)
+    box = box_of({**POINTS, "V": (905 * UM, 906 * UM), "Z": (250 * UM, 250 * UM)})
+    h, ahead = 500 * UM, 80 * UM
+    numbers = {n: (low + high) / 2 for n, (low, high) in POINTS.items()}
+    held = Held.at(numbers, h, ahead)
+    rate = held.rate(held.motions((0.33, 0.33))[0], S)
+    for lead, is_one in ((0.1, True), (-0.1, False)):
+        cubic = Cubic((ahead, (rate + which * lead) * 10 * UM, 0.0, 0.0))
+        curve = Curve(h, h - 10 * UM, S, cubic, {}, numbers)
+        assert bool(least_lead(curve, box, which) > 0) is is_one

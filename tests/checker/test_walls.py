@@ -272,7 +272,7 @@ def test_the_approach_closes_the_gap_between_tip_and_far_edge(slot_document: Doc
     """Geometry of both tips on a part while the gap is open."""
     rng = np.random.default_rng(3)
     scene = next(scene for scene, _ in sweeps(slot_document) if scene.rule.action == "rotate")
-    touching: Approach = approach(scene, Pair(scene))
+    touching: Approach = approach(Pair(scene))
     swept = touching.swept()
     for _ in range(20):
         at = at_random(swept.box, rng)
@@ -285,4 +285,4 @@ def test_the_approach_closes_the_gap_between_tip_and_far_edge(slot_document: Doc
         off = passive - (x, y)
         gap = float((at["left"] * at["gap"]).value)
         assert -off @ n == pytest.approx(gap + float(scene.d1), abs=1e-12)
-        assert off @ a == pytest.approx(float(touching.state(at).place.value), abs=1e-12)
+        assert off @ a == pytest.approx(float(touching.state(at).b.value), abs=1e-12)

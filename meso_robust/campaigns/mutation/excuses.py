@@ -11,6 +11,7 @@ from functools import cached_property
 
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.campaigns.mutation.along_runs import ALONG, Travelled
+from meso_robust.campaigns.mutation.by_planner import proves_too
 from meso_robust.campaigns.mutation.forging import AXES, plain
 from meso_robust.campaigns.mutation.original import RUNS, Original
 from meso_robust.campaigns.mutation.places import Difference, Document, Place, at, differences
@@ -124,6 +125,9 @@ def _holds(accepted: Accepted, about: Place) -> str | None:
     if along is not None:
         held = bool(accepted.moves) and along(accepted.moves[int(about[1])]) >= bound
         return f"true along {RUNS} runs" if held else None
+    if "x" in stated["over"] or "beta" in stated["over"]:  # variables of the move
+        proved = proves_too(accepted.original, accepted.document, about)
+        return "an inequality that the planner proves too" if proved else None
     found = least(stated)
     if found is None:
         return None

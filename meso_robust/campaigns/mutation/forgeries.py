@@ -23,7 +23,6 @@ from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document
 from meso_robust.certificates.chain import Chain
 from meso_robust.certificates.document import step_document
-from meso_robust.checker.inputs import ALWAYS_STATED
 from meso_robust.primitives.setup import setup_of
 
 Forge = Callable[[Document, Original, random.Random], Document | None]
@@ -145,7 +144,7 @@ def _margin_raised(document: Document, original: Original, rng: random.Random) -
 
 def _easier_task(document: Document, original: Original, rng: random.Random) -> Document | None:
     """What was proved for smaller uncertainties, said of the task's."""
-    only = rng.choice((None, *ALWAYS_STATED))
+    only = rng.choice((None, *original.setup.uncertainty.stated))
     easier = setup_of(original.task, rng.uniform(0.3, 0.97), only)
     chain = original.certified(document["policy"], easier)
     return _restated(document, chain) if chain.verdict is Verdict.PROVED else None

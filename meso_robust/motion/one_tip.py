@@ -1,7 +1,7 @@
 """One sticking tip turns the part: where that leads and what keeps it so, over base parameters.
 
 The formulas are those of derivations/drag_tensor.py and round_tips.py, put together here as CasADi
-expressions of what is uncertain by itself; :mod:`meso_robust.primitives.implicit` bounds them. The clock
+expressions of what is uncertain by itself; :mod:`meso_robust.bounds.implicit` bounds them. The clock
 is the direction of the edge: the travel is one quadrature in it, everything else is explicit.
 
 Names of parameters are those of certificates; axes are those of the move. What acts on the way has
@@ -17,8 +17,8 @@ from functools import cache
 import casadi as ca
 
 from meso_robust.bounds import Bounded, bounded
+from meso_robust.bounds.implicit import Implicit, Quadrature, implicit
 from meso_robust.conditions import formula
-from meso_robust.primitives.implicit import Implicit, Quadrature, implicit
 
 Symbols = dict[str, ca.SX]
 
@@ -188,13 +188,6 @@ def _on_edge(name: str, push: _Push, offset: ca.SX) -> Symbols:
     }
 
 
-def _free(push: _Push) -> Symbols:
-    return {
-        f"free_{name}": push.clear(tip, push.angle, push.v["depth"], push.start(tip))
-        for tip, name in ((1, "upper"), (-1, "lower"))
-    }
-
-
 @cache
 def tilt(side: int) -> Implicit:
     """The lower tip (``side`` = 1: the part turns counter-clockwise) or the upper one (-1) turns.
@@ -231,7 +224,6 @@ def tilt(side: int) -> Implicit:
     }
     outputs = {
         **{"x": x, "y": y, "theta": end + v["turn"] - v["kappa"]},
-        **_free(push),
         "reaches": push.in_contact,
         **_on_edge("pushing", push, push.offset(angle)),
         **_sticks("pushing", _margins(push, push.tip, side, angle, push.offset(angle))),
@@ -321,7 +313,6 @@ def straighten(side: int) -> Implicit:
     x, y = push.centre(end)
     outputs = {
         **{"x": x, "y": y, "theta": end + v["turn"] - v["kappa"]},
-        **_free(push),
         "withdraws": _faces_back(push, end),
         **_on_edge("first", push, push.offset(angle)),
         **_sticks("first", _margins(push, side, side, angle, push.offset(angle))),

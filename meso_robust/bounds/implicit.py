@@ -32,7 +32,7 @@ ROUNDS = 4
 """How often what is left of a box is looked at again; effort, no proof rests on it."""
 CUTS = 6
 """How often the box of a margin is halved that is not proved yet; effort, no proof rests on it."""
-TRIES = 4
+TRIES = 7
 """How often a range that may hold all ends is widened; effort, no proof rests on it."""
 PAD, LEAST_ROOM = 0.02, 1e-9
 """Room on either side of the ends at two corners, as a share of their distance and in rad."""
@@ -375,8 +375,8 @@ def bound(
     *,
     both: Sequence[str] = (),
     lower: Sequence[str] = (),
-    proofs_only: bool = False,
     spare: Sequence[str] = (),
+    proofs_only: bool = False,
 ) -> Ends | None:
     """Bound outputs over a box.
 
@@ -389,11 +389,9 @@ def bound(
     guess
         Where the end may be at the middle of the box: only where the search starts.
     both, lower, spare
-        Outputs of which both bounds, or the lower one, are wanted; of the last the lower one as far as
-        it comes for little.
+        Outputs of which both bounds, or the lower one, are wanted; the last may well not be positive.
     proofs_only
-        Give up, with None, as soon as one of ``lower`` is seen not to be positive everywhere, but for
-        those of ``spare``.
+        Give up, with None, as soon as one of ``lower`` is seen not to be positive everywhere.
 
     Returns
     -------
@@ -406,16 +404,50 @@ def bound(
     other sign at the other, and to be monotone in between: there is one end, and it lies there.
     """
     rows = _rows(of, box)
-    if not (np.isfinite(rows.lo).all() and np.isfinite(rows.hi).all()):
-        return None
-    middle = _newton(of, rows.middles(), np.array([guess]))
-    if not np.isfinite(middle[0]) or (proofs_only and _refuted(of, rows, middle, lower)):
+    middle = _finite_middle(of, rows, guess)
+    if middle is None or (proofs_only and _refuted(of, rows, middle, lower)):
         return None
     found = _all_ends(of, rows, middle)
     if found is None:
         return None
-    ends, slopes = found
-    return _bounded(of, rows, ends, slopes, both, lower, spare)
+    return _bounded(of, rows, *found, both, (*lower, *spare))[0]
+
+
+def bound_slices(
+    of: Implicit, box: Box, guess: float, along: str, count: int, both: Sequence[str]
+) -> tuple[Ends, ...]:
+    """Bound outputs over slices of a box, all of them at once.
+
+    Parameters
+    ----------
+    of, box, guess, both
+        As for `bound`.
+    along, count
+        The parameter whose range is sliced, and into how many slices of one width.
+
+    Returns
+    -------
+    tuple[Ends, ...]
+        One a slice; none if no range was proved to hold all ends.
+    """
+    rows = _rows(of, box)
+    middle = _finite_middle(of, rows, guess)
+    found = None if middle is None else _all_ends(of, rows, middle)
+    if found is None:
+        return ()
+    side, slices = of.parameters.index(along), rows.repeated(count)
+    cuts = np.linspace(rows.lo[0, side], rows.hi[0, side], count + 1)
+    cuts[0], cuts[-1] = rows.lo[0, side], rows.hi[0, side]  # linspace rounds
+    slices.lo[:, side], slices.hi[:, side] = cuts[:-1], cuts[1:]
+    return _bounded(of, slices, *found, both, ())
+
+
+def _finite_middle(of: Implicit, rows: _Rows, guess: float) -> Floats | None:
+    """The end at the middle of a box, in plain numbers."""
+    if not (np.isfinite(rows.lo).all() and np.isfinite(rows.hi).all()):
+        return None
+    middle = _newton(of, rows.middles(), np.array([guess]))
+    return middle if np.isfinite(middle[0]) else None
 
 
 def at_middle(of: Implicit, box: Box, guess: float) -> dict[str, float]:
@@ -490,7 +522,7 @@ def _all_ends(
             if slopes.end[0][0] > 0.0 or slopes.end[1][0] < 0.0:
                 return (float(ends[0]), float(ends[1])), slopes
             return None
-        room *= 3.0
+        room *= 4.0
     return None
 
 
@@ -524,43 +556,45 @@ class _Sought:
 
 def _bounded(
     of: Implicit,
-    box: _Rows,
+    boxes: _Rows,
     ends: tuple[float, float],
     slopes: _Slopes,
     both: Sequence[str],
     lower: Sequence[str],
-    spare: Sequence[str],
-) -> Ends:
-    """The faces of the box at which the outputs are extreme, and the outputs there."""
+) -> tuple[Ends, ...]:
+    """The faces of every box at which the outputs are extreme, and the outputs there."""
     wanted = [(of.outputs.index(name), side) for name in both for side in (-1, 1)]
-    wanted += [(of.outputs.index(name), -1) for name in (*lower, *spare)]
-    output, side = np.array(wanted).T
-    least = dict.fromkeys((*both, *lower, *spare), np.inf)
-    most = dict.fromkeys(both, -np.inf)
+    wanted += [(of.outputs.index(name), -1) for name in lower]
+    count = len(boxes.lo)
+    output, side = np.tile(np.array(wanted).T, count)
+    part = np.repeat(np.arange(count), len(wanted))
     margin = np.isin(output, [of.outputs.index(name) for name in lower])
-    sought, cuts = _Sought(output, side, box.repeated(len(wanted))), 0
-    while True:
+    least = np.full((count, len(of.outputs)), np.inf)
+    most = np.full((count, len(of.outputs)), -np.inf)
+    sought = _Sought(output, side, boxes.repeated(len(wanted)))
+    for again in range(CUTS + 1):
         value, middle, weight = _extremes(of, sought, ends, slopes)
-        cut = (value <= 0.0) & (middle > 0.0) & margin if cuts < CUTS else np.zeros_like(margin)
-        for index, sign, bound_, again in zip(sought.output, sought.side, value, cut, strict=True):
-            name = of.outputs[index]
-            if sign > 0:
-                most[name] = max(most[name], bound_)
-            elif not again:
-                least[name] = min(least[name], bound_)
+        cut = (value <= 0.0) & (middle > 0.0) & margin & (again < CUTS)
+        below = (sought.side < 0) & ~cut
+        np.minimum.at(least, (part[below], sought.output[below]), value[below])
+        above = sought.side > 0
+        np.maximum.at(most, (part[above], sought.output[above]), value[above])
         # once one part of a box is undecided for good, the rest cannot help
-        cut &= np.array([least[of.outputs[index]] > 0.0 for index in sought.output])
+        hopeless = cut & (least[part, sought.output] <= 0.0)
+        least[part[hopeless], sought.output[hopeless]] = -np.inf
+        cut &= ~hopeless
         if not cut.any():
             break
-        sought, margin, cuts = (
-            _halves(sought.some(cut), weight[cut]),
-            np.repeat(margin[cut], 2),
-            cuts + 1,
+        sought, part = _halves(sought.some(cut), weight[cut]), np.repeat(part[cut], 2)
+        margin = np.repeat(margin[cut], 2)
+    names = of.outputs
+    return tuple(
+        Ends(
+            end=Interval(*ends),
+            lower={name: _or(least[k, names.index(name)], -np.inf) for name in (*both, *lower)},
+            upper={name: _or(most[k, names.index(name)], np.inf) for name in both},
         )
-    return Ends(
-        end=Interval(*ends),
-        lower={name: _or(value, -np.inf) for name, value in least.items()},
-        upper={name: _or(value, np.inf) for name, value in most.items()},
+        for k in range(count)
     )
 
 

@@ -1,0 +1,11 @@
+; corner slips that rise leave exactly one state
+(set-logic QF_NRA)
+(declare-const g Real)
+(declare-const r_0 Real)
+(declare-const r_1 Real)
+(declare-const r_2 Real)
+(assert (< g 0))
+(assert (< r_0 r_1))
+(assert (< r_1 r_2))
+(assert (not (and (not (and (>= r_0 (* (- (/ 1 2)) g)) (<= r_2 (* (/ 1 2) g)))) (not (and (>= r_0 (* (- (/ 1 2)) g)) (>= r_1 (* (/ 1 2) g)) (<= r_1 (* (- (/ 1 2)) g)))) (not (and (>= r_0 (* (- (/ 1 2)) g)) (> r_2 (* (/ 1 2) g)) (< r_1 (* (/ 1 2) g)))) (not (and (>= r_1 (* (/ 1 2) g)) (<= r_1 (* (- (/ 1 2)) g)) (<= r_2 (* (/ 1 2) g)))) (not (and (<= r_2 (* (/ 1 2) g)) (> r_1 (* (- (/ 1 2)) g)) (< r_0 (* (- (/ 1 2)) g)))) (not (and (> r_1 (* (- (/ 1 2)) g)) (> r_2 (* (/ 1 2) g)) (< r_0 (* (- (/ 1 2)) g)) (< r_1 (* (/ 1 2) g)))) (or (and (>= r_1 (* (/ 1 2) g)) (<= r_1 (* (- (/ 1 2)) g))) (and (> r_1 (* (- (/ 1 2)) g)) (< r_0 (* (- (/ 1 2)) g))) (and (> r_2 (* (/ 1 2) g)) (< r_1 (* (/ 1 2) g))) (>= r_0 (* (- (/ 1 2)) g)) (<= r_2 (* (/ 1 2) g))))))
+(check-sat)

@@ -1,0 +1,1 @@
+"""A plan carried out in a plant that shares no physics with the simulator."""
