@@ -16,9 +16,10 @@ from derivations._statement import DerivationError
 
 _NAMES = {
     "1": "theta theta_0 theta_1 theta_2 theta_start theta_end beta mu tau tau_D tau_S side "
-    "direction exterior stretch shear bend f_x f_y",
+    "direction exterior stretch shear bend f_x f_y c s kappa mu_D mu_S total",
     "m": "d1 d2 d2_back d4 h V T sigma p_S rise dx dy half x0 y0 x1 y1 x_1 y_1 x_2 y_2 x_3 y_3 "
-    "r r_upper r_lower spacing gap d1_next rounding x y x_f y_f",
+    "r r_upper r_lower spacing gap d1_next rounding x y x_f y_f "
+    "q W p_D d_D d_S r_D r_S drag_a drag_n width radii",
     "1/m": "omega",
     "m^2": "rho",
     "N s/m": "e_x",
@@ -112,8 +113,8 @@ def check(function: Function, name: str = "") -> None:
             unit_of(argument)
         for result in function.results:
             found = unit_of(result)
-            fits = result == 0 or found == declared
-            _require(fits, f"{result} is in {found}; declared is {declared}")
+            if not (result == 0 or found == declared):
+                raise DerivationError(f"{result} is in {found}; declared is {declared}")
     except DerivationError as error:
         raise DerivationError(f"{name or function.meaning}: {error}") from None
 
@@ -146,9 +147,11 @@ def unit_of(expression: sp.Expr, units: Mapping[str, str] = UNITS) -> Dimension:
     if isinstance(expression, sp.Add | sp.Max | sp.Min | sp.Abs | sp.atan2):
         common = _common(expression, parts)
         return NUMBER if isinstance(expression, sp.atan2) else common
-    _require(expression.is_Pow or isinstance(expression, PURE), f"no rule for {expression}")
+    if not (expression.is_Pow or isinstance(expression, PURE)):
+        raise DerivationError(f"no rule for {expression}")
     for part, unit in zip(expression.args, parts, strict=True):
-        _require(unit == NUMBER, f"{expression} needs a number, but {part} is in {unit}")
+        if unit != NUMBER:
+            raise DerivationError(f"{expression} needs a number, but {part} is in {unit}")
     return NUMBER
 
 
@@ -166,7 +169,10 @@ def require_dyadic(expression: sp.Expr) -> None:
     for part in sp.preorder_traversal(expression):
         if part.is_number:
             exact = part.is_Rational and 1024 % part.q == 0 and abs(part) <= 2**40
-            _require(exact, f"{expression}: the constant {part} is no small dyadic number")
+            if not exact:  # printing a large expression takes longer than checking it
+                raise DerivationError(
+                    f"{expression}: the constant {part} is no small dyadic number"
+                )
 
 
 def _common(expression: sp.Expr, parts: list[Dimension]) -> Dimension:

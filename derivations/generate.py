@@ -32,6 +32,7 @@ SOURCES = (
     "two_sided_rotation",
     "rotation_existence",
     "round_tips",
+    "opposite_edges",
     "unequal_friction",
     "contact_forces",
     "final_orientation",

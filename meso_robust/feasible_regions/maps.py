@@ -202,13 +202,15 @@ def rotation_judge(move: _Move) -> Judge:
 
 def _may_close(separation: Interval, setup: Setup) -> bool:
     """Whether two tips this far apart are not proved to be too far apart for a jam."""
-    off = setup.uncertainty.probe_position
+    u = setup.uncertainty
+    off, depth = u.probe_position, setup.edge(HALF_PI.mid).depth
     box = {
-        "V": separation + off - off,
-        "d1": setup.half_width,
-        "mu": setup.uncertainty.friction,
+        "V": separation + off - off + u.probe_wander,
+        "width": depth + depth,
+        "radii": u.tip_radius + u.passive_tip_radius,
+        "mu": u.friction,
     }
-    (margin,) = enclose(condition("two_sided_rotation", "no_jam"), box)
+    (margin,) = enclose(condition("opposite_edges", "no_jam"), box)
     return not margin.lo > 0.0
 
 

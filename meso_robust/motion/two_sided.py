@@ -1,38 +1,62 @@
-"""Enclosure of the rotation between a moving and a passive tip, although it is not unique.
+"""Enclosure of the rotation between a moving and a passive tip, although it need not be unique.
 
-The orientation follows from the tips alone (derivations/two_sided_rotation.py); one unknown is
-left, the slide sigma of the centre along the long axis from the middle of the pair. In every
-contact mode d(sigma)/d(travel) is an explicit function, so with f+ (f-) its supremum (infimum) over
-all modes and parameters that are possible at (h, sigma), every motion obeys
+While both tips touch one freedom is left, the slide ``q`` of the reference point ahead of the passive
+tip's contact (derivations/opposite_edges.py). In every contact mode dq/d(travel) is an explicit function
+of the distance ``h`` of the tips along the push, of ``q``, of constants ``p`` (separation, depths, radii,
+...) and of what may change at every instant (friction, drag, wander). The tube is
 
-    f-(h, sigma) <= d(sigma)/d(travel) <= f+(h, sigma),
+    q = c(h) + sum g_i(h) (p_i - middle of p_i) + s,   lower(h) <= s <= upper(h)
 
-and a line that rises faster than f+ everywhere in a strip around itself cannot be crossed from
-below: if it were, the motion would be above it inside the strip after its last point on the line,
-where it rises more slowly. The tube is bounded by such lines, one pair a step in h.
+with ``c`` and ``g`` piecewise linear. Any ``c`` and ``g`` are sound; those of the linearised motion keep
+what is left, ``s``, narrow, although every constant is anywhere in its range. Let f+ (f-) be the supremum
+(infimum) of ds/d(travel) over all modes and parameters that are possible at (h, s). A line that rises at
+least as fast as f+ everywhere in a strip around itself cannot be crossed from below: if it were, the
+motion would be above it inside the strip after its last point on the line, where it rises no faster.
+The tube is bounded by such lines, one pair a step in h.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import cache
 from typing import NamedTuple
 
+import casadi as ca
 import numpy as np
-from numba import njit
 
-from meso_robust.bounds.arithmetic import down, mul, up
-from meso_robust.bounds.bulk import Program, bound_box, program
-from meso_robust.bounds.interval import Interval
-from meso_robust.bounds.tape import run
-from meso_robust.conditions import condition
-from meso_robust.kernels import fingerprint
+from meso_robust.bounds import Bounded, Interval, bounded
+from meso_robust.bounds.arithmetic import up
+from meso_robust.bounds.bulk import program
+from meso_robust.conditions.formula import formula
+from meso_robust.motion.barrier import (
+    D_STICKS,
+    DOWN_DOWN,
+    DOWN_UP,
+    RATES,
+    S_STICKS,
+    UP_DOWN,
+    UP_UP,
+    Known,
+    Programs,
+    Tube,
+    grow,
+    offsets,
+)
 from meso_robust.types import Floats
 
-STEPS = 420  # per width of the part: about 2 um for the paper's part
-H, V, D1, SIGMA, RHO, MU = range(6)  # arguments of slide_rates
-DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, HALF_T_RATE = range(5)  # its values: which way D and S slip
+STEPS = 210  # per width of the part: about 4 um for the paper's part
+CHECKED = 4  # steps whose forces and edges are checked together: half as long, and hardly looser
+MODULE = "opposite_edges"
+CONSTANT = ("room", "d_D", "d_S", "r_D", "r_S", "kappa", "drag_a", "drag_n")
+INSTANT = ("rho", "stretch", "shear", "bend", "sway", "mu_D", "mu_S")
+FIELDS = {"d_D": "depth", "d_S": "depth_far", "r_D": "radius", "r_S": "radius_far"}
+"""Names of `Grip` for those of the formulas."""
+SIGNS = ((-1, -1), (-1, 1), (1, -1), (1, 1))
+ZERO = Interval.point(0.0)
+ANYWHERE = Interval(-np.inf, np.inf)
 
 
 class TubeStatus(IntEnum):
@@ -42,7 +66,7 @@ class TubeStatus(IntEnum):
     UNBOUNDED = 1
     """A rate could not be bounded: the grasp may close (jam)."""
     CONTACT_LOST = 2
-    """The passive tip may be left: the moving tip alone might push."""
+    """A tip may be left: the other one alone might push."""
     OFF_EDGE = 3
     """A tip may pass the end of its edge."""
     NO_MODE = 4
@@ -60,243 +84,361 @@ class TubeStatus(IntEnum):
         }[self]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SlideTube:
-    """Bounds of the slide at every knot."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grip:
+    """What is known of a part between two tips; lengths in m, axes turned by the travel's direction."""
 
-    h: Floats
-    """(K+1,) x of the moving tip minus x of the passive one, decreasing, m."""
-    lower: Floats
-    """(K+1,) lower bound of sigma at the knot, m."""
-    upper: Floats
-    """(K+1,) upper bound, m."""
-    status: TubeStatus
-    edge_margin: float
-    """Smallest proved distance of a tip from the end of its edge, m."""
-    force_margin: float
-    """Smallest proved lower bound of the force at the passive tip, over e_x and travel rate, m."""
+    room: Interval
+    """Distance of the tips' centres across the travel, less both radii and depths, without wander.
+
+    What decides how far the tips are from closing on the part; the parts of it hardly matter then.
+    """
+    depth: Interval
+    """Distance of the moving tip's edge from the reference point."""
+    depth_far: Interval
+    """The same of the passive tip's edge."""
+    ends: tuple[Interval, Interval]
+    """First and last point of the moving tip's edge, from the foot of the reference point."""
+    ends_far: tuple[Interval, Interval]
+    """The same of the passive tip's edge, in the same direction."""
+    rho: Interval
+    """e_theta/e_x, m^2."""
+    mu: Interval
+    """At either tip."""
+    common: bool = True
+    """Whether both tips have the same friction coefficient at every instant."""
+    radius: Interval = ZERO
+    """Of the moving tip."""
+    radius_far: Interval = ZERO
+    """Of the passive one."""
+    kappa: Interval = ZERO
+    """Direction of the passive tip's edge less that of the moving tip's, rad."""
+    drag_a: Interval = ZERO
+    """Centre of drag along the moving tip's edge, from the reference point."""
+    drag_n: Interval = ZERO
+    """Centre of drag towards the moving tip's edge."""
+    stretch: Interval = ZERO
+    shear: Interval = ZERO
+    bend: Interval = ZERO
+    """dV/d(travel) by wander."""
+    sway: Interval = ZERO
+    """Deviation of V by wander."""
+
+    def box(self) -> dict[str, Interval]:
+        """The ranges by the names of the formulas."""
+        names = {name: FIELDS.get(name, name) for name in (*CONSTANT, *INSTANT[:-2])}
+        friction = {"mu_D": self.mu} if self.common else {"mu_D": self.mu, "mu_S": self.mu}
+        return {**{name: getattr(self, own) for name, own in names.items()}, **friction}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Grip:
-    """What stays constant while two tips turn the part."""
+class Start:
+    """The slide where both tips touch first, in terms of h, the constants and a label.
 
-    separation: Interval
-    """y distance V of the two tips, m."""
-    depth: Interval
-    """Half the width of the part, m."""
-    half: Interval
-    """Half its length, m."""
-    ratio: Interval
-    """rho, m^2."""
-    friction: Interval
-    """mu, the same at both tips (it may change, but not differ between them)."""
+    ``q = value + rate (h.hi - h) + sum spread_i (p_i - middle) + rest``.
+    """
 
+    h: Interval
+    """m"""
+    labels: Mapping[str, Interval]
+    """Further constants that tell runs apart, m, such as where the part is before the move."""
+    value: float
+    rate: float
+    spread: Mapping[str, float]
+    """By constant or label."""
+    rest: Interval
 
-class _Programs(NamedTuple):
-    """The functions that the kernels evaluate."""
-
-    rates: Program
-    pair: Program
-    force: Program
-
-
-def _programs() -> _Programs:
-    return _Programs(
-        *(
-            program(condition("two_sided_rotation", name))
-            for name in ("slide_rates", "pair", "passive_force")
+    @property
+    def line(self) -> Line:
+        """The same, for every h."""
+        return Line(
+            first=self.h.hi,
+            value=self.value,
+            rate=self.rate,
+            spread=self.spread,
+            drift={},
+            rest=self.rest,
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """``q = value + rate (first - h) + sum (spread_i + drift_i (first - h)) (p_i - middle_i) + rest``."""
+
+    first: float
+    value: float
+    rate: float
+    spread: Mapping[str, float]
+    drift: Mapping[str, float]
+    rest: Interval
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cell:
+    """Bounds of the slide at every knot, for a part of the range of room."""
+
+    h: Floats
+    """(K+1,) x of the moving tip minus x of the passive one, decreasing, m."""
+    centre: Floats
+    """(K+1,) c, m."""
+    spread: Floats
+    """(K+1, P) g, by parameter."""
+    lower: Floats
+    """(K+1,) lower bound of s at the knot, m."""
+    upper: Floats
+    """(K+1,) upper bound, m."""
+    parameters: Mapping[str, Interval]
+    """The constants whose effect ``spread`` holds, and the labels."""
+    status: TubeStatus
+    margins: Floats
+    """(4,) as of `SlideTube`."""
+
+    def line(self, first: int, last: int) -> Line:
+        """One affine enclosure of the slide between two knots."""
+        used = slice(first, last + 1)
+        reach = float(self.h[first] - self.h[last])
+        rate = float(self.centre[last] - self.centre[first]) / reach
+        drift = (self.spread[last] - self.spread[first]) / reach
+        off_lo, off_hi = offsets(
+            self.h[used], self.centre[used], self.spread[used], rate, drift, known(self.parameters)
+        )
+        return Line(
+            first=float(self.h[first]),
+            value=float(self.centre[first]),
+            rate=rate,
+            spread=dict(zip(self.parameters, self.spread[first].tolist(), strict=True)),
+            drift=dict(zip(self.parameters, drift.tolist(), strict=True)),
+            rest=Interval(
+                float(np.nextafter(self.lower[used] + off_lo, -np.inf).min()),
+                float(np.nextafter(self.upper[used] + off_hi, np.inf).max()),
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlideTube:
+    """All slides from the touch of both tips to the end of the travel."""
+
+    cells: tuple[Cell, ...]
+    """By rising room; all with the same knots."""
+    parameters: Mapping[str, Interval]
+    """The constants whose effect is kept, over all cells, and the labels."""
+
+    @property
+    def h(self) -> Floats:
+        """(K+1,) the knots, decreasing, m."""
+        return self.cells[0].h
+
+    @property
+    def status(self) -> TubeStatus:
+        """How far the cell came that came least far."""
+        return max(cell.status for cell in self.cells)
+
+    @property
+    def force_margin(self) -> float:
+        """Smallest proved lower bound of the force at the passive tip, over e_x and travel rate."""
+        return min(float(cell.margins[0]) for cell in self.cells)
+
+    @property
+    def edge_margin(self) -> float:
+        """Smallest proved distance of a contact from the end of its edge, m."""
+        return min(float(cell.margins[1]) for cell in self.cells)
+
+    @property
+    def grip_margin(self) -> float:
+        """Smallest proved grip, m."""
+        return min(float(cell.margins[2]) for cell in self.cells)
+
+    @property
+    def largest_force(self) -> float:
+        """Proved upper bound of the normal force at either tip, over e_x and travel rate."""
+        return max(float(cell.margins[3]) for cell in self.cells)
+
+    def line(self, h: Interval) -> Line:
+        """One affine enclosure of the slide wherever h is in a range.
+
+        Parameters
+        ----------
+        h
+            m; within the tube.
+
+        Returns
+        -------
+        Line
+            Between the knots that hold the range; its middles are those of `parameters`.
+        """
+        first = max(int(np.searchsorted(-self.h, -h.hi, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(-self.h, -h.lo, side="left")), self.h.size - 1)
+        last = max(last, first + 1)
+        lines = [cell.line(first, last) for cell in self.cells]
+        if len(lines) == 1:
+            return lines[0]
+        return _joined(lines, self, Interval(0.0, float(up(self.h[first] - self.h[last]))))
+
+
+def _joined(lines: list[Line], tube: SlideTube, gone: Interval) -> Line:
+    """One line for all cells: whatever slopes it has, what is left of each cell is in its rest."""
+    middles = [cell.parameters["room"].mid for cell in tube.cells]
+    wide = middles[-1] - middles[0]
+
+    def mean(values: list[float]) -> float:
+        return sum(values) / len(values)
+
+    spread, drift = (
+        {name: mean([getattr(line, kind)[name] for line in lines]) for name in tube.parameters}
+        for kind in ("spread", "drift")
+    )
+    # along the room by what the cells differ in
+    spread["room"] = (lines[-1].value - lines[0].value) / wide
+    drift["room"] = (lines[-1].rate - lines[0].rate) / wide
+    whole = Line(
+        first=lines[0].first,
+        value=mean([line.value for line in lines]),
+        rate=mean([line.rate for line in lines]),
+        spread=spread,
+        drift=drift,
+        rest=ZERO,
+    )
+    rests = [
+        _less(line, whole, cell, tube, gone) for line, cell in zip(lines, tube.cells, strict=True)
+    ]
+    return replace(
+        whole, rest=Interval(min(rest.lo for rest in rests), max(rest.hi for rest in rests))
     )
 
 
-@njit
-def _slips(lower: Floats, upper: Floats) -> tuple[float, float]:
-    """Hull of the rates of the modes in which both contacts slip; (inf, -inf) if none can."""
-    v_lo, v_hi = lower[HALF_T_RATE], upper[HALF_T_RATE]
-    q_lo = 0.0 if v_lo <= 0.0 <= v_hi else min(abs(v_lo), abs(v_hi))
-    q_hi = max(abs(v_lo), abs(v_hi))
-    least, most = np.inf, -np.inf
-    for mode in range(4):
-        r_lo, r_hi = lower[mode], upper[mode]
-        if mode == UP_UP:
-            r_hi = min(r_hi, -q_lo)
-        elif mode == DOWN_DOWN:
-            r_lo = max(r_lo, q_lo)
-        else:  # away from each other (v > 0) or towards each other (v < 0)
-            if (mode == UP_DOWN and v_hi < 0.0) or (mode == DOWN_UP and v_lo > 0.0):
-                continue
-            r_lo, r_hi = max(r_lo, -q_hi), min(r_hi, q_hi)
-        if not r_lo > r_hi:
-            least, most = min(least, r_lo), max(most, r_hi)
-    return least, most
+def _less(line: Line, whole: Line, cell: Cell, tube: SlideTube, gone: Interval) -> Interval:
+    """What is left of a cell's slide beside another line."""
+    point = Interval.point
+    left = line.rest + point(line.value) - point(whole.value)
+    left = left + (point(line.rate) - point(whole.rate)) * gone
+    for name, side in cell.parameters.items():
+        middle, middle_of_all = point(side.mid), point(tube.parameters[name].mid)
+        steeper = point(line.spread[name]) - point(whole.spread[name])
+        steeper = steeper + (point(line.drift[name]) - point(whole.drift[name])) * gone
+        left = left + steeper * (side - middle)
+        if middle != middle_of_all:
+            slope = point(whole.spread[name]) + point(whole.drift[name]) * gone
+            left = left - slope * (middle - middle_of_all)
+    return left
 
 
-@njit
-def _sticks(lower: Floats, upper: Floats) -> tuple[float, float]:
-    """Hull of the rates of the modes in which one contact sticks; (inf, -inf) if none can."""
-    v_lo, v_hi = lower[HALF_T_RATE], upper[HALF_T_RATE]
-    crossing = v_lo <= 0.0 <= v_hi
-    least, most = np.inf, -np.inf
-    for apart in range(2):
-        if (apart == 1 and v_hi < 0.0) or (apart == 0 and v_lo > 0.0):
-            continue
-        for stuck in range(2):  # 0: D sticks, 1: S sticks; the other one slips
-            slips = UP_DOWN if apart == 1 else DOWN_UP
-            other = (
-                (DOWN_DOWN if apart == 1 else UP_UP)
-                if stuck == 0
-                else (UP_UP if apart == 1 else DOWN_DOWN)
-            )
-            span_lo = min(lower[slips], lower[other])
-            span_hi = max(upper[slips], upper[other])
-            r_lo, r_hi = (v_lo, v_hi) if stuck == 0 else (-v_hi, -v_lo)
-            # where v = 0 both stick, whatever the ratios
-            if crossing or not (r_lo > span_hi or r_hi < span_lo):
-                least, most = min(least, r_lo), max(most, r_hi)
-    return least, most
+def known(
+    parameters: Mapping[str, Interval], sides: Sequence[Interval] = (), constants: int = 0
+) -> Known:
+    """Ranges as the kernels take them; deviations of parameters from their middles rounded outward."""
+    off = [side - Interval.point(side.mid) for side in parameters.values()]
+    return Known(
+        lo=np.array([side.lo for side in sides]),
+        hi=np.array([side.hi for side in sides]),
+        dev_lo=np.array([side.lo for side in off]),
+        dev_hi=np.array([side.hi for side in off]),
+        constants=constants,
+    )
 
 
-@njit
-def _mode_bounds(programs: _Programs, lo: Floats, hi: Floats) -> tuple[float, float]:
-    """Infimum and supremum of d(sigma)/d(travel) over all possible modes; (inf, -inf) if none.
+class _Formulas(NamedTuple):
+    """They and the names of their inputs."""
 
-    A tip slips towards +a with ratio mu, towards -a with -mu. With v = T'/2 the rate is below -|v|
-    if both slip up, above |v| if both slip down, between if they slip apart or together, v if D
-    sticks and -v if S sticks. The rate is a Moebius function of either ratio, hence monotone, so a
-    sticking contact is possible only if its rate lies between the rates at the ends of its cone.
+    inputs: tuple[str, ...]
+    rates: Bounded
+    state: Bounded
+
+
+@cache
+def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
+    """Slide rates, and what must hold of a state, without the inputs that are exactly zero.
+
+    The state's outputs: contacts of D and S along their edges, the grips, the forces.
     """
-    lower, upper, seen = np.empty(5), np.empty(5), np.empty((5, 2))
-    bound_box(programs.rates, lo, hi, lower, upper, seen)
-    slip_lo, slip_hi = _slips(lower, upper)
-    stick_lo, stick_hi = _sticks(lower, upper)
-    return min(slip_lo, stick_lo), max(slip_hi, stick_hi)
+    names = ("h", "q", *CONSTANT, *INSTANT)
+    free = tuple(name for name in names if name not in exact and not (common and name == "mu_S"))
+    x = ca.SX.sym("x", len(free))
+    at = dict.fromkeys(names, ca.SX(0.0)) | dict(zip(free, ca.vertsplit(x), strict=True))
+    if common:
+        at["mu_S"] = at["mu_D"]
+    separation = at["room"] + at["d_D"] + at["d_S"] + at["r_D"] + at["r_S"] + at["sway"]
+
+    def value(name: str, *keys: str) -> tuple[ca.SX, ...]:
+        return formula(MODULE, name)(ca, *(at[key] for key in keys))
+
+    (at["W"],) = value("width", "q", "d_D", "d_S", "r_D", "r_S", "kappa")
+    (at["T"],) = formula(MODULE, "apart")(ca, at["h"], separation, at["W"])
+    at["c"], at["s"] = formula(MODULE, "direction")(ca, at["h"], separation, at["W"], at["T"])
+    (place,) = value("active_offset", "T", "q", "d_S", "r_S", "kappa")
+    held: tuple[str, ...] = ("c", "s", "T", "q", "d_D", "d_S", "r_S", "kappa", "drag_a", "drag_n")
+    held += ("rho", "stretch", "shear", "bend", "mu_D", "mu_S")
+    sticking = value("stick_rates", "c", "s", "T", "q", "d_D", "d_S", "r_D", "r_S", "kappa", "bend")
+    corners = []
+    for of_D, of_S in SIGNS:
+        at["tau_D"], at["tau_S"] = of_D * at["mu_D"], of_S * at["mu_S"]
+        # where both have one coefficient and opposite signs their sum is zero, not an interval
+        at["total"] = ca.SX(0.0) if common and of_D != of_S else at["tau_D"] + at["tau_S"]
+        corners.append(value("corner", *held[:6], "r_D", *held[6:-2], "tau_D", "tau_S", "total"))
+    rates = (*(corner[0] for corner in corners), *sticking)
+    rates += tuple(corner[k] for k in (1, 2, 3) for corner in corners)
+    state = (place, -at["q"], *value("corner_grips", *held), *value("corner_forces", *held))
+
+    def prepared(name: str, results: tuple[ca.SX, ...]) -> Bounded:
+        both = ca.cse(ca.densify(ca.vertcat(*results)))
+        return bounded(f"{MODULE}.{name}", free, ca.Function(name, [x], [both]))
+
+    return _Formulas(free, prepared("rates", rates), prepared("state", state))
 
 
-@njit
-def _next_bound(
-    programs: _Programs, lo: Floats, hi: Floats, at: float, dh: float, side: int, keep: bool
-) -> tuple[float, int]:
-    """Bound of sigma one step on: upper (side = 1) or lower (0), and a status.
+def parameters_of(grip: Grip, labels: Mapping[str, Interval]) -> dict[str, Interval]:
+    """The constants of a grip that are not exactly zero, and the labels.
 
-    ``keep``: a motion may still start here, so the bound must not move inward.
+    Parameters
+    ----------
+    grip
+        What is known.
+    labels
+        `Start.labels`.
+
+    Returns
+    -------
+    dict[str, Interval]
+        In the order of `SlideTube.spread`.
     """
-    pad = 2.0 * dh
-    box_lo, box_hi = lo.copy(), hi.copy()
-    for _ in range(4):  # widen the strip until the line stays inside
-        box_lo[SIGMA], box_hi[SIGMA] = down(at - pad), up(at + pad)
-        least, most = _mode_bounds(programs, box_lo, box_hi)
-        if least > most:
-            return at, 4
-        slope = most if side == 1 else least
-        if keep:
-            slope = max(slope, 0.0) if side == 1 else min(slope, 0.0)
-        rise_lo, rise_hi = mul(slope, slope, down(dh), up(dh))
-        if max(abs(rise_lo), abs(rise_hi)) < pad:
-            return (up(at + rise_hi) if side == 1 else down(at + rise_lo)), 0
-        pad = 2.0 * max(abs(rise_lo), abs(rise_hi))
-        if not pad < 1.0:
-            break
-    return at, 1
+    box = grip.box()
+    return {name: box[name] for name in CONSTANT if box[name] != ZERO} | dict(labels)
 
 
-@njit
-def _holds(programs: _Programs, lo: Floats, hi: Floats, half: float, margins: Floats) -> int:
-    """Check over one slice of the tube that both tips stay in contact and on their edges."""
-    force_lo, force_hi = np.empty(7), np.empty(7)  # (h, V, d1, sigma, rho, tau_D, tau_S)
-    force_lo[:5], force_hi[:5] = lo[:5], hi[:5]
-    force_lo[5:], force_hi[5:] = -hi[MU], hi[MU]
-    of = programs.force
-    run(of.code, of.constant, force_lo, force_hi, of.work, of.value)
-    margins[0] = min(margins[0], of.value[0, 0])
-    of = programs.pair
-    run(of.code, of.constant, lo, hi, of.work, of.value)
-    reach = 0.5 * of.value[0, 1]
-    margins[1] = min(margins[1], down(half - up(reach - lo[SIGMA])))
-    margins[1] = min(margins[1], down(half - up(reach + hi[SIGMA])))
-    if not margins[0] > 0.0:
-        return 2
-    return 0 if margins[1] > 0.0 else 3
+def rate_at(grip: Grip, h: float, q: float) -> float:
+    """The slide's rate in the middle of all that is known, in plain numbers; a guess."""
+    box = grip.box()
+    formulas = _formulas(_exact(box), grip.common)
+    at = np.array([h, q, *(box[name].mid for name in formulas.inputs[2:])])
+    rates = np.array(formulas.rates.function(at)).ravel()[:RATES]
+    low, high = sorted(rates[[D_STICKS, S_STICKS]])
+    between = rates[DOWN_UP if low == rates[D_STICKS] else UP_DOWN]
+    clipped = min(max(between, low), high)
+    return float(max(rates[DOWN_DOWN], min(rates[UP_UP], clipped)) if high > low else clipped)
 
 
-@njit
-def _bound_lines(
-    programs: _Programs,
-    h: Floats,
-    lo: Floats,
-    hi: Floats,
-    half: float,
-    band: float,
-    bounds: Floats,
-    margins: Floats,
-) -> int:
-    """Fill the rows of ``bounds`` (lower, upper) from their first entries; see the module's text.
-
-    Until h has fallen to ``band`` a motion may still start anywhere in the first slice, so the tube
-    does not shrink there.
-    """
-    box_lo, box_hi = lo.copy(), hi.copy()
-    lower, upper = bounds[0], bounds[1]
-    for k in range(h.size - 1):
-        box_lo[H], box_hi[H] = h[k + 1], h[k]
-        dh = h[k] - h[k + 1]
-        keep = h[k] > band
-        lower[k + 1], status = _next_bound(programs, box_lo, box_hi, lower[k], dh, 0, keep)
-        if status != 0:
-            return status
-        upper[k + 1], status = _next_bound(programs, box_lo, box_hi, upper[k], dh, 1, keep)
-        if status != 0:
-            return status
-        box_lo[SIGMA] = min(lower[k], lower[k + 1])
-        box_hi[SIGMA] = max(upper[k], upper[k + 1])
-        status = _holds(programs, box_lo, box_hi, half, margins)
-        if status != 0:
-            return status
-    return 0
-
-
-def _compiled() -> Callable[..., int]:
-    """The kernel that is called from Python, kept on disk; see ``kernels.fingerprint``."""
-    key = fingerprint("bounds", "motion")
-
-    @njit(cache=True, nogil=True)
-    def grow(
-        programs: _Programs,
-        h: Floats,
-        lo: Floats,
-        hi: Floats,
-        half: float,
-        band: float,
-        bounds: Floats,
-        margins: Floats,
-    ) -> int:
-        if key < 0:
-            return 1
-        return _bound_lines(programs, h, lo, hi, half, band, bounds, margins)
-
-    return grow
-
-
-_grow = _compiled()
+def _exact(box: Mapping[str, Interval]) -> frozenset[str]:
+    return frozenset(name for name, side in box.items() if side == ZERO)
 
 
 def enclose_slide(
-    grip: Grip, h_start: Interval, h_end: float, sigma: Interval, *, coarse: float = 1.0
+    grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0, cells: int = 1
 ) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
     Parameters
     ----------
     grip
-        What stays constant during the rotation.
-    h_start
-        h at which both tips touch for the first time, m.
+        What is known during the rotation.
+    start
+        Where and how both tips touch for the first time.
     h_end
         Lower bound of h at the end, m.
-    sigma
-        Slide when both touch, m.
     coarse
         Factor on the step in h, which is 1/``STEPS`` of the part's width.
+    cells
+        Into how many parts the range of the room is cut: what is left of a cell falls with the square of
+        its width.
 
     Returns
     -------
@@ -308,26 +450,76 @@ def enclose_slide(
     ValueError
         If the travel may end before both tips touch: there is nothing to enclose then.
     """
-    if not h_end < h_start.lo:
+    if not h_end < start.h.lo:
         raise ValueError(
-            f"h_end = {h_end} must be below every h_start = [{h_start.lo}, {h_start.hi}]: the push "
+            f"h_end = {h_end} must be below every h_start = [{start.h.lo}, {start.h.hi}]: the push "
             "may end before both tips touch; make it longer"
         )
-    step = coarse * 2.0 * grip.depth.mid / STEPS
-    count = max(2, int(np.ceil((h_start.hi - h_end) / step)))
-    h = np.linspace(h_start.hi, h_end, count + 1)
-    bounds = np.full((2, count + 1), np.nan)
-    bounds[:, 0] = sigma.lo, sigma.hi
-    sides = (grip.separation, grip.depth, sigma, grip.ratio, grip.friction)
-    lo = np.array([h_end, *(side.lo for side in sides)])
-    hi = np.array([h_start.hi, *(side.hi for side in sides)])
-    margins = np.full(2, np.inf)
-    status = _grow(_programs(), h, lo, hi, grip.half.lo, h_start.lo, bounds, margins)
+    ends = np.linspace(grip.room.lo, grip.room.hi, cells + 1).tolist()
+    ends[0], ends[-1] = grip.room.lo, grip.room.hi
+    rooms = [Interval(*pair) for pair in itertools.pairwise(ends)]
     return SlideTube(
+        cells=tuple(
+            _cell(replace(grip, room=room), _moved(start, grip.room, room), h_end, coarse)
+            for room in rooms
+        ),
+        parameters=parameters_of(grip, start.labels),
+    )
+
+
+def _moved(start: Start, whole: Interval, room: Interval) -> Start:
+    """A start told about the middle of another range of the room."""
+    if room == whole:
+        return start
+    slope = start.spread.get("room", 0.0)
+    value = start.value + slope * (room.mid - whole.mid)
+    point = Interval.point
+    told = point(start.value) + point(slope) * (point(room.mid) - point(whole.mid))
+    return replace(start, value=value, rest=start.rest + (told - point(value)))
+
+
+def _cell(grip: Grip, start: Start, h_end: float, coarse: float) -> Cell:
+    box = grip.box()
+    formulas = _formulas(_exact(box), grip.common)
+    used = formulas.inputs[2:]
+    parameters = parameters_of(grip, start.labels)
+    constants = len(parameters) - len(start.labels)
+    step = coarse * (grip.depth.mid + grip.depth_far.mid) / STEPS
+    count = max(2, int(np.ceil((start.h.hi - h_end) / step)))
+    h = np.linspace(start.h.hi, h_end, count + 1)
+    # the tube begins where it is stated to, whatever linspace makes of it
+    h[0], h[-1] = start.h.hi, h_end
+    tube = Tube(
         h=h,
-        lower=bounds[0],
-        upper=bounds[1],
+        centre=np.full(count + 1, np.nan),
+        spread=np.full((count + 1, len(parameters)), np.nan),
+        lower=np.full(count + 1, np.nan),
+        upper=np.full(count + 1, np.nan),
+        margins=np.array([np.inf, np.inf, np.inf, -np.inf]),
+    )
+    spread = np.array([start.spread.get(name, 0.0) for name in parameters])
+    starts = slice(0, int((h > start.h.lo).sum()) + 1)
+    tube.centre[starts] = start.value + start.rate * (start.h.hi - h[starts])
+    tube.spread[starts] = spread
+    sides = [ZERO, ZERO, *(box[name] for name in used)]
+    ranges = known(parameters, sides, constants)
+    off = offsets(
+        h[starts], tube.centre[starts], tube.spread[starts], start.rate, 0.0 * spread, ranges
+    )
+    # what starts is known from a line, and the knots are that line to within rounding
+    tube.lower[0] = np.nextafter(start.rest.lo - max(0.0, float(off[1].max())), -np.inf)
+    tube.upper[0] = np.nextafter(start.rest.hi - min(0.0, float(off[0].min())), np.inf)
+    ends = np.array([[first.hi, last.lo] for first, last in (grip.ends, grip.ends_far)])
+    programs = Programs(program(formulas.rates), program(formulas.state))
+    every = max(1, round(CHECKED / coarse))
+    status = grow(programs, ranges, start.h.lo, ends, every, tube)
+    return Cell(
+        h=h,
+        centre=tube.centre,
+        spread=tube.spread,
+        lower=tube.lower,
+        upper=tube.upper,
+        parameters=parameters,
         status=TubeStatus(status),
-        force_margin=float(margins[0]),
-        edge_margin=float(margins[1]),
+        margins=tube.margins,
     )

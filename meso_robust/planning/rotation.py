@@ -15,17 +15,17 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from meso_robust import units
-from meso_robust.bounds import Interval, Verdict
-from meso_robust.motion.two_sided import Grip, enclose_slide
+from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.motion.two_sided import Grip, Start, enclose_slide, rate_at
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import certify_rotation
-from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.setup import ZERO, PoseBox, Setup
 
 SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
-SCOUT = 4.0  # how much coarser than the certificate the scouting tube is
+SCOUT = 2.0  # how much coarser than the certificate the scouting tube is
 APPROACH_UM = 60.0  # what the push by the active tip alone may take
 SHORTER_UM = 15.0  # from one push that is tried to the next
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
@@ -94,10 +94,16 @@ def rotate_and_finish(
 
 def _least_separation_um(setup: Setup) -> float:
     """Nominal separation above which no admissible one can jam, um."""
-    u, width = setup.uncertainty, 2.0 * setup.half_width.hi
-    least = width * math.sqrt(1.0 + u.friction.hi**2)
-    unit = fine(setup)
-    return unit * math.ceil(units.to_um(least + u.probe_position.width) / unit)
+    u, depth = setup.uncertainty, setup.edge(HALF_PI.mid).depth
+    root = math.sqrt(1.0 + u.friction.hi**2)
+    radii = u.tip_radius.hi + u.passive_tip_radius.hi
+    least = 2.0 * depth.hi * root + radii / root
+    # the grip is shorter by what the edges are out of parallel, over their length
+    least += 2.0 * u.squareness.width * setup.half_length.hi
+    # the direction of the travel turns the distance along it into the separation
+    turned = u.travel_direction.width * depth.hi
+    unit, errors = fine(setup), u.probe_position.width + u.probe_wander.width + turned
+    return unit * math.ceil(units.to_um(least + errors) / unit)
 
 
 def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice] | None:
@@ -134,33 +140,71 @@ def _finish(
 def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
     """Where the longest push ends and which height of the pair leads to the goal (coarse)."""
     u, goal = setup.uncertainty, units.to_um(setup.goal.y.mid)
-    width, reach = 2.0 * setup.half_width.mid, setup.half_length.mid
+    depth, reach = setup.edge(HALF_PI.mid).depth, setup.half_length.mid
+    radii = u.tip_radius + u.passive_tip_radius
+    width = 2.0 * depth.mid + radii.mid
     middle, h_end = goal + 0.1 * units.to_um(reach), 0.0
     for _ in range(4):
         off = u.probe_position + u.probe_position
-        grip = Grip(
-            separation=Interval.point(separation * units.UM) + off,
-            depth=setup.half_width,
-            half=setup.half_length,
-            ratio=u.film_ratio,
-            friction=u.friction,
-        )
-        start = Interval(width - fine(setup) * APPROACH_UM * units.UM, width)
-        sigma_start = pre.y - Interval.point(middle * units.UM) + off
-        tube = enclose_slide(grip, start, -width, sigma_start, coarse=SCOUT)
+        V = Interval.point(separation * units.UM) + off
+        grip = _grip(V - depth - depth - radii, setup)
+        passive = middle - 0.5 * separation
+        label = pre.y - Interval.point(passive * units.UM) + u.probe_position
+        tube = enclose_slide(grip, _start(grip, label, setup), -width, coarse=SCOUT).cells[0]
         last = int(np.isfinite(tube.upper).sum()) - 2
         if last < 1 or tube.h[last] > 0.0:
             return None
         h_end = units.to_um(tube.h[last - 1] + off.hi)
-        sigma = 0.5 * (tube.lower[last] + tube.upper[last])
-        end_y = middle + units.to_um((sigma - reach) * _sine(h_end, separation, units.to_um(width)))
+        q = float(tube.centre[last] + 0.5 * (tube.lower[last] + tube.upper[last]))
+        # the part's centre lies its length along the edge and its depth off it from the passive tip
+        sine, cosine = _direction(h_end, separation, units.to_um(width))
+        ahead = units.to_um(q) * sine - units.to_um(depth.mid + u.passive_tip_radius.mid) * cosine
+        end_y = (
+            passive + ahead + units.to_um(width) * 0.5 * (cosine + 1.0) - units.to_um(reach) * sine
+        )
         middle += goal - end_y
     return _Choice(separation=separation, h_end=h_end, middle=middle)
 
 
-def _sine(h: float, separation: float, width: float) -> float:
-    apart = math.sqrt(h * h + separation * separation - width * width)
-    return (width * h + apart * separation) / (h * h + separation * separation)
+def _grip(room: Interval, setup: Setup) -> Grip:
+    u, edge = setup.uncertainty, setup.edge(HALF_PI.mid)
+    return Grip(
+        room=room,
+        depth=edge.depth,
+        depth_far=edge.depth,
+        ends=(edge.first, edge.last),
+        ends_far=(edge.first, edge.last),
+        rho=u.film_ratio,
+        mu=u.friction,
+        common=setup.friction_common,
+        radius=u.tip_radius,
+        radius_far=u.passive_tip_radius,
+        kappa=u.squareness - u.squareness if u.squareness != ZERO else ZERO,
+        drag_a=u.drag_centre,
+        drag_n=u.drag_centre,
+        stretch=u.drag_anisotropy,
+        shear=u.drag_anisotropy,
+    )
+
+
+def _start(grip: Grip, label: Interval, setup: Setup) -> Start:
+    """Where a part that has hardly turned touches the passive tip, roughly."""
+    width = grip.depth.mid + grip.depth_far.mid + grip.radius.mid + grip.radius_far.mid
+    h = Interval(width - fine(setup) * APPROACH_UM * units.UM, width)
+    return Start(
+        h=h,
+        labels={"label": label},
+        value=label.mid,
+        rate=rate_at(grip, h.hi, label.mid),
+        spread={"label": 1.0},
+        rest=Interval.point(0.0),
+    )
+
+
+def _direction(h: float, separation: float, width: float) -> tuple[float, float]:
+    """Sine and cosine of the direction of the edges."""
+    apart, reach = math.sqrt(h * h + separation**2 - width * width), h * h + separation**2
+    return (width * h + apart * separation) / reach, (h * apart - width * separation) / reach
 
 
 def _rule(choice: _Choice, pre: PoseBox, setup: Setup) -> MoveRule:

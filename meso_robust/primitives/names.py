@@ -99,7 +99,7 @@ class Inequality(StrEnum):
     ONLY_SOLUTION = "one_point_sticking.only_solution"
     PAIR_FRICTION = "two_point_sticking.friction_margin"
     PAIR_FORCES = "two_point_sticking.normal_forces"
-    NO_JAM = "two_sided_rotation.no_jam"
+    NO_JAM = "opposite_edges.no_jam"
     PASSIVE_FORCE = "two_sided_rotation.passive_force"
     ENDS_OF_EDGES = "two_sided_rotation.ends_of_edges"
     TRAVEL = "travel"

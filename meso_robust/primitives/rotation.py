@@ -8,18 +8,25 @@ need not be unique (``meso_robust.motion.two_sided``).
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
+from meso_robust.bounds import HALF_PI, Bounded, Interval, Verdict, enclose
 from meso_robust.bounds.interval import arcsin, cos, sin
-from meso_robust.conditions import condition
-from meso_robust.motion import sticking
-from meso_robust.motion.two_sided import Grip, SlideTube, TubeStatus, enclose_slide
-from meso_robust.primitives.approach import MODULE, Pair, Touch, approach
-from meso_robust.primitives.move import MoveRule
+from meso_robust.motion.two_sided import (
+    Grip,
+    SlideTube,
+    TubeStatus,
+    enclose_slide,
+)
+from meso_robust.primitives.approach import STATED, Touch, approach
+from meso_robust.primitives.grasp import Relations, aims_of, on_line, ranges, relations
+from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
     Inequality,
     Named,
@@ -31,21 +38,77 @@ from meso_robust.primitives.names import (
 )
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.outline import Edge
-from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.setup import ZERO, PoseBox, Setup
 from meso_robust.primitives.tips import (
-    HALF,
     Tip,
     comes_free,
     free_at_start,
-    in_flight,
     on_edge,
-    passes,
+    second_tip,
     tip_of,
-    way_back,
 )
 
 PI = HALF_PI + HALF_PI
+EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
+CELL = 7e-6  # m of the tips' room that are followed together; more are looser, fewer take longer
+AT_END = 4096  # boxes for the pose at the end
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
+IDLE = 1  # the upper tip of the active probe touches nothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Move:
+    """A rotation to be proved."""
+
+    box: Mapping[str, Interval]
+    """What is known of it (`grasp.ranges`)."""
+    of: Relations
+    edge: Edge
+    far: Edge
+    """The edge that the passive tip holds."""
+    tips: tuple[Tip, Tip]
+    """The active one, the idle one."""
+    setup: Setup
+    V: Interval
+    """Distance of both tips across the travel, m."""
+    room: Interval
+    """V less both radii and depths, m."""
+    label: Interval
+    """y of the part minus y of the passive tip, before the move, m."""
+    h_end: Interval
+    first_gap: Interval
+    """Of the passive tip to its edge, m."""
+    flight: Interval
+    """Travel of the active tip before it touches, m."""
+    travel: Interval
+    """All of its travel, m."""
+
+    @property
+    def squareness(self) -> Interval:
+        """By how much an edge is turned from its stated direction, rad."""
+        return self.setup.uncertainty.squareness
+
+    @property
+    def grip(self) -> Grip:
+        """What is known while both tips turn the part."""
+        box, setup = self.box, self.setup
+        return Grip(
+            room=self.room,
+            depth=box["depth"],
+            depth_far=box["depth_far"],
+            ends=(self.edge.first, self.edge.last),
+            # run the other way
+            ends_far=(-self.far.last, -self.far.first),
+            rho=box["rho"],
+            mu=setup.uncertainty.friction,
+            common=setup.friction_common,
+            radius=box["radius_lower"],
+            radius_far=box["radius_passive"],
+            kappa=box["kappa_far"] - box["kappa"] if box["kappa"] != ZERO else ZERO,
+            **{
+                name: box[name] for name in ("drag_a", "drag_n", "stretch", "shear", "bend", "sway")
+            },
+        )
 
 
 def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
@@ -69,101 +132,107 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     """
     if rule.single is None or rule.side != 1:
         raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
-    edge, u = setup.edge(pre.theta.mid), setup.uncertainty
+    edge = setup.edge(pre.theta.mid)
     if edge.beyond:
         return _step(rule, pre, None, [_undecided(ObligationId.IS_RECTANGLE)])
-    start = edge.angle(pre.theta)
-    active, idle = tip_of(rule, -1, pre, setup), tip_of(rule, 1, pre, setup)
-    pair = _pair(rule, active, pre, setup)
-    obligations = [
-        *free_at_start((active, idle), start, edge),
-        _passive_free(pair, start, edge),
-        require(
-            about(ObligationId.NO_JAM),
-            Inequality.NO_JAM,
-            {"V": pair.separation, "d1": edge.depth, "mu": u.friction},
-        ),
-    ]
-    if not pair.separation.lo > 0.0:  # what the conditions are derived for; they square it
+    move = _move(rule, pre, edge, setup)
+    obligations = _before(move, pre)
+    if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.ACTIVE_ABOVE_PASSIVE)])
-    touch = approach(pair, start, pre, edge, setup)
+    grip = move.grip
+    touch = approach(
+        move.box, grip, {"label": move.label, "first_gap": move.first_gap}, edge, move.of
+    )
     if touch is None:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.COMES_TO_REST)])
-    obligations += [*touch.obligations, on_edge(Which.ACTIVE, touch.active_offset, edge)]
-    (h_start,) = enclose(
-        condition(MODULE, "pair_position"),
-        {"theta": touch.theta, "V": pair.separation, "d1": edge.depth},
-    )
+    h_start = touch.start.h
     rests = require_order(
         about(ObligationId.RESTS_BEFORE_END),
         Inequality.TOUCH_BEFORE_END,
-        h_start - pair.h_end,
-        {"h_start": h_start, "h_end": pair.h_end},
+        (h_start - move.h_end) * STATED,
+        {"h_start": h_start, "h_end": move.h_end},
     )
-    obligations.append(rests)
+    obligations += [*touch.obligations, on_edge(Which.ACTIVE, touch.active_offset, edge), rests]
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
-    tube = _slide(pair, touch, h_start, edge, setup)
-    obligations += _tube_obligations(tube, pair)
+    cells = max(1, math.ceil(grip.room.width / CELL))
+    tube = enclose_slide(grip, touch.start, move.h_end.lo, cells=cells)
+    obligations += _tube_obligations(tube, move)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, obligations)
-    post = _pose(pair, tube, pair.h_end, edge)
-    if post is None:
+    at_end = _held(move.of.end, move, tube, move.h_end, AT_END)
+    if at_end is None:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.END_ENCLOSED)])
-    obligations += _idle_tip_clear(start, touch, post, tube, pair, edge, setup)
-    obligations.append(comes_free(Which.BOTH, edge.angle(post.theta)))
-    knots = (*touch.tube, *_knots(pair, tube, edge))
-    return _step(rule, pre, post, obligations, knots)
+    slices = _slices(move, tube)
+    obligations += _idle_tip_clear(move, touch, slices, at_end)
+    obligations.append(comes_free(Which.BOTH, _faced(move, at_end.edge_angle)))
+    knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
+    return _step(rule, pre, at_end.pose, obligations, (knots, *_knots(slices)))
 
 
-def _pair(rule: MoveRule, active: Tip, pre: PoseBox, setup: Setup) -> Pair:
-    u, single = setup.uncertainty, rule.single
-    if single is None:
-        raise ValueError(f"rotation rule needs a passive tip, got {rule}")
-    sensed, off = u.sensed_position, u.probe_position
-    active_y = rule.dual.y.place(pre.y, sensed, off) - HALF * setup.spacing
-    passive_y = single.y.place(pre.y, sensed, off)
-    # both x are commanded from the same sensed x, so only the probes' own errors are left
-    behind = HALF * setup.spacing * sin(u.misalignment) / cos(u.misalignment)
-    if rule.dual_end.anchor is not single.x.anchor:
-        raise ValueError("the end of the push and the passive tip need the same anchor in x")
-    between = rule.dual_end.offset - single.x.offset
-    return Pair(
-        active=active,
-        active_y=active_y,
-        passive_x=single.x.place(pre.x, sensed, off),
-        passive_y=passive_y,
-        passive_ahead=single.x.ahead_of(pre.x, sensed, off),
-        passive_rise=single.y.ahead_of(pre.y, sensed, off),
-        separation=active_y - passive_y,
-        middle_y=HALF * (active_y + passive_y),
-        h_end=between + off - off + behind,
+def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
+    far = setup.edge(pre.theta.mid + PI.mid)
+    box = ranges(rule, pre, edge, far, setup)
+    exact = frozenset(name for name, side in box.items() if side == ZERO)
+    exact |= _idle_lines(exact)
+    from_part = frozenset(name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART)
+    of = relations(exact, from_part)
+    V, room, label, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
+    return _Move(
+        box=box,
+        of=of,
+        edge=edge,
+        far=far,
+        tips=(tip_of(rule, -1, pre, setup), tip_of(rule, IDLE, pre, setup)),
+        setup=setup,
+        V=V,
+        room=room,
+        label=label,
+        h_end=h_end,
+        first_gap=gap,
+        flight=flight,
+        travel=travel,
     )
 
 
-def _passive_free(pair: Pair, start: Interval, edge: Edge) -> Obligation:
-    return require(
-        about(ObligationId.TIP_FREE_AT_START, tip=Which.PASSIVE),
-        Inequality.CLEARANCE,
-        {"theta": start, "d1": edge.depth, "dx": -pair.passive_ahead, "dy": -pair.passive_rise},
-    )
+def _idle_lines(exact: frozenset[str]) -> set[str]:
+    """Inputs of an affine bound that belong to what is exactly zero."""
+    gone = {
+        "r_D": "radius_lower", "r_S": "radius_passive", "kappa": "kappa",
+        "drag_a": "drag_a", "drag_n": "drag_n",
+    }  # fmt: skip
+    kinds = ("middle", "spread", "drift")
+    return {f"{kind}_{name}" for name, of in gone.items() if of in exact for kind in kinds}
 
 
-def _slide(pair: Pair, touch: Touch, h_start: Interval, edge: Edge, setup: Setup) -> SlideTube:
-    u = setup.uncertainty
-    grip = Grip(
-        separation=pair.separation,
-        depth=edge.depth,
-        half=edge.half,
-        ratio=u.film_ratio,
-        friction=u.friction,
-    )
-    sigma = (touch.y - pair.middle_y) / sin(touch.theta)
-    return enclose_slide(grip, h_start, pair.h_end.lo, sigma)
+def _before(move: _Move, pre: PoseBox) -> list[Obligation]:
+    """What holds before any tip touches."""
+    box = move.box
+    angle = move.edge.angle(pre.theta) + move.squareness
+    gap = move.first_gap * STATED
+    return [
+        *free_at_start(move.tips, angle, move.edge),
+        require_order(
+            about(ObligationId.TIP_FREE_AT_START, tip=Which.PASSIVE),
+            Inequality.CLEARANCE,
+            gap,
+            {name: box[name] for name in ("theta", "passive_x", "passive_y")},
+        ),
+        require(
+            about(ObligationId.NO_JAM),
+            Inequality.NO_JAM,
+            {
+                "V": move.V + box["sway"],
+                "width": box["depth"] + box["depth_far"],
+                "radii": box["radius_lower"] + box["radius_passive"],
+                "mu": move.setup.uncertainty.friction,
+            },
+        ),
+    ]
 
 
-def _tube_obligations(tube: SlideTube, pair: Pair) -> list[Obligation]:
-    box = {"h": Interval(float(tube.h[-1]), float(tube.h[0])), "V": pair.separation}
+def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
+    box = {"h": Interval(float(tube.h[-1]), float(tube.h[0])), "V": move.V}
     done = tube.status is TubeStatus.COMPLETE
     # how far the tube came tells two failures apart; a proved obligation has nothing to tell
     why = {} if done else {"status": tube.status.name.lower()}
@@ -175,94 +244,139 @@ def _tube_obligations(tube: SlideTube, pair: Pair) -> list[Obligation]:
         require_order(
             Named(id_, why),
             inequality,
-            Interval(margin, math.inf) if done else Interval(-math.inf, 0.0),
+            Interval(margin, math.inf) * STATED if done else Interval(-math.inf, 0.0),
             box,
         )
         for id_, inequality, margin in wanted
     ]
 
 
-def _idle_tip_clear(
-    start: Interval,
-    touch: Touch,
-    post: PoseBox,
-    tube: SlideTube,
-    pair: Pair,
-    edge: Edge,
-    setup: Setup,
-) -> tuple[Obligation, ...]:
-    """The upper tip passes the end of the edge at first, and is off the edge's line later.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Held:
+    """The part between both tips."""
 
-    The turn is cut where the part is safely past upright.
-    """
-    first, last = float(tube.h[0]), float(tube.h[-1])
-    cut = first - 0.15 * (first - last)
-    (at_cut, _) = enclose(
-        condition(MODULE, "orientation"),
-        {"h": Interval.point(cut), "V": pair.separation, "d1": edge.depth},
-    )
-    turned = HALF_PI - arcsin(at_cut)  # theta only grows: its rate is sin(theta)/T
-    early, late = Interval(cut, first), Interval(last, cut)
-    offset = _active_offset(tube, early, pair, edge).hull(touch.active_offset)
-    flight = in_flight(pair.active, sticking.contact_reach(start, edge.depth, pair.active.rise))
-    upright = start.hull(touch.path).hull(touch.theta).hull(turned)
-    end = edge.angle(post.theta)
-    leaning = turned.hull(end)
-    later = _active_offset(tube, late, pair, edge)
-    at_rest = Interval.point(0.0)
-    return (
-        passes(start, flight, touch.active_offset, 1, edge, setup, When.BEFORE_TOUCH),
-        passes(upright, at_rest, offset, 1, edge, setup, When.EARLY_IN_TURN),
-        passes(leaning, at_rest, later, 1, edge, setup, When.LATE_IN_TURN),
-        passes(end, way_back(pair.active), later, 1, edge, setup, When.ON_WITHDRAWAL),
-    )
+    pose: PoseBox
+    edge_angle: Interval
+    """Of the pushed edge as stated, in the move's axes, rad."""
+    active_offset: Interval
+    """m"""
 
 
-def _active_offset(tube: SlideTube, h: Interval, pair: Pair, edge: Edge) -> Interval:
-    """Where on its edge the active tip can be while the tips are ``h`` apart in x, m."""
-    (reach,) = enclose(condition(MODULE, "pair"), {"h": h, "V": pair.separation, "d1": edge.depth})
-    return HALF * reach - _slide_at(tube, h)
-
-
-def _pose(pair: Pair, tube: SlideTube, h: Interval, edge: Edge) -> PoseBox | None:
-    """All poses while the tips are ``h`` apart in x."""
-    c, s = enclose(
-        condition(MODULE, "orientation"), {"h": h, "V": pair.separation, "d1": edge.depth}
-    )
+def _held(
+    of: tuple[Bounded, ...], move: _Move, tube: SlideTube, h: Interval, boxes: int
+) -> _Held | None:
+    """All poses while the tips are ``h`` apart along the travel."""
+    line = on_line(tube.line(h), tube.parameters)
+    box = {**move.box, **line, "h": h}
+    (x,), (y,), (c, s), (offset,) = (enclose(part, box, boxes=boxes, slack=0.002) for part in of)
     # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
     angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)
     if not angle.width < math.inf:
         return None
-    sigma = _slide_at(tube, h)
-    return PoseBox(
-        x=pair.passive_x + HALF * h + sigma * c,
-        y=pair.middle_y + sigma * s,
-        theta=edge.orientation(angle),
+    return _Held(
+        pose=PoseBox(x=x, y=y, theta=move.edge.orientation(angle)),
+        edge_angle=angle,
+        active_offset=offset,
     )
 
 
-def _slide_at(tube: SlideTube, h: Interval) -> Interval:
-    """The slide at any ``h`` of a range: the hull of all slices that it touches."""
-    first = max(int(np.searchsorted(-tube.h, -h.hi, side="right")) - 1, 0)
-    last = int(np.searchsorted(-tube.h, -h.lo, side="left"))
-    used = slice(first, last + 1)
-    return Interval(float(tube.lower[used].min()), float(tube.upper[used].max()))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Slice:
+    """A stretch of the turn."""
+
+    h: Interval
+    held: _Held
 
 
-def _knots(pair: Pair, tube: SlideTube, edge: Edge) -> tuple[Knot, ...]:
+def _slices(move: _Move, tube: SlideTube) -> list[_Slice]:
     ends = [float(end) for end in np.linspace(float(tube.h[0]), float(tube.h[-1]), SLICES + 1)]
     ends[0], ends[-1] = float(tube.h[0]), float(tube.h[-1])
-    found = []
-    for high, low in itertools.pairwise(ends):
-        box = _pose(pair, tube, Interval(low, high), edge)
-        everywhere = Interval(-math.inf, math.inf)
-        found.append(
-            Knot(
-                stage=f"tips {1e6 * 0.5 * (low + high):.0f} um apart in x",
-                box=box or PoseBox(x=everywhere, y=everywhere, theta=everywhere),
-            )
-        )
-    return tuple(found)
+    everywhere = Interval(-math.inf, math.inf)
+    unknown = _Held(
+        pose=PoseBox(x=everywhere, y=everywhere, theta=everywhere),
+        edge_angle=everywhere,
+        active_offset=everywhere,
+    )
+    return [
+        _Slice(h=h, held=_held(move.of.during, move, tube, h, 1) or unknown)
+        for h in (Interval(low, high) for high, low in itertools.pairwise(ends))
+    ]
+
+
+def _knots(slices: list[_Slice]) -> tuple[Knot, ...]:
+    return tuple(
+        Knot(stage=f"tips {1e6 * part.h.mid:.0f} um apart in x", box=part.held.pose)
+        for part in slices
+    )
+
+
+def _idle_tip_clear(
+    move: _Move, touch: Touch, slices: list[_Slice], at_end: _Held
+) -> tuple[Obligation, ...]:
+    """The upper tip passes the end of the edge at first, and is off the edge's line later."""
+    lean = move.squareness
+    early, late = (
+        _hull_of([part.held for part in part_of]) for part_of in (slices[:EARLY], slices[EARLY:])
+    )
+    before = touch.first + lean, touch.active_offset
+    in_turn = touch.path.hull(early[0] + lean), early[1].hull(touch.active_offset)
+    later = late[0] + lean, late[1]
+    end = at_end.edge_angle + lean, at_end.active_offset
+    in_flight, back = (Interval(0.0, max(0.0, way.hi)) for way in (move.flight, move.travel))
+    return (
+        _passes(move, *before, in_flight, When.BEFORE_TOUCH),
+        _passes(move, *in_turn, ZERO, When.EARLY_IN_TURN),
+        _passes(move, *later, ZERO, When.LATE_IN_TURN),
+        _passes(move, *end, back, When.ON_WITHDRAWAL),
+    )
+
+
+def _hull_of(held: list[_Held]) -> tuple[Interval, Interval]:
+    angles, offsets = (
+        [getattr(part, name) for part in held] for name in ("edge_angle", "active_offset")
+    )
+    return functools.reduce(Interval.hull, angles), functools.reduce(Interval.hull, offsets)
+
+
+def _passes(
+    move: _Move, path: Interval, offset: Interval, short: Interval, when: When
+) -> Obligation:
+    """While the active tip is ``short`` of its place on the edge, the idle one is clear of the part."""
+    u, box = move.setup.uncertainty, move.box
+    theta = path - u.travel_direction
+    x, y = second_tip(-IDLE, move.setup)
+    c, s = cos(u.travel_direction), sin(u.travel_direction)
+    # round tips: the idle one must be off the line by the difference of the radii
+    more = box["radius_lower"] - u.tip_radius
+    half = move.setup.edge(path.mid + move.edge.turn.mid - HALF_PI.mid).depth
+    return require(
+        about(ObligationId.IDLE_TIP_PASSES, when=when),
+        Inequality.BESIDE,
+        {
+            "theta": theta,
+            "d2": offset,
+            "half": half.hull(half + u.tip_radius + _leaning(move)),
+            "dx": x * c + y * s + short + sin(theta) * more,
+            "dy": y * c - x * s - cos(theta) * more,
+            "side": Interval.point(float(IDLE)),
+        },
+    )
+
+
+def _leaning(move: _Move) -> Interval:
+    """How much farther out the next edge can be where the idle tip is, as it is out of square, m."""
+    if move.squareness == ZERO:
+        return ZERO
+    lean = move.squareness - move.squareness
+    # no farther from the foot of either edge than this
+    reach = move.edge.last + move.edge.depth + move.setup.spacing + move.setup.spacing
+    across = sin(Interval.point(lean.hi))
+    return reach * across + reach * across * across
+
+
+def _faced(move: _Move, angle: Interval) -> Interval:
+    """Directions of an edge as stated, of the real ones against the travel of a probe."""
+    return angle + move.squareness - move.setup.uncertainty.travel_direction
 
 
 def _undecided(id_: ObligationId) -> Obligation:

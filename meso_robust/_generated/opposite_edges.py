@@ -1,0 +1,280 @@
+"""Two round tips on roughly opposite edges of a part.
+
+Generated from derivations/opposite_edges.py by `meso-robust derive`; do not edit.
+Every function takes `ops`, the arithmetic to use (casadi, numpy, ...), and returns a tuple.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def width(ops: Any, q: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any) -> tuple[Any, ...]:
+    """Return W, m: distance of the centres of both tips across D's edge."""
+    return (
+        d_D - q*ops.sin(kappa) + r_D + (d_S + r_S)*ops.cos(kappa),
+    )
+
+
+def apart(ops: Any, h: Any, V: Any, W: Any) -> tuple[Any, ...]:
+    """Return T, m: distance of the centres of both tips along D's edge."""
+    return (
+        ops.sqrt(V**2 - W**2 + h**2),
+    )
+
+
+def direction(ops: Any, h: Any, V: Any, W: Any, T: Any) -> tuple[Any, ...]:
+    """Return cos and sin of the direction of D's edge while both tips touch."""
+    x0 = 1/(V**2 + h**2)
+    return (
+        x0*(T*h - V*W),
+        x0*(T*V + W*h),
+    )
+
+
+def active_offset(ops: Any, T: Any, q: Any, d_S: Any, r_S: Any, kappa: Any) -> tuple[Any, ...]:
+    """Return p_D, m: contact of D along its edge from the foot of the reference point."""
+    return (
+        T - q*ops.cos(kappa) - (d_S + r_S)*ops.sin(kappa),
+    )
+
+
+def place(ops: Any, c: Any, s: Any, q: Any, d_S: Any, r_S: Any, kappa: Any) -> tuple[Any, ...]:
+    """Return x and y of the reference point minus those of the centre of S, m."""
+    x0 = ops.cos(kappa)
+    x1 = ops.sin(kappa)
+    x2 = d_S + r_S
+    x3 = q*x0 + x1*x2
+    x4 = q*x1 - x0*x2
+    return (
+        c*x3 - s*x4,
+        c*x4 + s*x3,
+    )
+
+
+def stick_rates(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, bend: Any) -> tuple[Any, ...]:
+    """Return dq/d(travel) at which D, S stick; above it the part slips towards +a over the tip."""
+    x0 = ops.cos(kappa)
+    x1 = ops.sin(kappa)
+    x2 = d_D - q*x1 + x0*(d_S + r_S)
+    x3 = bend*c + s
+    return (
+        (-T*(-bend*s + c) - x2*x3)/(T*x0 - x1*x2),
+        -r_S*x3/(T - r_S*x1),
+    )
+
+
+def corner(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau_D: Any, tau_S: Any, total: Any) -> tuple[Any, ...]:
+    """Return dq/d(travel) at friction ratios tau_D, tau_S, of the sum total; the same less that at which D, S stick, both times an opening that is positive where the grip is open; it."""
+    x0 = ops.sin(kappa)
+    x1 = ops.cos(kappa)
+    x2 = -tau_S*x0 + x1
+    x3 = 1/T
+    x4 = r_S*x0
+    x5 = x3*x4
+    x6 = 1 - x5
+    x7 = d_S*x0 + drag_a + q*x1
+    x8 = x0*x3
+    x9 = -x0*x6 + x7*x8
+    x10 = stretch + 1
+    x11 = -q*x0
+    x12 = d_S*x1 + x11
+    x13 = drag_n + x12
+    x14 = x1*x6 - x13*x8
+    x15 = shear*x9 + x10*x14
+    x16 = tau_S*x1 + x0
+    x17 = 1 - stretch
+    x18 = shear*x14 + x17*x9
+    x19 = T - x4
+    x20 = (total*x1 + x0*(-tau_D*tau_S + 1))/(tau_D*(d_D + x12) + x19)
+    x21 = -x15*x2 + x16*x18 + x20*(-rho*x8 + x13*x15 - x18*x7)
+    x22 = bend*c + s
+    x23 = x22*x3
+    x24 = -x22*x5 - x23*x7
+    x25 = r_S*x1*x23 + x13*x23
+    x26 = shear*x24 + x10*x25
+    x27 = shear*x25 + x17*x24
+    x28 = x16*x27 - x2*x26 + x20*(rho*x23 + x13*x26 - x27*x7)
+    x29 = d_D + x1*(d_S + r_S) + x11
+    return (
+        -x28/x21,
+        x21*(-T*(-bend*s + c) - x22*x29)/(T*x1 - x0*x29) + x28,
+        -r_S*x21*x22/x19 + x28,
+        -x21,
+    )
+
+
+def corner_forces(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu_D: Any, mu_S: Any) -> tuple[Any, ...]:
+    """Return normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and mu_S, over e_x and travel rate, times the grip."""
+    x0 = ops.sin(kappa)
+    x1 = r_S*x0
+    x2 = 1/T
+    x3 = x2*(bend*c + s)
+    x4 = ops.cos(kappa)
+    x5 = d_S*x0 + drag_a + q*x4
+    x6 = -x1*x3 - x3*x5
+    x7 = stretch + 1
+    x8 = d_S*x4 - q*x0
+    x9 = drag_n + x8
+    x10 = r_S*x3*x4 + x3*x9
+    x11 = shear*x6 + x10*x7
+    x12 = x0*x2
+    x13 = -r_S*x0*x2 + 1
+    x14 = -x0*x13 + x12*x5
+    x15 = -x12*x9 + x13*x4
+    x16 = shear*x14 + x15*x7
+    x17 = 1 - stretch
+    x18 = shear*x15 + x14*x17
+    x19 = -rho*x12 + x16*x9 - x18*x5
+    x20 = x11*x19
+    x21 = shear*x10 + x17*x6
+    x22 = rho*x3 + x11*x9 - x21*x5
+    x23 = mu_D*(d_D + x8)
+    x24 = x11*x18 - x16*x21
+    x25 = mu_D*(-x18*x22 + x19*x21)
+    x26 = mu_S*x0
+    x27 = x26 + x4
+    x28 = mu_S*x4
+    x29 = x0 - x28
+    x30 = -x26 + x4
+    x31 = x0 + x28
+    return (
+        x16*x22 - x20 - x24*(T - x1 - x23) + x25,
+        x16*x22 - x20 - x24*(T - x1 + x23) - x25,
+        x19*x21*x29 - x20*x27 - x22*(-x16*x27 + x18*x29),
+        x19*x21*x31 - x20*x30 - x22*(-x16*x30 + x18*x31),
+    )
+
+
+def corner_grips(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu_D: Any, mu_S: Any) -> tuple[Any, ...]:
+    """Return grip, m, at the same ratios: where positive the tips cannot close on the part."""
+    x0 = ops.sin(kappa)
+    x1 = r_S*x0
+    x2 = ops.cos(kappa)
+    x3 = d_S*x2 - q*x0
+    x4 = mu_D*(d_D + x3)
+    x5 = T - x1 - x4
+    x6 = mu_S*x0
+    x7 = x2 + x6
+    x8 = 1/T
+    x9 = -x1*x8 + 1
+    x10 = d_S*x0 + drag_a + q*x2
+    x11 = x0*x8
+    x12 = -x0*x9 + x10*x11
+    x13 = drag_n + x3
+    x14 = -x11*x13 + x2*x9
+    x15 = shear*x12 + x14*(stretch + 1)
+    x16 = mu_S*x2
+    x17 = x0 - x16
+    x18 = shear*x14 + x12*(1 - stretch)
+    x19 = -x15*x7 + x17*x18
+    x20 = -rho*x11 - x10*x18 + x13*x15
+    x21 = x17*x20
+    x22 = mu_D*x20
+    x23 = x22*x7
+    x24 = x0 + x16
+    x25 = x20*x24
+    x26 = x2 - x6
+    x27 = -x15*x26 + x18*x24
+    x28 = x22*x26
+    x29 = T - x1 + x4
+    return (
+        -x19*x5 - x21 + x23,
+        -x25 - x27*x5 + x28,
+        -x19*x29 - x21 - x23,
+        -x25 - x27*x29 - x28,
+    )
+
+
+def stiffness(ops: Any, p_D: Any, d_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, tau: Any) -> tuple[Any, ...]:
+    """Return m^2: positive where D alone, at friction ratio tau, presses if it advances."""
+    return (
+        -rho*(-shear*tau - stretch - 1) + (-drag_a + p_D)*(-drag_a + p_D + tau*(d_D - drag_n))*(-shear**2 - stretch**2 + 1),
+    )
+
+
+def pressing(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any) -> tuple[Any, ...]:
+    """Return m^2: positive where D alone presses if it sticks."""
+    x0 = bend*c + s
+    x1 = d_D - drag_n
+    x2 = -shear**2 - stretch**2 + 1
+    return (
+        rho*x0*(1 - stretch) + x0*x1**2*x2 + (-bend*s + c)*(rho*shear + x1*x2*(-drag_a + p_D)),
+    )
+
+
+def stick_ratio(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any) -> tuple[Any, ...]:
+    """Return friction ratio at which D alone sticks."""
+    x0 = bend*c + s
+    x1 = d_D - drag_n
+    x2 = -shear**2 - stretch**2 + 1
+    x3 = -bend*s + c
+    x4 = rho*shear
+    x5 = -drag_a + p_D
+    x6 = x1*x2*x5
+    return (
+        (-x0*x4 - x0*x6 - x3*(-rho*(-stretch - 1) + x2*x5**2))/(rho*x0*(1 - stretch) + x0*x1**2*x2 + x3*(x4 + x6)),
+    )
+
+
+def closing(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
+    """Return m^2: speed per travel at which S's edge closes on S while D alone pushes at friction ratio tau, times the stiffness."""
+    x0 = ops.sin(kappa)
+    x1 = bend*c + s
+    x2 = rho*x1
+    x3 = ops.cos(kappa)
+    x4 = 1/(c*x0 + s*x3)
+    x5 = d_S + gap + r_S
+    x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5)
+    x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-shear**2 - stretch**2 + 1)
+    return (
+        -x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6)),
+    )
+
+
+def turn_per_gap(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
+    """Return turn per closed gap while D alone pushes at friction ratio tau."""
+    x0 = ops.sin(kappa)
+    x1 = bend*c + s
+    x2 = rho*x1
+    x3 = ops.cos(kappa)
+    x4 = 1/(c*x0 + s*x3)
+    x5 = d_S + gap + r_S
+    x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5)
+    x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-shear**2 - stretch**2 + 1)
+    return (
+        x7/(-x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6))),
+    )
+
+
+def creep_per_turn(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, r_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
+    """Return change of p_D per turn, m, while D alone pushes at friction ratio tau."""
+    x0 = bend*c + s
+    x1 = d_D - drag_n
+    x2 = -drag_a + p_D + tau*x1
+    x3 = -shear**2 - stretch**2 + 1
+    x4 = x0*x2*x3
+    return (
+        (-r_D*x4 - rho*x0*(shear + tau*(1 - stretch)) - x1*x4 - (-bend*s + c)*(-rho*(-shear*tau - stretch - 1) + x2*x3*(-drag_a + p_D)))/(x0*x2*x3),
+    )
+
+
+def passive_place(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any) -> tuple[Any, ...]:
+    """Return q and T, m, while S's edge is gap away from S and D touches at p_D."""
+    x0 = ops.sin(kappa)
+    x1 = ops.cos(kappa)
+    x2 = d_S + gap + r_S
+    x3 = p_D + x0*x2
+    x4 = (-V - c*(d_D + r_D + x1*x2) + s*x3)/(c*x0 + s*x1)
+    return (
+        -x4,
+        -x1*x4 + x3,
+    )
+
+
+def no_jam(ops: Any, V: Any, width: Any, radii: Any, mu: Any) -> tuple[Any, ...]:
+    """Return m: positive where two tips on parallel edges, of radii that add up to radii, cannot jam the part; mu is the smaller one of both tips."""
+    x0 = mu**2 + 1
+    return (
+        V*ops.sqrt(x0) - radii - width*x0,
+    )
