@@ -62,11 +62,14 @@ function sticks({ part, found, anyWay }, which, now, edge, tip, side) {
 const onEdge = ({ found }, which, edge, offset) =>
   found.low(`tip_on_edge/${which}`, room(edge, offset), "um");
 
-// The tip that does not push passes the part: it is off the line of one side of the convex hull.
-function passes({ part, tips, found }, now, when, idle, back = 0) {
+// The tip that does not push passes the part: it is off the line of a side of the convex hull, in a tilt
+// of the same one all the time.
+function passes({ rule, part, tips, found }, now, when, idle, back = 0) {
   const point = tipAt(tips[idle], now.s - back);
   const values = clearances(part, now, point).map((far) => far - tips[idle].r);
-  found.best(`idle_tip_passes/${when}`, values, "um");
+  const name = `idle_tip_passes/${when}`;
+  if (rule.action === "tilt") found.best(name, values, "um");
+  else found.low(name, Math.max(...values), "um");
 }
 
 function passesBack(move, now, idle) {
@@ -142,8 +145,8 @@ function rotateWatch(move) {
   const hEnd = grip.across(length);
   let touched = null;
   const rests = "rests_before_end";
-  found.low("no_jam",
-    twoSided.no_jam(grip.V, edge.depth, tips[1].mu)[0] * Math.sign(grip.V), "um²");
+  const across = [edge.depth + grip.other.depth, tips[1].r + tips[2].r, Math.min(tips[1].mu, tips[2].mu)];
+  found.low("no_jam", edges.no_jam(grip.V, ...across)[0], "um");
   return {
     during(now, mode) {
       if (mode.kind === "rest") {

@@ -4,7 +4,7 @@
 // where it begins and ends from the foot of the centre (first, last). Upright, facing +x, its angle is
 // a quarter turn.
 const { drag_tensor: tensor, sticking_motion: sticking, contact_response: response,
-  polygon_edge: polygonEdge, two_sided_rotation: twoSided } = formulas;
+  polygon_edge: polygonEdge, opposite_edges: edges } = formulas;
 const QUARTER = Math.PI / 2, TURN = 2 * Math.PI;
 
 const dot = ([x, y], [u, v]) => x * u + y * v;

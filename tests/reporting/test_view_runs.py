@@ -372,7 +372,7 @@ def test_margins_of_the_nominal_run_are_those_that_are_proved_of_it_alone(
             ratio = live["value"] / (item.proof.lower * UNITS[live["unit"]])
             # loose: a bound over a whole slide, and that of a tip off one line that is not told
             loose = item.name.id == ObligationId.IDLE_TIP_PASSES
-            assert 1 - 1e-9 < ratio < (2.5 if loose else 1.2), item
+            assert 1 - 1e-9 < ratio < (2.5 if loose else 1.3), item
 
 
 def test_margins_turn_negative_where_a_run_fails(script: Script, plan: PlanDocument) -> None:
@@ -394,13 +394,13 @@ def test_margins_turn_negative_where_a_run_fails(script: Script, plan: PlanDocum
 def test_no_jam_is_the_condition_on_the_distance_of_the_tips(
     script: Script, plan: PlanDocument
 ) -> None:
-    """By hand: V² − w² (1 + µ²), V from the plan's own numbers."""
+    """By hand: V √(1 + µ²) − w (1 + µ²), V from the plan's own numbers."""
     setup = setup_of(paper_task())
     (shown,) = told(script, setup, plan.policy, nominal(setup, 4))
     rotation = plan.policy[2]
     assert rotation.single_y is not None
     separation = rotation.dual_y.offset_um - 580.0 / 2 - rotation.single_y.offset_um
-    by_hand = separation**2 - 837.0**2 * (1 + 0.33**2)
+    by_hand = separation * math.sqrt(1 + 0.33**2) - 837.0 * (1 + 0.33**2)
 
     live = shown["moves"][2]["conditions"]["no_jam"]
-    assert live == {"value": pytest.approx(by_hand, rel=1e-9), "unit": "um²"}
+    assert live == {"value": pytest.approx(by_hand, rel=1e-9), "unit": "um"}
