@@ -182,6 +182,215 @@ const formulas = {
       return [-spacing*Math.sin(beta - theta)/Math.cos(beta)];
     },
   },
+  opposite_edges: {
+    // W, m: distance of the centres of both tips across D's edge
+    width(q, d_D, d_S, r_D, r_S, kappa) {
+      return [d_D - q*Math.sin(kappa) + r_D + (d_S + r_S)*Math.cos(kappa)];
+    },
+    // T, m: distance of the centres of both tips along D's edge
+    apart(h, V, W) {
+      return [Math.sqrt(Math.pow(V, 2) - Math.pow(W, 2) + Math.pow(h, 2))];
+    },
+    // cos and sin of the direction of D's edge while both tips touch
+    direction(h, V, W, T) {
+      const x0 = 1/(Math.pow(V, 2) + Math.pow(h, 2));
+      return [x0*(T*h - V*W), x0*(T*V + W*h)];
+    },
+    // p_D, m: contact of D along its edge from the foot of the reference point
+    active_offset(T, q, d_S, r_S, kappa) {
+      return [T - q*Math.cos(kappa) - (d_S + r_S)*Math.sin(kappa)];
+    },
+    // x and y of the reference point minus those of the centre of S, m
+    place(c, s, q, d_S, r_S, kappa) {
+      const x0 = Math.cos(kappa);
+      const x1 = Math.sin(kappa);
+      const x2 = d_S + r_S;
+      const x3 = q*x0 + x1*x2;
+      const x4 = q*x1 - x0*x2;
+      return [c*x3 - s*x4, c*x4 + s*x3];
+    },
+    // dq/d(travel) at which D, S stick; above it the part slips towards +a over the tip
+    stick_rates(c, s, T, q, d_D, d_S, r_D, r_S, kappa, bend) {
+      const x0 = Math.cos(kappa);
+      const x1 = Math.sin(kappa);
+      const x2 = d_D - q*x1 + x0*(d_S + r_S);
+      const x3 = bend*c + s;
+      return [(-T*(-bend*s + c) - x2*x3)/(T*x0 - x1*x2), -r_S*x3/(T - r_S*x1)];
+    },
+    // dq/d(travel) at friction ratios tau_D, tau_S, of the sum total; the same less that at which D, S stick, both times an opening that is positive where the grip is open; it
+    corner(c, s, T, q, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, tau_D, tau_S, total) {
+      const x0 = Math.sin(kappa);
+      const x1 = Math.cos(kappa);
+      const x2 = -tau_S*x0 + x1;
+      const x3 = 1/T;
+      const x4 = r_S*x0;
+      const x5 = x3*x4;
+      const x6 = 1 - x5;
+      const x7 = d_S*x0 + drag_a + q*x1;
+      const x8 = x0*x3;
+      const x9 = -x0*x6 + x7*x8;
+      const x10 = stretch + 1;
+      const x11 = -q*x0;
+      const x12 = d_S*x1 + x11;
+      const x13 = drag_n + x12;
+      const x14 = x1*x6 - x13*x8;
+      const x15 = shear*x9 + x10*x14;
+      const x16 = tau_S*x1 + x0;
+      const x17 = 1 - stretch;
+      const x18 = shear*x14 + x17*x9;
+      const x19 = T - x4;
+      const x20 = (total*x1 + x0*(-tau_D*tau_S + 1))/(tau_D*(d_D + x12) + x19);
+      const x21 = -x15*x2 + x16*x18 + x20*(-rho*x8 + x13*x15 - x18*x7);
+      const x22 = bend*c + s;
+      const x23 = x22*x3;
+      const x24 = -x22*x5 - x23*x7;
+      const x25 = r_S*x1*x23 + x13*x23;
+      const x26 = shear*x24 + x10*x25;
+      const x27 = shear*x25 + x17*x24;
+      const x28 = x16*x27 - x2*x26 + x20*(rho*x23 + x13*x26 - x27*x7);
+      const x29 = d_D + x1*(d_S + r_S) + x11;
+      return [-x28/x21, x21*(-T*(-bend*s + c) - x22*x29)/(T*x1 - x0*x29) + x28, -r_S*x21*x22/x19 + x28, -x21];
+    },
+    // normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and mu_S, over e_x and travel rate, times the grip
+    corner_forces(c, s, T, q, d_D, d_S, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, mu_D, mu_S) {
+      const x0 = Math.sin(kappa);
+      const x1 = r_S*x0;
+      const x2 = 1/T;
+      const x3 = x2*(bend*c + s);
+      const x4 = Math.cos(kappa);
+      const x5 = d_S*x0 + drag_a + q*x4;
+      const x6 = -x1*x3 - x3*x5;
+      const x7 = stretch + 1;
+      const x8 = d_S*x4 - q*x0;
+      const x9 = drag_n + x8;
+      const x10 = r_S*x3*x4 + x3*x9;
+      const x11 = shear*x6 + x10*x7;
+      const x12 = x0*x2;
+      const x13 = -r_S*x0*x2 + 1;
+      const x14 = -x0*x13 + x12*x5;
+      const x15 = -x12*x9 + x13*x4;
+      const x16 = shear*x14 + x15*x7;
+      const x17 = 1 - stretch;
+      const x18 = shear*x15 + x14*x17;
+      const x19 = -rho*x12 + x16*x9 - x18*x5;
+      const x20 = x11*x19;
+      const x21 = shear*x10 + x17*x6;
+      const x22 = rho*x3 + x11*x9 - x21*x5;
+      const x23 = mu_D*(d_D + x8);
+      const x24 = x11*x18 - x16*x21;
+      const x25 = mu_D*(-x18*x22 + x19*x21);
+      const x26 = mu_S*x0;
+      const x27 = x26 + x4;
+      const x28 = mu_S*x4;
+      const x29 = x0 - x28;
+      const x30 = -x26 + x4;
+      const x31 = x0 + x28;
+      return [x16*x22 - x20 - x24*(T - x1 - x23) + x25, x16*x22 - x20 - x24*(T - x1 + x23) - x25, x19*x21*x29 - x20*x27 - x22*(-x16*x27 + x18*x29), x19*x21*x31 - x20*x30 - x22*(-x16*x30 + x18*x31)];
+    },
+    // grip, m, at the same ratios: where positive the tips cannot close on the part
+    corner_grips(c, s, T, q, d_D, d_S, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, mu_D, mu_S) {
+      const x0 = Math.sin(kappa);
+      const x1 = r_S*x0;
+      const x2 = Math.cos(kappa);
+      const x3 = d_S*x2 - q*x0;
+      const x4 = mu_D*(d_D + x3);
+      const x5 = T - x1 - x4;
+      const x6 = mu_S*x0;
+      const x7 = x2 + x6;
+      const x8 = 1/T;
+      const x9 = -x1*x8 + 1;
+      const x10 = d_S*x0 + drag_a + q*x2;
+      const x11 = x0*x8;
+      const x12 = -x0*x9 + x10*x11;
+      const x13 = drag_n + x3;
+      const x14 = -x11*x13 + x2*x9;
+      const x15 = shear*x12 + x14*(stretch + 1);
+      const x16 = mu_S*x2;
+      const x17 = x0 - x16;
+      const x18 = shear*x14 + x12*(1 - stretch);
+      const x19 = -x15*x7 + x17*x18;
+      const x20 = -rho*x11 - x10*x18 + x13*x15;
+      const x21 = x17*x20;
+      const x22 = mu_D*x20;
+      const x23 = x22*x7;
+      const x24 = x0 + x16;
+      const x25 = x20*x24;
+      const x26 = x2 - x6;
+      const x27 = -x15*x26 + x18*x24;
+      const x28 = x22*x26;
+      const x29 = T - x1 + x4;
+      return [-x19*x5 - x21 + x23, -x25 - x27*x5 + x28, -x19*x29 - x21 - x23, -x25 - x27*x29 - x28];
+    },
+    // m^2: positive where D alone, at friction ratio tau, presses if it advances
+    stiffness(p_D, d_D, drag_a, drag_n, rho, stretch, shear, tau) {
+      return [-rho*(-shear*tau - stretch - 1) + (-drag_a + p_D)*(-drag_a + p_D + tau*(d_D - drag_n))*(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1)];
+    },
+    // m^2: positive where D alone presses if it sticks
+    pressing(c, s, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend) {
+      const x0 = bend*c + s;
+      const x1 = d_D - drag_n;
+      const x2 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      return [rho*x0*(1 - stretch) + x0*Math.pow(x1, 2)*x2 + (-bend*s + c)*(rho*shear + x1*x2*(-drag_a + p_D))];
+    },
+    // friction ratio at which D alone sticks
+    stick_ratio(c, s, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend) {
+      const x0 = bend*c + s;
+      const x1 = d_D - drag_n;
+      const x2 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x3 = -bend*s + c;
+      const x4 = rho*shear;
+      const x5 = -drag_a + p_D;
+      const x6 = x1*x2*x5;
+      return [(-x0*x4 - x0*x6 - x3*(-rho*(-stretch - 1) + x2*Math.pow(x5, 2)))/(rho*x0*(1 - stretch) + x0*Math.pow(x1, 2)*x2 + x3*(x4 + x6))];
+    },
+    // m^2: speed per travel at which S's edge closes on S while D alone pushes at friction ratio tau, times the stiffness
+    closing(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, tau) {
+      const x0 = Math.sin(kappa);
+      const x1 = bend*c + s;
+      const x2 = rho*x1;
+      const x3 = Math.cos(kappa);
+      const x4 = 1/(c*x0 + s*x3);
+      const x5 = d_S + gap + r_S;
+      const x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5);
+      const x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1);
+      return [-x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6))];
+    },
+    // turn per closed gap while D alone pushes at friction ratio tau
+    turn_per_gap(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, tau) {
+      const x0 = Math.sin(kappa);
+      const x1 = bend*c + s;
+      const x2 = rho*x1;
+      const x3 = Math.cos(kappa);
+      const x4 = 1/(c*x0 + s*x3);
+      const x5 = d_S + gap + r_S;
+      const x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5);
+      const x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1);
+      return [x7/(-x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6)))];
+    },
+    // change of p_D per turn, m, while D alone pushes at friction ratio tau
+    creep_per_turn(c, s, p_D, d_D, r_D, drag_a, drag_n, rho, stretch, shear, bend, tau) {
+      const x0 = bend*c + s;
+      const x1 = d_D - drag_n;
+      const x2 = -drag_a + p_D + tau*x1;
+      const x3 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x4 = x0*x2*x3;
+      return [(-r_D*x4 - rho*x0*(shear + tau*(1 - stretch)) - x1*x4 - (-bend*s + c)*(-rho*(-shear*tau - stretch - 1) + x2*x3*(-drag_a + p_D)))/(x0*x2*x3)];
+    },
+    // q and T, m, while S's edge is gap away from S and D touches at p_D
+    passive_place(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa) {
+      const x0 = Math.sin(kappa);
+      const x1 = Math.cos(kappa);
+      const x2 = d_S + gap + r_S;
+      const x3 = p_D + x0*x2;
+      const x4 = (-V - c*(d_D + r_D + x1*x2) + s*x3)/(c*x0 + s*x1);
+      return [-x4, -x1*x4 + x3];
+    },
+    // m: positive where two tips on parallel edges, of radii that add up to radii, cannot jam the part; mu is the smaller one of both tips
+    no_jam(V, width, radii, mu) {
+      const x0 = Math.pow(mu, 2) + 1;
+      return [V*Math.sqrt(x0) - radii - width*x0];
+    },
+  },
   contact_forces: {
     // most that one of two tips on one edge presses on a part while the probe's path has the slope bend against its straight line, over e_x and the speed along that line; with mu = 0: one tip alone, sticking
     carrying_force(stretch, shear, mu, bend) {

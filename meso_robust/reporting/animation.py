@@ -161,6 +161,7 @@ def _move(one: MoveRun, row: int, k: int, end: Ending) -> Json:
         "t": _rounded(path[:, 2], 3),
         "tips": [_rounded(tip / units.UM, 2) for tip in one.tips[row]],
         "travel": [_rounded(way / units.UM, 2) for way in one.travel[row]],
+        "radii": _rounded(one.radii[row] / units.UM, 2),
         "stop": round(end.share, 4) if k == end.move else 1.0,
         "modes": ["".join(map(str, line)) for line in one.modes[row].T],
     }

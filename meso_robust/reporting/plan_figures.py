@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.patches import Circle, Polygon
 
 from meso_robust import units
 from meso_robust.laboratory.making import outline as outline_of_part
@@ -157,8 +157,9 @@ def _box_after(axes: Axes, result: Planned, index: int) -> None:
 def _tips(axes: Axes, move: MoveRun) -> Floats:
     """Draw the tips and their travel; (N, 2) all their points, um."""
     starts, ends = move.tips[0] / units.UM, (move.tips[0] + move.travel[0]) / units.UM
-    for start, end in zip(starts, ends, strict=True):
+    for start, end, radius in zip(starts, ends, move.radii[0] / units.UM, strict=True):
         active = bool((start != end).any())
+        axes.add_patch(Circle(tuple(start), radius, fc="none", ec=TIP, lw=0.8, zorder=8))
         if active:
             arrow = {"arrowstyle": "-|>", "color": TIP, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
             axes.annotate("", xy=end, xytext=start, arrowprops=arrow, zorder=7)

@@ -7,6 +7,7 @@ the certificate along that run. Nothing of it enters a verdict.
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from fractions import Fraction
@@ -17,12 +18,12 @@ from markupsafe import Markup
 
 from meso_robust import units
 from meso_robust.bounds import Interval
-from meso_robust.certificates.document import MarginDocument, name_of
+from meso_robust.certificates.document import MarginDocument, StepDocument, name_of
 from meso_robust.certificates.words import words
 from meso_robust.corners import hull
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import BoxDocument, names_of
-from meso_robust.primitives.names import every_obligation
+from meso_robust.primitives.names import Inequality, every_obligation
 from meso_robust.primitives.outline import Outline
 from meso_robust.primitives.setup import Setup
 from meso_robust.reporting.animation import embedded
@@ -84,7 +85,10 @@ def data(result: Planned) -> Json:
             "dtheta": goal.orientation_tolerance_deg,
         },
         "task": told,
-        "rules": [rule.model_dump(mode="json") for rule in certificate.policy],
+        "rules": [
+            {**rule.model_dump(mode="json"), "any_way": any_way(step)}
+            for rule, step in itertools.zip_longest(certificate.policy, certificate.steps)
+        ],
         "start": [*map(units.to_um, setup.start.mid[:2]), setup.start.mid[2]],
         "ranges": _ranges(setup),
         "friction_common": setup.friction_common,
@@ -94,6 +98,12 @@ def data(result: Planned) -> Json:
         "verdict": certificate.verdict,
         "margin": _margin(certificate.margin),
     }
+
+
+def any_way(step: StepDocument | None) -> list[str]:
+    """Obligations of a move that are proved of a contact whether it sticks or slips."""
+    listed = () if step is None else step.obligations
+    return [name_of(one).key for one in listed if one.inequality == Inequality.TURNS_ANY_WAY]
 
 
 def _margin(margin: MarginDocument) -> Json:

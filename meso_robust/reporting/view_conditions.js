@@ -5,6 +5,11 @@ function conditions() {
   return { all, low(name, value, unit) {
     const known = all.get(name);
     if (!known || value < known.value) all.set(name, { value, unit });
+  },
+  // the largest of several values, each at its least
+  best(name, values, unit) {
+    const known = all.get(name), each = known ? known.each.map((value, k) => Math.min(value, values[k])) : values;
+    all.set(name, { value: Math.max(...each), unit, each });
   } };
 }
 
@@ -42,26 +47,29 @@ const withdrawn = (found, tips, now, edge) =>
   found.low(`withdraws_free/${tips}`, Math.sin(edgeAngle(now.theta, edge)), "");
 
 // One contact alone: `which` names it in the certificate, `side` is the way it must turn the part.
-function sticks({ part, found }, which, now, edge, tip, side) {
-  const angle = edgeAngle(now.theta, edge), { arm } = contactOf(part, tip, edge, now.theta, offsetAt(tip, edge, now));
-  const [d1, d2] = [dot(arm, edge.out), dot(arm, edge.along)], { rho } = part;
-  const turn = side > 0 ? "counter_clockwise" : "clockwise";
-  found.low(`tip_pushes/${which}`, onePoint.normal_force(angle, d1, d2, rho)[0], "um²");
+function sticks({ part, found, anyWay }, which, now, edge, tip, side) {
+  const { angle, d1, d2, rho, stretch, shear } = ofContact(part, tip, edge, now);
+  const name = `tip_turns_part/${which}/${side > 0 ? "counter_clockwise" : "clockwise"}`;
+  found.low(`tip_pushes/${which}`, tensor.normal_force(angle, d1, d2, rho, stretch, shear, 0)[0], "um²");
   found.low(`tip_sticks/${which}`,
-    Math.min(...onePoint.friction_margin(angle, d1, d2, rho, tip.mu)), "um²");
-  found.low(`tip_turns_part/${which}/${turn}`,
-    onePoint.turning(angle, d1, d2, side)[0], "um");
+    Math.min(...tensor.friction_margin(angle, d1, d2, rho, stretch, shear, 0, tip.mu)), "um²");
+  found.low(name, anyWay.has(name) ? tensor.turns_any_way(d1, d2, tip.mu, side)[0]
+    : tensor.turning(angle, d1, d2, stretch, shear, 0, side)[0], "um");
   found.low(`no_slipping/${which}`,
-    Math.min(...onePoint.only_solution(d1, d2, rho, tip.mu)), "um²");
+    Math.min(...tensor.only_solution(d1, d2, rho, stretch, shear, tip.mu)), "um²");
 }
 
 const onEdge = ({ found }, which, edge, offset) =>
   found.low(`tip_on_edge/${which}`, room(edge, offset), "um");
 
-// The tip that does not push passes the part: it is off the line of a side of the convex hull.
-function passes({ part, tips, found }, now, when, idle, back = 0) {
+// The tip that does not push passes the part: it is off the line of a side of the convex hull, in a tilt
+// of the same one all the time.
+function passes({ rule, part, tips, found }, now, when, idle, back = 0) {
   const point = tipAt(tips[idle], now.s - back);
-  found.low(`idle_tip_passes/${when}`, offLine(part, now, point) - tips[idle].r, "um");
+  const values = clearances(part, now, point).map((far) => far - tips[idle].r);
+  const name = `idle_tip_passes/${when}`;
+  if (rule.action === "tilt") found.best(name, values, "um");
+  else found.low(name, Math.max(...values), "um");
 }
 
 function passesBack(move, now, idle) {
@@ -122,9 +130,9 @@ function straightenWatch(move) {
 
 function pairWatch(move, now, edge, first) {
   const { part, tips, found } = move;
-  const { drag, forces, apart } = pairForces(part, tips, 0, 1, edge, now);
-  found.low("pair_sticks", tips[0].mu * forces[0] + tips[1].mu * forces[1] - Math.abs(drag), "");
-  found.low("pair_pushes", Math.min(...forces) * apart, "um");
+  const { forces, sticks: friction } = pairForces(part, tips, 0, 1, edge, now);
+  found.low("pair_sticks", friction(Math.min(tips[0].mu, tips[1].mu)), "");
+  found.low("pair_pushes", Math.min(...forces), "um");
   [0, 1].filter((i) => i !== first).forEach((i) => {
     onEdge(move, NAMES[i], edge, offsetAt(tips[i], edge, now));
     sticks(move, NAMES[i], now, edge, tips[i], i === 0 ? 1 : -1);
@@ -137,8 +145,8 @@ function rotateWatch(move) {
   const hEnd = grip.across(length);
   let touched = null;
   const rests = "rests_before_end";
-  found.low("no_jam",
-    twoSided.no_jam(grip.V, edge.depth, tips[1].mu)[0] * Math.sign(grip.V), "um²");
+  const across = [edge.depth + grip.other.depth, tips[1].r + tips[2].r, Math.min(tips[1].mu, tips[2].mu)];
+  found.low("no_jam", edges.no_jam(grip.V, ...across)[0], "um");
   return {
     during(now, mode) {
       if (mode.kind === "rest") {
@@ -166,12 +174,10 @@ function rotateWatch(move) {
 }
 
 function aloneWatch({ part, found }, now, edge, tip) {
-  const { arm } = contactOf(part, tip, edge, now.theta, offsetAt(tip, edge, now));
-  const [d1, d2] = [dot(arm, edge.out), dot(arm, edge.along)];
-  found.low("pushes_until_rest",
-    onePoint.normal_force(edgeAngle(now.theta, edge), d1, d2, part.rho)[0], "um²");
+  const { angle, d1, d2, rho, stretch, shear } = ofContact(part, tip, edge, now);
+  found.low("pushes_until_rest", tensor.normal_force(angle, d1, d2, rho, stretch, shear, 0)[0], "um²");
   found.low("unique_until_rest",
-    Math.min(...onePoint.only_solution(d1, d2, part.rho, tip.mu)), "um²");
+    Math.min(...tensor.only_solution(d1, d2, rho, stretch, shear, tip.mu)), "um²");
 }
 
 // The force at the passive tip is monotone in both friction ratios: the corners are enough.

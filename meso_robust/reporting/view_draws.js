@@ -21,7 +21,7 @@ function nominalDraw() {
 
 // A knob: what it shows and sets, in um, deg, percent or plain. `of` names the uncertainty of the task,
 // whose range is in units of `times` of them; `places` are the entries of the draw that it sets.
-const ONCE = () => [0], TIPS = ["upper tip", "lower tip", "passive tip"];
+const ONCE = () => [0], TIPS = ["dtp_top", "dtp_bottom", "stp"];
 const constant = (name, of, label, unit, digits, factor = 1, more = {}) => ({ group: "constant", of, label, unit,
   digits, places: ONCE, get: (draw) => draw[name] / factor,
   set: (draw, value) => { draw[name] = value * factor; }, ...more });

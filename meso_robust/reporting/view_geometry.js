@@ -3,8 +3,8 @@
 // minus direction of the line (turn), distance from the centre (depth), and for an edge of the part
 // where it begins and ends from the foot of the centre (first, last). Upright, facing +x, its angle is
 // a quarter turn.
-const { one_point_sticking: onePoint, sticking_motion: sticking, contact_response: response,
-  polygon_edge: polygonEdge, two_sided_rotation: twoSided } = formulas;
+const { drag_tensor: tensor, sticking_motion: sticking, contact_response: response,
+  polygon_edge: polygonEdge, opposite_edges: edges } = formulas;
 const QUARTER = Math.PI / 2, TURN = 2 * Math.PI;
 
 const dot = ([x, y], [u, v]) => x * u + y * v;

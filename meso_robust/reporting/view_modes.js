@@ -141,17 +141,23 @@ function rungeKutta(rates, start, ds) {
   return now;
 }
 
-// Both tips of the active probe touch one edge: the part travels with them. The forces of the film act
-// at its centre; those along the edge in one line, so that only their sum is known.
+// What the formulas of one contact take: its angle, and depth, offset and drag in the edge's axes about
+// the centre of drag.
+function ofContact(part, tip, edge, now) {
+  const { arm } = contactOf(part, tip, edge, now.theta, offsetAt(tip, edge, now));
+  const { along, out } = edge, { rho, stretch, shear } = part;
+  const dragged = [(1 + stretch) * along[0] + shear * along[1], shear * along[0] + (1 - stretch) * along[1]];
+  return { angle: edgeAngle(now.theta, edge), d1: dot(arm, out), d2: dot(arm, along), rho,
+    stretch: dot(dragged, along) - 1, shear: dot(dragged, out) };
+}
+
+// Both tips of the active probe touch one edge: the part travels with them. The forces along the edge
+// act in one line, so that only their sum is known; so far apart are the contacts.
 function pairForces(part, tips, upper, lower, edge, now) {
-  const [first, second] = contactsOf(part, tips, [{ i: upper, edge }, { i: lower, edge }], now);
-  const [u, v] = first.velocity, { stretch, shear } = part;
-  const force = [(1 + stretch) * u + shear * v, shear * u + (1 - stretch) * v];
-  const drag = dot(force, edge.along), pressing = -dot(force, edge.out);
-  const place = (contact) => dot(contact.arm, edge.along), depth = dot(first.arm, edge.out);
-  const apart = place(first) - place(second);
-  const ofFirst = (-depth * drag - place(second) * pressing) / apart;
-  return { drag, apart, forces: [ofFirst, pressing - ofFirst] };
+  const { angle, d1, d2, stretch, shear } = ofContact(part, tips[upper], edge, now);
+  const apart = d2 - ofContact(part, tips[lower], edge, now).d2;
+  return { apart, forces: tensor.pair_forces(angle, d1, d2, apart, stretch, shear, 0),
+    sticks: (mu) => Math.min(...tensor.pair_friction(angle, stretch, shear, 0, mu)) };
 }
 
 const pair = (upper, lower, edge, now) => ({

@@ -24,10 +24,10 @@ function modeOfPair(part, tips, active, now) {
   const [upper, lower] = active.map(({ i }) => i).sort((a, b) => tips[b].y - tips[a].y);
   const { edge } = active[0];
   if (active[1].edge.turn !== edge.turn) return { end: LEAVES + "the tips touch two edges" };
-  const { drag, forces } = pairForces(part, tips, upper, lower, edge, now);
+  const { forces, sticks } = pairForces(part, tips, upper, lower, edge, now);
   if (forces[0] <= 0) return single(part, tips, lower, edge, now);
   if (forces[1] <= 0) return single(part, tips, upper, edge, now);
-  if (!(tips[upper].mu * forces[0] + tips[lower].mu * forces[1] > Math.abs(drag))) {
+  if (!(sticks(Math.min(tips[upper].mu, tips[lower].mu)) > 0)) {
     return { end: LEAVES + "the pair of tips slips" };
   }
   return pair(upper, lower, edge, now);
@@ -133,7 +133,9 @@ function tipsOf(rule, frame, sensed, draw, k) {
   const tips = places.map((place, i) => {
     const error = frame.stated(i < 2 ? draw.dual[k] : draw.single[k]);
     const [u, v] = frame.fromStated(combined(1, place, 1, error));
-    return { x: u, y: v, active: i < 2, r: draw.radius[i], mu: draw.friction[i] };
+    // the draw has the tip on the right first, seen along the push: the lower one in mirrored axes
+    const drawn = frame.sign < 0 && i < 2 ? 1 - i : i;
+    return { x: u, y: v, active: i < 2, r: draw.radius[drawn], mu: draw.friction[drawn] };
   });
   return { tips, length: (middle[0] - aim(rule.dual_end_x, x)) * (1 + draw.scale[k]) };
 }
@@ -179,7 +181,8 @@ function oneMove(task, rule, pose, sensed, draw, k) {
   const [x, y] = frame.toOwn(pose), start = { x, y, theta: frame.angleToOwn(pose[2]) };
   const part = partOf(task, draw, frame.sign < 0);
   const walls = wallsOf(task, draw, frame), path = [], found = conditions();
-  const watch = watcher({ rule, part, tips, length, walls, start, found });
+  const anyWay = new Set(rule.any_way || []);
+  const watch = watcher({ rule, part, tips, length, walls, start, found, anyWay });
   const hindered = hindrance(part, tips, length, start);
   const done = hindered ? { now: { s: 0, ...start }, mode: rest(), ...hindered }
     : runMove(part, tips, length, walls, start, (now, mode) => {

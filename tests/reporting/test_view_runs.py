@@ -21,14 +21,15 @@ from meso_robust.laboratory.simulation import player_of
 from meso_robust.planning.document import PlanDocument, RuleDocument
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.names import Named, ObligationId, When
+from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.reporting.view import FORMULAS, engine, task as told_task
 from meso_robust.simulator import Outcome
-from meso_robust.task import Task, load_task
+from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
 from tests.conftest import paper_task
 from tests.reporting.javascript import Script, draw_of, runs_script
+from tests.test_task_real import values
 
 PLAN = Path(__file__).parents[2] / "reports" / "paper_task" / "plan.json"
 SLOT = PAPER.parent / "slot.toml"  # the planner finds the same policy for it
@@ -59,7 +60,7 @@ def told(
 ) -> list[Json]:
     rules = [rule.model_dump(mode="json") for rule in policy]
     task = told_task(setup)
-    spacing, edges = setup.spacing.mid, len(task["corners"])
+    spacing, edges = setup.stated_spacing.mid, len(task["corners"])
     return [
         script.call("told", task, rules, draw_of(draws, row, spacing, edges))
         for row in range(len(draws.start))
@@ -273,10 +274,67 @@ def agree_on_modes(move: Json, modes: npt.NDArray[np.int8]) -> None:
     assert compared > 0.6 * len(modes)
 
 
+REAL: dict[str, Any] = {
+    "schema": "meso-robust/task/2",
+    "part.size_tolerance_um": 4.0,
+    "part.squareness_deg": 0.1,
+    "probe.tip_spacing_tolerance_um": 1.0,
+    "probe.tip_radius_um": [2.5, 12.5],
+    "uncertainty.travel_direction_deg": [-0.1, 0.1],
+    "uncertainty.travel_scale_percent": 0.1,
+    "uncertainty.drag_centre_um": 20.0,
+    "uncertainty.drag_anisotropy_percent": 5.0,
+}
+STRAIGHT = 1e-4  # um: a picture's Runge and Kutta against the engine's own
+
+
+def steady(draws: Draws) -> Draws:
+    """Friction of each tip its own but the same all the time, and a film fixed in the part."""
+    assert draws.tip_friction is not None
+    assert draws.lay is not None
+    assert draws.drag_centre is not None
+    draws.tip_friction[:] = draws.tip_friction[:, :1, :1]
+    draws.lay[:, 2] = 0.0
+    draws.lay[:, :2] /= 1.5  # within the circle of the bound
+    draws.drag_centre[:] /= 1.5
+    return draws
+
+
+@pytest.mark.parametrize(("heading", "mirrored"), [("-x", False), ("+y", False), ("-y", True)])
+def test_real_probes_and_parts_move_as_in_the_simulator(
+    script: Script, plan: PlanDocument, heading: Heading, mirrored: bool
+) -> None:
+    """Every slider of schema 2 at once, at corners of the box and inside it."""
+    frame = Frame(heading=heading, mirrored=mirrored)
+    (x, y), (u, v) = frame.to_world(np.array([[2060.4, -9.2], [0.0, 0.0]])).tolist()
+    sign, turned = -1.0 if mirrored else 1.0, 90.0 * frame.quarters
+    turned -= 360.0 if turned + sign * 180.0 > 360.0 else 0.0
+    poses = {
+        **{"start.x_um": x, "start.y_um": y, "goal.x_um": u, "goal.y_um": v},
+        "start.theta_deg": sign * 90.0 + turned,
+        "goal.theta_deg": sign * 180.0 + turned,
+    }
+    setup = setup_of(parse_task(values({**REAL, **poses}), "real"))
+    policy = tuple(
+        rule.model_copy(update={"heading": heading, "mirrored": mirrored}) for rule in plan.policy
+    )
+    rules = rules_of(plan.model_copy(update={"policy": policy}), setup)
+    draws = steady(draw(setup, 4, 40, np.random.default_rng(7)))
+    runs = run(rules, setup, draws, engine="events")
+    seen: Counter[str] = Counter()
+    for row, shown in enumerate(told(script, setup, policy, draws)):
+        end = how(shown)
+        seen[end] += 1
+        if end == "declined":
+            continue
+        assert end == how_simulated(runs, row)
+        away, off = largest(shown, runs, row)
+        assert away < (STRAIGHT if end != "jam" else 3.0)  # close to a jam the part slides fast
+        assert off < (1e-7 if end != "jam" else 1e-4)
+    assert seen["completed"] >= 20, seen
+
+
 # -- the margins -----------------------------------------------------------------------------------
-
-
-LATE = Named(ObligationId.IDLE_TIP_PASSES, {"when": When.LATE_IN_TURN})
 
 
 @pytest.mark.parametrize("task", [load_task(PAPER), load_task(SLOT)], ids=["paper", "slot"])
@@ -312,8 +370,9 @@ def test_margins_of_the_nominal_run_are_those_that_are_proved_of_it_alone(
         for item in step.obligations:
             live = move["conditions"][item.name.key]
             ratio = live["value"] / (item.proof.lower * UNITS[live["unit"]])
-            # a bound over a whole slide is loose: it may take its worst h and its worst sigma
-            assert 1 - 1e-9 < ratio < (1.2 if item.name != LATE else 2.0), item
+            # loose: a bound over a whole slide, and that of a tip off one line that is not told
+            loose = item.name.id == ObligationId.IDLE_TIP_PASSES
+            assert 1 - 1e-9 < ratio < (2.5 if loose else 1.3), item
 
 
 def test_margins_turn_negative_where_a_run_fails(script: Script, plan: PlanDocument) -> None:
@@ -335,13 +394,13 @@ def test_margins_turn_negative_where_a_run_fails(script: Script, plan: PlanDocum
 def test_no_jam_is_the_condition_on_the_distance_of_the_tips(
     script: Script, plan: PlanDocument
 ) -> None:
-    """By hand: V² − w² (1 + µ²), V from the plan's own numbers."""
+    """By hand: V √(1 + µ²) − w (1 + µ²), V from the plan's own numbers."""
     setup = setup_of(paper_task())
     (shown,) = told(script, setup, plan.policy, nominal(setup, 4))
     rotation = plan.policy[2]
     assert rotation.single_y is not None
     separation = rotation.dual_y.offset_um - 580.0 / 2 - rotation.single_y.offset_um
-    by_hand = separation**2 - 837.0**2 * (1 + 0.33**2)
+    by_hand = separation * math.sqrt(1 + 0.33**2) - 837.0 * (1 + 0.33**2)
 
     live = shown["moves"][2]["conditions"]["no_jam"]
-    assert live == {"value": pytest.approx(by_hand, rel=1e-9), "unit": "um²"}
+    assert live == {"value": pytest.approx(by_hand, rel=1e-9), "unit": "um"}

@@ -1,0 +1,10 @@
+; one of the five states holds, whatever the rates at the corners and the thresholds
+(set-logic QF_NRA)
+(declare-const r_0 Real)
+(declare-const r_e Real)
+(declare-const r_m Real)
+(declare-const u_high Real)
+(declare-const u_low Real)
+(assert (>= u_high u_low))
+(assert (not (or (and (>= r_m u_low) (<= r_m u_high)) (and (> r_0 u_high) (< r_m u_high)) (and (> r_e u_low) (< r_m u_low)) (and (> r_m u_high) (< r_0 u_high)) (and (> r_m u_low) (< r_e u_low)) (>= r_0 u_high) (<= r_e u_low))))
+(check-sat)

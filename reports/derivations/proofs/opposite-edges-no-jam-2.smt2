@@ -1,0 +1,13 @@
+; $\mu_S$ smaller: the grip closes, if at all, at $\tau_D + \mu_S < 0$
+(set-logic QF_NRA)
+(declare-const T Real)
+(declare-const d1 Real)
+(declare-const mu_S Real)
+(declare-const tau_D Real)
+(assert (> T 0))
+(assert (> d1 0))
+(assert (> mu_S 0))
+(assert (< (* 2 d1 mu_S) T))
+(assert (= (+ T (* d1 (+ (* (- 1) mu_S) tau_D))) 0))
+(assert (>= (+ mu_S tau_D) 0))
+(check-sat)

@@ -1,0 +1,13 @@
+; $\mu_D$ smaller: the grip closes, if at all, at $\tau_S - \mu_D > 0$
+(set-logic QF_NRA)
+(declare-const T Real)
+(declare-const d1 Real)
+(declare-const mu_D Real)
+(declare-const tau_S Real)
+(assert (> T 0))
+(assert (> d1 0))
+(assert (> mu_D 0))
+(assert (< (* 2 d1 mu_D) T))
+(assert (= (+ T (* d1 (+ (* (- 1) mu_D) (* (- 1) tau_S)))) 0))
+(assert (<= (+ (* (- 1) mu_D) tau_S) 0))
+(check-sat)
