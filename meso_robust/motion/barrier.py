@@ -412,7 +412,7 @@ def _predict(rates: Program, known: Known, tube: Tube, k: int, drift: Floats) ->
     rate = _guess(rates, point, known.constants, tube.spread[k], drift)
     tube.centre[k + 1] = tube.centre[k] + rate * dh
     tube.spread[k + 1] = tube.spread[k] + drift * dh
-    return np.isfinite(rate) and np.isfinite(drift).all()
+    return bool(np.isfinite(rate) and np.isfinite(drift).all())
 
 
 @njit

@@ -11,7 +11,6 @@ import numpy as np
 from meso_robust.bounds import Interval
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import PlanRun
-from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Knot
 from tests.motion.first_principles import Floats
 from tests.strategies import paper_chain
@@ -52,18 +51,14 @@ def test_a_tube_less_wide_would_be_left() -> None:
             assert away(move.path, cut).max() > 1.0, (step.rule.action, side)
 
 
-def test_what_one_tip_must_do_until_the_part_rests_is_proved_of_its_whole_way() -> None:
-    """Every pose of the tube at that stage has its angle in the box of the proof."""
+def test_the_push_by_one_tip_begins_before_the_move_and_ends_where_both_touch() -> None:
     step = paper_chain().steps[2]
-    edge = paper_chain().setup.edge(step.pre.theta.mid)
-    (proof,) = (o.proof for o in step.obligations if o.name.id is ObligationId.PUSHES_UNTIL_REST)
-    alone = [knot.box for knot in step.tube if knot.stage == "the active tip pushes alone"]
-
-    assert len(alone) > 1
-    for box in alone:
-        angle = edge.angle(box.theta)
-        # turned to the part's orientation and back, each rounded outward
-        assert Interval(angle.lo + 1e-14, angle.hi - 1e-14).within(proof.box["theta"])
+    (alone,) = (k.box for k in step.tube if k.stage == "the active tip pushes alone")
+    assert step.pre.within(alone)
+    first = step.tube[2].box
+    assert alone.x.meets(first.x)
+    assert alone.y.meets(first.y)
+    assert alone.theta.meets(first.theta)
 
 
 def cut_off(side: Interval) -> Interval:
@@ -76,9 +71,16 @@ def test_the_tube_begins_at_rest_and_holds_the_end() -> None:
         assert step.tube[0].box == step.pre
         assert step.post is not None
         ends = [k.box for k in step.tube[1:]]
+<<<<<<< HEAD
         # what is stated is wider than what was proved, by a hundredth on either side
         assert min(b.x.lo for b in ends) <= step.post.x.lo + 0.01 * step.post.x.width + 1e-8
         assert (
             max(b.theta.hi for b in ends)
             >= step.post.theta.hi - 0.01 * step.post.theta.width - 1e-5
         )
+=======
+        # what is stated of the end is wider by some per cent of its sides
+        room_x, room_theta = 0.05 * step.post.x.width, 0.02 * step.post.theta.width
+        assert min(b.x.lo for b in ends) <= step.post.x.lo + room_x
+        assert max(b.theta.hi for b in ends) >= step.post.theta.hi - room_theta
+>>>>>>> 9cfab8454f328ebbab6b7aa105a5f79fb7f4e52f
