@@ -93,7 +93,7 @@ def test_a_threshold_as_a_chunk(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_attack_reaches_the_ends_of_tight_boxes_and_leaves_none() -> None:
-    """Orientations after straightening and rotating are kinematic: their boxes have no slack."""
+    """Orientations after straightening and rotating are kinematic: their boxes are 1 % wider a side."""
     ready = paper_ready()
     named = [t for t in ready.targets if "theta low" in t.name or "move 2: box, y" in t.name]
 
@@ -102,8 +102,8 @@ def test_an_attack_reaches_the_ends_of_tight_boxes_and_leaves_none() -> None:
     values = {one.target.name: one.summit.value for one in reached}
     assert all(value <= 1.0 + 1e-9 for value in values.values())
     for k in (2, 3, 4):
-        assert values[f"move {k}: box, theta low"] > 0.999
-    assert values["move 2: box, y low"] > 0.9
+        assert values[f"move {k}: box, theta low"] > 0.97
+    assert values["move 2: box, y low"] > 0.8
     rows = {one.target.name: one.summit.row for one in reached}
     ends = [rows[f"move 2: box, y {side}"] for side in ("low", "high")]
     y = exactly().run(np.array(ends)).moves[1].after[:, 1]
