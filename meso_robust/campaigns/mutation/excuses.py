@@ -15,7 +15,7 @@ from meso_robust.campaigns.mutation.by_planner import proves_too
 from meso_robust.campaigns.mutation.forging import AXES, plain
 from meso_robust.campaigns.mutation.original import RUNS, Original
 from meso_robust.campaigns.mutation.places import Difference, Document, Place, at, differences
-from meso_robust.campaigns.mutation.sampled import POINTS, least
+from meso_robust.campaigns.mutation.sampled import POINTS, least, of_formula
 from meso_robust.planning.document import box_document
 from meso_robust.primitives.setup import PoseBox, setup_of
 
@@ -130,7 +130,7 @@ def _holds(accepted: Accepted, about: Place) -> str | None:
     if along is not None:
         held = bool(accepted.moves) and along(accepted.moves[int(about[1])]) >= bound
         return f"true along {RUNS} runs" if held else None
-    if "x" in stated["over"] or "beta" in stated["over"]:  # variables of the move
+    if not of_formula(stated):  # its box is of the move's own variables
         proved = proves_too(accepted.original, accepted.document, about)
         return "an inequality that the planner proves too" if proved else None
     found = least(stated)

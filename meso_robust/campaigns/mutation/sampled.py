@@ -6,7 +6,7 @@ import numpy as np
 
 from meso_robust.campaigns.mutation.along_runs import ALONG
 from meso_robust.campaigns.mutation.places import Document
-from meso_robust.conditions import values
+from meso_robust.conditions import inputs, values
 from meso_robust.primitives.names import Inequality
 from meso_robust.types import Floats
 
@@ -20,6 +20,24 @@ PLAIN = {
     Inequality.FACES_BACK: lambda p: [np.sin(p["theta"])],
 }
 """Inequalities that no generated formula states."""
+VARIABLES = {
+    Inequality.TRAVEL: {"travel"},
+    Inequality.WITHIN_EDGE: {"half", "d2"},
+    Inequality.BETWEEN_CORNERS: {"d2", "first", "last"},
+    Inequality.TOUCH_BEFORE_END: {"h_start", "h_end"},
+    Inequality.FACES_BACK: {"theta"},
+}
+"""What they are about."""
+
+
+def of_formula(stated: Document) -> bool:
+    """Whether the box of an inequality is one of the planner's formula, or of none."""
+    inequality = Inequality(stated["inequality"])
+    if inequality in PLAIN:
+        return set(stated["over"]) == VARIABLES[inequality]
+    if inequality in ALONG or inequality.derivation is None:
+        return True
+    return set(stated["over"]) <= set(inputs(*inequality.split(".")))
 
 
 def least(stated: Document) -> float | None:

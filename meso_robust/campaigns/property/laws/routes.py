@@ -38,14 +38,19 @@ ROUNDING = 4.0
 """How many times the radius at 53 bits a result in doubles may be off."""
 
 _RANGES = {
-    (0.1, 3.0): "theta theta_0 theta_1 theta_2",
+    (0.1, 3.0): "theta theta_0 theta_1 theta_2 exterior",
     (1.2, 2.2): "theta_start theta_end",
-    (-0.5, 0.5): "beta",
-    (0.05, 1.0): "mu",
-    (-1.0, 1.0): "tau tau_D tau_S side",
-    (1e-4, 4e-4): "d1",
-    (-8e-4, 8e-4): "d2 d2_back sigma p_S rise dx dy x0 y0 x1 y1",
-    (5e-4, 1e-3): "d4 half h V",
+    (-0.5, 0.5): "beta direction bend",
+    (-0.1, 0.1): "stretch shear kappa total",
+    (0.05, 1.0): "mu mu_D mu_S",
+    (-1.0, 1.0): "tau tau_D tau_S side f_x f_y c s",
+    (0.0, 3e-5): "r r_upper r_lower r_D r_S rounding radii",
+    (-3e-5, 3e-5): "drag_a drag_n",
+    (1e-4, 4e-4): "d1 d1_next d_D d_S",
+    (-8e-4, 8e-4): "d2 d2_back sigma p_S p_D q rise dx dy x0 y0 x1 y1 x y x_f y_f",
+    (-9e-4, 9e-4): "x_1 y_1 x_2 y_2 x_3 y_3",
+    (5e-4, 1e-3): "d4 half h V T W width spacing gap",
+    (-2e3, 2e3): "omega",
     (1e-7, 8e-7): "rho",
 }
 RANGES = {name: ends for ends, names in _RANGES.items() for name in names.split()}
