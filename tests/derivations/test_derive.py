@@ -294,7 +294,10 @@ def test_no_finding_of_the_register_says_nothing(derived: tuple[Derivation, ...]
                 left, equals, right = stated.partition(" = ")
                 assert equals, (claim.key, finding.what)
                 assert left != right, (claim.key, finding.what)
-                assert len(finding.formal) < 1600, (claim.key, finding.what)
+                assert len(finding.formal) < 2400, (
+                    claim.key,
+                    finding.what,
+                )  # still to be read by eye
 
 
 # -- verdicts -------------------------------------------------------------------------------------
