@@ -37,7 +37,7 @@ def of_formula(stated: Document) -> bool:
         return set(stated["over"]) == VARIABLES[inequality]
     if inequality in ALONG or inequality.derivation is None:
         return True
-    return set(stated["over"]) <= set(inputs(*inequality.split(".")))
+    return set(stated["over"]) == set(inputs(*inequality.split(".")))
 
 
 def least(stated: Document) -> float | None:
