@@ -15,6 +15,7 @@ from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.planning.clearance import fine
 from meso_robust.planning.x_translation import to_goal, upright
+from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.frame import Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
@@ -37,7 +38,7 @@ class Arrival:
 def arrive(
     state: PoseBox, setup: Setup, headings: Sequence[Heading], *, mirrored: bool = False
 ) -> Arrival | None:
-    """The shortest robust sequence of pushes to the goal that is found.
+    """The shortest robust sequence of pushes to the goal, clear of all walls, that is found.
 
     Parameters
     ----------
@@ -80,12 +81,19 @@ def _along(state: PoseBox, setup: Setup, way: tuple[Frame, ...]) -> Arrival | No
         if step.verdict is not Verdict.PROVED or step.post is None:
             continue
         rule, after = replace(step.rule, frame=frame), frame.box_to_world(step.post)
+        if setup.blocks and not _clear_of_walls(rule, state, setup):
+            continue
         if not rest and step.post.within(there.goal):
             return Arrival(rules=(rule,), post=after)
         found = _along(after, setup, rest) if rest else None
         if found is not None:
             return replace(found, rules=(rule, *found.rules))
     return None
+
+
+def _clear_of_walls(rule: MoveRule, state: PoseBox, setup: Setup) -> bool:
+    """Whether the push is proved with the slot's walls around it."""
+    return certify_move(rule, state, setup)[0].verdict is Verdict.PROVED
 
 
 def _steps(own: PoseBox, there: Setup, *, back: bool) -> Iterator[Step]:

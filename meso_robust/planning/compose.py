@@ -81,9 +81,16 @@ def compose(task: Task) -> Found:
     """
     ways, choices = _ways(task), _choices(task)
     for headings, scale in itertools.product(choices, IN_HAND):
-        rules = _rules(task, ways, headings, scale)
+        rules = _rules(task, ways, headings, scale, clear=True)
         if rules is not None:
             return Found(rules=rules, scale=scale)
+    if (
+        task.slot is not None
+    ):  # one that is robust in the open shows what the walls are in the way of
+        for headings, scale in itertools.product(choices, IN_HAND):
+            rules = _rules(task, ways, headings, scale)
+            if rules is not None:
+                return Found(rules=rules, scale=scale)
     headings = choices[-1]
     last = _rules(task, ways, headings, REDUCED[-1])
     if last is None:
@@ -126,7 +133,7 @@ def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
         No primitive can handle the start pose.
     """
     ways = _ways(task)
-    found = (_rules(task, ways, headings, scale) for headings in _choices(task))
+    found = (_rules(task, ways, headings, scale, clear=True) for headings in _choices(task))
     return next((rules for rules in found if rules is not None), None)
 
 
@@ -146,13 +153,15 @@ def _rules(
     headings: Sequence[Heading],
     scale: float,
     only: str | None = None,
+    *,
+    clear: bool = False,
 ) -> tuple[MoveRule, ...] | None:
-    setup, found = setup_of(task, scale, only), []
-    for rules in _proposed(task, setup, ways, headings):
-        found.append(rules)
-        if not setup.blocks or _clear(rules, setup):
-            return rules
-    return found[0] if found else None
+    """The first plan that is robust, with ``clear`` in front of the slot too."""
+    setup = setup_of(task, scale, only)
+    if not clear:  # proposed without a slot, or pushes that a wall is in the way of were left out
+        setup = replace(setup, blocks=())
+    proposed = _proposed(task, setup, ways, headings)
+    return next((rules for rules in proposed if not setup.blocks or _clear(rules, setup)), None)
 
 
 def _proposed(
