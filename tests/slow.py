@@ -14,7 +14,6 @@ ROOT = Path(__file__).parents[1]
 
 SLOW: Mapping[str, tuple[str, ...]] = {
     "tests/api/test_story.py": ("meso_robust/api",),
-    "tests/basis": ("meso_robust/basis", "meso_robust/bounds"),
     "tests/blind": ("reports/blind", "meso_robust/diagnosis", "meso_robust/simulator"),
     "tests/campaigns": ("meso_robust/campaigns", "meso_robust/laboratory", "meso_robust/checker"),
     "tests/certificates/test_design.py": ("meso_robust/certificates", "meso_robust/planning"),

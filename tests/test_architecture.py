@@ -26,7 +26,6 @@ MAY_IMPORT = {
     "_generated": set(),
     "bounds": BASE,
     "conditions": {"bounds", "_generated", *BASE},
-    "basis": {"bounds", *BASE},
     "motion": {*BELOW_MOTION, "units"},
     "primitives": BELOW_PLANNING - {"primitives"},
     "planning": BELOW_PLANNING,

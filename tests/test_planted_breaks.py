@@ -15,7 +15,7 @@ def test_the_list_fits_the_code() -> None:
 
 def test_a_line_that_has_changed_and_a_slow_test_are_told() -> None:
     first = listed()[0]
-    gone, slow = replace(first, old="no such line"), replace(first, tests=("tests/basis",))
+    gone, slow = replace(first, old="no such line"), replace(first, tests=("tests/blind",))
 
     assert "stands 0 times" in next(stale([gone]))
     assert "not among the fast tests" in next(stale([slow]))
