@@ -58,6 +58,7 @@ reports: $(INSTALLED)
 	$(BIN)/python -m reports.simulator.convergence --out reports/simulator/convergence.md
 	$(BIN)/python -m reports.simulator.inertia_report --out reports/simulator
 	$(BIN)/python -m reports.simulator.effects_report --out reports/simulator/effects.md
+	$(BIN)/python -m reports.dry_support.report --out reports/dry_support
 	$(BIN)/python -m reports.identification.sensitivity_report --out reports/identification
 	$(BIN)/meso-robust reproduce --out reports/reproduction
 	$(BIN)/python -m reports.reproduction.table

@@ -16,7 +16,8 @@ from derivations._statement import DerivationError
 
 _NAMES = {
     "1": "theta theta_0 theta_1 theta_2 theta_start theta_end beta mu tau tau_D tau_S side",
-    "m": "d1 d2 d2_back d4 h V T sigma p_S rise dx dy half x0 y0 x1 y1",
+    "m": "d1 d2 d2_back d4 h V T sigma p_S rise dx dy half x0 y0 x1 y1 x_1 y_1 x_2 y_2 x_3 y_3",
+    "1/m": "omega",
     "m^2": "rho",
     "N s/m": "e_x",
     "m/s": "v_p",

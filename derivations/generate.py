@@ -39,6 +39,7 @@ SOURCES = (
     "symmetries",
     "polygon_edge",
     "drag_tensor",
+    "dry_sticking",
     "printed_numbers",
 )
 """Derivation files, in the order in which a reader of the paper meets their claims."""

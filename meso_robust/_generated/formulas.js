@@ -184,4 +184,57 @@ const formulas = {
       return [x2*(x0*y1 - x1*y0), x2*(-Math.pow(x0, 2) + x3 + x4 - Math.pow(y0, 2)), x2*(Math.pow(x1, 2) - x3 - x4 + Math.pow(y1, 2))];
     },
   },
+  dry_sticking: {
+    // share of the weight on each support: all positive if the centre is between them
+    shares(x_1, y_1, x_2, y_2, x_3, y_3) {
+      const x0 = x_2*y_3 - x_3*y_2;
+      const x1 = x_1*y_3;
+      const x2 = x_1*y_2 - x_2*y_1;
+      const x3 = 1/(x0 - x1 + x2 + x_3*y_1);
+      return [x0*x3, x3*(-x1 + x_3*y_1), x2*x3];
+    },
+    // grows with omega and vanishes at the turn per travel of a tip that sticks, m
+    moment(theta, d1, d2, omega, x_1, y_1, x_2, y_2, x_3, y_3) {
+      const x0 = x_1*y_2 - x_2*y_1;
+      const x1 = x_1*y_3;
+      const x2 = x_2*y_3 - x_3*y_2;
+      const x3 = 1/(x0 - x1 + x2 + x_3*y_1);
+      const x4 = -Math.cos(theta);
+      const x5 = -d1 + y_3;
+      const x6 = omega*x5 + x4;
+      const x7 = Math.sin(theta);
+      const x8 = -d2 + x_3;
+      const x9 = -omega*x8 - x7;
+      const x10 = -d1 + y_2;
+      const x11 = omega*x10 + x4;
+      const x12 = -d2 + x_2;
+      const x13 = -omega*x12 - x7;
+      const x14 = -d1 + y_1;
+      const x15 = omega*x14 + x4;
+      const x16 = -d2 + x_1;
+      const x17 = -omega*x16 - x7;
+      return [x0*x3*(x5*x6 - x8*x9)/Math.sqrt(Math.pow(x6, 2) + Math.pow(x9, 2)) + x2*x3*(x14*x15 - x16*x17)/Math.sqrt(Math.pow(x15, 2) + Math.pow(x17, 2)) + x3*(-x1 + x_3*y_1)*(x10*x11 - x12*x13)/Math.sqrt(Math.pow(x11, 2) + Math.pow(x13, 2))];
+    },
+    // mu lambda_n -+ lambda_t over all dry friction: both positive where the contact sticks
+    friction_margin(theta, d1, d2, omega, x_1, y_1, x_2, y_2, x_3, y_3, mu) {
+      const x0 = Math.sin(theta);
+      const x1 = -omega*(-d2 + x_1) - x0;
+      const x2 = -Math.cos(theta);
+      const x3 = omega*(-d1 + y_1) + x2;
+      const x4 = x_1*y_3;
+      const x5 = x_2*y_3 - x_3*y_2;
+      const x6 = x_1*y_2 - x_2*y_1;
+      const x7 = 1/(-x4 + x5 + x6 + x_3*y_1);
+      const x8 = x5*x7/Math.sqrt(Math.pow(x1, 2) + Math.pow(x3, 2));
+      const x9 = -omega*(-d2 + x_2) - x0;
+      const x10 = omega*(-d1 + y_2) + x2;
+      const x11 = x7*(-x4 + x_3*y_1)/Math.sqrt(Math.pow(x10, 2) + Math.pow(x9, 2));
+      const x12 = -omega*(-d2 + x_3) - x0;
+      const x13 = omega*(-d1 + y_3) + x2;
+      const x14 = x6*x7/Math.sqrt(Math.pow(x12, 2) + Math.pow(x13, 2));
+      const x15 = mu*(x1*x8 + x11*x9 + x12*x14);
+      const x16 = x10*x11 + x13*x14 + x3*x8;
+      return [-x15 - x16, -x15 + x16];
+    },
+  },
 };

@@ -1,0 +1,11 @@
+; a sum of such terms is positive if one of them is
+(set-logic QF_NRA)
+(declare-const f_1 Real)
+(declare-const f_2 Real)
+(declare-const p_1 Real)
+(declare-const p_2 Real)
+(assert (> f_1 0))
+(assert (> f_2 0))
+(assert (distinct p_1 0))
+(assert (<= (+ (* f_1 (* p_1 p_1)) (* f_2 (* p_2 p_2))) 0))
+(check-sat)
