@@ -66,15 +66,11 @@ class Uncertainty:
     """beta, rad; positive: the tip on the right, seen along the push, is ahead."""
 
     def scaled(self, factor: float, only: str | None = None) -> Uncertainty:
-        """Widen all ranges (or ``only`` one) about their middle by ``factor``; no radius below zero."""
+        """Widen all ranges (or ``only`` one) about their middle by ``factor``."""
         if factor == 1.0:
             return self
         names = [field.name for field in fields(self)] if only is None else [only]
-        wide = {name: _widened(getattr(self, name), factor) for name in names}
-        for name in ("tip_radius", "passive_tip_radius"):
-            if name in wide:
-                wide[name] = Interval(max(wide[name].lo, 0.0), wide[name].hi)
-        return replace(self, **wide)
+        return replace(self, **{name: _widened(getattr(self, name), factor) for name in names})
 
 
 def _widened(range_: Interval, factor: float) -> Interval:
