@@ -45,7 +45,13 @@ _RANGES = {
     (-1.0, 1.0): "tau tau_D tau_S side",
     (1e-4, 4e-4): "d1",
     (-8e-4, 8e-4): "d2 d2_back sigma p_S rise dx dy x0 y0 x1 y1",
+    (4e-4, 9e-4): "x_1",  # three supports: a triangle, however they are drawn
+    (-9e-4, -4e-4): "x_2",
+    (1.5e-4, 4e-4): "y_1 y_2",
+    (-2e-4, 3e-4): "x_3",
+    (-4e-4, -1.5e-4): "y_3",
     (5e-4, 1e-3): "d4 half h V",
+    (5e2, 2e3): "omega",
     (1e-7, 8e-7): "rho",
 }
 RANGES = {name: ends for ends, names in _RANGES.items() for name in names.split()}
