@@ -30,7 +30,7 @@ from meso_robust.types import Floats
 from tests.conditions.functions import with_a_changed_sign
 from tests.strategies import REPEATABLE
 
-MOST_ARGUMENTS = 8  # of a formula
+MOST_ARGUMENTS = 24  # of a formula
 
 every_function = pytest.mark.parametrize(("module", "name"), NAMES, ids=map(".".join, NAMES))
 share = st.floats(0.0, 1.0)

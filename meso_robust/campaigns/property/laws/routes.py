@@ -48,9 +48,13 @@ _RANGES = {
     (-3e-5, 3e-5): "drag_a drag_n",
     (1e-4, 4e-4): "d1 d1_next d_D d_S",
     (-8e-4, 8e-4): "d2 d2_back sigma p_S p_D q rise dx dy x0 y0 x1 y1 x y x_f y_f",
-    (-9e-4, 9e-4): "x_1 y_1 x_2 y_2 x_3 y_3",
+    (4e-4, 9e-4): "x_1",  # three supports: a triangle, however they are drawn
+    (-9e-4, -4e-4): "x_2",
+    (1.5e-4, 4e-4): "y_1 y_2",
+    (-2e-4, 3e-4): "x_3",
+    (-4e-4, -1.5e-4): "y_3",
     (5e-4, 1e-3): "d4 half h V T W width spacing gap",
-    (-2e3, 2e3): "omega",
+    (5e2, 2e3): "omega",
     (1e-7, 8e-7): "rho",
 }
 RANGES = {name: ends for ends, names in _RANGES.items() for name in names.split()}
