@@ -97,7 +97,7 @@ def _rate() -> Claim:
         r"\sum f_j\, (r_j \times v_j)/|v_j|$ with $v_j = u + \omega J r_j$, vanishes. $M$ grows with "
         r"$\omega$, strictly unless all supports lie on the line through the contact square to $u$, so the "
         r"rate is the only root, and a bound on it is any $\omega$ at which the sign of $M$ is known. The "
-        r"part turns counter-clockwise exactly if $M(0) < 0$: if the centre of friction lies to the right "
+        r"part turns counter-clockwise exactly if $M(0) < 0$: if the centre of friction lies to the left "
         r"of the tip's path, seen along $u$ (Mason's rule).",
         steps=(
             r"$M$ is the derivative of the dissipated power $\sum f_j |v_j|$ in $\omega$.",
@@ -114,6 +114,11 @@ def _rate() -> Claim:
                 "and its own derivative is a square over a cube",
                 sp.Derivative(slope, omega),
                 (u_x * r_x + u_y * r_y) ** 2 / speed**3,
+            ),
+            identity(
+                "moment arm at rest, times the tip's speed: minus how far left of its path a support is",
+                sp.Subs(slope * speed, omega, 0),
+                -sp.Matrix([r_x, r_y]).dot(sp.Matrix([-u_y, u_x])),
             ),
             for_all(
                 "a sum of such terms is positive if one of them is",
