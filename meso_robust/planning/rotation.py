@@ -125,14 +125,16 @@ def _finish(
     """Add what leads to the goal, and shift the pair until the part ends at the goal's height."""
     for _ in range(MOST_TRIALS):
         if turned.verdict is not Verdict.PROVED or turned.post is None:
-            return None
-        finished = finish(turned.post)
-        if finished is None or finished.post is None:
-            return None
-        off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
-        if finished.post.within(setup.goal) and abs(off) < close_um:
-            return turned, finished
-        choice = replace(choice, middle=choice.middle - off)
+            # as long as it could be where the pair was; there it was not tried yet
+            choice = replace(choice, h_end=choice.h_end + fine(setup) * SHORTER_UM)
+        else:
+            finished = finish(turned.post)
+            if finished is None or finished.post is None:
+                return None
+            off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
+            if finished.post.within(setup.goal) and abs(off) < close_um:
+                return turned, finished
+            choice = replace(choice, middle=choice.middle - off)
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
     return None
 
