@@ -343,11 +343,19 @@ def _slopes(of: Implicit, rows: _Rows, end: tuple[Floats, Floats]) -> _Slopes:
     most = np.maximum(np.abs(lower), np.abs(upper))
     _, most = _mean(most, most)
     low, high = np.where(mixed, -most, low), np.where(mixed, most, high)
-    if k > 1:  # an instant may be on the way of one integral and not on that of another
-        low = np.where(np.tile(of.history, k), np.minimum(low, 0.0), low)
-        high = np.where(np.tile(of.history, k), np.maximum(high, 0.0), high)
-    columns = rows.columns(end, total, (low, high))
-    found = enclose_many(of.slopes, *columns, natural=True)
+    changing = np.tile(of.history, k) & (k > 1)
+    # an instant may be on the way of one integral and not on that of another
+    alone = (
+        np.where(changing, np.minimum(low, 0.0), low),
+        np.where(changing, np.maximum(high, 0.0), high),
+    )
+    found = enclose_many(of.slopes, *rows.columns(end, total, alone), natural=True)
+    if changing.any():
+        # without one sign for each of them, one may act against the other: sizes count, not the sum
+        sizes = np.where(changing, -most, low), np.where(changing, most, high)
+        apart = enclose_many(of.slopes, *rows.columns(end, total, sizes), natural=True)
+        undecided = (found[0] < 0.0) & (found[1] > 0.0)
+        found = np.where(undecided, apart[0], found[0]), np.where(undecided, apart[1], found[1])
     return _Slopes(
         end=(found[0][:, 0], found[1][:, 0]),
         residual=(found[0][:, 1 : n + 1], found[1][:, 1 : n + 1]),
