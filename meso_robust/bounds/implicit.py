@@ -422,7 +422,12 @@ def bound(
 
 
 def bound_slices(
-    of: Implicit, box: Box, guess: float, along: str, count: int, both: Sequence[str]
+    of: Implicit,
+    box: Box,
+    guess: float,
+    along: str,
+    slices: Sequence[tuple[float, float]],
+    both: Sequence[str],
 ) -> tuple[Ends, ...]:
     """Bound outputs over slices of a box, all of them at once.
 
@@ -430,8 +435,8 @@ def bound_slices(
     ----------
     of, box, guess, both
         As for `bound`.
-    along, count
-        The parameter whose range is sliced, and into how many slices of one width.
+    along, slices
+        A parameter, and ends of the slices of its range.
 
     Returns
     -------
@@ -443,11 +448,9 @@ def bound_slices(
     found = None if middle is None else _all_ends(of, rows, middle)
     if found is None:
         return ()
-    side, slices = of.parameters.index(along), rows.repeated(count)
-    cuts = np.linspace(rows.lo[0, side], rows.hi[0, side], count + 1)
-    cuts[0], cuts[-1] = rows.lo[0, side], rows.hi[0, side]  # linspace rounds
-    slices.lo[:, side], slices.hi[:, side] = cuts[:-1], cuts[1:]
-    return _bounded(of, slices, *found, both, ())
+    side, parts = of.parameters.index(along), rows.repeated(len(slices))
+    parts.lo[:, side], parts.hi[:, side] = np.transpose(slices)
+    return _bounded(of, parts, *found, both, ())
 
 
 def _finite_middle(of: Implicit, rows: _Rows, guess: float) -> Floats | None:

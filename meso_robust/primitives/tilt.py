@@ -71,15 +71,18 @@ def certify_tilt(
         that follows may use of it.
     """
     side, edge = rule.side, setup.edge(pre.theta.mid)
-    of, box = one_tip.tilt(side), base_box(rule, pre, setup, edge)
+    box = base_box(rule, pre, setup, edge)
+    zero = one_tip.zeros(box)
+    of = one_tip.tilt(side, zero)
     guess = edge.angle(pre.theta).mid + side * GUESS
     box |= _lines(of, box, guess, side, edge, pre, setup)
     margins = [name for name in of.outputs if name not in one_tip.POSE]
     ends = bound(of, box, guess, both=one_tip.POSE, lower=margins, proofs_only=not whole)
     rest = Knot(stage="at rest", box=pre)
-    passage = (
-        () if ends is None or not whole else turn_tube(one_tip.tilt_tube(side), box, ends.end.mid)
-    )
+    passage: tuple[Knot, ...] = ()
+    if ends is not None and whole:
+        passage = turn_tube(one_tip.tilt_tube(side, zero), box, ends.end.mid)
+        ends = ends if passage else None
     step = Step(
         rule=rule,
         claim=about(Property.TURNS_PART, turn=TURNS[side]),

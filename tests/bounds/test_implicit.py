@@ -155,7 +155,7 @@ def test_what_changes_between_two_integrals_moves_both() -> None:
 
 
 def test_slices_are_what_each_of_them_is_alone() -> None:
-    slices = bound_slices(growth(), BOX, 0.6, "h", 2, ("end",))
+    slices = bound_slices(growth(), BOX, 0.6, "h", [(0.5, 0.525), (0.525, 0.55)], ("end",))
     assert len(slices) == 2
     assert slices[0].lower["end"] == pytest.approx(end_of(1.0, 0.4, 0.0, 0.5, 1.05), abs=2e-5)
     assert slices[0].upper["end"] == pytest.approx(end_of(1.2, 0.6, 0.1, 0.525, 0.95), abs=2e-5)
