@@ -122,7 +122,11 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
 def _finish(
     turned: Step, choice: _Choice, pre: PoseBox, setup: Setup, finish: Finish[E], close_um: float
 ) -> tuple[Step, E] | None:
-    """Add what leads to the goal, and shift the pair until the part ends at the goal's height."""
+    """Add what leads to the goal, and shift the pair until the part ends at the goal's height.
+
+    If it cannot be shifted that far, an end elsewhere in the goal will do.
+    """
+    reached: tuple[Step, E] | None = None
     for _ in range(MOST_TRIALS):
         if turned.verdict is not Verdict.PROVED or turned.post is None:
             # as long as it could be where the pair was; there it was not tried yet
@@ -130,13 +134,15 @@ def _finish(
         else:
             finished = finish(turned.post)
             if finished is None or finished.post is None:
-                return None
+                break
             off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
-            if finished.post.within(setup.goal) and abs(off) < close_um:
-                return turned, finished
+            if finished.post.within(setup.goal):
+                reached = turned, finished
+                if abs(off) < close_um:
+                    break
             choice = replace(choice, middle=choice.middle - off)
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
-    return None
+    return reached
 
 
 def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
