@@ -31,7 +31,7 @@ GUESSES = 10
 SMALL_TURN = 0.01  # rad; for a slope, which is a guess
 BOXES = 16
 MOST_BOXES = 256  # for the slide at the touch, from which the whole turn starts
-GAP = 8e-6  # m; first gaps that are closed together
+GAP = 1.0 / 105.0  # of the part's width: first gaps that are closed together
 STATED = Interval.point(0.9)
 """Share of a proved bound that is stated: others, whose enclosures differ, are to meet it."""
 
@@ -81,7 +81,8 @@ def approach(
     """
     box = _bowed({**box, **labels}, grip.mu, of)
     gap = labels["first_gap"]
-    count = max(1, math.ceil(gap.width / GAP))
+    width = grip.depth.mid + grip.depth_far.mid
+    count = max(1, math.ceil(gap.width / (GAP * width)))
     ends = np.linspace(gap.lo, gap.hi, count + 1).tolist()
     ends[0], ends[-1] = gap.lo, gap.hi
     cells = []

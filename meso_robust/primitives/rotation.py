@@ -50,7 +50,7 @@ from meso_robust.primitives.tips import (
 
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
-CELL = 7e-6  # m of the tips' room that are followed together; more are looser, fewer take longer
+CELL = 1.0 / 120.0  # of the part's width: room of the tips followed together; more is looser
 AT_END = 4096  # boxes for the pose at the end
 ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
@@ -156,7 +156,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     obligations += [*touch.obligations, on_edge(Which.ACTIVE, touch.active_offset, edge), rests]
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
-    cells = max(1, math.ceil(grip.room.width / CELL))
+    width = grip.depth.mid + grip.depth_far.mid
+    cells = max(1, math.ceil(grip.room.width / (CELL * width)))
     tube = enclose_slide(grip, touch.start, move.h_end.lo, cells=cells)
     obligations += _tube_obligations(tube, move)
     if tube.status is not TubeStatus.COMPLETE:
