@@ -34,9 +34,10 @@ from collections.abc import Callable
 from flint import arb
 
 from meso_robust.checker import statement as st
-from meso_robust.checker.contact import off_line, place_on_edge
+from meso_robust.checker.contact import place_on_edge
 from meso_robust.checker.dual import Dual, Number, Point
 from meso_robust.checker.film import EVEN, Arm, Film
+from meso_robust.checker.grip import tight
 from meso_robust.checker.ids import Must, Objection, named
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Pose, Sweep
@@ -120,14 +121,14 @@ class State:
     @property
     def turn(self) -> Dual:
         """Turn per closed gap, 1/m."""
-        return self.lever / self.closing
+        return tight(self.lever) / tight(self.closing)
 
     @property
     def creep(self) -> Dual:
         """Way of the tip along its edge per closed gap, without the rolling."""
         f, g = self.film.along(self.c, self.s)
         under = self.lever * self.arm.d1 + self.film.rho * self._drag[1]
-        return -(f / g * self.pressing + under) / self.closing
+        return -tight(tight(f / g) * tight(self.pressing) + under) / tight(self.closing)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -206,11 +207,11 @@ class Approach:
             b = (place * s - (near + out) * c - apart) / (s + c * tilt)
             out = out + b * tilt
         return State(
-            c=c,
-            s=s,
-            place=place,
-            b=b,
-            out=out,
+            c=tight(c),
+            s=tight(s),
+            place=tight(place),
+            b=tight(b),
+            out=tight(out),
             film=self.scene.film(at),
             depth=at["depth"],
             tilt=tilt,
@@ -257,13 +258,13 @@ class Approach:
         the gap times mean rates: those of one state before, as the mean is that of one function.
         """
         start, now = self.scene.angle(at), self._earlier(at)
-        h, T, *_ = self._level(at, start)
+        h, T, *_ = map(tight, self._level(at, start))
         first = barrier(h)[0] + self.first(at) - T
-        h, T, s = self._level(at, start + at["part"] * at["turn"] * at["gap"])
-        steep = (barrier(h)[1] * T + h) / s
+        h, T, s = map(tight, self._level(at, start + at["part"] * at["turn"] * at["gap"]))
+        steep = (tight(barrier(h)[1]) * T + h) / s
         if not self.pair.exact("radius_lower"):
             steep = steep - at["radius_lower"]
-        return first + at["gap"] * (now.creep + steep * now.turn)
+        return first + at["gap"] * tight(tight(now.creep) + tight(steep) * tight(now.turn))
 
     def requirements(self) -> list[Requirement]:
         """What is asked of every visited state."""
@@ -316,7 +317,7 @@ def approach(pair: Pair) -> Approach:
     Refused
         No guess could be confirmed.
     """
-    free = {**pair.box, "gap": span(functools.partial(_gap, pair), pair.box, within=1e-9)}
+    free = {**pair.box, "gap": span(pair.first_gap, pair.box, within=1e-9)}
     free |= {name: side for name, side in pair.instants().items() if name == "stray"}
     trial = Approach(pair, free, START, START, START)
     for _ in range(GUESSES):
@@ -325,14 +326,6 @@ def approach(pair: Pair) -> Approach:
             return found
         trial = dataclasses.replace(found, turn=_enlarged(found.turn), creep=_enlarged(found.creep))
     raise Refused(named(Objection.COMES_TO_REST), "bounded rates", "no bound")
-
-
-def _gap(pair: Pair, at: Point) -> Dual:
-    """Distance of the passive tip from the far edge before the move."""
-    angle = pair.scene.angle(at)
-    turned = pair.turned(at)
-    c, s = direction(angle if turned is None else angle + turned)
-    return -off_line(c, s, *pair.passive(at)) - pair.depth_far(at) - at["radius_passive"]
 
 
 def _follows(trial: Approach) -> Approach:

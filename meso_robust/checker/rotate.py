@@ -61,6 +61,8 @@ NEAR = 2e-7
 NEAR_FORCE = 0.05
 """How closely forces are bounded, over drag and speed."""
 SIGNS = (-1, 1)
+LABELS = {"begun": "theta", "gap": "gap"}
+"""What tells how a part came to both tips: its barriers have slopes along it."""
 
 
 def check_rotate(scene: Scene) -> Passage:
@@ -159,7 +161,9 @@ class _Turn:
     def __init__(self, pair: Pair, touching: Approach, h: Side, h_end: Side) -> None:
         self.scene, self.pair, self.touching = pair.scene, pair, touching
         self.box, self.h, self.h_end = pair.ranges(), h, h_end
-        start = Start(touching.box_at_touch(), touching.lead, self.at_touch)
+        start = Start(
+            touching.box_at_touch(), touching.lead, self.at_touch, "left", LABELS
+        )
         self.pieces = enclose(self.box, start, h, h_end)
         self.near, self.far = self._straight("depth"), self._straight("depth_far")
         for must, spare in (

@@ -12,6 +12,7 @@ in two ways: as an interval, and by the mean value theorem from that at the midd
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -43,6 +44,12 @@ class Boxes:
         """Some of them."""
         return Boxes(self.names, self.low[:, chosen], self.high[:, chosen])
 
+    def halfway(self, k: int) -> Boxes:
+        """The same with one variable at its middle."""
+        low, high = self.low.copy(), self.high.copy()
+        low[k] = high[k] = 0.5 * (low[k] + high[k])
+        return Boxes(self.names, low, high)
+
     def points(self) -> dict[str, Rows]:
         """The variables, each with slope 1 along itself."""
         middle = np.clip(0.5 * (self.low + self.high), self.low, self.high)
@@ -72,11 +79,9 @@ class Rows:
     def constant(cls, value: Any) -> Rows:
         """The same number in every column, or one a column."""
         if isinstance(value, arb):
-            low, high = np.float64(value.lower()), np.float64(value.upper())
-            low, high = np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
-            if value.is_zero():
-                low = high = np.float64(0.0)
-            return cls(np.array([[low]]), np.array([[high]]))
+            zero = np.zeros((1, 1))
+            ends = (zero, zero) if value.is_zero() else _around(value)
+            return cls(*(end.reshape(1, 1) for end in ends))
         exact = np.asarray(value, dtype=np.float64).reshape(1, -1)
         return cls(exact, exact)
 
@@ -172,6 +177,37 @@ class Rows:
         own = Rows(np.where(low < 0, 0.0, low), high)
         return own if len(self.low) == 1 else self._chain(own, 0.5 * own._inverse())
 
+    def sin_cos(self) -> tuple[Rows, Rows]:
+        """Sine and cosine, from those of one angle amid all and the Taylor polynomials about it.
+
+        Not a number where an angle is more than :data:`FAR` from it.
+        """
+        ends = self.low[0], self.high[0]
+        amid = float(0.5 * (ends[0].min() + ends[1].max()))
+        s, c = (Ends(*_around(part)) for part in arb(amid).sin_cos())
+        off = Ends(*_outward(ends[0] - amid, ends[1] - amid))
+        reach = np.maximum(-off.low, off.high)
+        near = np.where(reach < FAR, 0.0, np.nan)
+        square = Ends(*(end[0] for end in (Rows(off.low[None], off.high[None]).squared().ends())))
+        rest = REMAINDER * np.array([-1.0, 1.0])[:, None] + near
+        sine, cosine = (Ends(rest[0], rest[1]), Ends(rest[0], rest[1]))
+        for n in range(TERMS, -1, -1):
+            sine = sine * square + _factor(2 * n + 1, (-1) ** n)
+            cosine = cosine * square + _factor(2 * n, (-1) ** n)
+        sine = sine * off
+        both = s * cosine + c * sine, c * cosine + s * sine * MINUS
+        sin, cos = (Rows(one.low[None], one.high[None]) for one in both)
+        return self._chain(sin, cos), self._chain(cos, -sin)
+
+    def tan(self) -> Rows:
+        """Tangent."""
+        sine, cosine = self.sin_cos()
+        return sine / cosine
+
+    def ends(self) -> tuple[Floats, Floats]:
+        """Lower and upper ends."""
+        return self.low, self.high
+
     def tight(self) -> Rows:
         """The same, the value over a box narrowed by that at its middle and the slopes."""
         if self.reach is None or len(self.low) == 1:
@@ -191,6 +227,23 @@ class Rows:
         steep = np.maximum(-self.low[1:, :count], self.high[1:, :count])
         off = _up(_up(steep * self.reach).sum(axis=0) * (1.0 + len(steep) * EPS))
         return _outward(self.low[0, count:] - off, self.high[0, count:] + off)
+
+
+FAR, TERMS = 0.5, 6
+"""rad, and terms of a Taylor polynomial besides the first."""
+REMAINDER = 1e-9
+"""Bound of the first coefficients that are left out, 1/15! and 1/14!, with all that follow."""
+MINUS = np.array(-1.0)
+
+
+def _factor(n: int, sign: int) -> Ends:
+    """1/n! with a sign."""
+    return Ends(*_around(arb(sign) / math.factorial(n)))
+
+
+def _around(value: arb) -> tuple[Floats, Floats]:
+    low, high = float(value.lower()), float(value.upper())
+    return np.array(math.nextafter(low, -math.inf)), np.array(math.nextafter(high, math.inf))
 
 
 def choose(first: npt.NDArray[np.bool_], one: Rows, other: Rows) -> Rows:
@@ -278,11 +331,13 @@ Of: TypeAlias = Callable[[Mapping[str, Rows], npt.NDArray[np.int64]], Rows]
 """A formula of the variables; for every column also which of the boxes it belongs to."""
 ROUGHLY = 0.3
 """How closely negative values are bounded, relative."""
-NARROWED = 4
+NARROWED = 2
 """How often variables are put to their ends before a box is judged."""
 
 
-def lowest(of: Of, boxes: Boxes, close: float, cuts: int, enough: float = np.inf) -> Floats:
+def lowest(
+    of: Of, boxes: Boxes, close: float, cuts: int, enough: float = np.inf, mean: int | None = None
+) -> Floats:
     """Proved lower bounds of a formula, one a box; minus infinity where nothing was proved.
 
     Parameters
@@ -295,13 +350,21 @@ def lowest(of: Of, boxes: Boxes, close: float, cuts: int, enough: float = np.inf
         How often a box may be cut in two.
     enough
         A bound above this needs no cut either, nor one that is about what it must be and negative.
+    mean
+        Place of a variable over whose box the mean of the formula is meant, whatever the others do
+        meanwhile: with slopes between a and b that is the value at its middle, less at most (b - a)/8
+        of its width, as with the slope a on one half and b on the other.
     """
     found, which = np.full(boxes.count, np.inf), np.arange(boxes.count)
+    best = np.full(boxes.count, np.inf)
     for left in range(cuts, -1, -1):
-        low, attained, boxes, steep = _judged(of, boxes, which)
-        weight = steep * (boxes.high - boxes.low)
-        more = (low <= enough) & (attained - low > close) & (left > 0)
-        more &= (attained - low > ROUGHLY * -attained) & (weight.max(axis=0) > 0)
+        low, attained, boxes, steep = _judged(of, boxes, which, mean)
+        np.minimum.at(best, which, attained)
+        least, weight = best[which], steep * (boxes.high - boxes.low)
+        if mean is not None:
+            weight[mean] = 0.0
+        more = (low <= enough) & (least - low > close) & (least - low > ROUGHLY * -least)
+        more &= (weight.max(axis=0, initial=0.0) > 0) & (left > 0)
         np.minimum.at(found, which[~more], low[~more])
         if not more.any():
             break
@@ -320,31 +383,36 @@ def halves(boxes: Boxes, weight: Floats) -> Boxes:
 
 
 def _judged(
-    of: Of, boxes: Boxes, which: npt.NDArray[np.int64]
+    of: Of, boxes: Boxes, which: npt.NDArray[np.int64], mean: int | None
 ) -> tuple[Floats, Floats, Boxes, Floats]:
     """Lower bounds, values that are attained, and the parts of the boxes where the least values are.
 
     A variable along which the formula is proved to grow or fall is put to the end where it is least.
     """
-    columns, count = np.concatenate([which, which]), boxes.count
-    for _ in range(NARROWED):
+    columns, count, every = np.concatenate([which, which]), boxes.count, boxes
+    off = np.zeros(count)
+    if mean is not None:
+        slopes = of(boxes.points(), columns)
+        off = _up(slopes.high[1 + mean, :count] - slopes.low[1 + mean, :count])
+        off = _up(off * (boxes.high[mean] - boxes.low[mean]) / 8)
+        boxes = boxes.halfway(mean)
+    for left in range(NARROWED, -1, -1):
         value = of(boxes.points(), columns)
         grows, falls = value.low[1:, :count] >= 0, value.high[1:, :count] <= 0
         high = np.where(grows, boxes.low, boxes.high)
         low = np.where(falls & ~grows, boxes.high, boxes.low)
-        same = bool((low == boxes.low).all() and (high == boxes.high).all())
-        if same:
+        if left == 0 or bool((low == boxes.low).all() and (high == boxes.high).all()):
             break
-        narrowed = Boxes(boxes.names, low, high)
-        boxes = narrowed
-    else:
-        value = of(boxes.points(), columns)
+        boxes = Boxes(boxes.names, low, high)
     bound = np.maximum(value.low[0, :count], value.by_middle()[0])
-    attained = value.high[0, count:]
+    if mean is not None:
+        bound = np.nextafter(bound - off, -np.inf)
+    attained = value.high[0, count:] - off
     steep = np.maximum(-value.low[1:, :count], value.high[1:, :count])
     return (
         np.where(np.isfinite(bound), bound, -np.inf),
         np.where(np.isfinite(attained), attained, np.inf),
-        boxes,
+        # the slopes along what is averaged must be those of the whole box
+        boxes if mean is None else every,
         np.where(np.isfinite(steep), steep, 1e30),
     )

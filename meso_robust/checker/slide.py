@@ -29,6 +29,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -57,19 +58,20 @@ STEEP = 5e-3
 """Added to a guess at most, if the piece can be cut instead."""
 MOST = 0.3
 """The same at a time."""
-MOST_PARTS = 4
+MOST_PARTS = 8
 """Into which a piece is cut at a time."""
-FINER, TRIES = 4, 24
+FINER, TRIES = 2, 24
 """How often pieces are cut, and made steeper."""
-STARTS = 200
-"""Cuts of the box of all places at which a turn can begin."""
+STARTS = 7
+"""How often the box of all places at which a turn can begin is cut in two."""
 BOTH = (-1, 1)
 ROOM = 1e-12
 """m; between what must be held and what holds it."""
 NEAR = 1e-7
 """m; how closely the slides at which a turn can begin are bounded."""
 CONSTANT = (
-    "V", "Z", "depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n", "stray",
+    "V", "Z", "begun", "gap", "depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n",
+    "stray",
 )  # fmt: skip
 """What a barrier is linear in; the stray is not constant, its rate is the bend of the path."""
 CLAIM = named(Objection.SLIDE_IN_TUBE)
@@ -283,6 +285,10 @@ class Start:
     """How far a barrier is ahead, from how far ahead of S it is by h and its slope."""
     constants: Callable[[Point], Point]
     """What the barriers are linear in."""
+    averaged: str | None = None
+    """The variable from 0 to 1 of which the lead is the mean."""
+    labels: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    """Constants on which only the start depends, and the variables that they grow with."""
 
 
 def enclose(box: Box, start: Start, h: Side, h_end: Side) -> tuple[Piece, ...]:
@@ -366,8 +372,9 @@ class _Barrier:
         count = math.ceil((landed - near) / LONG)
         inner = [landed + (near - landed) * k / count for k in range(count)]
         knots = [top, *inner, near, bottom]
+        labels = self._labelled(knots)
         for _ in range(FINER):
-            legs = self._path(knots)
+            legs = self._path(knots, labels)
             spare = np.full(len(legs), LEAST)
             curves = self._curves(legs, spare)
             lead, missing = self._leads(curves)
@@ -395,10 +402,11 @@ class _Barrier:
         lead, missing = np.array([self.known[curve.key] for curve in curves]).T
         return lead, missing
 
-    def _path(self, knots: Sequence[float]) -> list[_Leg]:
+    def _path(self, knots: Sequence[float], labels: Mapping[str, float]) -> list[_Leg]:
         """The path of the motion that gains most, in floating point."""
         legs: list[_Leg] = []
         at = self._begin(knots[0])
+        at = dataclasses.replace(at, slopes={**at.slopes, **labels})
         corner = self.flow.worst(knots[0], at, self.corners)
         before = self.flow.change(knots[0], at, corner)
         for first, last in itertools.pairwise(knots):
@@ -411,7 +419,7 @@ class _Barrier:
             corner = self.flow.worst(last, end, self.corners)
             after = self.flow.change(last, end, corner)
             legs.append(_Leg(first, last, at, end, before, after, drift))
-            if len(legs) == 1:  # the rest follows the curve that is moved to hold every start
+            if len(legs) == 1 and len(knots) > 2:  # the rest follows the curve that is moved to hold every start
                 moved = self.side * self._first_raised(legs[0])
                 end = dataclasses.replace(end, ahead=end.ahead + moved)
                 corner = self.flow.worst(last, end, self.corners)
@@ -430,6 +438,19 @@ class _Barrier:
             return (high - low) / (2 * reach[name])
 
         return Guess(S, first_ahead(h, middle), {name: slope(name) for name in self.names})
+
+    def _labelled(self, knots: Sequence[float]) -> dict[str, float]:
+        """Slopes along the labels: those by which a start at the middle of all ranges does not change."""
+        labels = {name: own for name, own in self.start.labels.items() if name in self.names}
+        if not labels:
+            return {}
+        leg = self._path(knots[:2], {})[0]
+        one, exact = _boxes(self.start.box, 1)
+        lead = self._ahead(self._curve(leg))({**exact, **one.points()})
+        return {
+            name: -self.side * float(lead.low[1 + one.names.index(own), 1])
+            for name, own in labels.items()
+        }
 
     def _curves(self, legs: list[_Leg], spare: Floats) -> list[Curve]:
         """The path as curves without gaps, each steeper than it by a slope."""
@@ -452,8 +473,17 @@ class _Barrier:
     def _first_raised(self, leg: _Leg) -> float:
         """By how much the path must be moved to hold every start; the more so a steeper curve does."""
         if leg.last not in self.begun:
-            self.begun[leg.last] = self._raised(self._ahead(self._curve(leg)), self.start.box)
+            self.begun[leg.last] = self._moved(self._start(self._ahead(self._curve(leg))))
         return self.begun[leg.last]
+
+    def _start(self, ahead: Callable[[Mapping[str, Any]], Any]) -> arb:
+        """A lower bound of how far a curve is beyond the places at which a turn can begin."""
+        boxes, exact = _boxes(self.start.box, 1)
+        mean = self.start.averaged
+        place = None if mean is None else boxes.names.index(mean)
+        return arb(
+            float(lowest(lambda at, _: ahead({**exact, **at}), boxes, NEAR, STARTS, mean=place)[0])
+        )
 
     def _curve(self, leg: _Leg) -> Curve:
         def cubic(of: Callable[[Guess], float]) -> Cubic:
@@ -475,7 +505,9 @@ class _Barrier:
 
     def _raised(self, beyond: Formula, box: Box) -> float:
         """By how much a value must be moved for ``beyond`` to be positive."""
-        missing = least(beyond, box, within=NEAR, cuts=STARTS)
+        return self._moved(least(beyond, box, within=NEAR))
+
+    def _moved(self, missing: arb) -> float:
         raised = max(-float(missing), 0.0) + ROOM
         if not missing + arb(raised) > ROOM / 2:
             raise Refused(
@@ -483,11 +515,11 @@ class _Barrier:
             )
         return raised
 
-    def _ahead(self, curve: Curve) -> Formula:
+    def _ahead(self, curve: Curve) -> Callable[[Mapping[str, Any]], Any]:
         """How far a curve is beyond the places at which a turn can begin."""
 
         def spare(at: Point) -> Dual:
-            known = {**self.start.constants(at), "bend": Dual(ZERO)}
+            known = {**self.start.constants(at), "bend": EVEN}
 
             def barrier(h: Dual) -> tuple[Dual, Dual]:
                 done = curve.done(h)
@@ -542,19 +574,13 @@ class _Leads:
 
     def __init__(self, curves: Sequence[Curve], states: Box, side: int) -> None:
         self.curves, self.side, self.count = _Curves(curves), side, len(curves)
-        varies = {name: ends for name, ends in states.items() if _varies(ends)}
-        self.exact = {
-            name: Rows.constant(whole(ends)) for name, ends in states.items() if name not in varies
-        }
-        self.places = {name: k for k, name in enumerate(varies)}
-        self.ends = np.array([[_below(low), _above(high)] for low, high in varies.values()])
+        self.boxes, self.exact = _boxes(states, self.count)
+        self.places = {name: k for k, name in enumerate(self.boxes.names)}
 
     def least(self) -> tuple[Floats, Floats]:
         """The least lead of each curve, and what is missing for a decision."""
         found, missing = np.full(self.count, np.inf), np.zeros(self.count)
-        which = np.arange(self.count)
-        low, high = (np.repeat(self.ends[:, end, None], self.count, axis=1) for end in (0, 1))
-        boxes = Boxes(tuple(self.places), low, high)
+        which, boxes = np.arange(self.count), self.boxes
         for left in range(HALVED, -1, -1):
             below, above, short, weight = self._sides(boxes, which)
             lead = self._leads(boxes, which, below, above)
@@ -583,14 +609,17 @@ class _Leads:
             low, high = spare.low[0, :count], spare.high[0, :count]
             below[tip], above[tip] = low > 0, high < 0
             steep = np.maximum(-spare.low[1:, :count], spare.high[1:, :count])
-            open_ = ~(below[tip] | above[tip])
-            if open_.any():
-                some = boxes.of(open_)
-                low[open_] = lowest(partial(self._stick, tip, 1, which[open_]), some, CLOSE, 0)
-                above[tip, open_] = (
-                    lowest(partial(self._stick, tip, -1, which[open_]), some, CLOSE, 0) > 0
-                )
-                below[tip] = low > 0
+            open_, amid = ~(below[tip] | above[tip]), spare.low[0, count:] > 0
+            for some, sign in ((open_ & amid, 1), (open_ & ~amid, -1)):
+                if not some.any():
+                    continue
+                of = partial(self._stick, tip, sign, which[some])
+                spares = lowest(of, boxes.of(some), CLOSE, 0)
+                if sign > 0:
+                    low[some] = spares
+                    below[tip] = low > 0
+                else:
+                    above[tip, some] = spares > 0
             own = np.where(np.isfinite(steep), steep, 1e30) * (boxes.high - boxes.low)
             weight = np.where(open_, np.maximum(weight, own), weight)
             short = np.where(below[tip] | above[tip], short, np.maximum(short, -low))
@@ -638,6 +667,15 @@ def _cases(below: Flags, above: Flags, side: int) -> Iterator[tuple[int, int, in
             other = (-side,) if below[1 - tip] else BOTH
             for k_D, k_S in itertools.product(*((BOTH, other) if tip == D else (other, BOTH))):
                 yield tip, k_D, k_S
+
+
+def _boxes(box: Box, count: int) -> tuple[Boxes, dict[str, Rows]]:
+    """A box, so many times, and what is a number in it."""
+    varies = {name: ends for name, ends in box.items() if _varies(ends)}
+    exact = {name: Rows.constant(whole(s)) for name, s in box.items() if name not in varies}
+    ends = np.array([[_below(low), _above(high)] for low, high in varies.values()])
+    low, high = (np.repeat(ends[:, end, None], count, axis=1) for end in (0, 1))
+    return Boxes(tuple(varies), low, high), exact
 
 
 def _varies(side: Side) -> bool:
