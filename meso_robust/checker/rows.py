@@ -363,7 +363,9 @@ def lowest(
         least, weight = best[which], steep * (boxes.high - boxes.low)
         if mean is not None:
             weight[mean] = 0.0
-        more = (low <= enough) & (least - low > close) & (least - low > ROUGHLY * -least)
+        more = (low <= enough) & (least - low > close)
+        if np.isfinite(enough):
+            more &= least - low > ROUGHLY * -least
         more &= (weight.max(axis=0, initial=0.0) > 0) & (left > 0)
         np.minimum.at(found, which[~more], low[~more])
         if not more.any():
@@ -409,6 +411,8 @@ def _judged(
         bound = np.nextafter(bound - off, -np.inf)
     attained = value.high[0, count:] - off
     steep = np.maximum(-value.low[1:, :count], value.high[1:, :count])
+    if mean is not None:
+        steep = value.high[1:, :count] - value.low[1:, :count]
     return (
         np.where(np.isfinite(bound), bound, -np.inf),
         np.where(np.isfinite(attained), attained, np.inf),

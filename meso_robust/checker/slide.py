@@ -45,7 +45,7 @@ from meso_robust.checker.ranges import ZERO, Box, Formula, Side, least, whole
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.rows import Boxes, Ends, Floats, Rows, choose, ends_of, halves, joined, lowest
 
-LONG, SHORT = 4e-5, 6e-6
+LONG, SHORT = 5e-5, 6e-6
 """m; pieces are at most and, if they are no barrier, at least about as long."""
 CUTS, HALVED = 3, 2
 """How often a box is cut in two before a steeper slope is tried: for a closer bound, and where it is
@@ -62,7 +62,7 @@ MOST_PARTS = 8
 """Into which a piece is cut at a time."""
 FINER, TRIES = 2, 24
 """How often pieces are cut, and made steeper."""
-STARTS = 7
+STARTS = 5
 """How often the box of all places at which a turn can begin is cut in two."""
 BOTH = (-1, 1)
 ROOM = 1e-12
