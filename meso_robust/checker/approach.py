@@ -42,13 +42,15 @@ from meso_robust.checker.ids import Must, Objection, named
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Pose, Sweep
 from meso_robust.checker.pushing import UNIT, on_edge
-from meso_robust.checker.ranges import ZERO, Box, Side, positive, span, whole
+from meso_robust.checker.ranges import ZERO, Box, Side, halved, positive, span, whole
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
 from meso_robust.checker.scene import Scene, direction
 
 NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 20.0, 1e-2, 1e-2
 """How closely the rates are bounded: 1/m, 1 and 1."""
+HALVED = 3
+"""How often parts of the orientations are tried, twice as many each time."""
 TRENDS = 3
 """How often the trends are worked out, each time from states that follow them."""
 GUESSES = 12
@@ -155,7 +157,7 @@ class Trend:
         return self._constant(at) + left * HALF * self.along
 
     def _constant(self, at: Point) -> Dual:
-        found = Dual(self.value) if isinstance(at["gap"], Dual) else at["gap"] * 0 + self.value
+        found = at["gap"] * 0 + self.value
         for name, slope in self.slopes.items():
             found = found + (at[name] - self.middle[name]) * slope
         return found
@@ -190,7 +192,9 @@ class Approach:
     def lasting(self) -> frozenset[str]:
         """Variables that are constant during the run and not exact."""
         own = {"left", "turn", "creep", "k", "stray", EARLIER, *self.pair.instants()}
-        return frozenset(n for n, (low, high) in self.free.items() if low is not high and n not in own)
+        return frozenset(
+            n for n, (low, high) in self.free.items() if low is not high and n not in own
+        )
 
     def box(self) -> Box:
         """The variables: those above, the share of the gap that is left, k and the mean rates."""
@@ -354,14 +358,31 @@ def _at_first(part: Part) -> Part:
     return Part(part.variables, {**part.box, "left": (arb(1), arb(1))})
 
 
-def approach(pair: Pair) -> Approach:
+def approaches(pair: Pair) -> tuple[Approach, ...]:
     """Confirm bounds of the rates until the part rests on the passive tip.
+
+    Where they cannot be for all parts at once they are for parts of the orientations.
 
     Raises
     ------
     Refused
         No guess could be confirmed.
     """
+    pairs = [pair]
+    for _ in range(HALVED):
+        try:
+            return tuple(map(_approach, pairs))
+        except Refused as refused:
+            last = refused
+        pairs = [
+            Pair(dataclasses.replace(one.scene, box=half))
+            for one in pairs
+            for half in halved(one.scene.box, "theta")
+        ]
+    raise last
+
+
+def _approach(pair: Pair) -> Approach:
     free = {**pair.box, "gap": span(pair.first_gap, pair.box, within=1e-9)}
     free |= {name: side for name, side in pair.instants().items() if name == "stray"}
     trial = Approach(pair, free, START, START, START)
@@ -398,7 +419,9 @@ def _with_trend(trial: Approach) -> Approach:
 
 def _ratio_at(trial: Approach, point: Mapping[str, arb]) -> arb:
     """The friction ratio at the middle of all variables."""
-    now = trial.state({**{n: Dual(v) for n, v in point.items()}, "left": Dual(HALF), "k": Dual(ZERO)})
+    now = trial.state(
+        {**{n: Dual(v) for n, v in point.items()}, "left": Dual(HALF), "k": Dual(ZERO)}
+    )
     sticking = (now.arm.shear(now.c, now.s) / now.arm.press(now.c, now.s)).value.mid()
     mu = point[trial.scene.mu(ACTIVE)]
     return sticking.max(-mu).min(mu)

@@ -217,6 +217,13 @@ class Grip:
         A = 1 if film.even else film.shear * k + film.stretch + 1
         return film.rho * A + (self.e_moving * k + self.p) * self.p * film.determinant
 
+    def slides_alone(self, film: Drag) -> Real:
+        """Positive where the part slips forward over D, which alone presses without friction."""
+        A, B = (1, EVEN) if film.even else (film.stretch + 1, film.shear)
+        lever = self.p * film.determinant
+        turned = self.g * (film.rho * B + lever * self.e_moving)
+        return turned + self.f * (film.rho * A + lever * self.p)
+
     def rate(self, film: Drag, k: Real, k_S: Real) -> Real:
         """Rate at which the part gets ahead at two friction ratios, where the grip cannot close.
 
@@ -284,7 +291,7 @@ def _held(h: Real, V: Real, flat: Real, t: Real, tip: int, ahead: Real) -> tuple
     if isinstance(h, float | np.ndarray):
         return _values(h, V, flat, t, tip, ahead)
     if isinstance(h, Rows):
-        values = _values(*(one.plain() for one in (h, V, flat)), _plain(t), tip, ahead.plain())
+        values = _values(h.plain(), _plain(V), _plain(flat), _plain(t), tip, ahead.plain())
         for _ in range(2):  # the second time with narrower values
             ends = (_plain(flat), _plain(t), ahead.plain())
             moved = _moved(values, [_change(one) for one in (h, V, flat, t, ahead)], ends, tip)

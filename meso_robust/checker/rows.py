@@ -21,6 +21,8 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
+from meso_robust.checker.ranges import Box, Side, whole
+
 Floats: TypeAlias = npt.NDArray[np.float64]
 EPS = 2.0**-51
 """Relative; four times what rounding takes, as the end that is moved is rounded as well."""
@@ -96,8 +98,12 @@ class Rows:
             return Rows(*_outward(one.low + two.low, one.high + two.high), one.reach)
         low, high = _outward(one.low[:1] + two.low, one.high[:1] + two.high)
         width = low.shape[1]
-        slopes = (np.broadcast_to(end[1:], (len(end) - 1, width)) for end in (one.low, one.high))
-        return Rows(*(np.concatenate(p) for p in zip((low, high), slopes, strict=True)), one.reach)
+        wide = (len(one.low) - 1, width)
+        low, high = (
+            np.concatenate([first, np.broadcast_to(end[1:], wide)])
+            for first, end in ((low, one.low), (high, one.high))
+        )
+        return Rows(low, high, one.reach)
 
     __radd__ = __add__
 
@@ -148,8 +154,8 @@ class Rows:
     def change(self) -> Rows:
         """The slopes, of the value zero."""
         zero = np.zeros((1, self.low.shape[1]))
-        ends = (np.concatenate([zero, end[1:]]) for end in (self.low, self.high))
-        return Rows(*ends, self.reach)
+        low, high = (np.concatenate([zero, end[1:]]) for end in (self.low, self.high))
+        return Rows(low, high, self.reach)
 
     def moving(self, slopes: Rows) -> Rows:
         """The value with other slopes."""
@@ -248,8 +254,8 @@ def _around(value: arb) -> tuple[Floats, Floats]:
 
 def choose(first: npt.NDArray[np.bool_], one: Rows, other: Rows) -> Rows:
     """``one`` in some columns, ``other`` in the rest; both with slopes."""
-    ends = ((one.low, other.low), (one.high, other.high))
-    return Rows(*(np.where(first, a, b) for a, b in ends), one.reach)
+    low, high = np.where(first, one.low, other.low), np.where(first, one.high, other.high)
+    return Rows(low, high, one.reach)
 
 
 def _rows(value: Any) -> Rows:
@@ -325,6 +331,33 @@ def joined(value: Ends, slopes: Mapping[int, Ends], like: Rows) -> Rows:
     for place, slope in slopes.items():
         low[1 + place], high[1 + place] = slope.low, slope.high
     return Rows(low, high, like.reach)
+
+
+EXACT = arb(1e-14)
+"""Relative half width below which a range is as good as a number."""
+
+
+def boxes_of(box: Box, count: int) -> tuple[Boxes, dict[str, Rows]]:
+    """A box, so many times, and what is a number in it."""
+    wide = {name: ends for name, ends in box.items() if varies(ends)}
+    exact = {name: Rows.constant(whole(s)) for name, s in box.items() if name not in wide}
+    ends = np.array([[_below(low), _above(high)] for low, high in wide.values()])
+    low, high = (np.repeat(ends[:, end, None], count, axis=1) for end in (0, 1))
+    return Boxes(tuple(wide), low, high), exact
+
+
+def varies(side: Side) -> bool:
+    """Whether a range is worth a variable of its own."""
+    around = whole(side)
+    return bool(around.rad() > abs(around.mid()) * EXACT)
+
+
+def _below(value: arb) -> float:
+    return math.nextafter(float(value.lower()), -math.inf)
+
+
+def _above(value: arb) -> float:
+    return math.nextafter(float(value.upper()), math.inf)
 
 
 Of: TypeAlias = Callable[[Mapping[str, Rows], npt.NDArray[np.int64]], Rows]

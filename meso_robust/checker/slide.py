@@ -43,7 +43,19 @@ from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.pushing import UNIT
 from meso_robust.checker.ranges import ZERO, Box, Formula, Side, least, whole
 from meso_robust.checker.refusal import Refused
-from meso_robust.checker.rows import Boxes, Ends, Floats, Rows, choose, ends_of, halves, joined, lowest
+from meso_robust.checker.rows import (
+    Boxes,
+    Ends,
+    Floats,
+    Rows,
+    boxes_of,
+    choose,
+    ends_of,
+    halves,
+    joined,
+    lowest,
+    varies,
+)
 
 LONG, SHORT = 5e-5, 6e-6
 """m; pieces are at most and, if they are no barrier, at least about as long."""
@@ -91,12 +103,12 @@ class Cubic:
         rise = last - first
         return cls((first, start, 3.0 * rise - 2.0 * start - end, start + end - 2.0 * rise))
 
-    def __call__(self, done: Dual) -> Dual:
+    def __call__(self, done: Real) -> Real:
         """Value."""
         a, b, c, d = self.coefficients
         return ((done * d + c) * done + b) * done + a
 
-    def slope(self, done: Dual) -> Dual:
+    def slope(self, done: Real) -> Real:
         """Derivative."""
         _, b, c, d = self.coefficients
         return (done * d * 3 + 2 * c) * done + b  # twice a double is one
@@ -139,18 +151,18 @@ class Curve:
         """Travel."""
         return arb(self.first) - arb(self.last)
 
-    def done(self, h: Dual) -> Dual:
+    def done(self, h: Real) -> Real:
         """The share of the piece that is done."""
         return (arb(self.first) - h) / self.length
 
-    def at(self, done: Dual, at: Point) -> Dual:
+    def at(self, done: Real, at: Mapping[str, Real]) -> Real:
         """How far ahead the part is on the curve."""
         found = self.ahead(done)
         for name, cubic in self.slopes.items():
             found = found + cubic(done) * (at[name] - self.middle[name])
         return found
 
-    def rate(self, done: Dual, at: Point) -> Dual:
+    def rate(self, done: Real, at: Mapping[str, Real]) -> Real:
         """Its change with the travel."""
         found = self.ahead.slope(done)
         for name, cubic in self.slopes.items():
@@ -162,7 +174,7 @@ class Curve:
         """One that is higher at the start, and rises more along the piece."""
         return dataclasses.replace(self, ahead=self.ahead.raised(by, steeper))
 
-    def grip(self, done: Dual, at: Point) -> Grip:
+    def grip(self, done: Real, at: Mapping[str, Real]) -> Grip:
         """The grip on the curve."""
         h = arb(self.first) - done * self.length
         return grip_of(at, h, self.tip, self.at(done, at))
@@ -186,7 +198,9 @@ class _Curves:
             ]
         ).transpose(2, 1, 0)
 
-    def on(self, at: Mapping[str, Rows], places: Mapping[str, int], which: Where) -> tuple[Grip, Rows]:
+    def on(
+        self, at: Mapping[str, Rows], places: Mapping[str, int], which: Where
+    ) -> tuple[Grip, Rows]:
         """The grip on some of the curves, and the rates of these."""
         done, (a, b, c, d) = at["done"], self.coefficients[..., which]
         now = ends_of(done)
@@ -218,8 +232,6 @@ class _Curves:
         return joined(found, {**slopes, places["done"]: ramp}, done)
 
 
-EXACT = arb(1e-14)
-"""Relative half width below which a range is as good as a number."""
 THREE, SIX = np.array(3.0), np.array(6.0)
 
 
@@ -291,14 +303,14 @@ class Start:
     """Constants on which only the start depends, and the variables that they grow with."""
 
 
-def enclose(box: Box, start: Start, h: Side, h_end: Side) -> tuple[Piece, ...]:
+def enclose(box: Box, starts: Sequence[Start], h: Side, h_end: Side) -> tuple[Piece, ...]:
     """Barriers from the touch of both tips to the end of the travel.
 
     Parameters
     ----------
     box
         Sides of all constants, and of what may change at every instant.
-    start
+    starts
         Where both tips can touch first.
     h, h_end
         h then, and at the end of the travel.
@@ -313,7 +325,7 @@ def enclose(box: Box, start: Start, h: Side, h_end: Side) -> tuple[Piece, ...]:
     if not landed > near:
         raise Refused(named(Objection.RESTS_WELL_BEFORE_END), landed, near)
     with np.errstate(all="ignore"):  # what is not a number proves nothing
-        barriers = [_Barrier(box, start, side).pieces(top, landed, near, bottom) for side in BOTH]
+        barriers = [_Barrier(box, starts, side).pieces(top, landed, near, bottom) for side in BOTH]
     knots = sorted({h for one in barriers for c in one for h in (c.first, c.last)}, reverse=True)
     return tuple(
         Piece(first, last, *(_over(barrier, first, last) for barrier in barriers))
@@ -353,9 +365,9 @@ class _Leg:
 class _Barrier:
     """One barrier: the path of the fastest motion, made steeper where it is overtaken."""
 
-    def __init__(self, box: Box, start: Start, side: int) -> None:
-        self.box, self.start, self.side = box, start, side
-        reach = {name: float(whole(s).rad()) for name, s in box.items() if _varies(s)}
+    def __init__(self, box: Box, starts: Sequence[Start], side: int) -> None:
+        self.box, self.starts, self.side = box, starts, side
+        reach = {name: float(whole(s).rad()) for name, s in box.items() if varies(s)}
         self.flow = Flow(
             middle={name: float(whole(s).mid()) for name, s in box.items()},
             reach=reach,
@@ -378,7 +390,9 @@ class _Barrier:
             spare = np.full(len(legs), LEAST)
             curves = self._curves(legs, spare)
             lead, missing = self._leads(curves)
-            pieces = [_parts(leg, more) for leg, more in zip(legs, _wanted(lead, missing), strict=True)]
+            pieces = [
+                _parts(leg, more) for leg, more in zip(legs, _wanted(lead, missing), strict=True)
+            ]
             if not any(inner for inner in pieces):
                 break
             knots = sorted([*knots, *itertools.chain(*pieces)], reverse=True)
@@ -398,7 +412,9 @@ class _Barrier:
         new = [curve for curve in curves if curve.key not in self.known]
         if new:
             found = least_leads(new, self.states, self.side)
-            self.known |= {c.key: pair for c, pair in zip(new, zip(*found, strict=True), strict=True)}
+            self.known |= {
+                c.key: pair for c, pair in zip(new, zip(*found, strict=True), strict=True)
+            }
         lead, missing = np.array([self.known[curve.key] for curve in curves]).T
         return lead, missing
 
@@ -419,7 +435,9 @@ class _Barrier:
             corner = self.flow.worst(last, end, self.corners)
             after = self.flow.change(last, end, corner)
             legs.append(_Leg(first, last, at, end, before, after, drift))
-            if len(legs) == 1 and len(knots) > 2:  # the rest follows the curve that is moved to hold every start
+            if (
+                len(legs) == 1 and len(knots) > 2
+            ):  # the rest follows the curve that is moved to hold every start
                 moved = self.side * self._first_raised(legs[0])
                 end = dataclasses.replace(end, ahead=end.ahead + moved)
                 corner = self.flow.worst(last, end, self.corners)
@@ -441,12 +459,13 @@ class _Barrier:
 
     def _labelled(self, knots: Sequence[float]) -> dict[str, float]:
         """Slopes along the labels: those by which a start at the middle of all ranges does not change."""
-        labels = {name: own for name, own in self.start.labels.items() if name in self.names}
+        start = self.starts[len(self.starts) // 2]
+        labels = {name: own for name, own in start.labels.items() if name in self.names}
         if not labels:
             return {}
         leg = self._path(knots[:2], {})[0]
-        one, exact = _boxes(self.start.box, 1)
-        lead = self._ahead(self._curve(leg))({**exact, **one.points()})
+        one, exact = boxes_of(start.box, 1)
+        lead = self._ahead(start, self._curve(leg))({**exact, **one.points()})
         return {
             name: -self.side * float(lead.low[1 + one.names.index(own), 1])
             for name, own in labels.items()
@@ -473,13 +492,15 @@ class _Barrier:
     def _first_raised(self, leg: _Leg) -> float:
         """By how much the path must be moved to hold every start; the more so a steeper curve does."""
         if leg.last not in self.begun:
-            self.begun[leg.last] = self._moved(self._start(self._ahead(self._curve(leg))))
+            curve = self._curve(leg)
+            missing = (self._start(start, self._ahead(start, curve)) for start in self.starts)
+            self.begun[leg.last] = max(map(self._moved, missing))
         return self.begun[leg.last]
 
-    def _start(self, ahead: Callable[[Mapping[str, Any]], Any]) -> arb:
+    def _start(self, start: Start, ahead: Callable[[Mapping[str, Any]], Any]) -> arb:
         """A lower bound of how far a curve is beyond the places at which a turn can begin."""
-        boxes, exact = _boxes(self.start.box, 1)
-        mean = self.start.averaged
+        boxes, exact = boxes_of(start.box, 1)
+        mean = start.averaged
         place = None if mean is None else boxes.names.index(mean)
         return arb(
             float(lowest(lambda at, _: ahead({**exact, **at}), boxes, NEAR, STARTS, mean=place)[0])
@@ -515,17 +536,17 @@ class _Barrier:
             )
         return raised
 
-    def _ahead(self, curve: Curve) -> Callable[[Mapping[str, Any]], Any]:
+    def _ahead(self, start: Start, curve: Curve) -> Callable[[Mapping[str, Any]], Any]:
         """How far a curve is beyond the places at which a turn can begin."""
 
         def spare(at: Point) -> Dual:
-            known = {**self.start.constants(at), "bend": EVEN}
+            known = {**start.constants(at), "bend": EVEN}
 
             def barrier(h: Dual) -> tuple[Dual, Dual]:
                 done = curve.done(h)
                 return curve.at(done, known), curve.rate(done, known)
 
-            return self.start.lead(at, barrier) * self.side
+            return start.lead(at, barrier) * self.side
 
         return spare
 
@@ -574,7 +595,7 @@ class _Leads:
 
     def __init__(self, curves: Sequence[Curve], states: Box, side: int) -> None:
         self.curves, self.side, self.count = _Curves(curves), side, len(curves)
-        self.boxes, self.exact = _boxes(states, self.count)
+        self.boxes, self.exact = boxes_of(states, self.count)
         self.places = {name: k for k, name in enumerate(self.boxes.names)}
 
     def least(self) -> tuple[Floats, Floats]:
@@ -598,8 +619,10 @@ class _Leads:
         return *self.curves.on(known, self.places, which), known
 
     def _sides(self, boxes: Boxes, which: Where) -> tuple[Flags, Flags, Floats, Floats]:
-        """Of both tips in each box: whether one sticks at a rate that is proved to be below that of the
-        curve, or above; by how much it is short of being below; along what to cut."""
+        """Whether each tip sticks at a rate that is proved to be below that of the curve, or above.
+
+        And by how much it is short of being below, and along what to cut.
+        """
         grip, rate, _ = self._on(boxes.points(), np.tile(which, 2))
         count = boxes.count
         below, above = np.zeros((2, count), dtype=bool), np.zeros((2, count), dtype=bool)
@@ -639,9 +662,7 @@ class _Leads:
         np.minimum.at(found, cases[0], lowest(of, boxes.of(cases[0]), CLOSE, CUTS, LEAST))
         return found
 
-    def _stick(
-        self, tip: int, sign: int, of: Where, at: Mapping[str, Rows], which: Where
-    ) -> Rows:
+    def _stick(self, tip: int, sign: int, of: Where, at: Mapping[str, Rows], which: Where) -> Rows:
         grip, rate, _ = self._on(at, of[which])
         return (rate - grip.stick(tip)) * (sign * self.side)
 
@@ -657,8 +678,10 @@ class _Leads:
 
 
 def _cases(below: Flags, above: Flags, side: int) -> Iterator[tuple[int, int, int]]:
-    """Motions to compare with a curve: with its own rate (-1) or that at which a tip sticks, and the
-    friction ratios over mu."""
+    """Motions to compare with a curve: friction ratios over mu, and the rate not to be reached.
+
+    That is the curve's (-1), or that at which a tip sticks.
+    """
     ratios = [_ratios(bool(u), bool(o), side) for u, o in zip(below, above, strict=True)]
     for k_D, k_S in itertools.product(*ratios):
         yield -1, k_D, k_S
@@ -667,29 +690,6 @@ def _cases(below: Flags, above: Flags, side: int) -> Iterator[tuple[int, int, in
             other = (-side,) if below[1 - tip] else BOTH
             for k_D, k_S in itertools.product(*((BOTH, other) if tip == D else (other, BOTH))):
                 yield tip, k_D, k_S
-
-
-def _boxes(box: Box, count: int) -> tuple[Boxes, dict[str, Rows]]:
-    """A box, so many times, and what is a number in it."""
-    varies = {name: ends for name, ends in box.items() if _varies(ends)}
-    exact = {name: Rows.constant(whole(s)) for name, s in box.items() if name not in varies}
-    ends = np.array([[_below(low), _above(high)] for low, high in varies.values()])
-    low, high = (np.repeat(ends[:, end, None], count, axis=1) for end in (0, 1))
-    return Boxes(tuple(varies), low, high), exact
-
-
-def _varies(side: Side) -> bool:
-    """Whether a range is worth a variable of its own."""
-    around = whole(side)
-    return bool(around.rad() > abs(around.mid()) * EXACT)
-
-
-def _below(value: arb) -> float:
-    return math.nextafter(float(value.lower()), -math.inf)
-
-
-def _above(value: arb) -> float:
-    return math.nextafter(float(value.upper()), math.inf)
 
 
 def _ratios(below: bool, above: bool, side: int) -> tuple[int, ...]:
