@@ -24,7 +24,7 @@ from meso_robust.certificates.document import (
 )
 from meso_robust.certificates.margin import Margin
 from meso_robust.checker import numbers
-from meso_robust.checker.approach import Approach, approach
+from meso_robust.checker.approach import approaches
 from meso_robust.checker.dual import Dual
 from meso_robust.checker.ids import place
 from meso_robust.checker.inputs import ALWAYS_STATED, given
@@ -273,7 +273,7 @@ def test_the_approach_closes_the_gap_between_tip_and_far_edge(slot_document: Doc
     """Geometry of both tips on a part while the gap is open."""
     rng = np.random.default_rng(3)
     scene = next(scene for scene, _ in sweeps(slot_document) if scene.rule.action == "rotate")
-    touching: Approach = approach(Pair(scene))
+    (touching,) = approaches(Pair(scene))
     swept = touching.swept()
     for _ in range(20):
         at = at_random(swept.box, rng)
