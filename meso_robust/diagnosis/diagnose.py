@@ -31,10 +31,10 @@ from meso_robust.diagnosis.validation import (
     split,
     worth,
 )
-from meso_robust.identification.answer import set_hash
 from meso_robust.identification.identify import Told
 from meso_robust.identification.verdict import doubts
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.fingerprint import set_hash
 
 NULLS = {True: 199, False: 399}
 """Simulated sets without a mismatch of a quick and of a full diagnosis: they bound the p-value from

@@ -8,9 +8,9 @@ from shlex import quote
 import numpy as np
 from markupsafe import Markup
 
-from meso_robust.identification.answer import set_hash
 from meso_robust.provenance import made_with
 from meso_robust.recordings import Recording
+from meso_robust.recordings.fingerprint import set_hash
 from meso_robust.recordings.noise import Spread, estimated_sensor, systematic
 from meso_robust.recordings.problem import KINDS, lines_text
 from meso_robust.recordings.problems import line_numbers
