@@ -19,7 +19,9 @@ _FLAT = 1e-6  # σ: a change this small is rounding
 SEEN = 5.0
 """σ by which an effect of relevant size must change the recordings to count as visible."""
 _ALIKE = 0.99  # cosine beyond which two signatures are one
-_STRONGEST = 100.0  # times the drag of the film, that a dry friction is told from none at all
+# typical changes: a hundred times the drag of the film at the speed of the pushes; beyond it, a dry
+# support is as good as alone, and no motion tells how much
+_STRONGEST = 1000.0
 _RATIOS = ("dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support")
 _INSIDE = ("drag_centre_offset", "reference_offset")
 """Effects whose place cannot be outside the part."""
@@ -71,7 +73,7 @@ def _physical(parameter: Parameter, length: float) -> Parameter:
     elif effect in _INSIDE:
         low, high = -length, length
     elif effect in _RATIOS and key == "ratio":
-        high = _STRONGEST
+        high = _STRONGEST * parameter.scale
     return replace(parameter, low=max(parameter.low, low), high=min(parameter.high, high))
 
 
