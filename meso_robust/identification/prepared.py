@@ -24,8 +24,9 @@ Source = Literal["stated", "estimated", "fitted", "unknown"]
 """From ``set.toml``, from still frames, from the residuals of the fit, or none of them."""
 FINENESS = 1.0 / 364.0
 """Step over the characteristic length where no model says otherwise: 2.5 µm for a 1.6-mm part."""
-NOISE = 5.0
-"""Standard deviations by which a first pose may overlap a tip and still be taken for noise."""
+OVERLAP = 0.1
+"""Of the characteristic length, by which a tip may be inside the part at first: a registration, a yaw
+or a scale that is a little wrong puts it there, and a fit can say which; more is a wrong file."""
 EXACT = 1e-9
 """m: commanded positions closer than this to even motion are left out."""
 CORNER = 5e-9
@@ -234,7 +235,7 @@ def _one(
 ) -> _One:
     recording = _trimmed(recording, notes)
     times, path = _motion(recording, whole, sigmas, notes)
-    start = _start(recording, whole, sigmas, path[0], notes)
+    start = _start(recording, whole, path[0], notes)
     margin = min(5.0 * _gap_sigma(whole, sigmas), 10.0 * step)
     times, path = in_steps(times, path, np.full(len(times) - 1, step))
     steps = _steps(path, start, whole, max(margin, step), step)
@@ -322,20 +323,18 @@ def _gap_sigma(whole: RecordingSet, sigmas: Sigmas) -> float:
     return float(np.sqrt(position**2 + arm**2 + tip**2))
 
 
-def _start(
-    recording: Recording, whole: RecordingSet, sigmas: Sigmas, tips: Floats, notes: list[Note]
-) -> Floats:
-    """The first pose, out of the tips if noise has put it there."""
+def _start(recording: Recording, whole: RecordingSet, tips: Floats, notes: list[Note]) -> Floats:
+    """The first pose, out of the tips that it seems to overlap."""
     start = recording.poses[0].copy()
     radii = np.full((1, len(tips)), whole.tip_radius)
     shift, left = freed(start[None], tips[None], np.array(whole.part.outline)[None], radii)
-    size, sigma = float(np.hypot(*shift[0])), _gap_sigma(whole, sigmas)
-    unknown = sigmas.position is None or sigmas.orientation is None
-    if left[0] > EXACT or (size > max(NOISE * sigma, EXACT) and not unknown):
+    size = float(np.hypot(*shift[0]))
+    most = OVERLAP * characteristic_length(np.array(whole.part.outline))
+    if left[0] > EXACT or size > most:
         raise InputError(
             f"{recording.file}: at the first whole frame a tip is {1e6 * size:.3g} µm inside the "
-            f"part; must not exceed {NOISE:g} σ = {1e6 * NOISE * sigma:.3g} µm of noise; check "
-            "part, tip radius and units, or leave the recording out"
+            f"part; must not exceed {OVERLAP:g} of its size = {1e6 * most:.3g} µm; check "
+            "part, tip radius, units and the sign of y, or leave the recording out"
         )
     if size > 0.0:
         what = f"first pose moved by {1e6 * size:.3g} µm out of a tip that it overlapped"

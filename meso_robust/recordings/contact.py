@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from meso_robust.recordings.values import Recording, RecordingSet
-from meso_robust.types import Flags, Floats
+from meso_robust.types import Floats
 
 SHORTEST = 1e-9
 """Time in s that a speed is taken over at least: no camera is faster, and no speed is infinite."""
@@ -85,12 +85,6 @@ def margin(recordings: RecordingSet, recording: Recording) -> float:
         m.
     """
     return max(0.005 * size(recordings.part.outline), 4.0 * scatter(recording.poses[:, :2]))
-
-
-def still(recordings: RecordingSet, recording: Recording) -> Flags:
-    """(T,) whether the part was seen, all tips were free and none had been near it before."""
-    gap, far = nearest_gap(recordings, recording), margin(recordings, recording)
-    return (gap > far) & ~np.logical_or.accumulate(gap <= far)
 
 
 def scatter(values: Floats) -> float:

@@ -35,7 +35,7 @@ def test_a_camera_that_repeats_its_frames_is_caught_and_mended(tmp_path: Path) -
 
 def test_forces_of_a_robot_that_was_not_tared_are_named() -> None:
     found = checked(FOLDER / "mit_plywood", None, repair=False)
-    assert {one.kind for one in found.matters} <= {"force_offset", "gap"}
+    assert {one.kind for one in found.matters} <= {"force_offset", "gap", "overlap"}
     offsets = [one.file for one in found.matters if one.kind == "force_offset"]
     assert len(offsets) >= 5
     (one,) = [each for each in found.recordings.recordings if each.file == offsets[0]]
