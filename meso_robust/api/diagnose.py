@@ -10,7 +10,7 @@ from meso_robust.api.call import call
 from meso_robust.api.inputs import path_of
 from meso_robust.api.options import Seed, StrPath
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
+from meso_robust.api.recordings import RecordingsGiven, given_of, name_of
 from meso_robust.api.result import Result
 
 if TYPE_CHECKING:
@@ -138,23 +138,22 @@ def diagnose(
     >>> diagnosed.save("diagnosis")  # doctest: +SKIP
     >>> mr.plan("task.toml", model="diagnosis/model.toml")  # doctest: +SKIP
     """
-    found, source = set_of(recordings)
+    given = given_of(recordings)
 
     from meso_robust.diagnosis import answer, diagnose as diagnosing
-    from meso_robust.identification import usable
     from meso_robust.identification.identify import check_model
 
     check_model(model)
     with progress.doing("checking the recordings"):
-        warnings = usable.warnings_of(found)
+        usable = given.usable()
     with progress.following() as told:
         diagnosis = diagnosing.diagnose(
-            found, model=model, quick=quick, seed=seed, store=path_of(store), told=told
+            usable.recordings, model=model, quick=quick, seed=seed, store=path_of(store), told=told
         )
-    warnings = (*warnings, *diagnosis.doubts)
+    warnings = (*usable.warnings, *diagnosis.doubts)
     return Diagnosed(
         diagnosis=diagnosis,
         document=answer.document(diagnosis, __version__, warnings),
         warnings=warnings,
-        source=source,
+        source=given.source,
     )

@@ -27,9 +27,9 @@ from meso_robust.identification.document import (
     ParameterSection,
     RecordingSection,
 )
-from meso_robust.identification.usable import warnings_of
 from meso_robust.identification.verdict import verdict
 from meso_robust.recordings import read_set
+from meso_robust.recordings.usable import usable_set
 from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
 from meso_robust.toml_files import toml_of
 from meso_robust.types import Floats
@@ -133,10 +133,9 @@ def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, 
     InputError
         If the recordings cannot be used.
     """
-    recordings = read_set(folder)
-    remarks = warnings_of(recordings)
-    found = diagnose(recordings, quick=quick, seed=seed)
-    return document(found, __version__, remarks).model_dump(mode="json", by_alias=True)
+    read = usable_set(read_set(folder))
+    found = diagnose(read.recordings, quick=quick, seed=seed)
+    return document(found, __version__, read.warnings).model_dump(mode="json", by_alias=True)
 
 
 def _ended(found: Diagnosis) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from meso_robust.identification.models.model import characteristic_length
 from meso_robust.identification.paths import in_steps, smoothed, thinned, with_corners
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
+from meso_robust.recordings.contact import OVERLAP
 from meso_robust.recordings.noise import estimated_sensor, roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
@@ -24,9 +25,6 @@ Source = Literal["stated", "estimated", "fitted", "unknown"]
 """From ``set.toml``, from still frames, from the residuals of the fit, or none of them."""
 FINENESS = 1.0 / 364.0
 """Step over the characteristic length where no model says otherwise: 2.5 µm for a 1.6-mm part."""
-OVERLAP = 0.1
-"""Of the characteristic length, by which a tip may be inside the part at first: a registration, a yaw
-or a scale that is a little wrong puts it there, and a fit can say which; more is a wrong file."""
 EXACT = 1e-9
 """m: commanded positions closer than this to even motion are left out."""
 CORNER = 5e-9

@@ -19,7 +19,8 @@ def test_a_camera_that_repeats_its_frames_is_caught_and_mended(tmp_path: Path) -
     source = FOLDER / "cmu_two_finger" / "bigrect_3pts_20_neg30_90"
     found = checked(source, None, repair=False)
     assert found.format == "two_finger_log"
-    assert {one.kind for one in found.matters} == {"frozen", "gap"}
+    assert {one.kind for one in found.matters} == {"frozen", "gap", "frames"}
+    assert found.verdict == "USABLE WITH CARE"
     by_file = {one.file: one for one in found.recordings.recordings}
     for problem in found.matters:
         if problem.kind == "frozen":

@@ -36,12 +36,15 @@ class Cause:
     before, after
         Median distance in m between tip and face while the part moves, as it stands and with the slip
         undone.
+    fitted
+        Whether a fit can find it, as it can a delay or a shift.
     """
 
     words: str
     advice: str
     before: float
     after: float
+    fitted: bool
 
 
 def likely_cause(recordings: RecordingSet) -> Cause | None:
@@ -83,7 +86,7 @@ def likely_cause(recordings: RecordingSet) -> Cause | None:
     if after > _FITS * whole or _BETTER * after > before:
         return _shifted(recordings, [run for _, run in runs], before, whole)
     advice = _ADVICE.get(words, "correct the delay or let `diagnose` fit it as camera_latency")
-    return Cause(words=words, advice=advice, before=before, after=after)
+    return Cause(words=words, advice=advice, before=before, after=after, fitted=words not in _SLIPS)
 
 
 def _shifted(
@@ -104,6 +107,7 @@ def _shifted(
         advice="register camera and robot again, or let `diagnose` fit it as registration_shift",
         before=before,
         after=after,
+        fitted=True,
     )
 
 

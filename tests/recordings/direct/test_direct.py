@@ -15,7 +15,6 @@ from meso_robust.recordings.direct.clocks import Stream, clock_test, regular_clo
 from meso_robust.recordings.direct.finding import Finding
 from meso_robust.recordings.direct.run import DirectTests, direct_tests
 from meso_robust.recordings.direct.straight import straight_test
-from meso_robust.types import Floats
 from tests.recordings.direct.generator import (
     HALF_LONG,
     HALF_SHORT,
@@ -167,7 +166,7 @@ def test_a_jittering_clock_is_told_from_jerky_motion() -> None:
     even = 0.004 * np.arange(300)
     even = np.delete(even, [50, 51, 120])
     place = np.column_stack((0.1 * even, 0.02 * even))
-    late: Floats = np.sort(even + rng.exponential(0.0005, even.size)).astype(np.float64)
+    late = np.array(np.sort(even + rng.exponential(0.0005, even.size)), dtype=np.float64)
     test = clock_test(Stream(file="a.csv", name="tip", times=late, values=place))
     assert test is not None
     assert test.lost == 3
