@@ -12,9 +12,10 @@ from meso_robust.types import Floats
 SHORTEST = 1e-9
 """Time in s that a speed is taken over at least: no camera is faster, and no speed is infinite."""
 
-OVERLAP = 0.1
+OVERLAP = 0.125
 """Of the farthest corner's distance, by which a tip may be inside the part at first: a registration, a
-yaw, a scale or a delay that is wrong, which a fit is to find. Deeper, the frame is another one."""
+yaw, a scale or a delay that is wrong, which a fit is to find (a camera that is 0.15 s late shows a part
+of 50 mm, pushed at 25 mm/s, 3.6 mm into the tip). Deeper, the frame is another one."""
 
 
 def size(outline: Floats) -> float:

@@ -317,7 +317,7 @@ def answer(checked: Checked, most: int = 20) -> str:
     lines = [
         f"{checked.verdict}: {counted(len(checked.recordings.recordings), 'recording')}, {counted(frames, 'row')}",
         *_few("repaired: ", checked.repairs, most),
-        *_few("a fit leaves out: ", checked.left_out, most),
+        *left_out_words(checked),
         *_few("", checked.matters, most),
     ]
     if checked.direct is not None:
@@ -326,6 +326,29 @@ def answer(checked: Checked, most: int = 20) -> str:
     if rest:
         lines.append(f"{rest} informational notes are in the report")
     return "\n".join([*lines, *_few("note: ", checked.notes, most)])
+
+
+def left_out_words(checked: Checked) -> tuple[str, ...]:
+    """What a fit leaves out of a set, counted; no line where it takes all.
+
+    Parameters
+    ----------
+    checked
+        The set.
+
+    Returns
+    -------
+    tuple of str
+        One line at most.
+    """
+    if not checked.left_out:
+        return ()
+    files = sorted({one.file for one in checked.left_out if not one.rows})
+    rows = sum(len(one.rows) for one in checked.left_out if one.file not in files)
+    parts = [f"{counted(rows, 'row or pose', 'rows or poses')}"] if rows else []
+    if files:
+        parts.append(f"{counted(len(files), 'recording')} ({', '.join(files)})")
+    return (f"a fit leaves out {' and '.join(parts)}; everything else can be used",)
 
 
 def _few(prefix: str, items: Sequence[object], most: int) -> list[str]:

@@ -65,7 +65,7 @@ def _inside(view: View, sensor: EstimatedSensor, first: np.ndarray) -> list[Prob
             "error" if deep else "warning",
             first,
             f"at the first whole frame a tip is {1e6 * depth:.3g} µm inside the part",
-            f"must not exceed {1e6 * OVERLAP * arm:.3g} µm, a tenth of the part"
+            f"must not exceed {1e6 * OVERLAP * arm:.3g} µm, an eighth of the part"
             if deep
             else f"{_NOISE:g} σ of noise are {1e6 * noise:.3g} µm",
             "check part, tip radius and units, or leave the recording out"

@@ -158,7 +158,7 @@ def contacts(recordings: RecordingSet, runs: tuple[Moving, ...], late: float = 0
         if not frames.size or not run.tips.shape[1]:
             continue
         tips = _earlier(run, frames, late)
-        pairs = [_pair(outline, run.poses[frames], tips[:, p]) for p in range(tips.shape[1])]
+        pairs = [pair(outline, run.poses[frames], tips[:, p]) for p in range(tips.shape[1])]
         far = [abs(float(np.median(gap)) - radius) for gap, _, _ in pairs]
         near = [each <= min(far) + most for each in far]
         for p, (gap, normal, tip) in enumerate(pairs):
@@ -190,8 +190,21 @@ def _earlier(run: Moving, frames: Indices, late: float) -> Floats:
     return np.column_stack(shown).reshape(frames.size, -1, 2)
 
 
-def _pair(outline: Floats, poses: Floats, tips: Floats) -> tuple[Floats, Floats, Floats]:
-    """(n,) signed distance of points from an outline, (n, 2) outward normals, (n, 2) body frame."""
+def pair(outline: Floats, poses: Floats, tips: Floats) -> tuple[Floats, Floats, Floats]:
+    """Where points are about a part.
+
+    Parameters
+    ----------
+    outline
+        (V, 2) corners, body frame, m.
+    poses, tips
+        (n, 3) and (n, 2), world frame, m and rad.
+
+    Returns
+    -------
+    (n,), (n, 2), (n, 2)
+        Signed distance from the outline, its outward normal there, and the points, body frame.
+    """
     away = tips - poses[:, :2]
     cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     own = np.stack((cos * away[:, 0] + sin * away[:, 1], cos * away[:, 1] - sin * away[:, 0]), -1)

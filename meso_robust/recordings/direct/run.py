@@ -142,7 +142,8 @@ def _of_stamps(
         one for one in clocks if one.stamps_at_fault and one.jitter > _LEAST_JITTER * one.period
     ]
     if blamed and 2 * len(blamed) >= len({one.file for one in clocks}):
-        jitters = sorted(one.jitter / _MS for one in blamed)
+        jitters = np.array([one.jitter / _MS for one in blamed])
+        low, high = np.quantile(jitters, [0.1, 0.9]).tolist()
         findings.append(
             Finding(
                 test="clock",
@@ -151,8 +152,8 @@ def _of_stamps(
                     Estimate(
                         key="time_ms",
                         value=float(np.median(jitters)),
-                        low=jitters[0],
-                        high=jitters[-1],
+                        low=low,
+                        high=high,
                     ),
                 ),
                 before=float(np.median([one.rough for one in blamed])),

@@ -26,6 +26,11 @@ _ALIKE = 2.0  # of the information criterion, within which another set is hardly
 _HUBER = 2.0  # robust standard deviations beyond which a frame counts less
 _PASSES = 4
 _NORMAL = 1.4826
+_EITHER = (
+    frozenset({"tip_radius", "part_geometry"}),
+    frozenset({"camera_scale", "camera_anisotropy"}),
+)
+"""Effects of which one holds the other: together they only cancel."""
 _T90 = (6.31, 2.92, 2.35, 2.13, 2.02, 1.94, 1.89, 1.86, 1.83, 1.81)  # Student, 1 … 10 degrees
 
 
@@ -123,6 +128,7 @@ def selected(
         (*fixed, *chosen)
         for count in range(most + 1 - len(fixed))
         for chosen in combinations(names, count)
+        if not any(pair <= {*fixed, *chosen} for pair in _EITHER)
     ]
     costs = {one: cost for one in sets if (cost := problem.cost(one, possible)) is not None}
     chosen: tuple[str, ...] = min(costs, key=lambda one: (costs[one], len(one)), default=())
