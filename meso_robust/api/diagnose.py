@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from meso_robust import __version__
 from meso_robust.api.call import call
 from meso_robust.api.inputs import path_of
-from meso_robust.api.options import Seed, StrPath
+from meso_robust.api.options import Relevant, Seed, StrPath
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
 from meso_robust.api.result import Result
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from meso_robust.diagnosis.diagnose import Diagnosis
     from meso_robust.diagnosis.document import DiagnosisDocument
 
-Verdict = Literal["consistent", "named", "ambiguous", "unknown"]
+Verdict = Literal["consistent", "named", "partial", "ambiguous", "unknown"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -40,7 +40,7 @@ class Diagnosed(Result):
 
     @property
     def verdict(self) -> Verdict:
-        """Consistent, named, ambiguous or unknown."""
+        """Consistent, named, partial, ambiguous or unknown."""
         return self.document.verdict
 
     @property
@@ -96,6 +96,7 @@ def diagnose(
     *,
     model: str = "viscous",
     quick: bool = False,
+    relevant_um: Relevant | None = None,
     seed: Seed = 0,
     store: StrPath | None = None,
     progress: Progress = SILENT,
@@ -110,6 +111,9 @@ def diagnose(
         The plain model: viscous …
     quick
         Fewer simulated sets and candidates; a coarser answer.
+    relevant_um
+        Error of prediction in µm below which a mismatch does not matter; by default a fifth of the
+        noise, or 0.1 where that is not known.
     seed
         Seed of all random numbers.
     store
@@ -149,7 +153,13 @@ def diagnose(
         warnings = usable.warnings_of(found)
     with progress.following() as told:
         diagnosis = diagnosing.diagnose(
-            found, model=model, quick=quick, seed=seed, store=path_of(store), told=told
+            found,
+            model=model,
+            quick=quick,
+            seed=seed,
+            relevant=None if relevant_um is None else 1e-6 * relevant_um,
+            store=path_of(store),
+            told=told,
         )
     warnings = (*warnings, *diagnosis.doubts)
     return Diagnosed(

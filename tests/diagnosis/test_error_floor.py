@@ -9,7 +9,8 @@ import pytest
 
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.controls import catch_all, left
+from meso_robust.diagnosis.controls import catch_all
+from meso_robust.diagnosis.hidden_inputs import left
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.hidden_inputs import Statistics
 from meso_robust.diagnosis.windows import windowed
