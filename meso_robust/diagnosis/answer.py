@@ -59,7 +59,7 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
         The content of ``diagnosis.json``, in µm and degrees.
     """
     best, noise, checked = found.best, found.baseline.noise, found.checked
-    answers = _answers(found)
+    answers = found.answers
     unseen = [one for one in found.detected.visible if not one.seen]
     # by a mapping, because `schema` is the name of a method of pydantic's models
     return DiagnosisDocument.model_validate(
@@ -250,12 +250,6 @@ def intervals_of(found: Candidate) -> tuple[Interval, ...]:
     """Intervals of all numbers of an extended model."""
     refit = found.refit
     return intervals(refit.model, refit.fits.values[0], refit.fitted.jacobian[0], refit.tangent)
-
-
-def _answers(found: Diagnosis) -> tuple[Candidate, ...]:
-    """The chosen set and those that explain as much, if they explain enough."""
-    best = found.grade.chosen
-    return () if best is None or found.verdict == "unknown" else (best, *found.grade.rivals)
 
 
 def _remainder(found: Diagnosis) -> dict[str, object]:

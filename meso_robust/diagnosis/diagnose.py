@@ -124,6 +124,14 @@ class Diagnosis:
         return self.grade.chosen
 
     @property
+    def answers(self) -> tuple[Candidate, ...]:
+        """The chosen set and those that explain as much, if they explain enough."""
+        grade = self.grade
+        if grade.chosen is None or grade.verdict == "unknown":
+            return ()
+        return (grade.chosen, *grade.rivals)
+
+    @property
     def doubts(self) -> tuple[str, ...]:
         """What makes the refitted plain model unlikely to be the part's, a line each."""
         return doubts(self.baseline.model, self.baseline.fits.values[0])
