@@ -14,6 +14,7 @@ from meso_robust.provenance import made_with
 from meso_robust.reporting import pages
 from meso_robust.reporting.diagnosis_figures import (
     LEVELS,
+    budget_figure,
     held_out_figure,
     map_figure,
     null_figure,
@@ -28,11 +29,13 @@ from meso_robust.reporting.diagnosis_words import (
     LOOKS,
     PHASES,
     answer,
+    left_words,
     noise_words,
     plain,
     probability,
     set_words,
     sets,
+    stage_words,
     standing_words,
     unit_words,
 )
@@ -74,6 +77,8 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         sets=sets(document),
         spans=document.mismatch.where[:MOST_ROWS],
         held_out=_held_out(document),
+        left=left_words(document),
+        unexplained=sum(part.share for part in document.budget if not part.effect),
         shades=_shades(),
         channels=list(STAGES),
         most=MOST_ROWS,
@@ -100,6 +105,11 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
                     "answer",
                     "What the plain model leaves out" if extended else "The answer",
                     "Answer",
+                ),
+                *(
+                    ()
+                    if pictures["budget"] is None
+                    else (pages.section(body, "budget", "Where the error is", "Budget"),)
                 ),
                 *(
                     ()
@@ -204,6 +214,7 @@ def _pictures(
     held, spans = _held_out(document), document.mismatch.where
     noise = document.held_out.noise_floor_sigma, document.held_out.repeatability_sigma
     pictures: dict[str, pages.Figure | list[pages.Figure] | None] = {
+        "budget": None,
         "held_out": None,
         "strip": None,
         "map": pages.Figure(
@@ -220,6 +231,14 @@ def _pictures(
         "null": None,
         "recordings": [_recording(evidence, row) for row in worst[:MOST_PICTURES]],
     }
+    if document.budget:
+        drawing = budget_figure(document.budget)
+        pictures["budget"] = pages.Figure(
+            svg=to_svg(drawing, "budget", "Explainable error by effect, phase and component"),
+            caption="Mean squares of roll-outs from the pose at rest, of recordings that the fit has not "
+            "seen, beyond what free hidden inputs leave; the colour is the stage, hatched is unexplained. "
+            + stage_words(document),
+        )
     if held:
         drawing = held_out_figure(held, noise, bool(document.effects))
         pictures["held_out"] = pages.Figure(svg=to_svg(drawing, "held", "Held-out errors"))
