@@ -23,7 +23,7 @@ _ALIKE = 0.99  # cosine beyond which two signatures are one
 # support is as good as alone, and no motion tells how much
 _STRONGEST = 1000.0
 _RATIOS = ("dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support")
-_INSIDE = ("drag_centre_offset", "reference_offset")
+_INSIDE = ("drag_centre_offset", "reference_offset", "registration_shift")
 """Effects whose place cannot be outside the part."""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -117,6 +117,8 @@ class Prepared:
         (2,) a place far from everything, m.
     notes
         What was left out, interpolated or shifted, by file.
+    weights
+        (R, T) by which residuals are multiplied before they are squared; None: all alike.
     """
 
     files: tuple[str, ...]
@@ -136,6 +138,7 @@ class Prepared:
     tip_offset: float
     parked: Floats
     notes: tuple[Note, ...]
+    weights: Floats | None = None
 
     @property
     def tip_radius(self) -> float:
@@ -158,6 +161,17 @@ class _One:
     instants: Floats
     seen: Floats
     start: Floats
+
+
+def some_of(prepared: Prepared, rows: Ints) -> Prepared:
+    """Some of the recordings, in the order of rows (r,), padded as they were."""
+    named = {name: getattr(prepared, name)[rows] for name in _BY_RECORDING}
+    weights = None if prepared.weights is None else prepared.weights[rows]
+    files = tuple(prepared.files[row] for row in rows.tolist())
+    return replace(prepared, files=files, weights=weights, **named)
+
+
+_BY_RECORDING = ("waypoints", "times", "instants", "seen", "starts", "correction")
 
 
 def prepare(

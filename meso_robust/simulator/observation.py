@@ -202,7 +202,6 @@ REGISTRATION_SHIFT_Y = OBSERVATION.slot("registration_shift", "y_um")
 
 _ROUNDS = 50  # of Newton's rule, which converges quadratically but where the lens folds the image
 _LEAST = 1e-6  # slope of the lens, below which its inverse is not to be had
-_TURNS = 20  # of a contraction by a few per cent each
 _WHOLE_FRAME = 1e-9  # of a frame, so that 1 s at 30 Hz has the frame at its end
 
 
@@ -354,38 +353,6 @@ def unseen(times: Floats, points: Floats, effects_table: Floats) -> Floats:
     _straighten(shown, table[:, LENS_DISTORTION_K1])
     _rotate(shown, -table[:, CAMERA_ROTATION_ANGLE])
     return np.asarray(shown)
-
-
-def unseen_poses(times: Floats, poses: Floats, effects_table: Floats) -> Floats:
-    """Where parts are that the camera shows: the inverse of `observe`, but for the delay.
-
-    Parameters
-    ----------
-    times
-        (N, T) instants at which the poses are shown, s.
-    poses
-        (N, T, 3) as shown, m and rad, world frame.
-    effects_table
-        (1, SLOTS) or (N, SLOTS), see `Effects.table`.
-
-    Returns
-    -------
-    (N, T, 3)
-        A new array.
-    """
-    table = np.broadcast_to(effects_table, (len(poses), SLOTS))
-    true = poses.copy()
-    true[..., :2] = unseen(times, poses[:, :, None, :2], table)[:, :, 0]
-    true[..., 2] -= table[:, CAMERA_ROTATION_ANGLE, None]
-    start = true[..., 2].copy()
-    for _ in range(_TURNS):  # what lens and stretch turn by depends a little on the turn itself
-        shown = true.copy()
-        _turn(shown[..., 2], table[:, CAMERA_ROTATION_ANGLE])
-        turned = shown[..., 2].copy()
-        _shear(shown, table)
-        _lean(shown, table)
-        true[..., 2] = start - (shown[..., 2] - turned)
-    return true
 
 
 def sense(

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.direct.document import words
+from meso_robust.recordings.direct.run import direct_tests
 from meso_robust.recordings.phases import phases
 from meso_robust.recordings.problems import problems
 from meso_robust.recordings.repair import Repair
@@ -148,3 +150,29 @@ def test_nothing_seen_can_be_drawn() -> None:
     blind = replace(one(MIDDLE), poses=np.full((FRAMES, 3), np.nan))
     recordings = clean(recordings=(blind,))
     assert "<svg" in recordings_report(checked(recordings))
+
+
+def test_direct_tests_stand_on_the_page_with_their_pictures() -> None:
+    rng = np.random.default_rng(0)
+    recordings = tuple(
+        replace(
+            each,
+            poses=each.poses + [30 * UM, -20 * UM, 0.0] + 1e-8 * rng.normal(size=each.poses.shape),
+        )
+        for each in (
+            one(f"push_{k:02d}.csv", k, start=(2700 * UM, -30 * UM, angle))
+            for k, angle in enumerate(np.tile([0.0, np.pi / 2], 6).tolist())
+        )
+    )
+    tests = direct_tests(clean(recordings=recordings))
+    assert tests.gap is not None
+    made = checked(clean(recordings=recordings), direct=tests)
+    reader = Reader(recordings_report(made))
+    assert reader.open == []
+    assert "Direct tests" in reader.text
+    assert "Gap between tip and face" in reader.text
+    for line in words(tests):
+        assert line in reader.text
+    # all are pushed along +x: a shift and a radius look the same, and the page says which it takes
+    assert abs(tests.gap.rms[0] - 30e-6) < 2e-6
+    assert tests.gap.rms[1] < 3e-6

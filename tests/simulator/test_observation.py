@@ -31,7 +31,6 @@ from meso_robust.simulator.observation import (
     observe,
     sense,
     unseen,
-    unseen_poses,
 )
 from meso_robust.simulator.stage import SLOTS
 
@@ -189,17 +188,6 @@ def test_what_is_shown_tells_where_it_is() -> None:
         _, tips = observe(TIMES, poses, probes, table, probes_seen_by_camera=True)
         times = np.broadcast_to(TIMES, (len(probes), len(TIMES)))
         np.testing.assert_allclose(unseen(times, tips, table), probes, atol=1e-15)
-
-
-def test_poses_that_are_shown_tell_where_the_part_is() -> None:
-    effects = {name: of for name, of in ON.items() if name != "camera_latency"}
-    effects["lens_distortion"] = {"k1_per_mm2": 0.02, "turned": 0.6}
-    effects["camera_anisotropy"] = {**ON["camera_anisotropy"], "turned": 1.0}
-    table = Effects(effects).table
-    poses, probes = motion()
-    out, _ = observe(TIMES, poses, probes, table, probes_seen_by_camera=False)
-    times = np.broadcast_to(TIMES, (len(poses), len(TIMES)))
-    np.testing.assert_allclose(unseen_poses(times, out, table), poses, atol=1e-13)
 
 
 def test_a_stretched_axis_is_turned_as_the_image_of_two_points_of_it() -> None:
