@@ -151,9 +151,7 @@ def test_options_and_remarks_reach_the_diagnosis(
     given: Any, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = given("named")
-    monkeypatch.setattr(
-        "meso_robust.identification.usable.warnings_of", lambda _: ("push_00.csv: odd",)
-    )
+    monkeypatch.setattr("meso_robust.recordings.usable.Usable.warnings", ("push_00.csv: odd",))
 
     done = run(
         folder, "--out", tmp_path / "out", "--seed", "7", "--quick", "--model", "three_point"
@@ -239,7 +237,7 @@ def test_the_recordings_are_not_written_over(given: Any, folder: Path) -> None:
 def test_poses_that_are_no_measurements_are_not_diagnosed(given: Any, tmp_path: Path) -> None:
     asked = given()
     dirty = poses()
-    dirty[60] = 0.0
+    dirty[60:200] = 0.0  # more than half of one recording of three
     write_set(tmp_path / "set", planted(poses=dirty))
     done = run(tmp_path / "set", "--out", tmp_path / "out")
     assert done.exit_code == 2
