@@ -42,8 +42,9 @@ def test_climbing_stops_at_the_top_either_way(peak: float, start: float, step: f
     assert min(asked) > 0.0
 
 
-def test_a_move_that_fails_is_repaired_by_its_own_numbers() -> None:
+def test_a_move_that_fails_is_repaired_by_its_own_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     """The straightening push 40 um too high: its tips slip; brought back, not taken from the plan."""
+    monkeypatch.setattr(searched, "OFFSET_STEPS_UM", (20.0,))  # twice
     good = rules()
     point = replace(good[1].dual, y=from_part(good[1].dual.y.offset_um + 40.0))
     broken = (good[0], replace(good[1], dual=point), *good[2:])
@@ -56,7 +57,8 @@ def test_a_move_that_fails_is_repaired_by_its_own_numbers() -> None:
     assert repaired[1].dual.y != broken[1].dual.y
 
 
-def test_what_cannot_be_repaired_is_given_up() -> None:
+def test_what_cannot_be_repaired_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searched, "OFFSET_STEPS_UM", (24.0,))
     good = rules()
     point = replace(good[0].dual, y=from_part(0.0))  # the tilt would push in the middle
     broken = (replace(good[0], dual=point), *good[1:])
