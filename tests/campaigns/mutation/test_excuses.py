@@ -97,7 +97,7 @@ TUBE = "two_sided_rotation.ends_of_edges"
             shifted(FRICTION, "mu_lower_now", 0.01, end=1),
             "an inequality that the planner proves too",
         ),
-        (shifted(JAM, "mu", 0.1, end=1), "true at 20000 points"),
+        (shifted(JAM, "mu", 0.02, end=1), "true at 20000 points"),
         (shifted(TUBE, "lower_bound", 0.1), "true along 500 runs"),
         (put("margin", "factor", value=1.0), "a smaller margin"),
         (put("margin", "factor", value=1.2103), "a factor at which 500 runs keep every claim"),
