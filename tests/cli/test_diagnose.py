@@ -22,6 +22,7 @@ from meso_robust.diagnosis.document import DiagnosisDocument, Verdict
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.errors import InputError
 from meso_robust.recordings import RecordingSet, write_set
+from meso_robust.recordings.direct.run import DirectTests
 from tests.recordings.planted import clean, planted, poses
 from tests.reporting import diagnoses
 
@@ -54,7 +55,10 @@ class Made:
 def _page(monkeypatch: pytest.MonkeyPatch) -> None:
     """A line for the page, which has tests of its own and takes a second."""
 
-    def page(document: DiagnosisDocument, evidence: Evidence, source: str) -> str:
+    def page(
+        document: DiagnosisDocument, evidence: Evidence, source: str, direct: DirectTests
+    ) -> str:
+        assert direct.findings == ()
         return f"{document.verdict} of {Path(source).name}, {len(evidence.files)} recordings"
 
     monkeypatch.setattr("meso_robust.reporting.diagnosis.diagnosis_report", page)

@@ -163,8 +163,7 @@ def test_noise_of_the_log_and_of_its_stamps_are_told_apart() -> None:
 
 def test_a_jittering_clock_is_told_from_jerky_motion() -> None:
     rng = np.random.default_rng(1)
-    even = 0.004 * np.arange(300)
-    even = np.array(np.delete(even, [50, 51, 120]), dtype=np.float64)
+    even = np.array(np.delete(0.004 * np.arange(300), [50, 51, 120]), dtype=np.float64)
     place = np.column_stack((0.1 * even, 0.02 * even))
     late = np.array(np.sort(even + rng.exponential(0.0005, even.size)), dtype=np.float64)
     test = clock_test(Stream(file="a.csv", name="tip", times=late, values=place))
