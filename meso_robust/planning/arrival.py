@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
@@ -91,6 +92,7 @@ def _along(state: PoseBox, setup: Setup, way: tuple[Frame, ...]) -> Arrival | No
     return None
 
 
+@lru_cache(maxsize=256)  # several ways to the goal begin alike
 def _clear_of_walls(rule: MoveRule, state: PoseBox, setup: Setup) -> bool:
     """Whether the push is proved with the slot's walls around it."""
     return certify_move(rule, state, setup)[0].verdict is Verdict.PROVED
@@ -106,7 +108,12 @@ def _steps(own: PoseBox, there: Setup, *, back: bool) -> Iterator[Step]:
     past_um = fine(there) * ROOM_UM
     if ahead + units.UM * past_um > 0.0:
         yield from _some(to_goal(own, there, past_um=past_um))
-    yield from _some(upright(own, there, step=3, primitive="x_translation"))
+    yield from _some(_straightened(own, there))
+
+
+@lru_cache(maxsize=256)
+def _straightened(own: PoseBox, there: Setup) -> Step | None:
+    return upright(own, there, step=3, primitive="x_translation")
 
 
 def _some(step: Step | None) -> tuple[Step, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import TypeVar
 
 from meso_robust import units
@@ -24,6 +25,7 @@ FAR_UM = -1e5  # an end far beyond any travel that a turn can need
 SPARE_UM = 2.0  # travel on top of what the bounds demand
 
 
+@lru_cache(maxsize=256)  # several ways to the goal begin alike
 def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
     """The robust t^2 push from ``pre`` that ends with the part's x at the goal, or ``past_um`` past it.
 

@@ -8,6 +8,7 @@ every direction is bounded from below; a box that none of them decides is split.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator
 
@@ -27,10 +28,14 @@ TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point
 
 def part_clear(tube: Iterable[Knot], setup: Setup) -> Obligation:
     """The part touches no wall anywhere in its tube (world frame)."""
-    found = [
-        (_separation(knot.box, block, setup), knot.box) for knot in tube for block in setup.blocks
-    ]
-    distance, box = min(found, key=lambda pair: pair[0], default=(math.inf, None))
+    distance = math.inf
+    box: PoseBox | None = None
+    for knot, block in itertools.product(tube, setup.blocks):
+        apart = _separation(knot.box, block, setup)
+        if apart < distance:
+            distance, box = apart, knot.box
+        if distance == -math.inf:
+            break
     return require_order(
         about(ObligationId.PART_CLEAR_OF_WALLS),
         Inequality.PART_TO_WALL,
@@ -111,6 +116,8 @@ def _separation(box: PoseBox, block: Block, setup: Setup) -> float:
         splits += 1
         if splits > MOST_SPLITS or not _size(one) < math.inf:
             return -math.inf
+        if not _apart(_centre(one), block, setup) > 0.0:
+            return -math.inf  # no part of the box that holds this pose can be proved
         open_ += _halves(one, setup)
     return least
 
@@ -180,6 +187,11 @@ def _size_of(value: Interval) -> Interval:
     if value.lo >= 0.0:
         return value
     return -value if value.hi <= 0.0 else Interval(0.0, max(-value.lo, value.hi))
+
+
+def _centre(box: PoseBox) -> PoseBox:
+    x, y, theta = (Interval.point(side.mid) for side in (box.x, box.y, box.theta))
+    return PoseBox(x=x, y=y, theta=theta)
 
 
 def _size(box: PoseBox) -> float:

@@ -85,7 +85,7 @@ def test_poses_that_no_primitive_handles(theta: float, words: str) -> None:
 
 
 def test_what_would_settle_it_names_the_uncertainty_in_the_way() -> None:
-    found = compose(paper_task(uncertainty__friction=[0.25, 0.41], probe__headings=["-x"]))
+    found = compose(paper_task(uncertainty__friction=[0.22, 0.46], probe__headings=["-x"]))
 
     assert found.scale < 1.0
     assert found.only == "friction"
