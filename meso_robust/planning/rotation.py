@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 from meso_robust import units
-from meso_robust.bounds import HALF_PI, Verdict
+from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
@@ -82,11 +82,35 @@ def rotate_and_finish(
         How close to the goal in y the middle of what is left must be, for a part of full size.
     """
     for extra in SEPARATION_STEPS_UM:
-        turned = _turn(_least_separation_um(setup) + fine(setup) * extra, pre, setup)
+        separation = _least_separation_um(setup) + fine(setup) * extra
+        # a larger separation leaves a larger tilt, so what fails now would fail with it too
+        if finish(_at_best(separation, pre, setup)) is None:
+            return None
+        turned = _turn(separation, pre, setup)
         if turned is not None:
-            # a larger separation leaves a larger tilt, so what fails now would fail with it too
             return _finish(*turned, pre, setup, finish, fine(setup) * close_um)
     return None
+
+
+def _at_best(separation: float, pre: PoseBox, setup: Setup) -> PoseBox:
+    """Poses after the longest push of a part that slid well: what comes after it must manage these.
+
+    A guess; the orientations are those that the errors of the separation and of the width leave.
+    """
+    u, edge = setup.uncertainty, setup.edge(HALF_PI.mid)
+    off = 2.0 * units.to_um(u.probe_position.hi)
+    tilts = []
+    for side in (-1.0, 1.0):
+        radii = u.tip_radius + u.passive_tip_radius
+        wide = edge.depth + edge.depth + radii
+        width = units.to_um(wide.hi if side < 0.0 else wide.lo)
+        sine, cosine = _direction(-LONGEST * width, separation + side * off, width)
+        tilts.append(math.atan2(sine, cosine))
+    x, y = (
+        Interval(middle - units.UM, middle + units.UM) for middle in (pre.x.mid, setup.goal.y.mid)
+    )
+    angle = Interval(min(tilts), max(tilts))
+    return PoseBox(x=x, y=y, theta=setup.edge(pre.theta.mid).orientation(angle))
 
 
 def _least_separation_um(setup: Setup) -> float:

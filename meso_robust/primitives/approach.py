@@ -29,6 +29,7 @@ STAGE = 0.02  # rad
 MOST_STAGES = 25
 GUESSES = 10
 TURNS = (0.02, 0.06, 0.1)  # rad; where slopes are taken, which are a guess
+ONE = Interval.point(1.0)
 SMALL = 1e-5  # m/rad; the same
 BOXES = 16
 FINE_BOXES = 256  # for what adds up over the stages
@@ -51,6 +52,8 @@ class Touch:
     """Directions of the pushed edge from the start to the touch, in the move's axes, rad."""
     active_offset: Interval
     """p_D from the start to the touch, m."""
+    largest_force: float
+    """Bound of the normal force at the active tip, over the drag and the rate of travel."""
     obligations: tuple[Obligation, ...]
 
 
@@ -95,6 +98,8 @@ def approach(
         path=path,
         poses=PoseBox(x=x, y=y, theta=edge.orientation(path - box["kappa"])),
         active_offset=offset,
+        # the film yields to a push by its share of what it is stiff
+        largest_force=(box["rho"] * (ONE + box["bend"]) / unique).hi,
         obligations=(
             _stated(ObligationId.PUSHES_UNTIL_REST, Inequality.NORMAL_FORCE, pushes, box),
             _stated(ObligationId.UNIQUE_UNTIL_REST, Inequality.ONLY_SOLUTION, unique, box),
@@ -196,7 +201,7 @@ def _margins(
         enclose(of.stiffness, {**state, "tau": side}, boxes=1)[0] for side in (friction, -friction)
     ]
     least = Interval(min(k.lo for k in stiffness), max(k.hi for k in stiffness))
-    rates = []
+    rates: list[Interval] = []
     if stick.lo < -friction.lo:  # it may slip
         rates += enclose(of.closing, {**state, "tau": -friction}, boxes=FINE_BOXES)
     if stick.hi >= -friction.hi:

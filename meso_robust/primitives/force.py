@@ -26,15 +26,11 @@ def force_below_cap(rule: MoveRule, setup: Setup) -> tuple[Obligation, ...]:
     Returns
     -------
     tuple[Obligation, ...]
-        One obligation about the force, N. Of a regrasp, which touches nothing, none; undecided for a
-        rotation, of whose forces no bound is stated.
+        One obligation about the force, N. Of a regrasp, which touches nothing, none; none of a rotation,
+        which has `squeeze_below_cap`.
     """
-    cap, drag, speed = setup.largest_force, setup.drag, setup.speed
-    if cap is None or drag is None or speed is None or rule.action == "regrasp":
-        return ()
-    name, inequality = about(ObligationId.FORCE_BELOW_CAP), Inequality.FORCE
     if rule.action not in (*ALONE, *TOGETHER):
-        return (require_order(name, inequality, Interval(-float("inf"), 0.0), {}),)
+        return ()
     u = setup.uncertainty
     uneven, friction = _largest(u.drag_anisotropy), u.friction if rule.action in TOGETHER else ZERO
     # the bound grows with the size of each of them
@@ -45,10 +41,38 @@ def force_below_cap(rule: MoveRule, setup: Setup) -> tuple[Obligation, ...]:
         "bend": _largest(bend_of(u)),
     }
     (over_drag,) = enclose(condition("contact_forces", "carrying_force"), box)
+    return _below_cap(over_drag, setup)
+
+
+def squeeze_below_cap(normal: float, setup: Setup) -> tuple[Obligation, ...]:
+    """Bound the contact forces of two tips that press a part from both sides.
+
+    Parameters
+    ----------
+    normal
+        Bound of the normal force at either tip, over the drag and the rate of travel.
+    setup
+        The task.
+
+    Returns
+    -------
+    tuple[Obligation, ...]
+        One obligation about the force, N; nothing if the task sets no cap.
+    """
+    mu = setup.uncertainty.friction
+    # no smaller than the root of 1 + mu^2, which friction makes of a normal force
+    return _below_cap(Interval.point(normal) * (ONE + mu * mu * Interval.point(0.5)), setup)
+
+
+def _below_cap(over_drag: Interval, setup: Setup) -> tuple[Obligation, ...]:
+    cap, drag, speed = setup.largest_force, setup.drag, setup.speed
+    if cap is None or drag is None or speed is None:
+        return ()
     # the travel takes as long as commanded, so that a longer one is faster
-    force = over_drag * drag * speed * (ONE + u.travel_scale)
+    force = over_drag * drag * speed * (ONE + setup.uncertainty.travel_scale)
     most = Interval(0.0, force.hi)
-    return (require_order(name, inequality, cap - most, {"force": most}),)
+    name = about(ObligationId.FORCE_BELOW_CAP)
+    return (require_order(name, Inequality.FORCE, cap - most, {"force": most}),)
 
 
 def _largest(side: Interval) -> Interval:

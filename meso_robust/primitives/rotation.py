@@ -25,6 +25,7 @@ from meso_robust.motion.two_sided import (
     enclose_slide,
 )
 from meso_robust.primitives.approach import STATED, Touch, approach
+from meso_robust.primitives.force import squeeze_below_cap
 from meso_robust.primitives.grasp import Relations, aims_of, on_line, ranges, relations
 from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
@@ -51,9 +52,7 @@ from meso_robust.primitives.tips import (
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
 CELL = 1.0 / 70.0  # of the part's width: room of the tips followed together; more is looser
-COARSE = (
-    2.0  # longer steps where each tip has a coefficient of friction of its own: four times the work
-)
+COARSE = 2.0  # longer steps where each tip has its own coefficient of friction: four times the work
 AT_END = 4096  # boxes for the pose at the end
 ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
@@ -168,6 +167,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     slices = _slices(move, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
     obligations.append(comes_free(Which.BOTH, _faced(move, at_end.edge_angle)))
+    obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
     post = replace(at_end.pose, x=_roomy(at_end.pose.x), y=_roomy(at_end.pose.y))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))

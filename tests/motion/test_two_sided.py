@@ -219,7 +219,10 @@ def test_rates_and_forces_are_those_of_the_balance() -> None:
 
     width = {name: at[name] for name in ("q", "d_D", "d_S", "r_D", "r_S", "kappa")}
     (at["W"],) = values("opposite_edges", "width")(**width)
-    (at["T"],) = values("opposite_edges", "apart")(h=at["h"], V=at["V"], W=at["W"])
+    beside = {name: at[name] for name in ("q", "d_S", "r_S", "kappa")}
+    (at["clear"],) = values("opposite_edges", "clear")(**beside, room=room)
+    assert at["clear"] == pytest.approx(at["V"] - at["W"], rel=1e-9)
+    (at["T"],) = values("opposite_edges", "apart")(h=at["h"], clear=at["clear"], W=at["W"])
     at["c"], at["s"] = np.cos(state.theta), np.sin(state.theta)
     held = {
         name: at[name]

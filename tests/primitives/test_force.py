@@ -7,7 +7,7 @@ import math
 import pytest
 
 from meso_robust.bounds import Verdict
-from meso_robust.primitives.force import force_below_cap
+from meso_robust.primitives.force import force_below_cap, squeeze_below_cap
 from meso_robust.primitives.move import MoveRule, Point, from_part
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import Task
@@ -47,8 +47,15 @@ def test_the_bound_is_that_by_hand_and_no_larger_cap_is_needed(action: str, time
         assert found.proof.box["force"].hi == pytest.approx(bound * 1e-6)
 
 
-def test_of_a_rotation_nothing_is_claimed_and_without_a_cap_nothing_asked() -> None:
-    (found,) = force_below_cap(rule("rotate"), setup(20.0))
-    assert found.proof.verdict is Verdict.UNKNOWN
+def test_two_tips_that_squeeze_a_part_are_capped_with_friction_and_travel_in_it() -> None:
+    bound = 3.0 * 0.2 * 75e-6 * 1.005 * math.hypot(1, 0.36)
+    for cap, verdict in ((1.003 * bound, Verdict.PROVED), (0.999 * bound, Verdict.UNKNOWN)):
+        (found,) = squeeze_below_cap(3.0, setup(cap * 1e6))
+        assert found.proof.verdict is verdict
+        assert bound < found.proof.box["force"].hi < 1.003 * bound
+
+
+def test_without_a_cap_or_contact_nothing_is_asked() -> None:
+    assert not squeeze_below_cap(3.0, setup(None))
     assert not force_below_cap(rule("regrasp"), setup(20.0))
     assert not force_below_cap(rule("tilt"), setup(None))
