@@ -47,13 +47,13 @@ from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
 from meso_robust.checker.scene import Scene, direction
 
-NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 20.0, 1e-2, 1e-2
+NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 30.0, 2e-2, 1e-2
 """How closely the rates are bounded: 1/m, 1 and 1."""
 HALVED = 3
 """How often parts of the orientations are tried, twice as many each time."""
 SLIGHT = arb("0.01")
 """Share of a rate by which it must change with a variable for the trend to know."""
-TRENDS = 3
+TRENDS = 2
 """How often the trends are worked out, each time from states that follow them."""
 GUESSES = 12
 """How often the guess is enlarged before the checker gives up."""
