@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -77,3 +78,23 @@ def test_where_nothing_is_known_nothing_is_proved() -> None:
     with np.errstate(all="ignore"):
         for of in (lambda at, _: 1 / at["x"], lambda at, _: at["x"].sqrt()):
             assert not lowest(of, box, 1e-9, 2)[0] > -np.inf
+
+
+def test_what_is_rounded_is_moved_outward() -> None:
+    """Sums, products and quotients of doubles, held against fractions."""
+    some = boxes(50, 0.0)
+    at = some.points()
+    results = {
+        "sum": (at["x"] + at["z"], lambda x, y, z: x + z),
+        "product": (at["x"] * at["y"], lambda x, y, z: x * y),
+        "quotient": (at["x"] / at["y"], lambda x, y, z: x / y),
+        "square": (at["z"].squared(), lambda x, y, z: z * z),
+    }
+    for found, exact in results.values():
+        for k in range(some.count):
+            value = exact(*(Fraction(float(end)) for end in some.low[:, k]))
+            assert Fraction(float(found.low[0, k])) < value < Fraction(float(found.high[0, k]))
+    root = at["x"].sqrt()
+    for k in range(some.count):
+        square = Fraction(float(some.low[0, k]))
+        assert Fraction(float(root.low[0, k])) ** 2 < square < Fraction(float(root.high[0, k])) ** 2
