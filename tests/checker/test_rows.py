@@ -84,7 +84,7 @@ def test_what_is_rounded_is_moved_outward() -> None:
     """Sums, products and quotients of doubles, held against fractions."""
     some = boxes(50, 0.0)
     at = some.points()
-    results = {
+    results: dict[str, tuple[Any, Any]] = {
         "sum": (at["x"] + at["z"], lambda x, y, z: x + z),
         "product": (at["x"] * at["y"], lambda x, y, z: x * y),
         "quotient": (at["x"] / at["y"], lambda x, y, z: x / y),
