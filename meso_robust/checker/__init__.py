@@ -2,7 +2,8 @@
 
 It needs a certificate and its task. It shares no formula with the planner and its search: the
 physics is written a second time, from the balance of the film's drag with the contacts' wrenches, in
-ball arithmetic (Arb) on the exact rational numbers that the task's decimals spell.
+ball arithmetic (Arb) on the exact rational numbers that the task's decimals spell; the barriers of a
+rotation, thousands of boxes at once, in intervals of doubles that are rounded outward (``rows.py``).
 
 What is proved
 --------------

@@ -47,11 +47,13 @@ from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
 from meso_robust.checker.scene import Scene, direction
 
-NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 20.0, 1e-2, 1e-2
+NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 30.0, 2e-2, 1e-2
 """How closely the rates are bounded: 1/m, 1 and 1."""
 HALVED = 3
 """How often parts of the orientations are tried, twice as many each time."""
-TRENDS = 3
+SLIGHT = arb("0.01")
+"""Share of a rate by which it must change with a variable for the trend to know."""
+TRENDS = 2
 """How often the trends are worked out, each time from states that follow them."""
 GUESSES = 12
 """How often the guess is enlarged before the checker gives up."""
@@ -405,7 +407,12 @@ def _with_trend(trial: Approach) -> Approach:
     least_mu = trial.scene.box[trial.scene.mu(ACTIVE)][0]
 
     def trend(rate: Dual) -> Trend:
-        own = {n: slope.mid() for n, slope in rate.slopes.items() if n in trial.lasting}
+        own = {
+            name: slope.mid()
+            for name, slope in rate.slopes.items()
+            if name in trial.lasting
+            and abs(slope) * whole(trial.free[name]).rad() > abs(rate.value) * SLIGHT
+        }
         middle = {name: point[name] for name in own}
         return Trend(rate.value.mid(), own, middle, rate.slopes["left"].mid())
 

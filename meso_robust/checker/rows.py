@@ -364,7 +364,7 @@ Of: TypeAlias = Callable[[Mapping[str, Rows], npt.NDArray[np.int64]], Rows]
 """A formula of the variables; for every column also which of the boxes it belongs to."""
 ROUGHLY = 0.3
 """How closely negative values are bounded, relative."""
-NARROWED = 2
+NARROWED = 1
 """How often variables are put to their ends before a box is judged."""
 
 
