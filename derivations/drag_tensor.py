@@ -271,11 +271,9 @@ def _centred() -> Claim:
                     sp.Subs(-INWARD, bend, sp.tan(angle_)),
                 ],
             ),
-            identity(
-                r"turn, pressing force and force along the edge, times $\hat F$",
-                [sp.Subs(turn, *here), sp.Subs(pressing, *here), sp.Subs(along, *here)],
-                [LEVER, PRESSING, TANGENTIAL],
-            ),
+            identity(r"turn, times $\hat F$", sp.Subs(turn, *here), LEVER),
+            identity(r"pressing force, times $\hat F$", sp.Subs(pressing, *here), PRESSING),
+            identity(r"force along the edge, times $\hat F$", sp.Subs(along, *here), TANGENTIAL),
             for_all(
                 r"$\hat F > 0$ with $\Delta > 0$, $|\gamma| < 1$",
                 [FLAT > 0, stretch < 1, stretch > -1],

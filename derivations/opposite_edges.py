@@ -27,8 +27,8 @@ q, W, kappa, drag_a, drag_n = sp.symbols("q W kappa drag_a drag_n", real=True)
 stretch, shear, bend, gap, p_D, tau, total = sp.symbols(
     "stretch shear bend gap p_D tau total", real=True
 )
-d_D, d_S, r_D, r_S, mu_D, mu_S, radii, width = sp.symbols(
-    "d_D d_S r_D r_S mu_D mu_S radii width", positive=True
+d_D, d_S, r_D, r_S, mu_D, mu_S, radii, width, room, clear = sp.symbols(
+    "d_D d_S r_D r_S mu_D mu_S radii width room clear", positive=True
 )
 along, across = sp.symbols("c s", real=True)
 """Cosine and sine of the direction of D's edge."""
@@ -36,6 +36,8 @@ CK, SK = sp.cos(kappa), sp.sin(kappa)
 APPROACH = across + bend * along
 """Speed of D against its edge, per travel."""
 WIDTH = d_D + r_D + (d_S + r_S) * CK - q * SK
+CLEAR = room + 2 * (d_S + r_S) * sp.sin(kappa / 2) ** 2 + q * SK
+"""V - W, by the room that V leaves beyond both radii and depths: the difference is small."""
 LAW = {along: (h * T - W * V) / (h**2 + V**2), across: (V * T + W * h) / (h**2 + V**2)}
 
 
@@ -146,8 +148,21 @@ def at_rest_tip() -> tuple[sp.Expr, sp.Expr]:
     return place, p_D - place * CK + far * SK
 
 
-def alone_rates() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
-    """Turn per closed gap, change of p_D per turn, closing speed by stiffness, pressing, stick ratio."""
+def turn_rolling() -> sp.Expr:
+    """Turn per travel while D alone pushes and its contact sticks."""
+    rate = sp.Symbol("rate", real=True)
+    arm = sp.Matrix([p_D - drag_a, d_D - drag_n])
+    at_D = sp.Matrix([bend * across - along, -APPROACH])
+    moves = at_D - rate * sp.Matrix([arm[1], -arm[0]])
+    force = sp.Matrix([[1 + stretch, shear], [shear, 1 - stretch]]) * moves
+    # no moment about the contact
+    moment = rho * rate - arm[1] * force[0] + arm[0] * force[1]
+    ahead = moment.subs(rate, 0)
+    return -ahead / sp.expand(sp.diff(moment, rate))
+
+
+def alone_rates() -> dict[str, sp.Expr]:
+    """What D alone does, by the names of the functions."""
     twist, stiff = alone()
     place, _ = at_rest_tip()
     far = d_S  # the edge's point under S
@@ -156,9 +171,21 @@ def alone_rates() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     closing = -(reached[0] * SK + reached[1] * CK)
     slip = moved(twist, sp.Matrix([p_D - drag_a, d_D - drag_n]))[0]
     slip += (along - bend * across) * stiff
-    creep = -slip - r_D * twist[2]
-    pressing = sp.diff(slip, tau)
-    return twist[2] / closing, creep / twist[2], closing, pressing, -slip.subs(tau, 0) / pressing
+    pressing, slip_alone = sp.diff(slip, tau), slip.subs(tau, 0)
+    rolls = turn_rolling()
+    # as the part's contact moves with D then
+    at_S = arm - sp.Matrix([p_D - drag_a, d_D - drag_n])
+    nears = (along - bend * across) * SK + APPROACH * CK
+    return {
+        "gap_per_turn": closing / twist[2],
+        "turn_rolling": rolls,
+        "gap_per_rolling": nears / rolls - at_S[1] * SK + at_S[0] * CK,
+        "creep_per_turn": (-slip - r_D * twist[2]) / twist[2],
+        "lever": p_D - drag_a + tau * (d_D - drag_n),
+        "pressing": pressing,
+        "slip_alone": slip_alone,
+        "stick_ratio": -slip_alone / pressing,
+    }
 
 
 def corner(ratio_D: sp.Expr, ratio_S: sp.Expr) -> tuple[sp.Expr, ...]:
@@ -205,10 +232,11 @@ def derive() -> Derivation:
         drag_n,
     )
     pushing += (rho, stretch, shear, bend)
+    sticking = (along, across, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend)
     ratios = [(i * mu_D, j * mu_S) for i in (-1, 1) for j in (-1, 1)]
     corners = [balance(*ratio) for ratio in ratios]
     stiff = alone()[1]
-    turn, creep, closing, pressing, stick = alone_rates()
+    rates = alone_rates()
     away, apart = at_rest_tip()
     touch = (along, across, p_D, V, gap, d_D, d_S, r_D, r_S, kappa)
     root = sp.sqrt(1 + mu**2)
@@ -224,10 +252,16 @@ def derive() -> Derivation:
                 meaning="W, m: distance of the centres of both tips across D's edge",
             ),
             "apart": Function(
-                arguments=(h, V, W),
-                results=(sp.sqrt(h**2 + V**2 - W**2),),
+                arguments=(h, clear, W),
+                results=(sp.sqrt(h**2 + clear * (clear + 2 * W)),),
                 unit="m",
                 meaning="T, m: distance of the centres of both tips along D's edge",
+            ),
+            "clear": Function(
+                arguments=(q, d_S, r_S, kappa, room),
+                results=(CLEAR,),
+                unit="m",
+                meaning="V - W, m, of the distance of the tips across the travel less both radii and depths",
             ),
             "direction": Function(
                 arguments=(h, V, W, T),
@@ -262,10 +296,13 @@ def derive() -> Derivation:
             ),
             "corner_forces": Function(
                 arguments=(*held, mu_D, mu_S),
-                results=(corners[0][2], corners[2][2], corners[0][1], corners[1][1]),
+                results=(
+                    *(corners[0][2], corners[2][2], corners[0][1], corners[1][1]),
+                    balance(sp.Integer(0), mu_S)[2],
+                ),
                 unit="m",
                 meaning="normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and "
-                "mu_S, over e_x and travel rate, times the grip",
+                "mu_S, then at S if D has no friction, over e_x and travel rate, times the grip",
             ),
             "corner_grips": Function(
                 arguments=(*held, mu_D, mu_S),
@@ -280,38 +317,51 @@ def derive() -> Derivation:
                 meaning="m^2: positive where D alone, at friction ratio tau, presses if it advances",
             ),
             "pressing": Function(
-                arguments=(along, across, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend),
-                results=(pressing,),
+                arguments=sticking,
+                results=(rates["pressing"],),
                 unit="m^2",
-                meaning="m^2: positive where D alone presses if it sticks",
+                meaning="m^2: positive where D alone presses if it sticks; what the slip grows by per ratio",
+            ),
+            "slip_alone": Function(
+                arguments=sticking,
+                results=(rates["slip_alone"],),
+                unit="m^2",
+                meaning="m^2: slip towards +a of the part over D that pushes alone without friction, per travel, "
+                "times the stiffness",
             ),
             "stick_ratio": Function(
-                arguments=(along, across, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend),
-                results=(stick,),
+                arguments=sticking,
+                results=(rates["stick_ratio"],),
                 unit="1",
                 meaning="friction ratio at which D alone sticks",
             ),
-            "closing": Function(
+            "gap_per_turn": Function(
                 arguments=(*pushing, tau),
-                results=(closing,),
-                unit="m^2",
-                meaning="m^2: speed per travel at which S's edge closes on S while D alone pushes at "
-                "friction ratio tau, times the stiffness",
+                results=(rates["gap_per_turn"],),
+                unit="m",
+                meaning="how much S's edge closes on S per turn while D alone pushes at friction ratio tau, m",
             ),
-            "turn_per_gap": Function(
-                arguments=(*pushing, tau),
-                results=(turn,),
+            "gap_per_rolling": Function(
+                arguments=pushing,
+                results=(rates["gap_per_rolling"],),
+                unit="m",
+                meaning="the same while the contact of D sticks, m",
+            ),
+            "turn_rolling": Function(
+                arguments=sticking,
+                results=(rates["turn_rolling"],),
                 unit="1/m",
-                meaning="turn per closed gap while D alone pushes at friction ratio tau",
+                meaning="turn per travel while D alone pushes and its contact sticks, rad/m",
             ),
             "creep_per_turn": Function(
                 arguments=(
                     *(along, across, p_D, d_D, r_D, drag_a, drag_n, rho, stretch, shear, bend),
                     tau,
                 ),
-                results=(creep,),
+                results=(rates["creep_per_turn"], rates["lever"]),
                 unit="m",
-                meaning="change of p_D per turn, m, while D alone pushes at friction ratio tau",
+                meaning="change of p_D per turn while D alone pushes at friction ratio tau, m; the lever by "
+                "which it turns the part, positive where it does so counter-clockwise, m",
             ),
             "passive_place": Function(
                 arguments=touch,
@@ -357,6 +407,11 @@ def _twists() -> Claim:
         r"$q' = s_S - r_S\theta'$, $s_S$ the slip at S, $e$ the bend of D's path.",
         hypotheses=("both tips touch their edges between the vertices", r"$T > 0$"),
         checks=(
+            identity(
+                r"$V - W$ and $T$ from the room",
+                [CLEAR + WIDTH - d_D - d_S - r_D - r_S, clear * (clear + 2 * W)],
+                [room, (clear + W) ** 2 - W**2],
+            ),
             identity(
                 "D's edge moves with D across itself",
                 moved(twist, arms()[0])[1],
@@ -463,6 +518,8 @@ def _contact_kept() -> Claim:
     xx, xy, xt, yy, yt, tt = entries
     drag = sp.Matrix([[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]])
     normal = still.cross(sliding)
+    slip_0, grows = sp.symbols("slip_0 grows", real=True)
+    rates = alone_rates()
     own_still, own_sliding = twists()
     unit = pushes(sp.zeros(2, 1), sp.Matrix([SK, CK]))
     facing = own_still.cross(own_sliding)
@@ -472,13 +529,16 @@ def _contact_kept() -> Claim:
         place="new; “both tips press” for any drag",
         derived=r"Let both numerators $-|w_D, EV_0, EV_1|$, $-|EV_0, w_S, EV_1|$ and the grip be positive for "
         r"all ratios of friction. Then no motion leaves a tip: D alone would press the part onto S, and S "
-        r"alone, which rests, moves nothing while D advances.",
+        r"alone, which rests, moves nothing while D advances. Of the force at S it is enough to know this at "
+        r"the ratios from $-\mu_D$ to 0, if D alone without friction would have the part slip towards $+a$, "
+        r"and more so with a larger ratio.",
         steps=(
             r"D alone: $E v = L_D w_D$; the speed of S's edge away from S is $n_S\cdot v = L_D\, n_S\cdot "
             r"E^{-1}w_D$. $V_0$ and $V_1$ keep S's edge on S, so $V_0\times V_1$ is a multiple of $n_S$, "
             r"and $|w_D, EV_0, EV_1| = |E|\,(E^{-1}w_D)\cdot(V_0\times V_1)$.",
             r"S alone: its force does no positive work on the part, as S rests, while the film takes all of "
             r"$v\cdot Ev$; so $v = 0$, and D would enter the part.",
+            r"Under a positive ratio the part must not slip towards $+a$; so D alone has none.",
         ),
         hypotheses=(
             FORCES,
@@ -496,6 +556,17 @@ def _contact_kept() -> Claim:
                 facing,
                 list(APPROACH / T * unit),
             ),
+            identity(
+                "the gap closed per turn while D alone pushes and sticks, from its ratio of friction",
+                rates["gap_per_rolling"],
+                rates["gap_per_turn"].subs(tau, rates["stick_ratio"]),
+            ),
+            for_all(
+                "D alone slips towards +a at every positive ratio if it does so at 0 and its slip grows with "
+                "the ratio",
+                [slip_0 > 0, grows >= 0, tau > 0],
+                slip_0 + grows * tau > 0,
+            ),
         ),
     )
 
@@ -512,6 +583,7 @@ def _existence() -> Claim:
     )
     f00, f01, f10, f11 = sp.symbols("g_00 g_01 g_10 g_11", real=True)
     i, j = sp.symbols("i j", real=True)
+    cut = sp.Symbol("r_c", real=True)
     between = f00 * (1 - i) * (1 - j) + f01 * (1 - i) * j + f10 * i * (1 - j) + f11 * i * j
     return Claim(
         key="opposite-edges-existence",
@@ -529,6 +601,9 @@ def _existence() -> Claim:
             r"sticks, then $(\mu_D, \mu_S)$ below both: one walk through the ratios.",
             r"The rate is continuous along the walk, as the grip does not vanish on the cones; so by the "
             r"intermediate value theorem some state holds.",
+            r"If S is pressed only up to a ratio $\tau_c > 0$ of D, and D alone would slip towards $+a$ there, "
+            r"cut D's cone at $\tau_c$: S carries nothing then, so D moves as it would alone, and the rate is "
+            r"above that at which it sticks. The walk ends there, and some state before holds.",
         ),
         hypotheses=(FORCES, "both tips stay on their edges"),
         checks=(
@@ -536,6 +611,16 @@ def _existence() -> Claim:
                 "one of the five states holds, whatever the rates at the corners and the thresholds",
                 [high >= low],
                 sp.Or(*states),
+            ),
+            for_all(
+                "D's cone is cut, and the rate there is above that at which D sticks, the larger one",
+                [high >= low, cut > high],
+                sp.Or(states[0], sp.And(first < high, cut > high)),
+            ),
+            for_all(
+                "D's cone is cut, and the rate there is above that at which D sticks, the smaller one",
+                [high >= low, cut > low],
+                sp.Or(*states[:3], sp.And(middle < low, cut > low)),
             ),
             for_all(
                 "what is of first degree in either ratio is positive on the cones if it is at the corners",

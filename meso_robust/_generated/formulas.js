@@ -188,8 +188,12 @@ const formulas = {
       return [d_D - q*Math.sin(kappa) + r_D + (d_S + r_S)*Math.cos(kappa)];
     },
     // T, m: distance of the centres of both tips along D's edge
-    apart(h, V, W) {
-      return [Math.sqrt(Math.pow(V, 2) - Math.pow(W, 2) + Math.pow(h, 2))];
+    apart(h, clear, W) {
+      return [Math.sqrt(clear*(2*W + clear) + Math.pow(h, 2))];
+    },
+    // V - W, m, of the distance of the tips across the travel less both radii and depths
+    clear(q, d_S, r_S, kappa, room) {
+      return [q*Math.sin(kappa) + room + (2*d_S + 2*r_S)*Math.pow(Math.sin((1/2)*kappa), 2)];
     },
     // cos and sin of the direction of D's edge while both tips touch
     direction(h, V, W, T) {
@@ -251,7 +255,7 @@ const formulas = {
       const x29 = d_D + x1*(d_S + r_S) + x11;
       return [-x28/x21, x21*(-T*(-bend*s + c) - x22*x29)/(T*x1 - x0*x29) + x28, -r_S*x21*x22/x19 + x28, -x21];
     },
-    // normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and mu_S, over e_x and travel rate, times the grip
+    // normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and mu_S, then at S if D has no friction, over e_x and travel rate, times the grip
     corner_forces(c, s, T, q, d_D, d_S, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, mu_D, mu_S) {
       const x0 = Math.sin(kappa);
       const x1 = r_S*x0;
@@ -279,13 +283,15 @@ const formulas = {
       const x23 = mu_D*(d_D + x8);
       const x24 = x11*x18 - x16*x21;
       const x25 = mu_D*(-x18*x22 + x19*x21);
-      const x26 = mu_S*x0;
-      const x27 = x26 + x4;
-      const x28 = mu_S*x4;
-      const x29 = x0 - x28;
-      const x30 = -x26 + x4;
-      const x31 = x0 + x28;
-      return [x16*x22 - x20 - x24*(T - x1 - x23) + x25, x16*x22 - x20 - x24*(T - x1 + x23) - x25, x19*x21*x29 - x20*x27 - x22*(-x16*x27 + x18*x29), x19*x21*x31 - x20*x30 - x22*(-x16*x30 + x18*x31)];
+      const x26 = T - x1;
+      const x27 = -x16*x22 + x20;
+      const x28 = mu_S*x0;
+      const x29 = x28 + x4;
+      const x30 = mu_S*x4;
+      const x31 = x0 - x30;
+      const x32 = -x28 + x4;
+      const x33 = x0 + x30;
+      return [x16*x22 - x20 - x24*(T - x1 - x23) + x25, -x24*(x23 + x26) - x25 - x27, x19*x21*x31 - x20*x29 - x22*(-x16*x29 + x18*x31), x19*x21*x33 - x20*x32 - x22*(-x16*x32 + x18*x33), -x24*x26 - x27];
     },
     // grip, m, at the same ratios: where positive the tips cannot close on the part
     corner_grips(c, s, T, q, d_D, d_S, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, mu_D, mu_S) {
@@ -325,12 +331,19 @@ const formulas = {
     stiffness(p_D, d_D, drag_a, drag_n, rho, stretch, shear, tau) {
       return [-rho*(-shear*tau - stretch - 1) + (-drag_a + p_D)*(-drag_a + p_D + tau*(d_D - drag_n))*(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1)];
     },
-    // m^2: positive where D alone presses if it sticks
+    // m^2: positive where D alone presses if it sticks; what the slip grows by per ratio
     pressing(c, s, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend) {
       const x0 = bend*c + s;
       const x1 = d_D - drag_n;
       const x2 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
       return [rho*x0*(1 - stretch) + x0*Math.pow(x1, 2)*x2 + (-bend*s + c)*(rho*shear + x1*x2*(-drag_a + p_D))];
+    },
+    // m^2: slip towards +a of the part over D that pushes alone without friction, per travel, times the stiffness
+    slip_alone(c, s, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend) {
+      const x0 = bend*c + s;
+      const x1 = -drag_a + p_D;
+      const x2 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      return [rho*shear*x0 + x0*x1*x2*(d_D - drag_n) + (-bend*s + c)*(-rho*(-stretch - 1) + Math.pow(x1, 2)*x2)];
     },
     // friction ratio at which D alone sticks
     stick_ratio(c, s, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend) {
@@ -343,38 +356,66 @@ const formulas = {
       const x6 = x1*x2*x5;
       return [(-x0*x4 - x0*x6 - x3*(-rho*(-stretch - 1) + x2*Math.pow(x5, 2)))/(rho*x0*(1 - stretch) + x0*Math.pow(x1, 2)*x2 + x3*(x4 + x6))];
     },
-    // m^2: speed per travel at which S's edge closes on S while D alone pushes at friction ratio tau, times the stiffness
-    closing(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, tau) {
-      const x0 = Math.sin(kappa);
-      const x1 = bend*c + s;
-      const x2 = rho*x1;
-      const x3 = Math.cos(kappa);
-      const x4 = 1/(c*x0 + s*x3);
-      const x5 = d_S + gap + r_S;
-      const x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5);
-      const x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1);
-      return [-x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6))];
+    // how much S's edge closes on S per turn while D alone pushes at friction ratio tau, m
+    gap_per_turn(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, tau) {
+      const x0 = bend*c + s;
+      const x1 = -drag_a + p_D + tau*(d_D - drag_n);
+      const x2 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x3 = Math.sin(kappa);
+      const x4 = rho*x0;
+      const x5 = Math.cos(kappa);
+      const x6 = 1/(c*x3 + s*x5);
+      const x7 = d_S + gap + r_S;
+      const x8 = -V - c*(d_D + r_D + x5*x7) + s*(p_D + x3*x7);
+      const x9 = x0*x1*x2;
+      return [(-x3*(x4*(shear + tau*(1 - stretch)) + x9*(-d_S*x5 - drag_n - x3*x6*x8)) - x5*(x4*(-shear*tau - stretch - 1) - x9*(-d_S*x3 - drag_a + x5*x6*x8)))/(x0*x1*x2)];
     },
-    // turn per closed gap while D alone pushes at friction ratio tau
-    turn_per_gap(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, tau) {
-      const x0 = Math.sin(kappa);
-      const x1 = bend*c + s;
-      const x2 = rho*x1;
-      const x3 = Math.cos(kappa);
-      const x4 = 1/(c*x0 + s*x3);
-      const x5 = d_S + gap + r_S;
-      const x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5);
-      const x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-Math.pow(shear, 2) - Math.pow(stretch, 2) + 1);
-      return [x7/(-x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6)))];
+    // the same while the contact of D sticks, m
+    gap_per_rolling(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend) {
+      const x0 = Math.cos(kappa);
+      const x1 = Math.sin(kappa);
+      const x2 = 1/(c*x1 + s*x0);
+      const x3 = d_S + gap + r_S;
+      const x4 = -V - c*(d_D + r_D + x0*x3) + s*(p_D + x1*x3);
+      const x5 = bend*c + s;
+      const x6 = bend*s - c;
+      const x7 = -x5;
+      const x8 = Math.pow(d_D, 2);
+      const x9 = Math.pow(drag_a, 2);
+      const x10 = Math.pow(drag_n, 2);
+      const x11 = Math.pow(p_D, 2);
+      const x12 = 2*d_D;
+      const x13 = drag_n*x12;
+      const x14 = 2*drag_a;
+      const x15 = p_D*x14;
+      const x16 = shear*x14;
+      const x17 = p_D*shear;
+      return [x0*(-d_S*x1 - p_D + x0*x2*x4) - x1*(-d_D - d_S*x0 - x1*x2*x4) + (x0*x5 - x1*x6)*(d_D*x16 - drag_n*x16 + 2*drag_n*x17 + rho + stretch*x10 - stretch*x11 - stretch*x13 + stretch*x15 + stretch*x8 - stretch*x9 + x10 + x11 - x12*x17 - x13 - x15 + x8 + x9)/((d_D - drag_n)*(shear*x7 + x6*(stretch + 1)) - (-drag_a + p_D)*(shear*x6 + x7*(1 - stretch)))];
     },
-    // change of p_D per turn, m, while D alone pushes at friction ratio tau
+    // turn per travel while D alone pushes and its contact sticks, rad/m
+    turn_rolling(c, s, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend) {
+      const x0 = -bend*c - s;
+      const x1 = bend*s - c;
+      const x2 = Math.pow(d_D, 2);
+      const x3 = Math.pow(drag_a, 2);
+      const x4 = Math.pow(drag_n, 2);
+      const x5 = Math.pow(p_D, 2);
+      const x6 = 2*d_D;
+      const x7 = drag_n*x6;
+      const x8 = 2*drag_a;
+      const x9 = p_D*x8;
+      const x10 = shear*x8;
+      const x11 = p_D*shear;
+      return [((d_D - drag_n)*(shear*x0 + x1*(stretch + 1)) - (-drag_a + p_D)*(shear*x1 + x0*(1 - stretch)))/(d_D*x10 - drag_n*x10 + 2*drag_n*x11 + rho + stretch*x2 - stretch*x3 + stretch*x4 - stretch*x5 - stretch*x7 + stretch*x9 - x11*x6 + x2 + x3 + x4 + x5 - x7 - x9)];
+    },
+    // change of p_D per turn while D alone pushes at friction ratio tau, m; the lever by which it turns the part, positive where it does so counter-clockwise, m
     creep_per_turn(c, s, p_D, d_D, r_D, drag_a, drag_n, rho, stretch, shear, bend, tau) {
       const x0 = bend*c + s;
       const x1 = d_D - drag_n;
       const x2 = -drag_a + p_D + tau*x1;
       const x3 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
       const x4 = x0*x2*x3;
-      return [(-r_D*x4 - rho*x0*(shear + tau*(1 - stretch)) - x1*x4 - (-bend*s + c)*(-rho*(-shear*tau - stretch - 1) + x2*x3*(-drag_a + p_D)))/(x0*x2*x3)];
+      return [(-r_D*x4 - rho*x0*(shear + tau*(1 - stretch)) - x1*x4 - (-bend*s + c)*(-rho*(-shear*tau - stretch - 1) + x2*x3*(-drag_a + p_D)))/(x0*x2*x3), x2];
     },
     // q and T, m, while S's edge is gap away from S and D touches at p_D
     passive_place(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa) {

@@ -16,10 +16,17 @@ def width(ops: Any, q: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any) 
     )
 
 
-def apart(ops: Any, h: Any, V: Any, W: Any) -> tuple[Any, ...]:
+def apart(ops: Any, h: Any, clear: Any, W: Any) -> tuple[Any, ...]:
     """Return T, m: distance of the centres of both tips along D's edge."""
     return (
-        ops.sqrt(V**2 - W**2 + h**2),
+        ops.sqrt(clear*(2*W + clear) + h**2),
+    )
+
+
+def clear(ops: Any, q: Any, d_S: Any, r_S: Any, kappa: Any, room: Any) -> tuple[Any, ...]:
+    """Return V - W, m, of the distance of the tips across the travel less both radii and depths."""
+    return (
+        q*ops.sin(kappa) + room + (2*d_S + 2*r_S)*ops.sin((1/2)*kappa)**2,
     )
 
 
@@ -105,7 +112,7 @@ def corner(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_D: An
 
 
 def corner_forces(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu_D: Any, mu_S: Any) -> tuple[Any, ...]:
-    """Return normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and mu_S, over e_x and travel rate, times the grip."""
+    """Return normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and mu_S, then at S if D has no friction, over e_x and travel rate, times the grip."""
     x0 = ops.sin(kappa)
     x1 = r_S*x0
     x2 = 1/T
@@ -132,17 +139,20 @@ def corner_forces(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, 
     x23 = mu_D*(d_D + x8)
     x24 = x11*x18 - x16*x21
     x25 = mu_D*(-x18*x22 + x19*x21)
-    x26 = mu_S*x0
-    x27 = x26 + x4
-    x28 = mu_S*x4
-    x29 = x0 - x28
-    x30 = -x26 + x4
-    x31 = x0 + x28
+    x26 = T - x1
+    x27 = -x16*x22 + x20
+    x28 = mu_S*x0
+    x29 = x28 + x4
+    x30 = mu_S*x4
+    x31 = x0 - x30
+    x32 = -x28 + x4
+    x33 = x0 + x30
     return (
         x16*x22 - x20 - x24*(T - x1 - x23) + x25,
-        x16*x22 - x20 - x24*(T - x1 + x23) - x25,
-        x19*x21*x29 - x20*x27 - x22*(-x16*x27 + x18*x29),
-        x19*x21*x31 - x20*x30 - x22*(-x16*x30 + x18*x31),
+        -x24*(x23 + x26) - x25 - x27,
+        x19*x21*x31 - x20*x29 - x22*(-x16*x29 + x18*x31),
+        x19*x21*x33 - x20*x32 - x22*(-x16*x32 + x18*x33),
+        -x24*x26 - x27,
     )
 
 
@@ -194,12 +204,22 @@ def stiffness(ops: Any, p_D: Any, d_D: Any, drag_a: Any, drag_n: Any, rho: Any, 
 
 
 def pressing(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any) -> tuple[Any, ...]:
-    """Return m^2: positive where D alone presses if it sticks."""
+    """Return m^2: positive where D alone presses if it sticks; what the slip grows by per ratio."""
     x0 = bend*c + s
     x1 = d_D - drag_n
     x2 = -shear**2 - stretch**2 + 1
     return (
         rho*x0*(1 - stretch) + x0*x1**2*x2 + (-bend*s + c)*(rho*shear + x1*x2*(-drag_a + p_D)),
+    )
+
+
+def slip_alone(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any) -> tuple[Any, ...]:
+    """Return m^2: slip towards +a of the part over D that pushes alone without friction, per travel, times the stiffness."""
+    x0 = bend*c + s
+    x1 = -drag_a + p_D
+    x2 = -shear**2 - stretch**2 + 1
+    return (
+        rho*shear*x0 + x0*x1*x2*(d_D - drag_n) + (-bend*s + c)*(-rho*(-stretch - 1) + x1**2*x2),
     )
 
 
@@ -217,38 +237,69 @@ def stick_ratio(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, drag_a: Any, drag_
     )
 
 
-def closing(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
-    """Return m^2: speed per travel at which S's edge closes on S while D alone pushes at friction ratio tau, times the stiffness."""
-    x0 = ops.sin(kappa)
-    x1 = bend*c + s
-    x2 = rho*x1
-    x3 = ops.cos(kappa)
-    x4 = 1/(c*x0 + s*x3)
-    x5 = d_S + gap + r_S
-    x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5)
-    x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-shear**2 - stretch**2 + 1)
+def gap_per_turn(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
+    """Return how much S's edge closes on S per turn while D alone pushes at friction ratio tau, m."""
+    x0 = bend*c + s
+    x1 = -drag_a + p_D + tau*(d_D - drag_n)
+    x2 = -shear**2 - stretch**2 + 1
+    x3 = ops.sin(kappa)
+    x4 = rho*x0
+    x5 = ops.cos(kappa)
+    x6 = 1/(c*x3 + s*x5)
+    x7 = d_S + gap + r_S
+    x8 = -V - c*(d_D + r_D + x5*x7) + s*(p_D + x3*x7)
+    x9 = x0*x1*x2
     return (
-        -x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6)),
+        (-x3*(x4*(shear + tau*(1 - stretch)) + x9*(-d_S*x5 - drag_n - x3*x6*x8)) - x5*(x4*(-shear*tau - stretch - 1) - x9*(-d_S*x3 - drag_a + x5*x6*x8)))/(x0*x1*x2),
     )
 
 
-def turn_per_gap(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
-    """Return turn per closed gap while D alone pushes at friction ratio tau."""
-    x0 = ops.sin(kappa)
-    x1 = bend*c + s
-    x2 = rho*x1
-    x3 = ops.cos(kappa)
-    x4 = 1/(c*x0 + s*x3)
-    x5 = d_S + gap + r_S
-    x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x0*x5)
-    x7 = x1*(-drag_a + p_D + tau*(d_D - drag_n))*(-shear**2 - stretch**2 + 1)
+def gap_per_rolling(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any) -> tuple[Any, ...]:
+    """Return the same while the contact of D sticks, m."""
+    x0 = ops.cos(kappa)
+    x1 = ops.sin(kappa)
+    x2 = 1/(c*x1 + s*x0)
+    x3 = d_S + gap + r_S
+    x4 = -V - c*(d_D + r_D + x0*x3) + s*(p_D + x1*x3)
+    x5 = bend*c + s
+    x6 = bend*s - c
+    x7 = -x5
+    x8 = d_D**2
+    x9 = drag_a**2
+    x10 = drag_n**2
+    x11 = p_D**2
+    x12 = 2*d_D
+    x13 = drag_n*x12
+    x14 = 2*drag_a
+    x15 = p_D*x14
+    x16 = shear*x14
+    x17 = p_D*shear
     return (
-        x7/(-x0*(x2*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x0*x4*x6)) - x3*(x2*(-shear*tau - stretch - 1) - x7*(-d_S*x0 - drag_a + x3*x4*x6))),
+        x0*(-d_S*x1 - p_D + x0*x2*x4) - x1*(-d_D - d_S*x0 - x1*x2*x4) + (x0*x5 - x1*x6)*(d_D*x16 - drag_n*x16 + 2*drag_n*x17 + rho + stretch*x10 - stretch*x11 - stretch*x13 + stretch*x15 + stretch*x8 - stretch*x9 + x10 + x11 - x12*x17 - x13 - x15 + x8 + x9)/((d_D - drag_n)*(shear*x7 + x6*(stretch + 1)) - (-drag_a + p_D)*(shear*x6 + x7*(1 - stretch))),
+    )
+
+
+def turn_rolling(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any) -> tuple[Any, ...]:
+    """Return turn per travel while D alone pushes and its contact sticks, rad/m."""
+    x0 = -bend*c - s
+    x1 = bend*s - c
+    x2 = d_D**2
+    x3 = drag_a**2
+    x4 = drag_n**2
+    x5 = p_D**2
+    x6 = 2*d_D
+    x7 = drag_n*x6
+    x8 = 2*drag_a
+    x9 = p_D*x8
+    x10 = shear*x8
+    x11 = p_D*shear
+    return (
+        ((d_D - drag_n)*(shear*x0 + x1*(stretch + 1)) - (-drag_a + p_D)*(shear*x1 + x0*(1 - stretch)))/(d_D*x10 - drag_n*x10 + 2*drag_n*x11 + rho + stretch*x2 - stretch*x3 + stretch*x4 - stretch*x5 - stretch*x7 + stretch*x9 - x11*x6 + x2 + x3 + x4 + x5 - x7 - x9),
     )
 
 
 def creep_per_turn(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, r_D: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
-    """Return change of p_D per turn, m, while D alone pushes at friction ratio tau."""
+    """Return change of p_D per turn while D alone pushes at friction ratio tau, m; the lever by which it turns the part, positive where it does so counter-clockwise, m."""
     x0 = bend*c + s
     x1 = d_D - drag_n
     x2 = -drag_a + p_D + tau*x1
@@ -256,6 +307,7 @@ def creep_per_turn(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, r_D: Any, drag_
     x4 = x0*x2*x3
     return (
         (-r_D*x4 - rho*x0*(shear + tau*(1 - stretch)) - x1*x4 - (-bend*s + c)*(-rho*(-shear*tau - stretch - 1) + x2*x3*(-drag_a + p_D)))/(x0*x2*x3),
+        x2,
     )
 
 

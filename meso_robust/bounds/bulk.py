@@ -81,20 +81,24 @@ class Program(NamedTuple):
     """(slots, 2, BLOCK) scratch for them."""
 
 
-def program(of: Bounded) -> Program:
+def program(of: Bounded, boxes: int = BLOCK) -> Program:
     """Lay out a function for the kernels.
 
     Parameters
     ----------
     of
         The function.
+    boxes
+        How many boxes are evaluated together at most: scratch that is never touched costs time too,
+        and :func:`bound_box` needs four an output.
 
     Returns
     -------
     Program
         With scratch of its own, which must not be shared between threads.
     """
-    block_lo, block_hi = np.empty((2, of.values.inputs, BLOCK))
+    used = min(boxes, BLOCK)
+    block_lo, block_hi = np.empty((2, of.values.inputs, used))
     return Program(
         code=of.values.code,
         constant=of.values.constant,
@@ -105,7 +109,7 @@ def program(of: Bounded) -> Program:
         value=np.empty((of.values.outputs, 2)),
         block_lo=block_lo,
         block_hi=block_hi,
-        block=np.empty((of.values.slots, 2, BLOCK)),
+        block=np.empty((of.values.slots, 2, used)),
     )
 
 
@@ -346,5 +350,6 @@ def enclose_many(
     """
     lower, upper = np.empty((2, lo.shape[0], of.values.outputs))
     kernel = _enclose_natural if natural else _enclose_each
-    kernel(program(of), np.ascontiguousarray(lo), np.ascontiguousarray(hi), lower, upper)
+    scratch = program(of, lo.shape[0]) if natural else program(of)
+    kernel(scratch, np.ascontiguousarray(lo), np.ascontiguousarray(hi), lower, upper)
     return lower, upper

@@ -82,6 +82,8 @@ class Implicit:
     """The same -> rates, and their slopes in every parameter at a fixed clock."""
     residual: Bounded
     """(parameters, constants, end, integrals) -> residual, and its total slope in the end."""
+    rough: Bounded
+    """(parameters, constants, end) -> the same with midpoint sums for the integrals: no proof."""
     values: Bounded
     """(parameters, constants, end, integrals) -> outputs."""
     slopes: Bounded
@@ -166,6 +168,9 @@ def implicit(
     end_p = -residual_p / end_slope
     y_p = along(y) + (ca.jacobian(y, end) + ca.jacobian(y, total) @ by_end) @ end_p
     here = (p, c, end, way)
+    middles = _pieces(middle=True)[0].tolist()
+    sums = ca.vertcat(*(ca.substitute(integrand, way, at).T for at in middles))
+    about = ca.substitute([residual, end_slope], [total], [ca.sum1(sums).T / PIECES])
     bend = ca.jacobian(ca.jacobian(integrand, way), way)  # each rate by the way alone
     return Implicit(
         parameters=tuple(parameters),
@@ -179,6 +184,7 @@ def implicit(
             f"{name}: slopes on the way", here, (integrand, ca.vertcat(*slopes).T)
         ),
         residual=_prepared(f"{name}: end", (p, c, end, total), (residual, end_slope)),
+        rough=_prepared(f"{name}: about the end", (p, c, end), about),
         values=_prepared(f"{name}: outputs", (p, c, end, total), (y,)),
         slopes=_prepared(
             f"{name}: slopes",
@@ -220,13 +226,18 @@ class _Rows:
 
     def columns(self, *more: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
         """Ends of the boxes as the tapes take them, followed by ``more``."""
-        rows = self.lo.shape[0]
-        lower = [self.lo, np.broadcast_to(self.constants[0], (rows, self.constants.shape[1]))]
-        upper = [self.hi, np.broadcast_to(self.constants[1], (rows, self.constants.shape[1]))]
-        for low, high in more:
-            lower.append(low.reshape(rows, -1))
-            upper.append(high.reshape(rows, -1))
-        return np.hstack(lower), np.hstack(upper)
+        rows, inner = self.lo.shape
+        known = inner + self.constants.shape[1]
+        width = known + sum(low.size for low, _ in more) // rows
+        both = np.empty((2, rows, width))
+        both[0, :, :inner], both[1, :, :inner] = self.lo, self.hi
+        both[:, :, inner:known] = self.constants[:, None, :]
+        for ends in more:
+            used = ends[0].size // rows
+            both[0, :, known : known + used] = ends[0].reshape(rows, used)
+            both[1, :, known : known + used] = ends[1].reshape(rows, used)
+            known += used
+        return both[0], both[1]
 
     def middles(self) -> _Rows:
         """One point of each box."""
@@ -292,24 +303,28 @@ def _integrals(of: Implicit, rows: _Rows, end: tuple[Floats, Floats]) -> tuple[F
     return _mean(low, high)
 
 
-def _newton(of: Implicit, rows: _Rows, guess: Floats) -> Floats:
-    """Ends at points, in plain numbers: a start for proofs. NaN where none is found."""
-    end, exact = guess, False
+def _newton(of: Implicit, rows: _Rows, guess: Floats, *, exact: bool = False) -> Floats:
+    """Ends at points, in plain numbers: a start for proofs. NaN where none is found.
+
+    With ``exact`` a step more is made, with the errors of the midpoint sums taken off.
+    """
+    end = guess
     for _ in range(STEPS):
-        if exact:
-            total = _integrals(of, rows, (end, end))
-        else:
-            total = _over_way(of.rate, rows, (end, end), middle=True)
-            total = total[0].mean(1), total[1].mean(1)
-        low, high = enclose_many(of.residual, *rows.columns((end, end), total), natural=True)
-        with np.errstate(all="ignore"):
-            step = (low[:, 0] + high[:, 0]) / (low[:, 1] + high[:, 1])
-        end = end - np.clip(step, -LONGEST_STEP, LONGEST_STEP)
-        largest = float(np.max(np.abs(step)))
-        if exact or not largest < np.inf:
+        low, high = enclose_many(of.rough, *rows.columns((end, end)), natural=True)
+        end, largest = _stepped(end, low, high)
+        if not SETTLED <= largest < np.inf:
             break
-        exact = largest < SETTLED  # one step more, with the sums' errors taken off
+    if exact:
+        total = _integrals(of, rows, (end, end))
+        low, high = enclose_many(of.residual, *rows.columns((end, end), total), natural=True)
+        end, _ = _stepped(end, low, high)
     return end
+
+
+def _stepped(end: Floats, low: Floats, high: Floats) -> tuple[Floats, float]:
+    with np.errstate(all="ignore"):
+        step = (low[:, 0] + high[:, 0]) / (low[:, 1] + high[:, 1])
+    return end - np.clip(step, -LONGEST_STEP, LONGEST_STEP), float(np.max(np.abs(step)))
 
 
 def _residual(of: Implicit, rows: _Rows, end: Floats) -> tuple[Floats, Floats]:
@@ -343,11 +358,19 @@ def _slopes(of: Implicit, rows: _Rows, end: tuple[Floats, Floats]) -> _Slopes:
     most = np.maximum(np.abs(lower), np.abs(upper))
     _, most = _mean(most, most)
     low, high = np.where(mixed, -most, low), np.where(mixed, most, high)
-    if k > 1:  # an instant may be on the way of one integral and not on that of another
-        low = np.where(np.tile(of.history, k), np.minimum(low, 0.0), low)
-        high = np.where(np.tile(of.history, k), np.maximum(high, 0.0), high)
-    columns = rows.columns(end, total, (low, high))
-    found = enclose_many(of.slopes, *columns, natural=True)
+    changing = np.tile(of.history, k) & (k > 1)
+    # an instant may be on the way of one integral and not on that of another
+    alone = (
+        np.where(changing, np.minimum(low, 0.0), low),
+        np.where(changing, np.maximum(high, 0.0), high),
+    )
+    found = enclose_many(of.slopes, *rows.columns(end, total, alone), natural=True)
+    if changing.any():
+        # without one sign for each of them, one may act against the other: sizes count, not the sum
+        sizes = np.where(changing, -most, low), np.where(changing, most, high)
+        apart = enclose_many(of.slopes, *rows.columns(end, total, sizes), natural=True)
+        undecided = (found[0] < 0.0) & (found[1] > 0.0)
+        found = np.where(undecided, apart[0], found[0]), np.where(undecided, apart[1], found[1])
     return _Slopes(
         end=(found[0][:, 0], found[1][:, 0]),
         residual=(found[0][:, 1 : n + 1], found[1][:, 1 : n + 1]),
@@ -414,7 +437,12 @@ def bound(
 
 
 def bound_slices(
-    of: Implicit, box: Box, guess: float, along: str, count: int, both: Sequence[str]
+    of: Implicit,
+    box: Box,
+    guess: float,
+    along: str,
+    slices: Sequence[tuple[float, float]],
+    both: Sequence[str],
 ) -> tuple[Ends, ...]:
     """Bound outputs over slices of a box, all of them at once.
 
@@ -422,8 +450,8 @@ def bound_slices(
     ----------
     of, box, guess, both
         As for `bound`.
-    along, count
-        The parameter whose range is sliced, and into how many slices of one width.
+    along, slices
+        A parameter, and ends of the slices of its range.
 
     Returns
     -------
@@ -435,11 +463,9 @@ def bound_slices(
     found = None if middle is None else _all_ends(of, rows, middle)
     if found is None:
         return ()
-    side, slices = of.parameters.index(along), rows.repeated(count)
-    cuts = np.linspace(rows.lo[0, side], rows.hi[0, side], count + 1)
-    cuts[0], cuts[-1] = rows.lo[0, side], rows.hi[0, side]  # linspace rounds
-    slices.lo[:, side], slices.hi[:, side] = cuts[:-1], cuts[1:]
-    return _bounded(of, slices, *found, both, ())
+    side, parts = of.parameters.index(along), rows.repeated(len(slices))
+    parts.lo[:, side], parts.hi[:, side] = np.transpose(slices)
+    return _bounded(of, parts, *found, both, ())
 
 
 def _finite_middle(of: Implicit, rows: _Rows, guess: float) -> Floats | None:
@@ -464,7 +490,7 @@ def at_middle(of: Implicit, box: Box, guess: float) -> dict[str, float]:
         By name, and the end as ``end``; NaN where there is none.
     """
     point = _rows(of, box).middles()
-    end = _newton(of, point, np.array([guess]))
+    end = _newton(of, point, np.array([guess]), exact=True)
     total = _integrals(of, point, (end, end))
     low, high = enclose_many(of.values, *point.columns((end, end), total), natural=True)
     with np.errstate(invalid="ignore"):
@@ -652,7 +678,7 @@ def _extremes(
             steep[part][open_] = closer.end[part]
             within[part][open_] = (low, high)[part]
     points = rows.middles()
-    start = _newton(of, points, start)
+    start = _newton(of, points, start, exact=True)
     at = _end_at(of, points, start, (within[0], within[1]), (steep[0], steep[1]))
     low, high = enclose_many(
         of.values, *points.columns(at, _integrals(of, points, at)), natural=True

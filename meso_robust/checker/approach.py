@@ -29,25 +29,30 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from flint import arb
 
 from meso_robust.checker import statement as st
-from meso_robust.checker.contact import off_line, place_on_edge
+from meso_robust.checker.contact import place_on_edge
 from meso_robust.checker.dual import Dual, Number, Point
 from meso_robust.checker.film import EVEN, Arm, Film
+from meso_robust.checker.grip import tight
 from meso_robust.checker.ids import Must, Objection, named
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Pose, Sweep
 from meso_robust.checker.pushing import UNIT, on_edge
-from meso_robust.checker.ranges import ZERO, Box, Side, positive, span
+from meso_robust.checker.ranges import ZERO, Box, Side, halved, positive, span, whole
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
 from meso_robust.checker.scene import Scene, direction
 
 NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 20.0, 1e-2, 1e-2
 """How closely the rates are bounded: 1/m, 1 and 1."""
+HALVED = 3
+"""How often parts of the orientations are tried, twice as many each time."""
+TRENDS = 3
+"""How often the trends are worked out, each time from states that follow them."""
 GUESSES = 12
 """How often the guess is enlarged before the checker gives up."""
 START = (arb(0), arb(0))
@@ -120,14 +125,46 @@ class State:
     @property
     def turn(self) -> Dual:
         """Turn per closed gap, 1/m."""
-        return self.lever / self.closing
+        return tight(self.lever) / tight(self.closing)
 
     @property
     def creep(self) -> Dual:
         """Way of the tip along its edge per closed gap, without the rolling."""
         f, g = self.film.along(self.c, self.s)
         under = self.lever * self.arm.d1 + self.film.rho * self._drag[1]
-        return -(f / g * self.pressing + under) / self.closing
+        return -tight(tight(f / g) * tight(self.pressing) + under) / tight(self.closing)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Trend:
+    """What a rate is thought to be: linear in what is constant during the run and in the way.
+
+    Any will do; what rates differ from it is bounded.
+    """
+
+    value: arb
+    slopes: Mapping[str, arb]
+    middle: Mapping[str, arb]
+    along: arb
+    """Change per share of the gap that is left."""
+
+    def rate(self, at: Point) -> Dual:
+        """The rate at an instant."""
+        return self._constant(at) + (at["left"] - HALF) * self.along
+
+    def mean(self, at: Point, left: Number) -> Dual:
+        """Its mean until a share of the gap is ``left``."""
+        return self._constant(at) + left * HALF * self.along
+
+    def _constant(self, at: Point) -> Dual:
+        found = at["gap"] * 0 + self.value
+        for name, slope in self.slopes.items():
+            found = found + (at[name] - self.middle[name]) * slope
+        return found
+
+
+NO_TREND = Trend(ZERO, {}, {}, ZERO)
+HALF = arb(0.5)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -138,16 +175,26 @@ class Approach:
     free: Box
     """The variables of the move, and the first gap as one of them."""
     turn: Side
-    """Bounds of the turn per closed gap, 1/m."""
+    """Bounds of the turn per closed gap less its trend, 1/m."""
     creep: Side
-    """Bounds of the way of the tip along its edge per closed gap."""
+    """Bounds of the way of the tip along its edge per closed gap less its trend."""
     ratio: Side
     """Bounds of the friction ratio k."""
+    turn_trend: Trend = NO_TREND
+    creep_trend: Trend = NO_TREND
 
     @property
     def scene(self) -> Scene:
         """The move."""
         return self.pair.scene
+
+    @property
+    def lasting(self) -> frozenset[str]:
+        """Variables that are constant during the run and not exact."""
+        own = {"left", "turn", "creep", "k", "stray", EARLIER, *self.pair.instants()}
+        return frozenset(
+            n for n, (low, high) in self.free.items() if low is not high and n not in own
+        )
 
     def box(self) -> Box:
         """The variables: those above, the share of the gap that is left, k and the mean rates."""
@@ -156,7 +203,7 @@ class Approach:
 
     def box_at_touch(self) -> Box:
         """The same when it is closed."""
-        box = {**self.box(), "part": UNIT}
+        box = {**self.box(), "part": UNIT, "whole": self.turn}
         if "stray" in box:
             box[EARLIER] = box["stray"]
         if not self.pair.parallel:
@@ -171,18 +218,20 @@ class Approach:
 
     def angle(self, at: Point) -> Dual:
         """Direction of the edge."""
-        return self.scene.angle(at) + at["turn"] * (1 - at["left"]) * at["gap"]
+        return self.scene.angle(at) + self._turned(at)
+
+    def _turned(self, at: Point) -> Dual:
+        """Turn since the first touch."""
+        mean = self.turn_trend.mean(at, at["left"]) + at["turn"]
+        return mean * (1 - at["left"]) * at["gap"]
 
     def place(self, at: Point) -> Dual:
         """The active tip on its edge."""
-        closed = (1 - at["left"]) * at["gap"]
-        return self._moved(at, at["turn"] * closed, at["creep"] * closed)
-
-    def _moved(self, at: Point, turned: Dual, crept: Dual) -> Dual:
-        first = self.first(at) + crept
+        mean = self.creep_trend.mean(at, at["left"]) + at["creep"]
+        place = self.first(at) + mean * (1 - at["left"]) * at["gap"]
         if self.pair.exact("radius_lower"):
-            return first
-        return first - at["radius_lower"] * turned
+            return place
+        return place - at["radius_lower"] * self._turned(at)
 
     def first(self, at: Point) -> Dual:
         """That place at the first touch."""
@@ -206,11 +255,11 @@ class Approach:
             b = (place * s - (near + out) * c - apart) / (s + c * tilt)
             out = out + b * tilt
         return State(
-            c=c,
-            s=s,
-            place=place,
-            b=b,
-            out=out,
+            c=tight(c),
+            s=tight(s),
+            place=tight(place),
+            b=tight(b),
+            out=tight(out),
             film=self.scene.film(at),
             depth=at["depth"],
             tilt=tilt,
@@ -257,13 +306,14 @@ class Approach:
         the gap times mean rates: those of one state before, as the mean is that of one function.
         """
         start, now = self.scene.angle(at), self._earlier(at)
-        h, T, *_ = self._level(at, start)
+        h, T, *_ = map(tight, self._level(at, start))
         first = barrier(h)[0] + self.first(at) - T
-        h, T, s = self._level(at, start + at["part"] * at["turn"] * at["gap"])
-        steep = (barrier(h)[1] * T + h) / s
+        whole = self.turn_trend.mean(at, 0) + at["whole"]
+        h, T, s = map(tight, self._level(at, start + at["part"] * whole * at["gap"]))
+        steep = (tight(barrier(h)[1]) * T + h) / s
         if not self.pair.exact("radius_lower"):
             steep = steep - at["radius_lower"]
-        return first + at["gap"] * (now.creep + steep * now.turn)
+        return first + at["gap"] * tight(tight(now.creep) + tight(steep) * tight(now.turn))
 
     def requirements(self) -> list[Requirement]:
         """What is asked of every visited state."""
@@ -308,17 +358,36 @@ def _at_first(part: Part) -> Part:
     return Part(part.variables, {**part.box, "left": (arb(1), arb(1))})
 
 
-def approach(pair: Pair) -> Approach:
+def approaches(pair: Pair) -> tuple[Approach, ...]:
     """Confirm bounds of the rates until the part rests on the passive tip.
+
+    Where they cannot be for all parts at once they are for parts of the orientations.
 
     Raises
     ------
     Refused
         No guess could be confirmed.
     """
-    free = {**pair.box, "gap": span(functools.partial(_gap, pair), pair.box, within=1e-9)}
+    pairs = [pair]
+    for _ in range(HALVED):
+        try:
+            return tuple(map(_approach, pairs))
+        except Refused as refused:
+            last = refused
+        pairs = [
+            Pair(dataclasses.replace(one.scene, box=half))
+            for one in pairs
+            for half in halved(one.scene.box, "theta")
+        ]
+    raise last
+
+
+def _approach(pair: Pair) -> Approach:
+    free = {**pair.box, "gap": span(pair.first_gap, pair.box, within=1e-9)}
     free |= {name: side for name, side in pair.instants().items() if name == "stray"}
     trial = Approach(pair, free, START, START, START)
+    for _ in range(TRENDS):
+        trial = _with_trend(trial)
     for _ in range(GUESSES):
         found = _follows(trial)
         if _inside(found.turn, trial.turn) and _inside(found.creep, trial.creep):
@@ -327,12 +396,35 @@ def approach(pair: Pair) -> Approach:
     raise Refused(named(Objection.COMES_TO_REST), "bounded rates", "no bound")
 
 
-def _gap(pair: Pair, at: Point) -> Dual:
-    """Distance of the passive tip from the far edge before the move."""
-    angle = pair.scene.angle(at)
-    turned = pair.turned(at)
-    c, s = direction(angle if turned is None else angle + turned)
-    return -off_line(c, s, *pair.passive(at)) - pair.depth_far(at) - at["radius_passive"]
+def _with_trend(trial: Approach) -> Approach:
+    """With the trends of the rates at the middle of all variables."""
+    point = {name: whole(side).mid() for name, side in trial.box().items()}
+    ratio = _ratio_at(trial, point)
+    at = {name: Dual(value, {name: arb(1)}) for name, value in {**point, "k": ratio}.items()}
+    state = trial.state({**at, "left": Dual(HALF, {"left": arb(1)})})
+    least_mu = trial.scene.box[trial.scene.mu(ACTIVE)][0]
+
+    def trend(rate: Dual) -> Trend:
+        own = {n: slope.mid() for n, slope in rate.slopes.items() if n in trial.lasting}
+        middle = {name: point[name] for name in own}
+        return Trend(rate.value.mid(), own, middle, rate.slopes["left"].mid())
+
+    slides = not abs(ratio) < least_mu  # a tip that sticks does not creep
+    return dataclasses.replace(
+        trial,
+        turn_trend=trend(state.turn),
+        creep_trend=trend(state.creep) if slides else NO_TREND,
+    )
+
+
+def _ratio_at(trial: Approach, point: Mapping[str, arb]) -> arb:
+    """The friction ratio at the middle of all variables."""
+    now = trial.state(
+        {**{n: Dual(v) for n, v in point.items()}, "left": Dual(HALF), "k": Dual(ZERO)}
+    )
+    sticking = (now.arm.shear(now.c, now.s) / now.arm.press(now.c, now.s)).value.mid()
+    mu = point[trial.scene.mu(ACTIVE)]
+    return sticking.max(-mu).min(mu)
 
 
 def _follows(trial: Approach) -> Approach:
@@ -343,13 +435,20 @@ def _follows(trial: Approach) -> Approach:
     for rate in ("pressing", "closing"):
         if not positive(functools.partial(_rate, trial, rate), box):
             raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", rate)
-    turn = span(functools.partial(_rate, trial, "turn"), box, within=NEAR_TURN)
-    low, high = span(functools.partial(_rate, trial, "creep"), box, within=NEAR_CREEP)
+
+    def off_trend(rate: str, trend: Trend, at: Point) -> Dual:
+        return _rate(trial, rate, at) - trend.rate(at)
+
+    of = functools.partial(off_trend, "turn", trial.turn_trend)
+    turn = span(of, box, within=NEAR_TURN)
+    of = functools.partial(off_trend, "creep", trial.creep_trend)
+    low, high = span(of, box, within=NEAR_CREEP)
     least_mu = trial.scene.box[trial.scene.mu(ACTIVE)][0]
-    if ratio[1] < least_mu:  # it never slides towards +a
-        high = high.min(ZERO)
-    if ratio[0] > -least_mu:
-        low = low.max(ZERO)
+    if trial.creep_trend is NO_TREND:
+        if ratio[1] < least_mu:  # it never slides towards +a
+            high = high.min(ZERO)
+        if ratio[0] > -least_mu:
+            low = low.max(ZERO)
     return dataclasses.replace(trial, turn=turn, creep=(low, high))
 
 

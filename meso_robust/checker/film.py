@@ -139,4 +139,4 @@ class Arm:
 
 
 def _squared(value: Number) -> Number:
-    return value.squared() if isinstance(value, Dual) else value * value
+    return value * value if isinstance(value, arb | int) else value.squared()

@@ -35,17 +35,19 @@ contact of S is from its centre along ``n``.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+import numpy as np
 from flint import arb
 
 from meso_robust.checker.dual import Dual
 from meso_robust.checker.film import EVEN
+from meso_robust.checker.rows import Rows
 
 Real: TypeAlias = Any
-"""A :data:`~meso_robust.checker.dual.Number` in a proof; a float where barriers are looked for."""
+"""A :data:`~meso_robust.checker.dual.Number` or :class:`~meso_robust.checker.rows.Rows` in a proof;
+a float or an array where barriers are looked for."""
 
 
 ZERO = arb(0)
@@ -134,8 +136,6 @@ class Grip:
     """Ahead of which tip the coordinate is: D or S."""
     D_place: Real
     """Contact at D along its edge, from the foot of the reference point, m."""
-    S_place: Real
-    """The same at S on the far edge."""
     b: Real
     """Centre of S along the pushed edge, and how far out it is on the other side, m."""
     out_resting: Real
@@ -154,9 +154,10 @@ class Grip:
         r = b + sides.radius_far * sine - sides.drag_a
         apart = T if sides.parallel else T - sides.radius_far * sine
         f, g = (c, s) if bend is EVEN else (c + s * bend, s - c * bend)
-        share = r / apart
-        if sides.parallel:  # the same, without what cancels in it
+        if sides.parallel:  # the same as below, without what cancels in it
             share = -(ahead + sides.drag_a) / T - (0 if tip == S else 1)
+        else:
+            share = r / apart
         return cls(
             c=c,
             s=s,
@@ -174,10 +175,17 @@ class Grip:
             tilt=t,
             tip=tip,
             D_place=p,
-            S_place=b if sides.parallel else b / sides.stretched + sine * W_S,
             b=b,
             out_resting=W_S,
         )
+
+    @property
+    def S_place(self) -> Real:
+        """Contact at S along the far edge, from the foot of the reference point, m."""
+        if self.tilt is EVEN:
+            return self.b
+        stretched = root(squared(self.tilt) + 1)
+        return (self.b + self.tilt * self.out_resting) / stretched
 
     @property
     def R(self) -> Real:
@@ -209,26 +217,30 @@ class Grip:
         A = 1 if film.even else film.shear * k + film.stretch + 1
         return film.rho * A + (self.e_moving * k + self.p) * self.p * film.determinant
 
-    def rate(self, film: Drag, k: Real, k_S: Real, opposite: bool = False) -> Real:
+    def slides_alone(self, film: Drag) -> Real:
+        """Positive where the part slips forward over D, which alone presses without friction."""
+        A, B = (1, EVEN) if film.even else (film.stretch + 1, film.shear)
+        lever = self.p * film.determinant
+        turned = self.g * (film.rho * B + lever * self.e_moving)
+        return turned + self.f * (film.rho * A + lever * self.p)
+
+    def rate(self, film: Drag, k: Real, k_S: Real) -> Real:
         """Rate at which the part gets ahead at two friction ratios, where the grip cannot close.
 
-        ``opposite``: the ratios are known to cancel each other. Over ``H``: ``Q/H = B'/A' + (m'/A')
-        P/H``, so that what both forces share does not cancel.
+        Over ``H``: ``Q/H = B'/A' + (m'/A') P/H``, so that what both forces share does not cancel.
         """
         t, R, ratio = self.tilt, self.R, self.ratio_S(k_S)
         m_S, room = self.e_resting * ratio + self.r, film.determinant
         by_turn, still = -(self.e_resting + self.level_resting), 0
         if self.tip == D:
             by_turn, still = self.e_moving + self.level_moving, self.f
-        if film.even and t is EVEN and opposite:
-            return self.g * (self.share * ratio + by_turn / self.apart) + still
         H, P, B_S = self._span(film, k, ratio)
         if film.even:
             tangent, lever, turning = ratio, m_S, film.rho
         else:
             A_S = 1 + film.stretch - film.shear * ratio
             tangent, lever, turning = B_S / A_S, m_S / A_S, film.rho / room
-        uneven = P / H
+        uneven = tight(P) / tight(H)  # P is zero where equal ratios cancel
         if t is EVEN:
             more = uneven * (turning + R * lever) + by_turn
             return self.g * (self.share * tangent + more / self.apart) + still
@@ -276,47 +288,81 @@ def _held(h: Real, V: Real, flat: Real, t: Real, tip: int, ahead: Real) -> tuple
     Slopes follow from ``d(h, V) = dT a + dW n + (W a - T n) dtheta``; differentiated term by term the
     quotients of :func:`_values` would lose most of what cancels in them.
     """
-    if isinstance(h, float):
+    if isinstance(h, float | np.ndarray):
         return _values(h, V, flat, t, tip, ahead)
+    if isinstance(h, Rows):
+        values = _values(h.plain(), _plain(V), _plain(flat), _plain(t), tip, ahead.plain())
+        for _ in range(2):  # the second time with narrower values
+            ends = (_plain(flat), _plain(t), ahead.plain())
+            moved = _moved(values, [_change(one) for one in (h, V, flat, t, ahead)], ends, tip)
+            found = [v.moving(own).tight() for v, own in zip(values, moved, strict=True)]
+            values = found[0].plain(), found[1].plain(), found[2].plain()
+        return found[0], found[1], found[2]
     flat = flat if isinstance(flat, Dual) else Dual(flat)
-    tilt = t if t is EVEN else t.value
-    c, s, T = _values(h.value, V.value, flat.value, tilt, tip, ahead.value)
-    W = flat.value
-    x, y, across = (Dual(ZERO, one.slopes) for one in (h, V, flat))
-    along = x * c + y * s
+    c, s, T = _values(h.value, V.value, flat.value, _plain(t), tip, ahead.value)
+    ends = (flat.value, _plain(t), ahead.value)
+    turn_c, turn_s, grown = _moved(
+        (c, s, T), [_change(one) for one in (h, V, flat, t, ahead)], ends, tip
+    )
+    return Dual(c, turn_c.slopes), Dual(s, turn_s.slopes), Dual(T, grown.slopes)
+
+
+def _plain(value: Real) -> Real:
+    if value is EVEN:
+        return EVEN
+    return value.plain() if isinstance(value, Rows) else value.value
+
+
+def _change(value: Real) -> Real:
+    """The slopes alone."""
+    if value is EVEN:
+        return EVEN
+    return value.change() if isinstance(value, Rows) else Dual(ZERO, value.slopes)
+
+
+def _moved(
+    values: tuple[Real, Real, Real], changes: list[Real], ends: tuple[Real, ...], tip: int
+) -> tuple[Real, Real, Real]:
+    """By how much the direction and T change when h, V, W's constant part, t and ``ahead`` do."""
+    (c, s, T), (x, y, across, leaned, moved), (W, t, ahead) = values, changes, ends
+    along, across = x * c + y * s, across - x * s + y * c
     if t is EVEN:
-        across = across - x * s + y * c
         turned = across / T
         grown = along - turned * W
     else:
-        b = -ahead.value if tip == S else -ahead.value - T
-        W = W + tilt * b
-        across = across + Dual(ZERO, t.slopes) * b - Dual(ZERO, ahead.slopes) * tilt - x * s + y * c
+        b = -ahead if tip == S else -ahead - T
+        W = W + t * b
+        across = across + leaned * b - moved * t
         # b changes with T as well if the part is ahead of D
-        share = arb(0) if tip == S else tilt
+        share = 0 if tip == S else t
         grown = (along - across * (W / T)) / (1 - share * W / T)
         turned = (across - grown * share) / T
-    return Dual(c, (turned * -s).slopes), Dual(s, (turned * c).slopes), Dual(T, grown.slopes)
+    return turned * -s, turned * c, grown
 
 
 def _values(
     h: Real, V: Real, flat: Real, t: Real, tip: int, ahead: Real
 ) -> tuple[Real, Real, Real]:
-    square = h * h + V * V
+    square = squared(h) + squared(V)
     if t is EVEN:
         W = flat
-        T = root(square - W * W)
+        T = root(square - squared(W))
     elif tip == S:
         W = flat - t * ahead
-        T = root(square - W * W)
+        T = root(square - squared(W))
     else:
-        y, more = flat - t * ahead, t * t + 1
-        T = (t * y + root(square * more - y * y)) / more
+        y, more = flat - t * ahead, squared(t) + 1
+        T = (t * y + root(square * more - squared(y))) / more
         W = y - t * T
-    if isinstance(T, float):
+    if not isinstance(T, arb):
         return (T * h - W * V) / square, (T * V + W * h) / square, T
     s, c = (arb.atan2(V, h) + (W / root(square)).asin()).sin_cos()
     return c, s, T
+
+
+def tight(value: Real) -> Real:
+    """The same, narrowed where a kind of number can be."""
+    return value.tight() if isinstance(value, Rows) else value
 
 
 def squared(value: Real) -> Real:
@@ -326,4 +372,4 @@ def squared(value: Real) -> Real:
 
 def root(value: Real) -> Real:
     """Its square root."""
-    return math.sqrt(value) if isinstance(value, float) else value.sqrt()
+    return value.sqrt() if hasattr(value, "sqrt") else np.sqrt(value)

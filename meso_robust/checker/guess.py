@@ -7,12 +7,18 @@ farthest, and how that path changes with each constant of the run.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from meso_robust.checker.grip import D, Drag, Grip, S, Sides
 
-Values = Mapping[str, float]
+Values = Mapping[str, Any]
+"""Numbers, or arrays of one shape, by name."""
+NEAR = 1e-6
+"""m; step of a difference."""
 INSTANT = ("rho", "stretch", "shear", "bend", "mu", "mu_lower", "mu_passive")
 """What may change at every instant."""
 
@@ -41,45 +47,41 @@ class Flow:
     """Half the width of every range that has one."""
     side: int
 
-    def corners(self) -> list[Values]:
+    def corners(self) -> Values:
         """All that friction, drag and path can be at their ends."""
         names = [name for name in INSTANT if name in self.reach]
-        return [
-            {n: self.middle[n] + sign * self.reach[n] for n, sign in zip(names, signs, strict=True)}
-            for signs in itertools.product((-1, 1), repeat=len(names))
-        ]
+        signs = np.array(list(itertools.product((-1.0, 1.0), repeat=len(names)))).T
+        return {n: self.middle[n] + signs[k] * self.reach[n] for k, n in enumerate(names)}
 
-    def worst(self, h: float, at: Guess, corners: Sequence[Values]) -> Values:
+    def worst(self, h: float, at: Guess, corners: Values) -> Values:
         """The corner at which the part gains most on the path."""
         strayed = at.slopes.get("stray", 0.0)
-
-        def gain(corner: Values) -> float:
-            there = {**self.middle, **corner}
-            return self.side * (
-                rate(h, at.tip, at.ahead, there) - strayed * corner.get("bend", 0.0)
-            )
-
-        return max(corners, key=gain)
+        gain = rate(h, at.tip, at.ahead, {**self.middle, **corners})
+        best = int(np.argmax(self.side * (gain - strayed * corners.get("bend", 0.0))))
+        return {name: float(ends[best]) for name, ends in corners.items()}
 
     def change(self, h: float, at: Guess, corner: Values) -> Guess:
         """Derivative of a barrier with the travel."""
-        there = {**self.middle, **corner}
-
-        def per(name: str) -> float:
-            moved = [
-                rate(
-                    h,
-                    at.tip,
-                    at.ahead + sign * self.reach[name] * at.slopes[name],
-                    {**there, name: there[name] + sign * self.reach[name]},
-                )
-                for sign in (-1, 1)
-            ]
-            return (moved[1] - moved[0]) / (2 * self.reach[name])
-
-        straight = rate(h, at.tip, at.ahead, there)
+        there, names = {**self.middle, **corner}, list(at.slopes)
+        # no change, then each name up, then each name down
+        signs = np.vstack([np.zeros(len(names)), np.eye(len(names)), -np.eye(len(names))])
+        off = {name: signs[:, k] * self.reach[name] for k, name in enumerate(names)}
+        ahead = at.ahead + sum(off[name] * at.slopes[name] for name in names)
+        moved = np.asarray(
+            rate(h, at.tip, ahead, {**there, **{n: there[n] + off[n] for n in names}})
+        ).reshape(-1)
+        up, down = moved[1 : len(names) + 1], moved[len(names) + 1 :]
         strayed = at.slopes.get("stray", 0.0) * corner.get("bend", 0.0)
-        return Guess(at.tip, straight - strayed, {name: per(name) for name in at.slopes})
+        slopes = {
+            name: float(up[k] - down[k]) / (2 * self.reach[name]) for k, name in enumerate(names)
+        }
+        return Guess(at.tip, float(moved[0]) - strayed, slopes)
+
+    def drift(self, h: float, at: Guess, corner: Values) -> float:
+        """Change of the rate with how far the part is ahead, 1/m."""
+        there = {**self.middle, **corner}
+        low, high = rate(h, at.tip, at.ahead + np.array([-NEAR, NEAR]), there)
+        return float(high - low) / (2 * NEAR)
 
     def step(self, h: float, length: float, at: Guess, rates: Guess, corner: Values) -> Guess:
         """The barrier one step on, by the rates at its start and half way (second order)."""
@@ -101,10 +103,10 @@ class Flow:
         """The tip that sticks, or else S."""
         there = {**self.middle, **corner}
         grip = _grip(h, at.tip, at.ahead, there)
-        return D if float(grip.stick(D)) == rate(h, at.tip, at.ahead, there) else S
+        return D if float(grip.stick(D)) == float(rate(h, at.tip, at.ahead, there)) else S
 
 
-def _grip(h: float, tip: int, ahead: float, at: Values) -> Grip:
+def _grip(h: float, tip: int, ahead: Any, at: Values) -> Grip:
     sides = Sides(
         at["depth"], at["depth_far"], at["radius"], at["radius_far"],
         at.get("tilt", 0.0), at.get("drag_a", 0.0), at.get("drag_n", 0.0),
@@ -112,22 +114,21 @@ def _grip(h: float, tip: int, ahead: float, at: Values) -> Grip:
     return Grip.at(sides, h, at["V"] + at.get("stray", 0.0), tip, ahead, at.get("bend", 0.0))
 
 
-def rate(h: float, tip: int, ahead: float, at: Values) -> float:
+def rate(h: float, tip: int, ahead: Any, at: Values) -> Any:
     """The rate at which the part gets ahead of a tip, or one of them."""
     grip = _grip(h, tip, ahead, at)
     drag = Drag(at["rho"], at.get("stretch", 0.0), at.get("shear", 0.0))
     mu_D = at["mu"] if "mu" in at else at["mu_lower"]
     mu_S = at["mu"] if "mu" in at else at["mu_passive"]
 
-    def slip(at_D: int, at_S: int) -> float:
-        return float(grip.rate(drag, at_D * mu_D, at_S * mu_S))
+    def slip(at_D: int, at_S: int) -> Any:
+        return grip.rate(drag, at_D * mu_D, at_S * mu_S)
 
-    sticks = (float(grip.stick(D)), float(grip.stick(S)))
-    low, high = min(sticks), max(sticks)
-    between = slip(-1, 1) if sticks[0] < sticks[1] else slip(1, -1)
-    if low <= between <= high:
-        return between
-    return max(slip(-1, -1), high) if between > high else min(slip(1, 1), low)
+    at_D, at_S = grip.stick(D), grip.stick(S)
+    low, high = np.minimum(at_D, at_S), np.maximum(at_D, at_S)
+    between = np.where(at_D < at_S, slip(-1, 1), slip(1, -1))
+    found = np.where(between < low, np.minimum(slip(1, 1), low), between)
+    return np.where(between > high, np.maximum(slip(-1, -1), high), found)
 
 
 def other_tip(h: float, tip: int, ahead: float, at: Values) -> float:

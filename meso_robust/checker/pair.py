@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import dataclasses
 
+from meso_robust.checker.contact import off_line
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.ranges import Box, Formula, Side, side_of, span
-from meso_robust.checker.scene import Scene
+from meso_robust.checker.scene import Scene, direction
 
 ACTIVE = -1
 """The lower tip of the active probe pushes."""
@@ -83,6 +84,14 @@ class Pair:
         """Of the far edge from the reference point, m; it is the opposite one of a rectangle."""
         return at["size_far"] + self.scene.d1
 
+    def first_gap(self, at: Point) -> Dual:
+        """Distance of the passive tip from the far edge before the move."""
+        if "gap" in at:
+            return at["gap"]
+        angle, turned = self.scene.angle(at), self.turned(at)
+        c, s = direction(angle if turned is None else angle + turned)
+        return -off_line(c, s, *self.passive(at)) - self.depth_far(at) - at["radius_passive"]
+
     def formulas(self) -> dict[str, Formula]:
         """What is constant during a run and not exactly zero."""
         found: dict[str, Formula] = {
@@ -95,6 +104,7 @@ class Pair:
         }
         if not self.parallel:
             found["tilt"] = lambda at: (at["kappa_far"] - at["kappa"]).tan()
+        found |= {"begun": self.scene.angle, "gap": self.first_gap}
         for name in ("drag_a", "drag_n"):
             if not self.exact(name):
                 found[name] = lambda at, name=name: at[name]  # type: ignore[misc]

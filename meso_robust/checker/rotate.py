@@ -8,6 +8,13 @@ would close on S again (it would press, and S's force is positive for all fricti
 would rest, as S rests, and D would run into it. Motion exists: the forces are positive for all
 ratios of either tip and the map from slip directions to speeds has a fixed point, because the divisor
 of ``grip.py`` vanishes nowhere.
+
+Of the ratios of D those from -mu to 0 are enough where D alone, without friction, lets the part slip
+forward: the slip grows with the ratio (``film.py``), so with a positive ratio the part would slip forward
+as well, against which friction would pull it back. D alone thus has no positive ratio, and closes the
+part on S. S's force has the sign of that closing at the same ratio, whatever S's own. If it vanishes at a
+positive ratio of D, take that as the end of D's cone: a fixed point there would be D alone at a
+positive ratio, which cannot be; so any fixed point is a motion.
 """
 
 from __future__ import annotations
@@ -20,7 +27,7 @@ from collections.abc import Callable, Iterator
 from flint import arb
 
 from meso_robust.checker import statement as st
-from meso_robust.checker.approach import Approach, approach, pose_from
+from meso_robust.checker.approach import Approach, approaches, pose_from
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.grip import Forces, Grip
 from meso_robust.checker.ids import Must, Objection, Property, named
@@ -43,6 +50,7 @@ from meso_robust.checker.ranges import (
     Formula,
     Side,
     component,
+    hull,
     least,
     lows,
     positive,
@@ -61,6 +69,8 @@ NEAR = 2e-7
 NEAR_FORCE = 0.05
 """How closely forces are bounded, over drag and speed."""
 SIGNS = (-1, 1)
+LABELS = {"begun": "theta", "gap": "gap"}
+"""What tells how a part came to both tips: its barriers have slopes along it."""
 
 
 def check_rotate(scene: Scene) -> Passage:
@@ -78,10 +88,12 @@ def check_rotate(scene: Scene) -> Passage:
     pair = Pair(scene)
     before = [*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(pair), _no_jam(pair)]
     _prove(before)
-    touching = approach(pair)
-    h = span(touching.h, touching.box_at_touch(), within=NEAR)
+    touching = approaches(pair)
+    spans = (span(one.h, one.box_at_touch(), within=NEAR) for one in touching)
+    h = functools.reduce(hull, spans)
     h_end = span(pair.h_end, pair.box)
-    arrival = [*touching.requirements(), _rests(touching, h_end)]
+    every = zip(*(one.requirements() for one in touching), strict=True)
+    arrival = [*(_of_all(same) for same in every), _rests(touching, h_end)]
     _prove(arrival)
     turn = _Turn(pair, touching, h, h_end)
     after = turn.requirements()
@@ -90,7 +102,7 @@ def check_rotate(scene: Scene) -> Passage:
         does=named(Property.TURNS_BETWEEN_TIPS),
         post=turn.post(),
         requirements=(*before, *arrival, *after),
-        swept=(touching.swept(), *turn.swept()),
+        swept=(*(one.swept() for one in touching), *turn.swept()),
         largest_force=turn.largest_force,
     )
 
@@ -137,15 +149,22 @@ def _no_jam(pair: Pair) -> Requirement:
     return dataclasses.replace(required, instead=(other,))
 
 
-def _rests(touching: Approach, h_end: Side) -> Requirement:
-    variables: Variables = {
-        "h_start": touching.h,
-        "h_end": lambda at: at["h_end"],
-    }
+def _of_all(same: tuple[Requirement, ...]) -> Requirement:
+    """One requirement of several approaches."""
+    parts = tuple(part for one in same for part in one.parts)
+    cover = tuple(part for one in same for part in one.cover or one.parts)
+    return dataclasses.replace(same[0], parts=parts, cover=cover)
+
+
+def _rests(touching: tuple[Approach, ...], h_end: Side) -> Requirement:
+    def part(one: Approach) -> Part:
+        variables: Variables = {"h_start": one.h, "h_end": lambda at: at["h_end"]}
+        return Part(variables, {**one.box_at_touch(), "h_end": h_end})
+
     return Requirement(
         name=named(Must.RESTS_BEFORE_END),
         statement=st.RESTS,
-        parts=(Part(variables, {**touching.box_at_touch(), "h_end": h_end}),),
+        parts=tuple(map(part, touching)),
     )
 
 
@@ -156,19 +175,21 @@ Spare = Callable[[Piece, arb, Point], tuple[Dual, ...]]
 class _Turn:
     """The turn between both tips."""
 
-    def __init__(self, pair: Pair, touching: Approach, h: Side, h_end: Side) -> None:
+    def __init__(self, pair: Pair, touching: tuple[Approach, ...], h: Side, h_end: Side) -> None:
         self.scene, self.pair, self.touching = pair.scene, pair, touching
         self.box, self.h, self.h_end = pair.ranges(), h, h_end
-        start = Start(touching.box_at_touch(), touching.lead, self.at_touch)
-        self.pieces = enclose(self.box, start, h, h_end)
+        starts = [
+            Start(one.box_at_touch(), one.lead, self.at_touch, "left", LABELS) for one in touching
+        ]
+        self.pieces = enclose(self.box, starts, h, h_end)
         self.near, self.far = self._straight("depth"), self._straight("depth_far")
         for must, spare in (
-            (Must.NO_JAM, self._open),
-            (Must.ACTIVE_PRESSES, self._pressed),
-            (Must.BOTH_TIPS_TOUCH, self._forces),
-            (Must.BOTH_TIPS_ON_EDGES, self._on_edges),
+            (Must.NO_JAM, (self._open,)),
+            (Must.ACTIVE_PRESSES, (self._pressed,)),
+            (Must.BOTH_TIPS_TOUCH, (self._forces, self._forces_back)),
+            (Must.BOTH_TIPS_ON_EDGES, (self._on_edges,)),
         ):
-            if not self._exceeds(spare, ZERO):
+            if not self._exceeds(ZERO, *spare):
                 raise Refused(named(must), "more than 0", "not shown")
 
     def at_touch(self, at: Point) -> Point:
@@ -182,15 +203,18 @@ class _Turn:
         """All grips of a piece."""
         return {**self.box, "done": UNIT, "share": UNIT}
 
-    def _exceeds(self, spare: Spare, bound: arb) -> bool:
-        """Whether something has more than ``bound`` to spare in all grips of the tube."""
+    def _exceeds(self, bound: arb, *spares: Spare) -> bool:
+        """Whether one of some things has more than ``bound`` to spare in all grips of each piece."""
+        return all(
+            any(self._in_piece(functools.partial(spare, piece, bound)) for spare in spares)
+            for piece in self.pieces
+        )
+
+    def _in_piece(self, of: Callable[[Point], tuple[Dual, ...]]) -> bool:
         states = self.states()
-        for piece in self.pieces:
-            of = functools.partial(spare, piece, bound)
-            for k, low in enumerate(lows(of, states)):
-                if not low > 0 and not positive(component(of, k), states):
-                    return False
-        return True
+        return all(
+            low > 0 or positive(component(of, k), states) for k, low in enumerate(lows(of, states))
+        )
 
     def _corners(self, piece: Piece, at: Point) -> list[Forces]:
         """The forces at the corners of both cones; numerators and divisor are linear in the ratios."""
@@ -210,6 +234,15 @@ class _Turn:
     def _forces(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
         return tuple(forces.resting - forces.divisor * bound for forces in self._corners(piece, at))
 
+    def _forces_back(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
+        """The same where D alone would let the part slip forward: of half of its cone."""
+        grip, drag, (mu_D, mu_S) = piece.grip(at), drag_of(at), ratios_of(at)
+        found = [grip.slides_alone(drag)]
+        for k, k_S in itertools.product((-1, 0), SIGNS):
+            forces = grip.forces(drag, mu_D * k, mu_S * k_S)
+            found.append(forces.resting - forces.divisor * bound)
+        return tuple(found)
+
     def _on_edges(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
         grip = piece.grip(at)
         ends = ((grip.D_place, self.near - bound), (grip.S_place, self.far - bound))
@@ -220,7 +253,9 @@ class _Turn:
 
         The rate of travel along the line is at most the probe's speed.
         """
-        first = span(self.touching.force, self.touching.box(), within=NEAR_FORCE)[1]
+        first = ZERO
+        for one in self.touching:
+            first = first.max(span(one.force, one.box(), within=NEAR_FORCE)[1])
         states = self.states()
 
         def forces(piece: Piece, at: Point) -> tuple[Dual, ...]:
@@ -254,20 +289,20 @@ class _Turn:
         span_of = (Part({"h": lambda at: at["h"], "V": lambda at: at["V"]}, self.ends()),)
         while_turning = tuple(self.idle(piece) for piece in self._stages())
 
-        def shown(must: Must, statement: st.Statement, spare: Spare) -> Requirement:
+        def shown(must: Must, statement: st.Statement, *spares: Spare) -> Requirement:
             return Requirement(
                 name=named(must),
                 statement=statement,
                 parts=(),
                 cover=span_of,
-                verify=lambda stated, bound: self._exceeds(spare, bound),
+                verify=lambda stated, bound: self._exceeds(bound, *spares),
             )
 
         return [
-            shown(Must.BOTH_TIPS_TOUCH, st.PASSIVE_FORCE, self._forces),
+            shown(Must.BOTH_TIPS_TOUCH, st.PASSIVE_FORCE, self._forces, self._forces_back),
             shown(Must.BOTH_TIPS_ON_EDGES, st.TIPS_ON_EDGES, self._on_edges),
             passes("before_touch", (self.flight(),)),
-            passes("early_in_turn", (self.early(),)),
+            passes("early_in_turn", tuple(map(self.early, self.touching))),
             passes("late_in_turn", while_turning, cover=(self.at_end(),)),
             passes("on_withdrawal", (self.withdrawal(),)),
             comes_free("both", self.end_angle, self.scene, self.end_box()),
@@ -337,9 +372,8 @@ class _Turn:
         y = variables["dy"]
         return {**variables, "dy": lambda at: y(at) + pair.stray(at, "_now") - pair.stray(at)}
 
-    def early(self) -> Part:
+    def early(self, touching: Approach) -> Part:
         """Until the part rests on the passive tip."""
-        touching = self.touching
         variables = self.beside(touching.angle, touching.place, constant(ZERO))
         return Part(variables, touching.box())
 

@@ -27,47 +27,68 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 from flint import arb
 
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.film import EVEN
-from meso_robust.checker.grip import D, Drag, Grip, S, Sides
+from meso_robust.checker.grip import D, Drag, Grip, Real, S, Sides
 from meso_robust.checker.guess import Flow, Guess, first_ahead
 from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.pushing import UNIT
-from meso_robust.checker.ranges import ZERO, Box, Formula, Side, least, point_of, positive, whole
+from meso_robust.checker.ranges import ZERO, Box, Formula, Side, least, whole
 from meso_robust.checker.refusal import Refused
+from meso_robust.checker.rows import (
+    Boxes,
+    Ends,
+    Floats,
+    Rows,
+    boxes_of,
+    choose,
+    ends_of,
+    halves,
+    joined,
+    lowest,
+    varies,
+)
 
-LONG, SHORT = 4e-5, 6e-6
+LONG, SHORT = 5e-5, 6e-6
 """m; pieces are at most and, if they are no barrier, at least about as long."""
-GROWS = 1.3
-"""How much longer the next piece is tried."""
-FEW = 1
-"""Cuts of the box before a steeper slope is tried."""
+CUTS, HALVED = 3, 2
+"""How often a box is cut in two before a steeper slope is tried: for a closer bound, and where it is
+open which tip is slipped over which way."""
 CLOSE = 5e-5
 """How closely the least lead of a barrier over all motions is bounded; a slope, like the next two."""
 LEAST = 1e-5
-"""Added to any guess."""
+"""Lead that is asked for, so that pieces after a steeper one need not be tried again and again."""
 STEEP = 5e-3
 """Added to a guess at most, if the piece can be cut instead."""
-SETTLES = 0.3
-"""Share of what was added to a piece that is first added to the next one."""
-TRIES = 10
-STARTS = 200
-"""Cuts of the box of all places at which a turn can begin."""
+MOST = 0.3
+"""The same at a time."""
+MOST_PARTS = 8
+"""Into which a piece is cut at a time."""
+FINER, TRIES = 2, 24
+"""How often pieces are cut, and made steeper."""
+STARTS = 5
+"""How often the box of all places at which a turn can begin is cut in two."""
 BOTH = (-1, 1)
 ROOM = 1e-12
 """m; between what must be held and what holds it."""
-NEAR = 2e-8
+NEAR = 1e-7
 """m; how closely the slides at which a turn can begin are bounded."""
 CONSTANT = (
-    "V", "Z", "depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n", "stray",
+    "V", "Z", "begun", "gap", "depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n",
+    "stray",
 )  # fmt: skip
 """What a barrier is linear in; the stray is not constant, its rate is the bend of the path."""
 CLAIM = named(Objection.SLIDE_IN_TUBE)
+Where = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -82,20 +103,25 @@ class Cubic:
         rise = last - first
         return cls((first, start, 3.0 * rise - 2.0 * start - end, start + end - 2.0 * rise))
 
-    def __call__(self, done: Dual) -> Dual:
+    def __call__(self, done: Real) -> Real:
         """Value."""
-        a, b, c, d = map(arb, self.coefficients)
+        a, b, c, d = self.coefficients
         return ((done * d + c) * done + b) * done + a
 
-    def slope(self, done: Dual) -> Dual:
+    def slope(self, done: Real) -> Real:
         """Derivative."""
-        _, b, c, d = map(arb, self.coefficients)
-        return (done * (3 * d) + 2 * c) * done + b
+        _, b, c, d = self.coefficients
+        return (done * d * 3 + 2 * c) * done + b  # twice a double is one
 
     @property
     def end(self) -> float:
         """A number near the value at the end."""
         return math.fsum(self.coefficients)
+
+    def raised(self, by: float, steeper: float) -> Cubic:
+        """One that is higher at the start, and rises more along the piece."""
+        a, b, c, d = self.coefficients
+        return Cubic((a + by, b + steeper, c, d))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -114,43 +140,99 @@ class Curve:
     middle: Mapping[str, float]
 
     @property
+    def key(self) -> tuple[float, ...]:
+        """All that tells it from other curves of one barrier."""
+        cubics = (self.ahead, *self.slopes.values())
+        ends = (self.first, self.last, float(self.tip))
+        return (*ends, *(value for cubic in cubics for value in cubic.coefficients))
+
+    @property
     def length(self) -> arb:
         """Travel."""
         return arb(self.first) - arb(self.last)
 
-    def done(self, h: Dual) -> Dual:
+    def done(self, h: Real) -> Real:
         """The share of the piece that is done."""
         return (arb(self.first) - h) / self.length
 
-    def at(self, done: Dual, at: Point) -> Dual:
+    def at(self, done: Real, at: Mapping[str, Real]) -> Real:
         """How far ahead the part is on the curve."""
         found = self.ahead(done)
         for name, cubic in self.slopes.items():
-            found = found + cubic(done) * (at[name] - arb(self.middle[name]))
+            found = found + cubic(done) * (at[name] - self.middle[name])
         return found
 
-    def rate(self, done: Dual, at: Point) -> Dual:
+    def rate(self, done: Real, at: Mapping[str, Real]) -> Real:
         """Its change with the travel."""
         found = self.ahead.slope(done)
         for name, cubic in self.slopes.items():
-            found = found + cubic.slope(done) * (at[name] - arb(self.middle[name]))
+            found = found + cubic.slope(done) * (at[name] - self.middle[name])
         found = found / self.length
         return found + self.slopes["stray"](done) * at["bend"] if "stray" in self.slopes else found
 
-    def grip(self, done: Dual, at: Point) -> Grip:
+    def raised(self, by: float, steeper: float) -> Curve:
+        """One that is higher at the start, and rises more along the piece."""
+        return dataclasses.replace(self, ahead=self.ahead.raised(by, steeper))
+
+    def grip(self, done: Real, at: Mapping[str, Real]) -> Grip:
         """The grip on the curve."""
         h = arb(self.first) - done * self.length
         return grip_of(at, h, self.tip, self.at(done, at))
 
-    def steeper(self, by: float) -> Curve:
-        """One that rises more along the piece."""
-        a, b, c, d = self.ahead.coefficients
-        return dataclasses.replace(self, ahead=Cubic((a, b + by, c, d)))
 
-    def shifted(self, by: float) -> Curve:
-        """One that is higher."""
-        a, b, c, d = self.ahead.coefficients
-        return dataclasses.replace(self, ahead=Cubic((a + by, b, c, d)))
+class _Curves:
+    """Curves ahead of one tip, as arrays."""
+
+    def __init__(self, curves: Sequence[Curve]) -> None:
+        one = curves[0]
+        self.tip, self.names = one.tip, tuple(one.slopes)
+        self.middle = np.array([one.middle[name] for name in self.names])[:, None]
+        self.first, self.last = (
+            np.array([getattr(curve, end) for curve in curves]) for end in ("first", "last")
+        )
+        # (4, 1 + slopes, curves)
+        self.coefficients = np.array(
+            [
+                [curve.ahead.coefficients, *(curve.slopes[n].coefficients for n in self.names)]
+                for curve in curves
+            ]
+        ).transpose(2, 1, 0)
+
+    def on(
+        self, at: Mapping[str, Rows], places: Mapping[str, int], which: Where
+    ) -> tuple[Grip, Rows]:
+        """The grip on some of the curves, and the rates of these."""
+        done, (a, b, c, d) = at["done"], self.coefficients[..., which]
+        now = ends_of(done)
+        share = Ends(now.low[None], now.high[None])
+        value = ((share * d + c) * share + b) * share + a
+        slope = (share * d * THREE + 2 * c) * share + b
+        bent = share * d * SIX + 2 * c
+        length = Rows.constant(self.first[which]) - Rows.constant(self.last[which])
+        ahead = self._linear(at, places, value, slope)
+        rate = self._linear(at, places, slope, bent) / length
+        if "stray" in self.names:
+            own, ramp = (one.row(1 + self.names.index("stray")) for one in (value, slope))
+            rate = rate + joined(own, {places["done"]: ramp}, done) * at["bend"]
+        h = Rows.constant(self.first[which]) - done * length
+        return grip_of(at, h, self.tip, ahead), rate
+
+    def _linear(
+        self, at: Mapping[str, Rows], places: Mapping[str, int], value: Ends, slope: Ends
+    ) -> Rows:
+        """What is linear in the constants: the first row and the others times their changes."""
+        done = at["done"]
+        if not self.names:
+            return joined(value.row(0), {places["done"]: slope.row(0)}, done)
+        own = [ends_of(at[name]) for name in self.names]
+        off = Ends(np.stack([e.low for e in own]), np.stack([e.high for e in own])) + -self.middle
+        found = value.row(0) + (value.rows() * off).total()
+        ramp = slope.row(0) + (slope.rows() * off).total()
+        slopes = {places[name]: value.row(1 + k) for k, name in enumerate(self.names)}
+        return joined(found, {**slopes, places["done"]: ramp}, done)
+
+
+THREE, SIX = np.array(3.0), np.array(6.0)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -182,7 +264,7 @@ class Piece:
         return grip_of(at, h, tip, ends[0] + at["share"] * (ends[1] - ends[0]))
 
 
-def sides_of(at: Point) -> Sides:
+def sides_of(at: Mapping[str, Real]) -> Sides:
     """Edges, tips and centre of drag; what is left out is exactly zero."""
     return Sides(
         at["depth"], at["depth_far"], at["radius"], at["radius_far"],
@@ -190,18 +272,18 @@ def sides_of(at: Point) -> Sides:
     )  # fmt: skip
 
 
-def grip_of(at: Point, h: Dual, tip: int, ahead: Dual) -> Grip:
+def grip_of(at: Mapping[str, Real], h: Real, tip: int, ahead: Real) -> Grip:
     """The grip in some state."""
     apart = at["V"] + at["stray"] if "stray" in at else at["V"]
     return Grip.at(sides_of(at), h, apart, tip, ahead, at.get("bend", EVEN))
 
 
-def drag_of(at: Point) -> Drag:
+def drag_of(at: Mapping[str, Real]) -> Drag:
     """The drag of an instant."""
     return Drag(at["rho"], at.get("stretch", EVEN), at.get("shear", EVEN))
 
 
-def ratios_of(at: Point) -> tuple[Dual, Dual]:
+def ratios_of(at: Mapping[str, Real]) -> tuple[Real, Real]:
     """Friction of D and of S."""
     return (at["mu"], at["mu"]) if "mu" in at else (at["mu_lower"], at["mu_passive"])
 
@@ -215,16 +297,20 @@ class Start:
     """How far a barrier is ahead, from how far ahead of S it is by h and its slope."""
     constants: Callable[[Point], Point]
     """What the barriers are linear in."""
+    averaged: str | None = None
+    """The variable from 0 to 1 of which the lead is the mean."""
+    labels: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    """Constants on which only the start depends, and the variables that they grow with."""
 
 
-def enclose(box: Box, start: Start, h: Side, h_end: Side) -> tuple[Piece, ...]:
+def enclose(box: Box, starts: Sequence[Start], h: Side, h_end: Side) -> tuple[Piece, ...]:
     """Barriers from the touch of both tips to the end of the travel.
 
     Parameters
     ----------
     box
         Sides of all constants, and of what may change at every instant.
-    start
+    starts
         Where both tips can touch first.
     h, h_end
         h then, and at the end of the travel.
@@ -238,7 +324,8 @@ def enclose(box: Box, start: Start, h: Side, h_end: Side) -> tuple[Piece, ...]:
     near, bottom = _beyond(h_end[1], 1), _beyond(h_end[0], -1)
     if not landed > near:
         raise Refused(named(Objection.RESTS_WELL_BEFORE_END), landed, near)
-    barriers = [_Barrier(box, start, side).pieces(top, landed, near, bottom) for side in BOTH]
+    with np.errstate(all="ignore"):  # what is not a number proves nothing
+        barriers = [_Barrier(box, starts, side).pieces(top, landed, near, bottom) for side in BOTH]
     knots = sorted({h for one in barriers for c in one for h in (c.first, c.last)}, reverse=True)
     return tuple(
         Piece(first, last, *(_over(barrier, first, last) for barrier in barriers))
@@ -256,12 +343,31 @@ def _beyond(value: arb, side: int) -> float:
     return math.nextafter(float(value), side * math.inf) + side * ROOM
 
 
-class _Barrier:
-    """One barrier, piece by piece; a curve that is not confirmed is tried again with a steeper slope."""
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Leg:
+    """A piece of a path that is as fast as any motion, in floating point."""
 
-    def __init__(self, box: Box, start: Start, side: int) -> None:
-        self.box, self.start, self.side = box, start, side
-        reach = {name: float(whole(s).rad()) for name, s in box.items() if s[0] is not s[1]}
+    first: float
+    last: float
+    at: Guess
+    end: Guess
+    before: Guess
+    """Rates at the start, and at the end."""
+    after: Guess
+    drift: float
+    """Change of the rate with how far the part is ahead, 1/m."""
+
+    @property
+    def length(self) -> float:
+        return self.first - self.last
+
+
+class _Barrier:
+    """One barrier: the path of the fastest motion, made steeper where it is overtaken."""
+
+    def __init__(self, box: Box, starts: Sequence[Start], side: int) -> None:
+        self.box, self.starts, self.side = box, starts, side
+        reach = {name: float(whole(s).rad()) for name, s in box.items() if varies(s)}
         self.flow = Flow(
             middle={name: float(whole(s).mid()) for name, s in box.items()},
             reach=reach,
@@ -269,25 +375,75 @@ class _Barrier:
         )
         self.corners = self.flow.corners()
         self.names = [name for name in CONSTANT if name in reach]
-        self.spare = LEAST
+        self.states = {**box, "done": UNIT}
+        self.known: dict[tuple[float, ...], tuple[float, float]] = {}
+        self.begun: dict[float, float] = {}
 
     def pieces(self, top: float, landed: float, near: float, bottom: float) -> list[Curve]:
         """The whole barrier; its first piece holds every start, its last one every end."""
-        curve = self._next(top, landed, self._begin(top))
-        raised = self._raised(self._ahead(curve), self.start.box)
-        found = [self._steep(curve.shifted(raised), math.inf)]
-        length = LONG
-        while (first := found[-1].last) > near:
-            last = first - length if first - near > 1.5 * length else near
-            curve = self._next(first, last, self._handed_on(found[-1]))
-            try:
-                found.append(self._steep(curve, STEEP if length > SHORT else math.inf))
-                length = min(GROWS * length, LONG)
-            except Refused:
-                if length <= SHORT:
-                    raise
-                length = max(length / 2, SHORT)
-        return [*found, self._steep(self._next(near, bottom, self._handed_on(found[-1])), math.inf)]
+        count = math.ceil((landed - near) / LONG)
+        inner = [landed + (near - landed) * k / count for k in range(count)]
+        knots = [top, *inner, near, bottom]
+        labels = self._labelled(knots)
+        for _ in range(FINER):
+            legs = self._path(knots, labels)
+            spare = np.full(len(legs), LEAST)
+            curves = self._curves(legs, spare)
+            lead, missing = self._leads(curves)
+            pieces = [
+                _parts(leg, more) for leg, more in zip(legs, _wanted(lead, missing), strict=True)
+            ]
+            if not any(inner for inner in pieces):
+                break
+            knots = sorted([*knots, *itertools.chain(*pieces)], reverse=True)
+        for _ in range(TRIES):
+            if (lead > 0).all():
+                return curves
+            spare = spare + _wanted(lead, missing)
+            curves = self._curves(legs, spare)
+            lead, missing = self._leads(curves)
+        first = legs[int(np.argmin(lead > 0))].first
+        raise Refused(
+            CLAIM, "a barrier", f"none at h = {first:.6g} m: the tips may close on the part"
+        )
+
+    def _leads(self, curves: list[Curve]) -> tuple[Floats, Floats]:
+        """Their leads and what is missing, of those that were not looked at before."""
+        new = [curve for curve in curves if curve.key not in self.known]
+        if new:
+            found = least_leads(new, self.states, self.side)
+            self.known |= {
+                c.key: pair for c, pair in zip(new, zip(*found, strict=True), strict=True)
+            }
+        lead, missing = np.array([self.known[curve.key] for curve in curves]).T
+        return lead, missing
+
+    def _path(self, knots: Sequence[float], labels: Mapping[str, float]) -> list[_Leg]:
+        """The path of the motion that gains most, in floating point."""
+        legs: list[_Leg] = []
+        at = self._begin(knots[0])
+        at = dataclasses.replace(at, slopes={**at.slopes, **labels})
+        corner = self.flow.worst(knots[0], at, self.corners)
+        before = self.flow.change(knots[0], at, corner)
+        for first, last in itertools.pairwise(knots):
+            tip = self.flow.sticks(first, at, corner)
+            if legs and tip != at.tip:
+                at = self.flow.ahead_of(tip, first, at)
+                before = self.flow.change(first, at, corner)
+            end = self.flow.step(first, first - last, at, before, corner)
+            drift = self.flow.drift(first, at, corner)
+            corner = self.flow.worst(last, end, self.corners)
+            after = self.flow.change(last, end, corner)
+            legs.append(_Leg(first, last, at, end, before, after, drift))
+            if (
+                len(legs) == 1 and len(knots) > 2
+            ):  # the rest follows the curve that is moved to hold every start
+                moved = self.side * self._first_raised(legs[0])
+                end = dataclasses.replace(end, ahead=end.ahead + moved)
+                corner = self.flow.worst(last, end, self.corners)
+                after = self.flow.change(last, end, corner)
+            at, before = end, after
+        return legs
 
     def _begin(self, h: float) -> Guess:
         """The first guess: how a start depends on the constants."""
@@ -301,164 +457,239 @@ class _Barrier:
 
         return Guess(S, first_ahead(h, middle), {name: slope(name) for name in self.names})
 
-    def _next(self, first: float, last: float, at: Guess) -> Curve:
-        """A curve that is as fast as any motion."""
-        length = first - last
-        corner = self.flow.worst(first, at, self.corners)
-        before = self.flow.change(first, at, corner)
-        end = self.flow.step(first, length, at, before, corner)
-        after = self.flow.change(last, end, self.flow.worst(last, end, self.corners))
+    def _labelled(self, knots: Sequence[float]) -> dict[str, float]:
+        """Slopes along the labels: those by which a start at the middle of all ranges does not change."""
+        start = self.starts[len(self.starts) // 2]
+        labels = {name: own for name, own in start.labels.items() if name in self.names}
+        if not labels:
+            return {}
+        leg = self._path(knots[:2], {})[0]
+        one, exact = boxes_of(start.box, 1)
+        lead = self._ahead(start, self._curve(leg))({**exact, **one.points()})
+        return {
+            name: -self.side * float(lead.low[1 + one.names.index(own), 1])
+            for name, own in labels.items()
+        }
 
+    def _curves(self, legs: list[_Leg], spare: Floats) -> list[Curve]:
+        """The path as curves without gaps, each steeper than it by a slope."""
+        found: list[Curve] = []
+        off = 0.0
+        for leg, more in zip(legs, map(float, spare), strict=True):
+            more += leg.drift * off
+            moved = off if found else self._first_raised(leg)
+            curve = self._curve(leg).raised(self.side * moved, self.side * more * leg.length)
+            if found and found[-1].tip != curve.tip:
+                raised = self._raised(partial(self._beyond, found[-1], curve), self.box)
+                off += raised
+                curve = curve.raised(self.side * raised, 0.0)
+            elif found:
+                self._no_gap(found[-1], curve)
+            found.append(curve)
+            off += more * leg.length + ROOM
+        return found
+
+    def _first_raised(self, leg: _Leg) -> float:
+        """By how much the path must be moved to hold every start; the more so a steeper curve does."""
+        if leg.last not in self.begun:
+            curve = self._curve(leg)
+            missing = (self._start(start, self._ahead(start, curve)) for start in self.starts)
+            self.begun[leg.last] = max(map(self._moved, missing))
+        return self.begun[leg.last]
+
+    def _start(self, start: Start, ahead: Callable[[Mapping[str, Any]], Any]) -> arb:
+        """A lower bound of how far a curve is beyond the places at which a turn can begin."""
+        boxes, exact = boxes_of(start.box, 1)
+        mean = start.averaged
+        place = None if mean is None else boxes.names.index(mean)
+        return arb(
+            float(lowest(lambda at, _: ahead({**exact, **at}), boxes, NEAR, STARTS, mean=place)[0])
+        )
+
+    def _curve(self, leg: _Leg) -> Curve:
         def cubic(of: Callable[[Guess], float]) -> Cubic:
-            return Cubic.through(of(at), of(end), length * of(before), length * of(after))
+            return Cubic.through(
+                of(leg.at), of(leg.end), leg.length * of(leg.before), leg.length * of(leg.after)
+            )
 
         slopes = {name: cubic(partial(_slope, name)) for name in self.names}
-        return Curve(first, last, at.tip, cubic(lambda one: one.ahead), slopes, self.flow.middle)
+        ahead = cubic(lambda one: one.ahead)
+        return Curve(leg.first, leg.last, leg.at.tip, ahead, slopes, self.flow.middle)
 
-    def _handed_on(self, curve: Curve) -> Guess:
-        """Where the next piece begins: where this one ends or beyond, for all constants."""
-        h, slopes = curve.last, {name: cubic.end for name, cubic in curve.slopes.items()}
-        at = Guess(curve.tip, curve.ahead.end + self.side * ROOM, slopes)
-        tip = self.flow.sticks(h, at, self.flow.worst(h, at, self.corners))
-        if tip == at.tip:
-            self._no_gap(curve, at)
-            return at
-        seen = self.flow.ahead_of(tip, h, at)
-
-        def beyond(point: Point) -> Dual:
-            told = curve.at(Dual(arb(1)), point)
-            grip = grip_of(point, Dual(arb(h)), curve.tip, told)
-            own = told - grip.T if curve.tip == S else told + grip.T
-            new: Dual = Dual(arb(seen.ahead)) - own
-            for name, slope in seen.slopes.items():
-                new = new + (point[name] - arb(self.flow.middle[name])) * arb(slope)
-            return new * self.side
-
-        raised = self._raised(beyond, self.box)
-        return dataclasses.replace(seen, ahead=seen.ahead + raised)
+    def _beyond(self, before: Curve, curve: Curve, point: Point) -> Dual:
+        """How far a curve begins beyond the end of one that tells the part to be ahead of the other tip."""
+        told = before.at(Dual(arb(1)), point)
+        grip = grip_of(point, Dual(arb(before.last)), before.tip, told)
+        own = told - grip.T if before.tip == S else told + grip.T
+        found: Dual = (curve.at(Dual(ZERO), point) - own) * self.side
+        return found
 
     def _raised(self, beyond: Formula, box: Box) -> float:
         """By how much a value must be moved for ``beyond`` to be positive."""
-        missing = least(beyond, box, within=NEAR, cuts=STARTS)
+        return self._moved(least(beyond, box, within=NEAR))
+
+    def _moved(self, missing: arb) -> float:
         raised = max(-float(missing), 0.0) + ROOM
         if not missing + arb(raised) > ROOM / 2:
             raise Refused(
                 CLAIM, "holds every state in which both tips can touch first", "not shown"
             )
-        return self.side * raised
+        return raised
 
-    def _ahead(self, curve: Curve) -> Formula:
+    def _ahead(self, start: Start, curve: Curve) -> Callable[[Mapping[str, Any]], Any]:
         """How far a curve is beyond the places at which a turn can begin."""
 
         def spare(at: Point) -> Dual:
-            known = {**self.start.constants(at), "bend": Dual(ZERO)}
+            known = {**start.constants(at), "bend": EVEN}
 
             def barrier(h: Dual) -> tuple[Dual, Dual]:
                 done = curve.done(h)
                 return curve.at(done, known), curve.rate(done, known)
 
-            return self.start.lead(at, barrier) * self.side
+            return start.lead(at, barrier) * self.side
 
         return spare
 
-    def _steep(self, curve: Curve, most: float) -> Curve:
-        """The curve, as much steeper as it must be to be a barrier."""
-        spare, length = max(LEAST, SETTLES * self.spare), curve.first - curve.last
-        for _ in range(TRIES):
-            steeper = curve.steeper(self.side * spare * length)
-            lead = least_lead(steeper, self.box, self.side)
-            if lead > 0:
-                self.spare = spare
-                return steeper
-            # a lead may be short only as it is open which tip is slipped over which way
-            spare += min(1.2 * -float(lead) + LEAST, 2 * spare + 10 * LEAST)
-            if not spare < most:
-                break
-        raise Refused(
-            CLAIM, "a barrier", f"none at h = {curve.first:.6g} m: the tips may close on the part"
-        )
-
-    def _no_gap(self, before: Curve, at: Guess) -> None:
-        one = Dual(arb(1))
-        step = (arb(at.ahead) - before.ahead(one).value) * self.side
+    def _no_gap(self, before: Curve, after: Curve) -> None:
+        one, none = Dual(arb(1)), Dual(ZERO)
+        step = (after.ahead(none).value - before.ahead(one).value) * self.side
         for name, cubic in before.slopes.items():
-            turned = arb(at.slopes[name]) - cubic(one).value
+            turned = after.slopes[name](none).value - cubic(one).value
             step -= abs(turned) * abs(whole(self.box[name]) - arb(self.flow.middle[name]))
         if not step >= 0:
             raise Refused(CLAIM, "without a gap", "a gap")
+
+
+def _wanted(lead: Floats, missing: Floats) -> Floats:
+    """How much steeper each curve is tried next."""
+    more = np.where((missing > 0) & (missing < -lead), missing, -lead)
+    return np.where(lead > 0, 0.0, 1.05 * np.minimum(more, MOST) + LEAST)
+
+
+def _parts(leg: _Leg, more: float) -> list[float]:
+    """Where to cut a piece that would have to be steeper by so much."""
+    count = min(math.ceil(more / STEEP), math.ceil(leg.length / SHORT), MOST_PARTS)
+    return [leg.first - leg.length * k / count for k in range(1, count)]
 
 
 def _slope(name: str, of: Guess) -> float:
     return of.slopes[name]
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
-class _OnCurve:
-    """A curve and the motions on it."""
+def least_leads(curves: Sequence[Curve], states: Box, side: int) -> tuple[Floats, Floats]:
+    """By how much each curve is faster than every motion on it at least (see the module's text).
 
-    grip: Grip
-    rate: Dual
-    drag: Drag
-    friction: tuple[Dual, Dual]
-
-    def ahead(self, level: Dual, k_D: int, k_S: int) -> Dual:
-        """Positive where a motion with these ratios is slower than ``level``."""
-        at_D, at_S = self.friction
-        opposite = at_D is at_S and k_D == -k_S
-        found: Dual = self.grip.rate(self.drag, at_D * k_D, at_S * k_S, opposite)
-        return level - found
+    And how much steeper it must be for it to be clear which tip is slipped over which way; zero if it
+    is, or hardly can be.
+    """
+    leads, missing = np.empty(len(curves)), np.empty(len(curves))
+    for tip in (D, S):
+        own = [k for k, curve in enumerate(curves) if curve.tip == tip]
+        if own:
+            leads[own], missing[own] = _Leads([curves[k] for k in own], states, side).least()
+    return leads, missing
 
 
-Level = Callable[[_OnCurve], Dual]
+class _Leads:
+    """Curves ahead of one tip, and the motions on them."""
+
+    def __init__(self, curves: Sequence[Curve], states: Box, side: int) -> None:
+        self.curves, self.side, self.count = _Curves(curves), side, len(curves)
+        self.boxes, self.exact = boxes_of(states, self.count)
+        self.places = {name: k for k, name in enumerate(self.boxes.names)}
+
+    def least(self) -> tuple[Floats, Floats]:
+        """The least lead of each curve, and what is missing for a decision."""
+        found, missing = np.full(self.count, np.inf), np.zeros(self.count)
+        which, boxes = np.arange(self.count), self.boxes
+        for left in range(HALVED, -1, -1):
+            below, above, short, weight = self._sides(boxes, which)
+            lead = self._leads(boxes, which, below, above)
+            # where it is open which way a tip is slipped over, parts of the box may decide
+            cut = (lead <= 0) & ~(below | above).all(axis=0) & (left > 0)
+            np.minimum.at(found, which[~cut], lead[~cut])
+            np.maximum.at(missing, which[~cut], np.where(lead <= 0, short, 0.0)[~cut])
+            if not cut.any():
+                break
+            boxes, which = halves(boxes.of(cut), weight[:, cut]), np.tile(which[cut], 2)
+        return found, missing
+
+    def _on(self, at: Mapping[str, Rows], which: Where) -> tuple[Grip, Rows, Mapping[str, Rows]]:
+        known = {**self.exact, **at}
+        return *self.curves.on(known, self.places, which), known
+
+    def _sides(self, boxes: Boxes, which: Where) -> tuple[Flags, Flags, Floats, Floats]:
+        """Whether each tip sticks at a rate that is proved to be below that of the curve, or above.
+
+        And by how much it is short of being below, and along what to cut.
+        """
+        grip, rate, _ = self._on(boxes.points(), np.tile(which, 2))
+        count = boxes.count
+        below, above = np.zeros((2, count), dtype=bool), np.zeros((2, count), dtype=bool)
+        short, weight = np.zeros(count), np.zeros(boxes.low.shape)
+        for tip in (D, S):
+            spare = ((rate - grip.stick(tip)) * self.side).tight()
+            low, high = spare.low[0, :count], spare.high[0, :count]
+            below[tip], above[tip] = low > 0, high < 0
+            steep = np.maximum(-spare.low[1:, :count], spare.high[1:, :count])
+            open_, amid = ~(below[tip] | above[tip]), spare.low[0, count:] > 0
+            for some, sign in ((open_ & amid, 1), (open_ & ~amid, -1)):
+                if not some.any():
+                    continue
+                of = partial(self._stick, tip, sign, which[some])
+                spares = lowest(of, boxes.of(some), CLOSE, 0)
+                if sign > 0:
+                    low[some] = spares
+                    below[tip] = low > 0
+                else:
+                    above[tip, some] = spares > 0
+            own = np.where(np.isfinite(steep), steep, 1e30) * (boxes.high - boxes.low)
+            weight = np.where(open_, np.maximum(weight, own), weight)
+            short = np.where(below[tip] | above[tip], short, np.maximum(short, -low))
+        return below, above & ~below, short, weight
+
+    def _leads(self, boxes: Boxes, which: Where, below: Flags, above: Flags) -> Floats:
+        """The least lead in each box."""
+        cases = np.array(
+            [
+                (k, *case)
+                for k in range(boxes.count)
+                for case in _cases(below[:, k], above[:, k], self.side)
+            ]
+        ).T
+        found = np.full(boxes.count, np.inf)
+        of = partial(self._lead, which[cases[0]], cases[1:])
+        np.minimum.at(found, cases[0], lowest(of, boxes.of(cases[0]), CLOSE, CUTS, LEAST))
+        return found
+
+    def _stick(self, tip: int, sign: int, of: Where, at: Mapping[str, Rows], which: Where) -> Rows:
+        grip, rate, _ = self._on(at, of[which])
+        return (rate - grip.stick(tip)) * (sign * self.side)
+
+    def _lead(self, of: Where, cases: Where, at: Mapping[str, Rows], which: Where) -> Rows:
+        """Positive where a motion is slower than the curve, or than it would be if a tip stuck."""
+        level, k_D, k_S = cases[:, which]
+        grip, rate, known = self._on(at, of[which])
+        for tip in (D, S):
+            if (level == tip).any():
+                rate = choose(level == tip, grip.stick(tip), rate)
+        mu_D, mu_S = ratios_of(known)
+        return (rate - grip.rate(drag_of(known), mu_D * k_D, mu_S * k_S)) * self.side
 
 
-def _faster(of: Level, on: _OnCurve) -> Dual:
-    return on.rate - of(on)
+def _cases(below: Flags, above: Flags, side: int) -> Iterator[tuple[int, int, int]]:
+    """Motions to compare with a curve: friction ratios over mu, and the rate not to be reached.
 
-
-def _slower(of: Level, on: _OnCurve) -> Dual:
-    return of(on) - on.rate
-
-
-def least_lead(curve: Curve, box: Box, side: int) -> arb:
-    """By how much the curve is faster than every motion on it at least (see the module's text)."""
-    states: Box = {**box, "done": UNIT}
-
-    def on_curve(at: Point) -> _OnCurve:
-        done = at["done"]
-        return _OnCurve(curve.grip(done, at), curve.rate(done, at), drag_of(at), ratios_of(at))
-
-    def exceeds(one: Callable[[_OnCurve], Dual]) -> bool:
-        return positive(lambda at: one(on_curve(at)) * side, states, cuts=FEW)
-
-    sticks: tuple[Level, ...] = (lambda on: on.grip.stick(D), lambda on: on.grip.stick(S))
-    glance = on_curve(point_of(states))
-    seen = [(glance.rate - of(glance)).value * side for of in sticks]
-    below = [
-        not lead < 0 and (lead > 0 or exceeds(partial(_faster, of)))
-        for lead, of in zip(seen, sticks, strict=True)
-    ]
-    above = [
-        not under and (lead < 0 or exceeds(partial(_slower, of)))
-        for lead, under, of in zip(seen, below, sticks, strict=True)
-    ]
-    ratios = [_ratios(under, over, side) for under, over in zip(below, above, strict=True)]
-    levels: list[tuple[Level, list[tuple[int, ...]]]] = [(lambda on: on.rate, ratios)]
-    for tip in (0, 1):
+    That is the curve's (-1), or that at which a tip sticks.
+    """
+    ratios = [_ratios(bool(u), bool(o), side) for u, o in zip(below, above, strict=True)]
+    for k_D, k_S in itertools.product(*ratios):
+        yield -1, k_D, k_S
+    for tip in (D, S):
         if above[tip]:
             other = (-side,) if below[1 - tip] else BOTH
-            levels.append((sticks[tip], [BOTH, other] if tip == 0 else [other, BOTH]))
-    found = arb("inf")
-    for level, pairs in levels:
-        for k_D, k_S in itertools.product(*pairs):
-
-            def lead(at: Point, level: Level = level, k_D: int = k_D, k_S: int = k_S) -> Dual:
-                on = on_curve(at)
-                return on.ahead(level(on), k_D, k_S) * side
-
-            low = least(lead, states, within=CLOSE, cuts=FEW)
-            found = found.min(low)
-    return found
+            for k_D, k_S in itertools.product(*((BOTH, other) if tip == D else (other, BOTH))):
+                yield tip, k_D, k_S
 
 
 def _ratios(below: bool, above: bool, side: int) -> tuple[int, ...]:

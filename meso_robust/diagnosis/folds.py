@@ -31,7 +31,9 @@ from meso_robust.types import Flags, Floats, Ints
 FOLDS = 6
 """Parts that the recordings are cut into; fewer recordings are left out one by one."""
 _ALL = 8  # most iterations of a fit to all recordings, which begins at one to most of them
-_FOLD = 3  # of a fit without one fold, which begins at that: a step of Newton's and two more
+_FOLD = 8  # of a fit without one fold, which begins at that and must forget it
+# of the frames before the part moves: a model that is late or early moves it in the last of them
+_RESTING = 2.0 / 3.0
 _FINER = 4.0  # by how much shorter steps tell the error of the steps
 _ROUNDS = 2  # corrections of a start by what still frames leave
 _DAMPED = 1e-6  # σ²: of a start that still frames do not tell
@@ -135,7 +137,7 @@ def _still(recordings: RecordingSet, prepared: Prepared) -> Flags:
     found = np.zeros(whole.shape, dtype=bool)
     for row, recording in enumerate(recordings.recordings):
         quiet = recording.times[still(recordings, recording)]
-        last = quiet[-1] if len(quiet) else -np.inf
+        last = quiet[int(_RESTING * (len(quiet) - 1))] if len(quiet) else -np.inf
         found[row] = whole[row] & (prepared.instants[row] <= last)
         if not np.any(found[row]):
             found[row, int(np.argmax(whole[row]))] = True
@@ -173,10 +175,10 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
     whole = replace(bench.prepared, weights=_weights(bench, model, values))
     every = fit(whole, model, values[None], settings)
     values, starts = every.fits.values[0], every.fits.starts[0]
-    own = Problem(whole, model, settings).jacobian(
-        every.fits, np.full((1, len(values)), 1e-3), np.zeros((1, len(values)), dtype=bool)
-    )
-    slopes = own[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
+    problem = Problem(whole, model, settings)
+    spans = problem.spans(problem.arrow(every.fits, every.jacobian))
+    jacobian = problem.jacobian(every.fits, spans, model.fitted[None])
+    slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
     by_fold = np.tile(values, (bench.count, 1))
     poses = np.full(whole.seen.shape, np.nan)
     for k in range(bench.count):
@@ -186,10 +188,10 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
                 some_of(whole, rows),
                 model,
                 values[None],
-                replace(settings, most=_FOLD),
+                replace(settings, most=_FOLD, chord=False),
                 starts=starts[rows],
                 offsets=every.fits.offsets[0, rows],
-                jacobian=every.jacobian[:, rows],
+                jacobian=jacobian[:, rows],
             ).fits.values[0]
         poses[left] = _from_rest(bench, model, by_fold[k], left, starts[left], slopes[left])
     away = (bench.prepared.seen - poses) / _sigma(bench)
@@ -216,7 +218,7 @@ def _or_one(weights: Floats | None) -> Floats | float:
 
 def _weights(bench: Bench, model: Model, values: Floats) -> Floats | None:
     """(R, T) one for frames at rest, less for others by what the model leaves of them."""
-    settings = replace(bench.baseline.settings, chord=True, central=False, most=_FOLD, flat=1.0)
+    settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=1.0)
     held = np.ones(len(values), dtype=bool)
     residuals = fit(bench.prepared, model, values[None], settings, held=held).fits.residuals[0]
     moving = bench.seen & ~bench.still[..., None]

@@ -22,6 +22,10 @@ DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, D_STICKS, S_STICKS = range(6)
 """Outputs of the rates: signs of both friction ratios, and the rate at which a tip sticks; then, at each
 pair of signs, how far the rate is above that of D sticking, of S sticking, and the opening."""
 RATES, OVER_D, OVER_S, OPENING, ALL = 6, 6, 10, 14, 18
+GRIPS, PRESSED, FREELY, SLIPS_ALONE, STATES = 2, 6, 10, 11, 13
+"""Outputs of a state: first contacts along their edges; grips; forces at S, at D; force at S if D has no
+friction; slip of the part over D that pushes alone without friction, and what that grows by per ratio."""
+PIECES = 8  # of q; fewer are looser, more take longer
 FIRST_STRIP = 1e-9  # m; half of what a bound is first tried in, widened until it is enough
 
 
@@ -41,6 +45,8 @@ class Known(NamedTuple):
     """(P,) constants and labels less their middles."""
     dev_hi: Floats
     constants: int
+    ratios: int
+    """How many of the last inputs are coefficients of friction of one tip each."""
 
 
 class Tube(NamedTuple):
@@ -217,6 +223,31 @@ def _bound(
 
 
 @njit
+def _bound_rates(
+    rates: Program, frame: _Frame, known: Known, s_lo: float, s_hi: float, bounds: Floats
+) -> None:
+    """Bound all rates over a stretch.
+
+    Each is a quotient of first degree in the friction ratio of either tip, so monotone in it: with a
+    coefficient for each tip the ends of their ranges are enough, and what is left is much tighter.
+    """
+    inputs, corners = known.lo.size, 1 << known.ratios
+    if corners == 1:
+        _bound(rates, frame, known, s_lo, s_hi, RATES, bounds)
+        return
+    part = np.empty(bounds.shape)
+    bounds[0], bounds[1] = np.inf, -np.inf
+    for corner in range(corners):
+        lo, hi = known.lo.copy(), known.hi.copy()
+        for k in range(known.ratios):
+            i = inputs - 1 - k
+            lo[i] = hi[i] = known.hi[i] if (corner >> k) % 2 == 1 else known.lo[i]
+        at = Known(lo, hi, known.dev_lo, known.dev_hi, known.constants, 0)
+        _bound(rates, frame, at, s_lo, s_hi, RATES, part)
+        bounds[0], bounds[1] = np.minimum(bounds[0], part[0]), np.maximum(bounds[1], part[1])
+
+
+@njit
 def _beside(lower: Floats, upper: Floats, mode: int, tip: int, above: bool) -> tuple[float, float]:
     """Where a rate is by the one at which a tip (0: D, 1: S) sticks; (inf, -inf) if it cannot be there."""
     stick, over = D_STICKS + tip, OVER_D + 4 * tip + mode
@@ -292,7 +323,7 @@ def _next_bound(
     dh = frame.h_first - frame.h_last
     bounds, pad = np.empty((2, ALL)), strip
     for _ in range(12):  # widen the strip until the line stays inside
-        _bound(rates, frame, known, down(at - pad), up(at + pad), RATES, bounds)
+        _bound_rates(rates, frame, known, down(at - pad), up(at + pad), bounds)
         least, most = _hull_of_modes(bounds[0], bounds[1])
         if least > most:
             return at, 4
@@ -378,6 +409,37 @@ def _off(tube: Tube, frame: _Frame, known: Known, first: int, last: int) -> tupl
 
 
 @njit
+def _pressed(lower: Floats) -> float:
+    """Lower bound of the force at S at every ratio that D has, times the grip."""
+    if lower[PRESSED + 1] > 0.0:
+        return min(lower[PRESSED], lower[PRESSED + 1])
+    # D alone has no positive ratio where it would slip under one
+    if lower[SLIPS_ALONE] > 0.0 and lower[SLIPS_ALONE + 1] >= 0.0:
+        return min(lower[PRESSED], lower[FREELY])
+    return -np.inf
+
+
+@njit
+def _piecewise(
+    state: Program, frame: _Frame, known: Known, s_lo: float, s_hi: float, bounds: Floats
+) -> float:
+    """Tighten the bounds of a state by cutting the range of q; the least of `_pressed`."""
+    low, high = _hull(frame, known, s_lo, s_hi)
+    none = np.zeros(frame.spread.size)
+    level = _Frame(frame.h_first, frame.h_last, 0.0, 0.0, none, none)
+    piece, hull = np.empty(bounds.shape), np.empty(bounds.shape)
+    hull[0], hull[1] = np.inf, -np.inf
+    least, start = np.inf, low
+    for k in range(PIECES):
+        end = high if k + 1 == PIECES else low + (k + 1) * ((high - low) / PIECES)
+        _bound(state, level, known, start, end, 0, piece)
+        least, start = min(least, _pressed(piece[0])), end
+        hull[0], hull[1] = np.minimum(hull[0], piece[0]), np.maximum(hull[1], piece[1])
+    bounds[0], bounds[1] = np.maximum(bounds[0], hull[0]), np.minimum(bounds[1], hull[1])
+    return least
+
+
+@njit
 def _holds(state: Program, known: Known, ends: Floats, tube: Tube, first: int, last: int) -> int:
     """Check over some knots that both tips stay in contact and on their edges."""
     frame = _line(tube, first, last)
@@ -386,19 +448,22 @@ def _holds(state: Program, known: Known, ends: Floats, tube: Tube, first: int, l
     for k in range(first, last + 1):
         s_lo = min(s_lo, down(tube.lower[k] + off_lo[k - first]))
         s_hi = max(s_hi, up(tube.upper[k] + off_hi[k - first]))
-    bounds, margins = np.empty((2, 10)), tube.margins
+    bounds, margins = np.empty((2, STATES)), tube.margins
     _bound(state, frame, known, s_lo, s_hi, 0, bounds)
     lower, upper = bounds[0], bounds[1]
-    tightest, widest = lower[2:6].min(), upper[2:6].max()
+    pressed = _pressed(lower)
+    if not pressed > 0.0:
+        pressed = _piecewise(state, frame, known, s_lo, s_hi, bounds)
+    tightest, widest = lower[GRIPS:PRESSED].min(), upper[GRIPS:PRESSED].max()
     margins[2] = min(margins[2], tightest)
     if not margins[2] > 0.0:
         return 1
-    margins[0] = min(margins[0], down(lower[6:8].min() / widest))
-    margins[3] = max(margins[3], up(upper[6:].max() / tightest))
+    margins[0] = min(margins[0], down(pressed / widest))
+    margins[3] = max(margins[3], up(upper[PRESSED:FREELY].max() / tightest))
     for k in range(2):
         margins[1] = min(margins[1], down(lower[k] - ends[k, 0]))
         margins[1] = min(margins[1], down(ends[k, 1] - upper[k]))
-    if not (margins[0] > 0.0 and lower[6:].min() > 0.0):
+    if not (margins[0] > 0.0 and lower[PRESSED + 2 : FREELY].min() > 0.0):
         return 2
     return 0 if margins[1] > 0.0 else 3
 

@@ -10,13 +10,13 @@ another value at the instant that a condition is about (``_now``).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import casadi as ca
 
-from meso_robust.bounds import Bounded, bounded
+from meso_robust.bounds import Bounded, Box, bounded
 from meso_robust.bounds.implicit import Implicit, Quadrature, implicit
 from meso_robust.conditions import formula
 
@@ -37,8 +37,15 @@ commanded from the sensed part, 0 if in the world."""
 BEFORE = (*POSE, *PLACE, *PATH)
 """Of the tilt just before a straightening: what has another value there."""
 BEFORE_AIM = AIM[1:]
+ERRORS = frozenset((*PARAMETERS[len(POSE) :], *(f"tilt_{name}" for name in (*PLACE, *PATH)))) - {
+    "share"
+}
+"""Parameters that may be exactly zero: all but poses and the share of the way."""
 LINES = ("before_touch", "while_turning", "on_withdrawal")
 """When the idle tip must be off the line of some side of the part's convex hull."""
+
+
+NONE: frozenset[str] = frozenset()
 
 
 def _call(module: str, name: str, *arguments: ca.SX) -> tuple[ca.SX, ...]:
@@ -50,8 +57,26 @@ def _two(module: str, name: str, *arguments: ca.SX) -> tuple[ca.SX, ca.SX]:
     return first, second
 
 
-def _named(names: tuple[str, ...], prefix: str = "") -> Symbols:
-    return {prefix + name: ca.SX.sym(prefix + name) for name in names}
+def zeros(box: Box) -> frozenset[str]:
+    """Which parameters are exactly zero: a motion is prepared without them.
+
+    Parameters
+    ----------
+    box
+        By name.
+
+    Returns
+    -------
+    frozenset
+        Names. The formulas of point tips and an isotropic film are much shorter than the general
+        ones, and so are their enclosures.
+    """
+    return frozenset(name for name, side in box.items() if side.lo == 0.0 == side.hi) & ERRORS
+
+
+def _named(names: Iterable[str], zero: frozenset[str], prefix: str = "") -> Symbols:
+    keys = [prefix + name for name in names]
+    return {key: ca.SX(0) if key in zero else ca.SX.sym(key) for key in keys}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,7 +214,7 @@ def _on_edge(name: str, push: _Push, offset: ca.SX) -> Symbols:
 
 
 @cache
-def tilt(side: int) -> Implicit:
+def tilt(side: int, zero: frozenset[str] = NONE) -> Implicit:
     """The lower tip (``side`` = 1: the part turns counter-clockwise) or the upper one (-1) turns.
 
     Parameters
@@ -203,7 +228,7 @@ def tilt(side: int) -> Implicit:
         Its end is the direction of the edge after the tilt; outputs are the pose after it and all
         margins, each positive where it holds.
     """
-    v, end, total = _symbols(LINE_NAMES)
+    v, end, total = _symbols(zero, LINE_NAMES)
     push = _Push(v, -side)
     turned = end - push.angle
     angle = push.angle + v["share"] * turned
@@ -257,8 +282,8 @@ LINE_NAMES = tuple(f"{when}_{key}" for when in LINES for key in ("turn", "depth"
 ENDS = ("first", "last", "stray_x", "stray_y")
 
 
-def _symbols(more: tuple[str, ...] = ()) -> tuple[Symbols, ca.SX, ca.SX]:
-    v = _named((*PARAMETERS, *AIM, *ENDS, *more))
+def _symbols(zero: frozenset[str], more: tuple[str, ...] = ()) -> tuple[Symbols, ca.SX, ca.SX]:
+    v = _named((*PARAMETERS, *AIM, *ENDS, *more), zero)
     return v, ca.SX.sym("end"), ca.SX.sym("total")
 
 
@@ -271,10 +296,11 @@ def _prepared(
     outputs: Symbols,
 ) -> Implicit:
     names = {*PARAMETERS, *(f"tilt_{name}" for name in BEFORE)}
+    free = {key: symbol for key, symbol in v.items() if symbol.is_symbolic()}
     return implicit(
         name,
-        parameters={key: symbol for key, symbol in v.items() if key in names},
-        constants={key: symbol for key, symbol in v.items() if key not in names},
+        parameters={key: symbol for key, symbol in free.items() if key in names},
+        constants={key: symbol for key, symbol in free.items() if key not in names},
         history=HISTORY,
         end=end,
         integrals=integrals,
@@ -284,7 +310,7 @@ def _prepared(
 
 
 @cache
-def straighten(side: int) -> Implicit:
+def straighten(side: int, zero: frozenset[str] = NONE) -> Implicit:
     """The upper tip (``side`` = 1: the part turns counter-clockwise) or the lower one turns it, then both push.
 
     Parameters
@@ -297,7 +323,7 @@ def straighten(side: int) -> Implicit:
     Implicit
         Its end is the direction of the edge at which both tips touch.
     """
-    v, end, total = _symbols()
+    v, end, total = _symbols(zero)
     push = _Push(v, side)
     angle = push.angle + v["share"] * (end - push.angle)
     (gap,) = _call("round_tips", "contact_gap", end, v["beta"], v["spacing"])
@@ -328,7 +354,7 @@ def straighten(side: int) -> Implicit:
 
 
 @cache
-def straighten_height(side: int, tilted: int) -> Implicit:
+def straighten_height(side: int, tilted: int, zero: frozenset[str] = NONE) -> Implicit:
     """Where a straightening leaves y just after a tilt to ``tilted``.
 
     The tilt's contact keeps the height of its tip, so that y before the straightening hangs on the
@@ -345,8 +371,8 @@ def straighten_height(side: int, tilted: int) -> Implicit:
     Implicit
         With the one output ``y``.
     """
-    v, end, total = _symbols()
-    v |= _named((*BEFORE, *BEFORE_AIM), "tilt_")
+    v, end, total = _symbols(zero)
+    v |= _named((*BEFORE, *BEFORE_AIM), zero, "tilt_")
     before = _Push(v, -tilted, "tilt_")
     push = _Push({**v, "y": before.centre(_Push(v, side).angle)[1]}, side)
     del v["y"]
@@ -357,7 +383,7 @@ def straighten_height(side: int, tilted: int) -> Implicit:
 
 
 @cache
-def tilt_tube(side: int) -> Implicit:
+def tilt_tube(side: int, zero: frozenset[str] = NONE) -> Implicit:
     """The pose when ``share`` of a tilt's turn is done.
 
     Parameters
@@ -370,14 +396,14 @@ def tilt_tube(side: int) -> Implicit:
     Implicit
         Its end is that of `tilt`; outputs are the pose on the way.
     """
-    v, end, total = _symbols()
+    v, end, total = _symbols(zero)
     push = _Push(v, -side)
     residual = total - push.in_contact
     return _tube(push, v, end, [(total, _needed(push, end))], residual)
 
 
 @cache
-def straighten_tube(side: int) -> Implicit:
+def straighten_tube(side: int, zero: frozenset[str] = NONE) -> Implicit:
     """The pose when ``share`` of a straightening's turn is done.
 
     Parameters
@@ -390,13 +416,13 @@ def straighten_tube(side: int) -> Implicit:
     Implicit
         Its end is that of `straighten`; outputs are the pose on the way.
     """
-    v, end, _ = _symbols()
+    v, end, _ = _symbols(zero)
     push = _Push(v, side)
     return _tube(push, v, end, [], _flush(push, end))
 
 
 @cache
-def passing(tip: int) -> Bounded:
+def passing(tip: int, zero: frozenset[str] = NONE) -> Bounded:
     """How far a tip is off a line when ``share`` of its travel is done: nothing touches the part.
 
     Parameters
@@ -410,7 +436,7 @@ def passing(tip: int) -> Bounded:
         One output, m, of the base parameters and ``line_turn``, ``line_depth``; the line's own error
         of direction is in its turn.
     """
-    v = _named((*PARAMETERS, *AIM, "line_turn", "line_depth"))
+    v = _named((*PARAMETERS, *AIM, "line_turn", "line_depth"), zero)
     push = _Push(v, tip)
     start, travelled, unit = push.start(tip), v["share"] * push.travel, push.unit
     place = start[0] - travelled * unit[0], start[1] - travelled * unit[1]

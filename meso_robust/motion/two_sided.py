@@ -324,7 +324,10 @@ def _less(line: Line, whole: Line, cell: Cell, tube: SlideTube, gone: Interval) 
 
 
 def known(
-    parameters: Mapping[str, Interval], sides: Sequence[Interval] = (), constants: int = 0
+    parameters: Mapping[str, Interval],
+    sides: Sequence[Interval] = (),
+    constants: int = 0,
+    ratios: int = 0,
 ) -> Known:
     """Ranges as the kernels take them; deviations of parameters from their middles rounded outward."""
     off = [side - Interval.point(side.mid) for side in parameters.values()]
@@ -334,6 +337,7 @@ def known(
         dev_lo=np.array([side.lo for side in off]),
         dev_hi=np.array([side.hi for side in off]),
         constants=constants,
+        ratios=ratios,
     )
 
 
@@ -349,7 +353,7 @@ class _Formulas(NamedTuple):
 def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
     """Slide rates, and what must hold of a state, without the inputs that are exactly zero.
 
-    The state's outputs: contacts of D and S along their edges, the grips, the forces.
+    The state's outputs are those of `barrier.GRIPS` and so on.
     """
     names = ("h", "q", *CONSTANT, *INSTANT)
     free = tuple(name for name in names if name not in exact and not (common and name == "mu_S"))
@@ -357,14 +361,16 @@ def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
     at = dict.fromkeys(names, ca.SX(0.0)) | dict(zip(free, ca.vertsplit(x), strict=True))
     if common:
         at["mu_S"] = at["mu_D"]
-    separation = at["room"] + at["d_D"] + at["d_S"] + at["r_D"] + at["r_S"] + at["sway"]
+    at["room"] = at["room"] + at["sway"]
 
     def value(name: str, *keys: str) -> tuple[ca.SX, ...]:
         return formula(MODULE, name)(ca, *(at[key] for key in keys))
 
     (at["W"],) = value("width", "q", "d_D", "d_S", "r_D", "r_S", "kappa")
-    (at["T"],) = formula(MODULE, "apart")(ca, at["h"], separation, at["W"])
-    at["c"], at["s"] = formula(MODULE, "direction")(ca, at["h"], separation, at["W"], at["T"])
+    (at["clear"],) = value("clear", "q", "d_S", "r_S", "kappa", "room")
+    (at["T"],) = value("apart", "h", "clear", "W")
+    at["V"] = at["clear"] + at["W"]
+    at["c"], at["s"] = value("direction", "h", "V", "W", "T")
     (place,) = value("active_offset", "T", "q", "d_S", "r_S", "kappa")
     held: tuple[str, ...] = ("c", "s", "T", "q", "d_D", "d_S", "r_S", "kappa", "drag_a", "drag_n")
     held += ("rho", "stretch", "shear", "bend", "mu_D", "mu_S")
@@ -378,6 +384,9 @@ def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
     rates = (*(corner[0] for corner in corners), *sticking)
     rates += tuple(corner[k] for k in (1, 2, 3) for corner in corners)
     state = (place, -at["q"], *value("corner_grips", *held), *value("corner_forces", *held))
+    at["place"] = place
+    alone = ("c", "s", "place", "d_D", "drag_a", "drag_n", "rho", "stretch", "shear", "bend")
+    state += (*value("slip_alone", *alone), *value("pressing", *alone))
 
     def prepared(name: str, results: tuple[ca.SX, ...]) -> Bounded:
         both = ca.cse(ca.densify(ca.vertcat(*results)))
@@ -502,7 +511,7 @@ def _cell(grip: Grip, start: Start, h_end: float, coarse: float) -> Cell:
     tube.centre[starts] = start.value + start.rate * (start.h.hi - h[starts])
     tube.spread[starts] = spread
     sides = [ZERO, ZERO, *(box[name] for name in used)]
-    ranges = known(parameters, sides, constants)
+    ranges = known(parameters, sides, constants, 0 if grip.common else 2)
     off = offsets(
         h[starts], tube.centre[starts], tube.spread[starts], start.rate, 0.0 * spread, ranges
     )

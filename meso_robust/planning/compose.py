@@ -23,6 +23,7 @@ from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
 
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs less room in x
+SMALL_FIRST = SHARES[::-1]  # where the gain is not what leads to the goal
 LARGEST_GAIN = 11e-6  # m, of one Y-translation (Table III)
 SMALLEST_GAIN = 2e-6  # m; effort of the search, no proof rests on it
 MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
@@ -335,20 +336,32 @@ def _compose(task: Task, setup: Setup, turns: int) -> list[Step] | None:
         return _insert(setup.start, setup)
     least = task.plan.least_y_translations
     counts = range(least, max(least, MOST_Y_TRANSLATIONS) + 1)
-    plan = _turn(setup, lambda state: to_goal(state, setup), counts)
+    plan = _turn(setup, lambda state: to_goal(state, setup), counts, onward=True)
     return None if plan is None else [*plan[0], plan[1]]
 
 
 def _turn(
-    setup: Setup, finish: Finish[E], counts: Iterable[int], close_um: float = CLOSE_ENOUGH_UM
+    setup: Setup,
+    finish: Finish[E],
+    counts: Iterable[int],
+    close_um: float = CLOSE_ENOUGH_UM,
+    *,
+    onward: bool = False,
 ) -> tuple[list[Step], E] | None:
-    """Steps 1 and 2, with one of these counts of Y-translations, and what leads to the goal then."""
+    """Steps 1 and 2, with one of these counts of Y-translations, and what leads to the goal then.
+
+    With ``onward`` no push that follows comes back.
+    """
+    tried = set()
     for count in counts:
-        for share in SHARES if count else (0.0,):
+        for share in SMALL_FIRST if count else (0.0,):
             first = _step_1(setup, count, share)
             if first is None:
                 continue
             pre = _post(first[-1]) if first else setup.start
+            if pre in tried or (onward and not _is_ahead(pre, setup)):
+                continue
+            tried.add(pre)
             found = rotate_and_finish(pre, setup, finish, close_um)
             if found is not None:
                 return [*first, found[0]], found[1]
@@ -373,6 +386,11 @@ def _step_1(setup: Setup, count: int, share: float) -> list[Step] | None:
     return steps
 
 
+def _is_ahead(state: PoseBox, setup: Setup) -> bool:
+    """Whether the part has still to be pushed to reach the goal's x."""
+    return state.x.lo > setup.goal.x.mid
+
+
 def _insert(start: PoseBox, setup: Setup) -> list[Step] | None:
     """Step 3, if necessary, and Step 4."""
     for share in SHARES:
@@ -387,6 +405,8 @@ def _insert(start: PoseBox, setup: Setup) -> list[Step] | None:
                 break
             steps += moved
             state = _post(moved[-1])
+            if not _is_ahead(state, setup):
+                break
     return None
 
 

@@ -12,21 +12,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
-import numpy as np
-
 from meso_robust import units
-from meso_robust.bounds import HALF_PI, Interval, Verdict
-from meso_robust.motion.two_sided import Grip, Start, enclose_slide, rate_at
+from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
 from meso_robust.planning.x_translation import to_goal
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step
-from meso_robust.primitives.rotation import certify_rotation
-from meso_robust.primitives.setup import ZERO, PoseBox, Setup
+from meso_robust.primitives.rotation import certify_rotation, reach
+from meso_robust.primitives.setup import PoseBox, Setup
 
 SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
 SCOUT = 2.0  # how much coarser than the certificate the scouting tube is
-APPROACH_UM = 60.0  # what the push by the active tip alone may take
+LONGEST = 0.6  # widths of the part by which the active tip may pass the passive one
 SHORTER_UM = 15.0  # from one push that is tried to the next
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
 MOST_TRIALS = 6  # ends of the push; effort of the search, no proof rests on it
@@ -122,83 +119,55 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
 def _finish(
     turned: Step, choice: _Choice, pre: PoseBox, setup: Setup, finish: Finish[E], close_um: float
 ) -> tuple[Step, E] | None:
-    """Add what leads to the goal, and shift the pair until the part ends at the goal's height."""
+    """Add what leads to the goal, and shift the pair until the part ends at the goal's height.
+
+    If it cannot be shifted that far, an end elsewhere in the goal will do.
+    """
+    reached: tuple[Step, E] | None = None
     for _ in range(MOST_TRIALS):
         if turned.verdict is not Verdict.PROVED or turned.post is None:
-            return None
-        finished = finish(turned.post)
-        if finished is None or finished.post is None:
-            return None
-        off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
-        if finished.post.within(setup.goal) and abs(off) < close_um:
-            return turned, finished
-        choice = replace(choice, middle=choice.middle - off)
+            # as long as it could be where the pair was; there it was not tried yet
+            choice = replace(choice, h_end=choice.h_end + fine(setup) * SHORTER_UM)
+        else:
+            finished = finish(turned.post)
+            if finished is None or finished.post is None:
+                break
+            off = units.to_um(finished.post.y.mid - setup.goal.y.mid)
+            if finished.post.within(setup.goal):
+                reached = turned, finished
+                if abs(off) < close_um:
+                    break
+            choice = replace(choice, middle=choice.middle - off)
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
-    return None
+    return reached
 
 
 def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
     """Where the longest push ends and which height of the pair leads to the goal (coarse)."""
     u, goal = setup.uncertainty, units.to_um(setup.goal.y.mid)
-    depth, reach = setup.edge(HALF_PI.mid).depth, setup.half_length.mid
-    radii = u.tip_radius + u.passive_tip_radius
-    width = 2.0 * depth.mid + radii.mid
-    middle, h_end = goal + 0.1 * units.to_um(reach), 0.0
-    for _ in range(4):
-        off = u.probe_position + u.probe_position
-        V = Interval.point(separation * units.UM) + off
-        grip = _grip(V - depth - depth - radii, setup)
-        passive = middle - 0.5 * separation
-        label = pre.y - Interval.point(passive * units.UM) + u.probe_position
-        tube = enclose_slide(grip, _start(grip, label, setup), -width, coarse=SCOUT).cells[0]
-        last = int(np.isfinite(tube.upper).sum()) - 2
-        if last < 1 or tube.h[last] > 0.0:
+    edge, half_length = setup.edge(HALF_PI.mid), units.to_um(setup.half_length.mid)
+    radius, depth = units.to_um(u.passive_tip_radius.mid), units.to_um(edge.depth.mid)
+    width = 2.0 * depth + radius + units.to_um(u.tip_radius.mid)
+    choice = _Choice(separation=separation, h_end=-LONGEST * width, middle=goal + 0.1 * half_length)
+    for _ in range(2):
+        ends = reach(_rule(choice, pre, setup), pre, setup, SCOUT)
+        if ends is None:
             return None
-        h_end = units.to_um(tube.h[last - 1] + off.hi)
-        q = float(tube.centre[last] + 0.5 * (tube.lower[last] + tube.upper[last]))
+        h_end = units.to_um(ends.h)
         # the part's centre lies its length along the edge and its depth off it from the passive tip
-        sine, cosine = _direction(h_end, separation, units.to_um(width))
-        ahead = units.to_um(q) * sine - units.to_um(depth.mid + u.passive_tip_radius.mid) * cosine
+        sine, cosine = _direction(h_end, separation, width)
+        ahead = units.to_um(ends.slide) * sine - (depth + radius) * cosine
         end_y = (
-            passive + ahead + units.to_um(width) * 0.5 * (cosine + 1.0) - units.to_um(reach) * sine
+            choice.middle
+            - 0.5 * separation
+            + ahead
+            + width * 0.5 * (cosine + 1.0)
+            - half_length * sine
         )
-        middle += goal - end_y
-    return _Choice(separation=separation, h_end=h_end, middle=middle)
-
-
-def _grip(room: Interval, setup: Setup) -> Grip:
-    u, edge = setup.uncertainty, setup.edge(HALF_PI.mid)
-    return Grip(
-        room=room,
-        depth=edge.depth,
-        depth_far=edge.depth,
-        ends=(edge.first, edge.last),
-        ends_far=(edge.first, edge.last),
-        rho=u.film_ratio,
-        mu=u.friction,
-        common=setup.friction_common,
-        radius=u.tip_radius,
-        radius_far=u.passive_tip_radius,
-        kappa=u.squareness - u.squareness if u.squareness != ZERO else ZERO,
-        drag_a=u.drag_centre,
-        drag_n=u.drag_centre,
-        stretch=u.drag_anisotropy,
-        shear=u.drag_anisotropy,
-    )
-
-
-def _start(grip: Grip, label: Interval, setup: Setup) -> Start:
-    """Where a part that has hardly turned touches the passive tip, roughly."""
-    width = grip.depth.mid + grip.depth_far.mid + grip.radius.mid + grip.radius_far.mid
-    h = Interval(width - fine(setup) * APPROACH_UM * units.UM, width)
-    return Start(
-        h=h,
-        labels={"label": label},
-        value=label.mid,
-        rate=rate_at(grip, h.hi, label.mid),
-        spread={"label": 1.0},
-        rest=Interval.point(0.0),
-    )
+        middle = choice.middle + goal - end_y
+        found = replace(choice, h_end=h_end, middle=middle)
+        choice = replace(choice, middle=middle)
+    return found
 
 
 def _direction(h: float, separation: float, width: float) -> tuple[float, float]:

@@ -35,8 +35,9 @@ def best_robust(
     high: float,
     smallest: float,
     attempt: Callable[[float], tuple[float, T] | None],
+    refined: int = REFINED,
 ) -> T | None:
-    """The best robust sample of the first level that has one and of the next ``REFINED`` levels.
+    """The best robust sample of the first level that has one and of its neighbours after that.
 
     The paper stops at the first robust sample; its neighbours are worth a look when, as for the
     length of a push, samples differ in how good they are.
@@ -48,13 +49,22 @@ def best_robust(
     attempt
         Certifies one sample; None if it is not robust, else its worth (higher is better) and what
         was found.
+    refined
+        How many further levels are looked at, and only on either side of the best sample so far.
     """
-    found: list[tuple[float, T]] = []
-    more = REFINED
+    best: tuple[float, float, T] | None = None
     for samples in levels(low, high, smallest):
-        found += [result for result in map(attempt, samples) if result is not None]
-        if found:
-            more -= 1
-        if more < 0:
-            break
-    return max(found, key=lambda result: result[0])[1] if found else None
+        if best is not None:
+            refined -= 1
+            if refined < 0:
+                break
+            samples = _nearest(samples, best[1])
+        for sample in samples:
+            result = attempt(sample)
+            if result is not None and (best is None or result[0] > best[0]):
+                best = result[0], sample, result[1]
+    return None if best is None else best[2]
+
+
+def _nearest(samples: list[float], to: float) -> list[float]:
+    return sorted(samples, key=lambda sample: abs(sample - to))[:2]

@@ -10,7 +10,7 @@ from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.planning import nominal
 from meso_robust.planning.clearance import errors_across, rise_of, start_ahead_um
-from meso_robust.planning.sampling import best_robust
+from meso_robust.planning.sampling import REFINED, best_robust
 from meso_robust.primitives.move import Aim, MoveRule, Point, from_part, in_world
 from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Step
@@ -41,7 +41,13 @@ def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
 
 
 def upright(
-    pre: PoseBox, setup: Setup, *, step: int, primitive: str, tilt: Turn | None = None
+    pre: PoseBox,
+    setup: Setup,
+    *,
+    step: int,
+    primitive: str,
+    tilt: Turn | None = None,
+    refined: int = REFINED,
 ) -> Step | None:
     """The robust t^2 push that travels no further than both tips need to touch.
 
@@ -53,6 +59,8 @@ def upright(
         What the move is called.
     tilt
         The turn just before it, if there is one: what it leaves of y hangs on the orientation.
+    refined
+        How far the search goes on beyond the first robust push; see `best_robust`.
 
     Returns
     -------
@@ -69,19 +77,23 @@ def upright(
         end = from_part(FAR_UM + units.to_um(left) - SPARE_UM)
         return left, replace(trial.rule, dual_end=end)
 
-    rule = _sample(pre, setup, attempt)
+    rule = _sample(pre, setup, attempt, refined)
     return None if rule is None else certify_straighten(rule, pre, setup, tilt, whole=False)
 
 
 def _sample(
-    pre: PoseBox, setup: Setup, attempt: Callable[[float], tuple[float, T] | None]
+    pre: PoseBox,
+    setup: Setup,
+    attempt: Callable[[float], tuple[float, T] | None],
+    refined: int = REFINED,
 ) -> T | None:
     def if_nominal(middle: float) -> tuple[float, T] | None:
         return attempt(middle) if nominal.straightens(middle, pre, setup) else None
 
     edge = setup.edge(pre.theta.mid)
     low, high = edge.first.mid, edge.last.mid
-    return best_robust(low, high, max(setup.uncertainty.probe_position.hi, 1e-6), if_nominal)
+    smallest = max(setup.uncertainty.probe_position.hi, 1e-6)
+    return best_robust(low, high, smallest, if_nominal, refined)
 
 
 def _worth(candidate: Step) -> tuple[float, Step] | None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.conditions import condition
 from meso_robust.planning import nominal
 from meso_robust.planning.clearance import errors_across, rise_of, start_ahead_um
-from meso_robust.planning.sampling import best_robust
+from meso_robust.planning.sampling import REFINED, best_robust
 from meso_robust.planning.x_translation import upright
 from meso_robust.primitives.move import MoveRule, Point, from_part
 from meso_robust.primitives.obligation import Step
@@ -20,6 +21,7 @@ GUESSED_BACK = 0.4  # share of the half depth at which the straightening push is
 LARGEST_TILT = 0.5  # rad
 
 
+@lru_cache(maxsize=64)  # other plans begin with the same one
 def y_translation(pre: PoseBox, setup: Setup, gain: float, step: int) -> tuple[Step, Step] | None:
     """The robust tilt and straightening that move the part across the push.
 
@@ -40,14 +42,21 @@ def y_translation(pre: PoseBox, setup: Setup, gain: float, step: int) -> tuple[S
     side = 1 if gain > 0.0 else -1
     back = GUESSED_BACK * setup.edge(pre.theta.mid).depth.mid
     found = None
-    for _ in range(2):  # the second round knows where the straightening push lands
-        tilt = _tilt(pre, setup, abs(gain), side, back, step)
+    for refined in (0, REFINED):  # the second round knows where the straightening push lands
+        tilt = _tilt(pre, setup, abs(gain), side, back, step, refined)
         if tilt is None:
             return None
         tilted, turn = tilt
         if tilted.post is None:
             return None
-        straight = upright(tilted.post, setup, step=step, primitive="y_translation", tilt=turn)
+        straight = upright(
+            tilted.post,
+            setup,
+            step=step,
+            primitive="y_translation",
+            tilt=turn,
+            refined=refined,
+        )
         if straight is None:
             return None
         back = _pushed_at(straight, tilted.post, setup, side)
@@ -56,7 +65,7 @@ def y_translation(pre: PoseBox, setup: Setup, gain: float, step: int) -> tuple[S
 
 
 def _tilt(
-    pre: PoseBox, setup: Setup, gain: float, side: int, back: float, step: int
+    pre: PoseBox, setup: Setup, gain: float, side: int, back: float, step: int, refined: int
 ) -> tuple[Step, Turn] | None:
     """The robust tilt whose contact lies farthest from the middle: it needs the least travel."""
     edge = setup.edge(pre.theta.mid)
@@ -76,7 +85,7 @@ def _tilt(
         return offset, (tilted, turn)
 
     smallest = max(setup.uncertainty.probe_position.hi, 1e-6)
-    return best_robust(max(half - spacing, 0.0), half, smallest, attempt)
+    return best_robust(max(half - spacing, 0.0), half, smallest, attempt, refined)
 
 
 def _tilt_rule(

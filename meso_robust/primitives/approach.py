@@ -1,17 +1,16 @@
 """The start of a two-sided rotation: the active tip alone pushes the part onto the passive one.
 
-The distance of the passive tip from its edge is the clock. The part turns by a rate per closed gap, and
-the active tip's contact creeps along its edge by a rate per turn, that lie in intervals over all states on
-the way; so the turn is the first gap times a mean rate out of its interval, and the creep the turn times
-one. The gap is closed in a few stages. That the creep is told per turn matters: how far the part turns
-depends much on the film, where its contact is at a given turn hardly does.
+The turn since the first touch is the clock. The active tip's contact creeps along its edge by a rate per
+turn that lies in an interval over all states on the way; so it has crept the turn times a mean rate out of
+that interval. How much the creep depends on constants is told as a guess, and only the rest is an interval.
+How long the clock runs depends much on the film: the gap to the passive tip closes by a rate per turn that
+is bounded stage by stage, so the turn is known to lie in a range. At a given turn it hardly matters.
 """
 
 from __future__ import annotations
 
 import functools
 import itertools
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -19,19 +18,22 @@ import numpy as np
 
 from meso_robust.bounds import HALF_PI, Bounded, Interval, enclose
 from meso_robust.motion.two_sided import Grip, Start, parameters_of, rate_at
-from meso_robust.primitives.grasp import LINE, STATE, Relations, on_line
+from meso_robust.primitives.grasp import ALONE, CREEPS, LINE, Relations, on_line
 from meso_robust.primitives.names import Inequality, ObligationId, about
 from meso_robust.primitives.obligation import Obligation, require_order
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import ZERO, PoseBox
 
 # Choices of speed against tightness: a stage too long leaves a rotation undecided, never wrong.
-STAGES = 4
+STAGE = 0.02  # rad
+MOST_STAGES = 25
 GUESSES = 10
-SMALL_TURN = 0.01  # rad; for a slope, which is a guess
+TURNS = (0.02, 0.06, 0.1)  # rad; where slopes are taken, which are a guess
+SMALL = 1e-5  # m/rad; the same
 BOXES = 16
-MOST_BOXES = 256  # for the slide at the touch, from which the whole turn starts
-GAP = 8e-6  # m; first gaps that are closed together
+FINE_BOXES = 256  # for what adds up over the stages
+TOUCHES = 8  # parts of the range of turns in which the slide at the touch is enclosed
+MOST_BOXES = 64  # for that of each part, from which the whole turn starts
 STATED = Interval.point(0.9)
 """Share of a proved bound that is stated: others, whose enclosures differ, are to meet it."""
 
@@ -56,6 +58,7 @@ def approach(
     box: Mapping[str, Interval],
     grip: Grip,
     labels: Mapping[str, Interval],
+    first_gap: Interval,
     edge: Edge,
     of: Relations,
 ) -> Touch | None:
@@ -68,7 +71,9 @@ def approach(
     grip
         What is known of the part between both tips.
     labels
-        Ranges of `grasp.LABELS`.
+        Ranges of `grasp.LABELS` but the turn.
+    first_gap
+        Of the passive tip to its edge at the first touch of the active one, m.
     edge
         The pushed edge.
     of
@@ -79,23 +84,13 @@ def approach(
     Touch or None
         None where no bound of the rates could be confirmed.
     """
-    box = _bowed({**box, **labels}, grip.mu, of)
-    gap = labels["first_gap"]
-    count = max(1, math.ceil(gap.width / GAP))
-    ends = np.linspace(gap.lo, gap.hi, count + 1).tolist()
-    ends[0], ends[-1] = gap.lo, gap.hi
-    cells = []
-    for low, high in itertools.pairwise(ends):
-        cell = _closed({**box, "first_gap": Interval(low, high)}, grip.mu, of)
-        if cell is None:
-            return None
-        cells.append(cell)
-    path, offset, x, y, pushes, unique = (
-        functools.reduce(Interval.hull, sides)
-        for sides in zip(*(cell.seen for cell in cells), strict=True)
-    )
+    box = _told({**box, **dict.fromkeys(ALONE, ZERO)}, grip.mu, of)
+    closed = _closed(box, first_gap, grip.mu, of)
+    if closed is None:
+        return None
+    path, offset, x, y, pushes, unique = closed.seen
     return Touch(
-        start=_start([cell.box for cell in cells], grip, labels, of),
+        start=_start(closed.box, grip, {**labels, "turned": closed.box["turned"]}, of),
         first=edge.angle(box["theta"]),
         path=path,
         poses=PoseBox(x=x, y=y, theta=edge.orientation(path - box["kappa"])),
@@ -109,95 +104,64 @@ def approach(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Closed:
-    """A part of the range of first gaps, closed."""
+    """The gap is closed."""
 
     box: dict[str, Interval]
-    """With the mean rates."""
+    """With the turn that takes and the mean creep."""
     seen: tuple[Interval, ...]
-    """Direction of the edge, p_D, x, y, how the tip presses, how stiff it is."""
+    """Direction of the edge, p_D, x, y, how the tip presses, how stiff it is, on the way."""
 
 
-def _closed(box: dict[str, Interval], friction: Interval, of: Relations) -> _Closed | None:
-    turned = crept = ZERO
-    seen, turns, creeps = [], [], []
-    for stage in range(STAGES):
-        state = {**box, "begun": Interval.point(stage / STAGES), "turned": turned, "crept": crept}
-        found = _stage(state, friction, of)
+def _closed(
+    box: dict[str, Interval], gap: Interval, friction: Interval, of: Relations
+) -> _Closed | None:
+    mean, least, seen = ZERO, None, []
+    for start, end in itertools.pairwise(Interval.point(STAGE * k) for k in range(MOST_STAGES)):
+        state = {**box, "turned": start.hull(end), "gap": Interval(0.0, gap.hi)}
+        found = _stage(state, mean, friction, of)
         if found is None:
             return None
-        state, margins = found
-        seen.append((*enclose(of.path, state, boxes=BOXES), *margins))
-        turn = state["turn_rate"] * Interval.point(1.0 / STAGES)
-        turns.append(turn)
-        creeps.append(state["creep_rate"])
-        turned, crept = turned + turn, crept + state["creep_rate"] * turn
-    return _Closed(
-        box={**box, "turned": turned, "crept": _mean(creeps, turns)},
-        seen=tuple(functools.reduce(Interval.hull, sides) for sides in zip(*seen, strict=True)),
-    )
-
-
-def _bowed(box: Mapping[str, Interval], friction: Interval, of: Relations) -> dict[str, Interval]:
-    """With a guess of how the creep per turn changes with the turn."""
-    upright = Interval.point(HALF_PI.mid)
-    still = dict.fromkeys(("begun", "part", "turned", "crept", "turn_rate", "creep_rate"), ZERO)
-    box = {**box, **still, "bow": ZERO, "upright": upright}
-    creeps = []
-    for off in (SMALL_TURN, -SMALL_TURN):
-        turned = _middle({**box, "theta": box["theta"] + Interval.point(off)})
-        rates = _rates(turned, Interval.point(friction.mid), of)
-        creeps.append(0.0 if rates is None else rates[1].mid)
-    return {**box, "bow": Interval.point((creeps[0] - creeps[1]) / (2.0 * SMALL_TURN))}
-
-
-def _mean(values: list[Interval], weights: list[Interval]) -> Interval:
-    """Mean of values, each anywhere in its range, as are the positive weights."""
-    middle = Interval.point(sum(value.mid for value in values) / len(values))
-    total = middle
-    for k, (value, weight) in enumerate(zip(values, weights, strict=True)):
-        rest = functools.reduce(Interval.__add__, (w for j, w in enumerate(weights) if j != k))
-        # weight/(weight + rest) grows with the weight and falls with the rest
-        low, high = Interval.point(weight.lo), Interval.point(weight.hi)
-        share = Interval(
-            (low / (low + Interval.point(rest.hi))).lo, (high / (high + Interval.point(rest.lo))).hi
-        )
-        total = total + share * (value - middle)
-    return total
-
-
-def _stated(
-    id_: ObligationId, inequality: Inequality, margin: Interval, box: Mapping[str, Interval]
-) -> Obligation:
-    over = {"rho": box["rho"]}
-    return require_order(about(id_), inequality, margin * STATED, over)
+        state["creep"], mean, rate, margins = found
+        seen.append((*enclose(of.path, state, boxes=BOXES), *margins, state["creep"]))
+        left = gap - rate * (end - start)
+        low, high = Interval.point(gap.lo) / rate, Interval.point(gap.hi) / rate
+        if least is None and left.lo <= 0.0:
+            least, since = max(0.0, (start + low).lo), len(seen) - 1
+        if least is not None and left.hi <= 0.0:
+            *sides, creep = zip(*seen, strict=True)
+            state["creep"] = functools.reduce(Interval.hull, creep[since:])
+            return _Closed(
+                box={**state, "turned": Interval(least, (start + high).hi), "gap": ZERO},
+                seen=tuple(functools.reduce(Interval.hull, side) for side in sides),
+            )
+        gap = left
+    return None
 
 
 def _stage(
-    state: dict[str, Interval], friction: Interval, of: Relations
-) -> tuple[dict[str, Interval], tuple[Interval, Interval]] | None:
-    """One stage with confirmed rates, and how the tip presses and how stiff it is at worst.
+    state: dict[str, Interval], mean: Interval, friction: Interval, of: Relations
+) -> tuple[Interval, Interval, Interval, tuple[Interval, Interval]] | None:
+    """What a stage adds to the approach.
 
-    Rates are guessed and kept if those of all states that follow from them lie among them.
+    Returns the rest of the mean creep at any time in the stage and at its end; how fast the gap closes;
+    how the tip presses and how stiff it is at worst. The creep is guessed, and right if that of all
+    states that follow from it lies among it.
     """
-    at_first = {**state, "part": ZERO, "turn_rate": ZERO, "creep_rate": ZERO}
-    rates = _rates(_middle(at_first), Interval.point(friction.mid), of)
-    if rates is None:
-        return None
-    guess = rates[:2]
+    start, end = Interval.point(state["turned"].lo), Interval.point(state["turned"].hi)
+    middle = {**_middle(state), "creep": Interval.point(mean.mid)}
+    guess = _creep(middle, Interval.point(friction.mid), of)
     for _ in range(GUESSES):
-        trial = {
-            **state,
-            "part": Interval(0.0, 1.0 / STAGES),
-            "turn_rate": guess[0],
-            "creep_rate": guess[1],
-        }
-        rates = _rates(trial, friction, of)
-        if rates is None:
+        if guess is None:
             return None
-        turn, creep, pushes, unique = rates
-        if turn.within(guess[0]) and creep.within(guess[1]):
-            return {**trial, "turn_rate": turn, "creep_rate": creep}, (pushes, unique)
-        guess = _inflated(turn), _inflated(creep)
+        # what both have added, by their shares of the turn
+        after = mean * (start / end) + guess * ((end - start) / end)
+        during = {**state, "creep": after if start.hi == 0.0 else mean.hull(after)}
+        creep = _creep(during, friction, of)
+        # strictly inside, so that no motion can be the first to leave it
+        if creep is not None and guess.lo < creep.lo and creep.hi < guess.hi:
+            margins = _margins(during, friction, of)
+            return None if margins is None else (during["creep"], after, *margins)
+        guess = None if creep is None else _inflated(guess.hull(creep))
     return None
 
 
@@ -208,45 +172,104 @@ def _middle(state: Mapping[str, Interval]) -> dict[str, Interval]:
 def _inflated(range_: Interval) -> Interval:
     # any guess is sound, as it is kept only if the rates stay in it; 3 % is enough for the next try
     reach = 0.03 * (range_.hi - range_.lo)
-    return Interval(range_.lo - reach, range_.hi + reach)
+    return range_ + Interval(-reach, reach)
 
 
-def _rates(
-    state: dict[str, Interval], friction: Interval, of: Relations
-) -> tuple[Interval, Interval, Interval, Interval] | None:
-    """Turn and creep per closed gap, what the tip presses with and its least stiffness."""
-    now = [enclose(part, state, boxes=BOXES)[0] for part in of.state]
-    state = {**state, **dict(zip(STATE, now, strict=True))}
+def _creep(state: Mapping[str, Interval], friction: Interval, of: Relations) -> Interval | None:
+    """What is left of the creep per turn: that of a contact that slips (towards +a of the part) or rolls."""
     stick, pressing = enclose(of.sticking, state, boxes=BOXES)
-    if not pressing.lo > 0.0:
+    slipping, rolling, lever = enclose(of.creep, {**state, "tau": -friction}, boxes=FINE_BOXES)
+    if not (pressing.lo > 0.0 and lever.lo > 0.0 and stick.hi < friction.lo):
         return None
+    if stick.hi < -friction.hi:
+        return slipping
+    # the smaller one: it slips only if it then creeps less than it would roll
+    return Interval(min(slipping.lo, rolling.lo), min(slipping.hi, rolling.hi))
+
+
+def _margins(
+    state: Mapping[str, Interval], friction: Interval, of: Relations
+) -> tuple[Interval, tuple[Interval, Interval]] | None:
+    """How much the gap closes per turn; how the tip presses, and its least stiffness."""
+    stick, pressing = enclose(of.sticking, state, boxes=BOXES)
     stiffness = [
-        enclose(of.rates, {**state, "tau": side}, boxes=1)[3] for side in (friction, -friction)
+        enclose(of.stiffness, {**state, "tau": side}, boxes=1)[0] for side in (friction, -friction)
     ]
     least = Interval(min(k.lo for k in stiffness), max(k.hi for k in stiffness))
-    state = {**state, "tau": _clipped(stick, friction)}
-    turn, creep, closing, _ = enclose(of.rates, state, boxes=BOXES)
-    if not (closing.lo > 0.0 and least.lo > 0.0 and turn.lo > 0.0):
-        return None
-    return turn, creep, pressing, least
+    rates = []
+    if stick.lo < -friction.lo:  # it may slip
+        rates += enclose(of.closing, {**state, "tau": -friction}, boxes=FINE_BOXES)
+    if stick.hi >= -friction.hi:
+        rate, turns = enclose(of.rolling, state, boxes=FINE_BOXES)
+        rates.append(rate if turns.lo > 0.0 else ZERO)
+    rate = functools.reduce(Interval.hull, rates)
+    return (rate, (pressing, least)) if least.lo > 0.0 and rate.lo > 0.0 else None
 
 
-def _clipped(stick: Interval, mu: Interval) -> Interval:
-    """Force along the edge over normal force of one contact: the sticking ratio, clipped to +-mu."""
-    low = max(stick.lo, -mu.hi) if stick.lo < 0.0 else min(stick.lo, mu.lo)
-    high = min(stick.hi, mu.hi) if stick.hi > 0.0 else max(stick.hi, -mu.lo)
-    return Interval(low, high)
+def _stated(
+    id_: ObligationId, inequality: Inequality, margin: Interval, box: Mapping[str, Interval]
+) -> Obligation:
+    over = {"rho": box["rho"]}
+    return require_order(about(id_), inequality, margin * STATED, over)
+
+
+PART_OF_CREEP = {
+    "d_D": "depth", "r_D": "radius_lower", "drag_a": "drag_a", "drag_n": "drag_n",
+}  # fmt: skip
+"""What a constant is among the parameters of a move, as those of `PART_OF_CONSTANT`."""
+
+
+def _told(box: dict[str, Interval], friction: Interval, of: Relations) -> dict[str, Interval]:
+    """With a guess of how the creep per turn depends on the angle and on constants, on average."""
+    at = {**box, "tau": Interval.point(-friction.mid)}
+
+    def changed(name: str, small: float, turned: float) -> tuple[float, float]:
+        """Of the creep and of the place of the first contact, per what is changed."""
+        ends = []
+        for off in (small, -small):
+            moved = {**at, "turned": Interval.point(turned)}
+            moved[name] = moved[name] + Interval.point(off)
+            ends.append((min(_values(of.creep, moved)[:2]), _values(of.constants, moved)[0]))
+        creep, first = ((ends[0][k] - ends[1][k]) / (2.0 * small) for k in range(2))
+        return creep, first
+
+    def mean(name: str) -> tuple[float, float]:
+        creeps, firsts = zip(*(changed(name, 1e-8, turned) for turned in TURNS), strict=True)
+        return sum(creeps) / len(TURNS), firsts[0]
+
+    # more creep per turn moves the contact by itself times the turn
+    by_place = sum(changed("creep", SMALL, turned)[0] / turned for turned in TURNS) / len(TURNS)
+    slopes = {"first_p": by_place}
+    for name, part in PART_OF_CREEP.items():
+        creep, first = mean(part)
+        slopes[name] = creep - by_place * first
+    middles = dict(zip(CREEPS, _values(of.constants, box), strict=True))
+    found = {f"by_{name}": Interval.point(slopes[name]) for name in CREEPS}
+    found |= {f"at_{name}": Interval.point(middles[name]) for name in CREEPS}
+    halfway = 0.5 * TURNS[-1]
+    by_angle, _ = changed("turned", halfway, halfway)
+    upright = Interval.point(HALF_PI.mid)
+    return {**box, **found, "by_angle": Interval.point(by_angle), "upright": upright}
+
+
+def _values(of: Bounded, box: Mapping[str, Interval]) -> list[float]:
+    """The results in the middle of a box, in plain numbers."""
+    at = np.array([box[name].mid for name in of.inputs])
+    return [float(value) for value in np.array(of.function(at)).ravel()]
 
 
 def _start(
-    cells: list[dict[str, Interval]], grip: Grip, labels: Mapping[str, Interval], of: Relations
+    box: dict[str, Interval], grip: Grip, labels: Mapping[str, Interval], of: Relations
 ) -> Start:
     """The slide at the touch as an affine function; its slopes are those at the middle, as a guess."""
-    no_line = dict.fromkeys(LINE, ZERO)
+    turned = labels["turned"]
+    ends = np.linspace(turned.lo, turned.hi, TOUCHES + 1).tolist()
+    ends[0], ends[-1] = turned.lo, turned.hi
+    parts = [{**box, "turned": Interval(*pair)} for pair in itertools.pairwise(ends)]
+    box = {**box, **dict.fromkeys(LINE, ZERO)}
     h = functools.reduce(
-        Interval.hull, (enclose(of.touch, cell | no_line, boxes=BOXES)[0] for cell in cells)
+        Interval.hull, (enclose(of.touch, {**box, **part}, boxes=BOXES)[0] for part in parts)
     )
-    box = {**cells[len(cells) // 2], **no_line, **labels}
     middle, slope = _at_middle(of.touch, box), _slopes(of.touch, box)
     rate = rate_at(grip, middle["h"], middle["q"])
 
@@ -254,7 +277,7 @@ def _start(
         return slope("q", name) + rate * slope("h", name)
 
     # a higher active tip gives room; a higher passive one takes it, and lowers the label
-    spread = {"first_gap": beside("first_gap"), "room": beside("dual_y")}
+    spread = {"first_angle": beside("theta"), "turned": beside("turned"), "room": beside("dual_y")}
     spread["label"] = -beside("single_y") - spread["room"]
     for name, part in PART_OF_CONSTANT.items():
         # what takes room has that effect already
@@ -268,7 +291,7 @@ def _start(
         rest=ZERO,
     )
     coefficients = on_line(start.line, parameters_of(grip, labels))
-    rests = (enclose(of.touch, cell | coefficients, boxes=MOST_BOXES)[2] for cell in cells)
+    rests = (enclose(of.touch, part | coefficients, boxes=MOST_BOXES)[2] for part in parts)
     return replace(start, rest=functools.reduce(Interval.hull, rests))
 
 

@@ -176,7 +176,7 @@ def off_line(id_: ObligationId, tip: int, line: Line, box: Box) -> Obligation:
     Obligation
         Proved or not.
     """
-    of = one_tip.passing(tip)
+    of = one_tip.passing(tip, one_tip.zeros(box))
     there = {**box, "line_turn": line.turn, "line_depth": line.depth}
     proof = prove_positive(of, {name: there[name] for name in of.inputs})
     return Obligation(

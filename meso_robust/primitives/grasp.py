@@ -37,25 +37,19 @@ PART = (
     *("drag_a", "drag_n"),
 )
 """Constants of both tips and the part."""
-NOW = (*INSTANT[:-2], "travel_x")  # without both coefficients of friction
+NOW = (*INSTANT[:-2], "sway_first", "travel_x")  # without both coefficients of friction
+CREEPS = ("first_p", "d_D", "r_D", "drag_a", "drag_n")
+"""Constants that the creep of the contact per turn is told of."""
 ALONE = (
-    "first_gap",
-    "begun",
-    "part",
-    "turned",
-    "crept",
-    "turn_rate",
-    "creep_rate",
-    "bow",
-    "upright",
-    "tau",
+    *("gap", "turned", "creep", "tau", "by_angle", "upright"),
+    *(f"{kind}_{name}" for kind in ("by", "at") for name in CREEPS),
 )
-"""How far the gap to the passive tip is closed, and the mean rates of that.
-
-The creep per turn changes by ``bow`` per turn; what is left of it at the angle ``upright`` is the rate.
-"""
-LABELS = ("label", "first_gap")
-"""What tells runs of a rotation apart: the part's height over the passive tip, the gap to it."""
+"""While the active tip pushes alone: the gap to the passive tip, the turn since the touch, the mean creep of
+the contact along its edge per turn, less what is told of it: its slopes by the angle of the edge, from
+``upright``, and by constants, from ``at_*``; the ratio of friction."""
+LABELS = ("label", "first_angle", "turned")
+"""What tells runs of a rotation apart: the part's height over the passive tip, the direction of its edge at
+the first touch, and how much it turns until the second."""
 PARAMETERS = (*CONSTANT, *LABELS)
 LINE = (
     *("first", "value", "rate", "rest"),
@@ -64,10 +58,7 @@ LINE = (
 """An affine bound of the slide (`motion.two_sided.Line`)."""
 PATH = metres(100.0)
 """A probe that wanders by w turns from its direction by at most w over this length, m."""
-STATE = ("angle", "offset", "gap", "separation", "lean")
-"""The part while the active tip pushes alone: direction of its edge, p_D, gap, V, direction of the far edge
-less that of the pushed one."""
-INPUTS = (*MOVE, *RULE, *PART, *NOW, *ALONE, *STATE, *LINE, "h")
+INPUTS = (*MOVE, *RULE, *PART, *NOW, *ALONE, *LINE, "h")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,15 +66,21 @@ class Relations:
     """The functions, each of what it depends on."""
 
     begin: Bounded
-    """V, room, label, h at the end of the travel, first gap, travel before the first touch, all of it."""
+    """V, room, label, angle of the edge before, h at the end of the travel, first gap, travel before the first touch, all of it."""
     path: Bounded
     """Direction of the edge in the move's own axes, p_D, x and y, while the active tip pushes alone."""
-    state: tuple[Bounded, ...]
-    """What ``STATE`` names, of the parameters of the move."""
-    rates: Bounded
-    """Of a state: turn per closed gap, creep per turn, closing speed, stiffness."""
+    creep: Bounded
+    """Then what is left of the creep per turn if the contact slips, if it sticks; the lever of the turn."""
+    closing: Bounded
+    """Then how much the gap closes per turn if the contact slips."""
+    rolling: Bounded
+    """The same if it sticks; the turn per travel then."""
+    stiffness: Bounded
+    """Then the stiffness."""
     sticking: Bounded
-    """Friction ratio of sticking, and how the tip presses then."""
+    """Then the ratio of friction at which the contact sticks, and how the tip presses."""
+    constants: Bounded
+    """The constants that the creep is told of."""
     touch: Bounded
     """h at the touch of the passive tip, the slide there, the slide beyond a line."""
     end: tuple[Bounded, ...]
@@ -112,14 +109,10 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
     at = dict(x)
     _place(at, from_part)
     _before(at)
-    # until the touch the gap is a variable of its own: it is closed cell by cell
-    apart = {**at, "first_gap": x["first_gap"]}
-    alone = dict(apart)
-    _closing(alone)
-    pushed = {**x, "kappa": x["lean"]}
-    _pushed(pushed)
-    touched = dict(apart)
-    _touch(touched)
+    alone = dict(at)
+    _alone(alone)
+    touched = {**at, "gap": ca.SX(0.0)}
+    _alone(touched)
     touched["slide"] = touched["q"] - _on_line(touched)
     ended = dict(at)
     ended["h"] = at["h_end"]
@@ -137,11 +130,16 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
 
     held = {"x": ("pose_x",), "y": ("pose_y",), "direction": ("cosine", "sine"), "offset": ("p_D",)}
     return Relations(
-        begin=prepared("begin", at, "V", "room", "label", "h_end", "first_gap", "flight", "way"),
+        begin=prepared(
+            "begin", at, "V", "room", "label", "first_angle", "h_end", "first_gap", "flight", "way"
+        ),
         path=prepared("path", alone, "own_angle", "p_D", "pose_x", "pose_y"),
-        state=tuple(prepared(name, alone, name) for name in STATE),
-        rates=prepared("rates", pushed, "turn_per_gap", "creep_left", "closing", "stiffness"),
-        sticking=prepared("sticking", pushed, "stick_ratio", "pressing"),
+        creep=prepared("creep", alone, "slipping_left", "rolling_left", "lever"),
+        closing=prepared("closing", alone, "gap_per_turn"),
+        rolling=prepared("rolling", alone, "gap_per_rolling", "turn_rolling"),
+        stiffness=prepared("stiffness", alone, "stiffness"),
+        sticking=prepared("sticking", alone, "stick_ratio", "pressing"),
+        constants=prepared("constants", alone, *CREEPS),
         touch=prepared("touch", touched, "h", "q", "slide"),
         end=tuple(prepared(name, ended, *results) for name, results in held.items()),
         during=tuple(prepared(name, during, *results) for name, results in held.items()),
@@ -150,11 +148,6 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
 
 def _call(name: str, at: Values, *keys: str, module: str = MODULE) -> tuple[ca.SX, ...]:
     return formula(module, name)(ca, *(at[key] for key in keys))
-
-
-def _swayed(at: Values) -> Values:
-    """With the separation of the instant."""
-    return {**at, "V": at["V"] + at["sway"]}
 
 
 def _place(at: dict[str, ca.SX], from_part: frozenset[str]) -> None:
@@ -186,7 +179,7 @@ def _place(at: dict[str, ca.SX], from_part: frozenset[str]) -> None:
     at["way"] = travel * (1.0 + at["scale"]) + at["travel_x"]
     at["h_end"] = apart_x * c + apart_y * s - at["way"]
     at["label"] = at["passive_ahead"] * s - at["passive_rise"] * c
-    at["active_height"] = active_y * c - active_x * s + at["sway"]
+    at["active_height"] = active_y * c - active_x * s + at["sway_first"]
     at["active_ahead"] = active_x * c + active_y * s + at["travel_x"]
     at["to_part_x"] = -(at["passive_ahead"] * c + at["passive_rise"] * s)
 
@@ -218,59 +211,31 @@ def _before(at: dict[str, ca.SX]) -> None:
     at["flight"] = at["active_ahead"] - reach
 
 
-def _after(at: dict[str, ca.SX], done: ca.SX, turned: ca.SX, crept: ca.SX) -> None:
-    """The state when a share of the gap is closed, turned and crept at mean rates."""
-    angle = at["first_angle"] + at["first_gap"] * turned
+def _alone(at: dict[str, ca.SX]) -> None:
+    """The part when the active tip alone has turned it, at a mean creep per turn, and its rates then."""
+    angle = at["first_angle"] + at["turned"]
     at["c"], at["s"] = ca.cos(angle), ca.sin(angle)
     at["own_angle"] = angle + at["direction"]
-    halfway = at["first_angle"] - at["upright"] + 0.5 * at["first_gap"] * turned
-    at["angle"], at["p_D"] = (
-        angle,
-        at["first_p"] + at["first_gap"] * (crept + at["bow"] * turned * halfway),
-    )
-    at["gap"] = at["first_gap"] * (1.0 - done)
-
-
-def _closing(at: dict[str, ca.SX]) -> None:
-    _after(
-        at,
-        at["begun"] + at["part"],
-        at["turned"] + at["turn_rate"] * at["part"],
-        at["crept"] + at["creep_rate"] * at["turn_rate"] * at["part"],
-    )
-    at["offset"], at["separation"], at["lean"] = at["p_D"], at["V"] + at["sway"], at["kappa"]
-    keys = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa")
-    at["q"], _ = _call("passive_place", _swayed(at), *keys)
+    told = sum((at[f"by_{name}"] * (at[name] - at[f"at_{name}"]) for name in CREEPS), ca.SX(0.0))
+    halfway = at["first_angle"] - at["upright"] + 0.5 * at["turned"]
+    at["p_D"] = at["first_p"] + at["turned"] * (at["creep"] + at["by_angle"] * halfway + told)
+    touch = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa")
+    at["V"] = at["V"] + at["sway"]
+    at["q"], apart = _call("passive_place", at, *touch)
+    (width,) = _call("width", at, "q", "d_D", "d_S", "r_D", "r_S", "kappa")
+    at["h"] = apart * at["c"] + width * at["s"]
     _pose(at, at["c"], at["s"], at["d_S"] + at["gap"])
-
-
-def _pushed(at: dict[str, ca.SX]) -> None:
-    """Rates of a state in which the active tip pushes alone."""
-    at["c"], at["s"] = ca.cos(at["angle"]), ca.sin(at["angle"])
-    at["p_D"], at["V"], at["d_D"], at["d_S"] = (
-        at["offset"], at["separation"], at["depth"], at["depth_far"]
-    )  # fmt: skip
-    at["r_D"], at["r_S"] = at["radius_lower"], at["radius_passive"]
     film = ("drag_a", "drag_n", "rho", "stretch", "shear")
-    pushing = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa", *film, "bend")
-    creeping = ("c", "s", "p_D", "d_D", "r_D", *film, "bend", "tau")
-    (creep,) = _call("creep_per_turn", at, *creeping)
-    at["creep_left"] = creep - at["bow"] * (at["angle"] - at["upright"])
-    for name in ("turn_per_gap", "closing"):
-        (at[name],) = _call(name, at, *pushing, "tau")
     (at["stiffness"],) = _call("stiffness", at, "p_D", "d_D", *film, "tau")
     for name in ("pressing", "stick_ratio"):
         (at[name],) = _call(name, at, "c", "s", "p_D", "d_D", *film, "bend")
-
-
-def _touch(at: dict[str, ca.SX]) -> None:
-    """The gap is closed: the mean turn per gap, and creep per turn, over all of it."""
-    _after(at, ca.SX(1.0), at["turned"], at["turned"] * at["crept"])
-    at["gap"] = ca.SX(0.0)
-    keys = ("c", "s", "p_D", "V", "gap", "d_D", "d_S", "r_D", "r_S", "kappa")
-    at["q"], apart = _call("passive_place", _swayed(at), *keys)
-    (width,) = _call("width", at, "q", "d_D", "d_S", "r_D", "r_S", "kappa")
-    at["h"] = apart * at["c"] + width * at["s"]
+    (at["gap_per_turn"],) = _call("gap_per_turn", at, *touch, *film, "bend", "tau")
+    (at["gap_per_rolling"],) = _call("gap_per_rolling", at, *touch, *film, "bend")
+    (at["turn_rolling"],) = _call("turn_rolling", at, "c", "s", "p_D", "d_D", *film, "bend")
+    creeping = ("c", "s", "p_D", "d_D", "r_D", *film, "bend", "tau")
+    slipping, at["lever"] = _call("creep_per_turn", at, *creeping)
+    told += at["by_angle"] * (angle - at["upright"])
+    at["slipping_left"], at["rolling_left"] = slipping - told, -at["r_D"] - told
 
 
 def _on_line(at: Values) -> ca.SX:
@@ -287,8 +252,10 @@ def _held(at: dict[str, ca.SX]) -> None:
     """The part between both tips, its slide on a line."""
     at["q"] = _on_line(at)
     (at["W"],) = _call("width", at, "q", "d_D", "d_S", "r_D", "r_S", "kappa")
-    (at["T"],) = _call("apart", _swayed(at), "h", "V", "W")
-    c, s = _call("direction", _swayed(at), "h", "V", "W", "T")
+    swayed = {**at, "room": at["room"] + at["sway"]}
+    (at["clear"],) = _call("clear", swayed, "q", "d_S", "r_S", "kappa", "room")
+    (at["T"],) = _call("apart", at, "h", "clear", "W")
+    c, s = _call("direction", {**at, "V": at["clear"] + at["W"]}, "h", "V", "W", "T")
     (at["p_D"],) = _call("active_offset", at, "T", "q", "d_S", "r_S", "kappa")
     _pose(at, c, s, at["d_S"])
 
@@ -369,7 +336,7 @@ def ranges(
         "kappa": u.squareness, "kappa_far": u.squareness,
         "drag_a": u.drag_centre, "drag_n": u.drag_centre,
         "rho": u.film_ratio, "stretch": u.drag_anisotropy, "shear": u.drag_anisotropy,
-        "bend": u.probe_wander / PATH, "sway": wander, "travel_x": wander,
+        "bend": u.probe_wander / PATH, "sway": wander, "sway_first": wander, "travel_x": wander,
     }  # fmt: skip
 
 

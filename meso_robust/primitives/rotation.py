@@ -50,9 +50,13 @@ from meso_robust.primitives.tips import (
 
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
-CELL = 7e-6  # m of the tips' room that are followed together; more are looser, fewer take longer
+CELL = 1.0 / 70.0  # of the part's width: room of the tips followed together; more is looser
+COARSE = (
+    2.0  # longer steps where each tip has a coefficient of friction of its own: four times the work
+)
 AT_END = 4096  # boxes for the pose at the end
 ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013
+UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
 
@@ -74,8 +78,8 @@ class _Move:
     """Distance of both tips across the travel, m."""
     room: Interval
     """V less both radii and depths, m."""
-    label: Interval
-    """y of the part minus y of the passive tip, before the move, m."""
+    labels: Mapping[str, Interval]
+    """y of the part minus y of the passive tip (m) and the angle of the pushed edge, before the move."""
     h_end: Interval
     first_gap: Interval
     """Of the passive tip to its edge, m."""
@@ -141,23 +145,20 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.ACTIVE_ABOVE_PASSIVE)])
     grip = move.grip
-    touch = approach(
-        move.box, grip, {"label": move.label, "first_gap": move.first_gap}, edge, move.of
-    )
+    touch = approach(move.box, grip, move.labels, move.first_gap, edge, move.of)
     if touch is None:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.COMES_TO_REST)])
     h_start = touch.start.h
     rests = require_order(
         about(ObligationId.RESTS_BEFORE_END),
         Inequality.TOUCH_BEFORE_END,
-        (h_start - move.h_end) * STATED,
-        {"h_start": h_start, "h_end": move.h_end},
+        (h_start - move.h_end - Interval(0.0, h_start.width)) * STATED,
+        {"h_start": h_start + Interval(-h_start.width, h_start.width), "h_end": move.h_end},
     )
     obligations += [*touch.obligations, on_edge(Which.ACTIVE, touch.active_offset, edge), rests]
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
-    cells = max(1, math.ceil(grip.room.width / CELL))
-    tube = enclose_slide(grip, touch.start, move.h_end.lo, cells=cells)
+    tube = _tube(grip, touch, move.h_end.lo, 1.0)
     obligations += _tube_obligations(tube, move)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, obligations)
@@ -170,6 +171,55 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
     post = replace(at_end.pose, x=_roomy(at_end.pose.x), y=_roomy(at_end.pose.y))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
+
+
+def _tube(grip: Grip, touch: Touch, h_end: float, coarse: float) -> SlideTube:
+    width = grip.depth.mid + grip.depth_far.mid
+    cells = max(1, math.ceil(grip.room.width / (CELL * width)))
+    if not grip.common:
+        coarse *= COARSE
+    return enclose_slide(grip, touch.start, h_end, cells=cells, coarse=coarse)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reach:
+    """How far a push can go."""
+
+    h: float
+    """x of the active tip less that of the passive one, the nearest that is commanded, m."""
+    slide: float
+    """The slide there, in the middle, m."""
+
+
+def reach(rule: MoveRule, pre: PoseBox, setup: Setup, coarse: float) -> Reach | None:
+    """How far a rotation may go, roughly.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        As of `certify_rotation`; the push as long as it may be.
+    coarse
+        Factor on the steps.
+
+    Returns
+    -------
+    Reach or None
+        None where it does not begin or does not get past the passive tip.
+    """
+    edge = setup.edge(pre.theta.mid)
+    move = _move(rule, pre, edge, setup)
+    touch = approach(move.box, move.grip, move.labels, move.first_gap, edge, move.of)
+    if touch is None or not move.h_end.hi < touch.start.h.lo:
+        return None
+    tube = _tube(move.grip, touch, move.h_end.lo, coarse)
+    # the last knots are bounded, but not checked
+    ends = [int(np.isfinite(cell.upper).sum()) - 1 - UNCHECKED for cell in tube.cells]
+    last = min(ends)
+    if last < 1 or tube.h[last] > 0.0:
+        return None
+    cell = tube.cells[len(tube.cells) // 2]
+    slide = float(cell.centre[last] + 0.5 * (cell.lower[last] + cell.upper[last]))
+    return Reach(h=float(tube.h[last]) + 0.5 * move.h_end.width, slide=slide)
 
 
 def _roomy(side: Interval) -> Interval:
@@ -185,7 +235,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
     exact |= _idle_lines(exact)
     from_part = frozenset(name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART)
     of = relations(exact, from_part)
-    V, room, label, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
+    V, room, label, first_angle, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
     return _Move(
         box=box,
         of=of,
@@ -195,7 +245,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
         setup=setup,
         V=V,
         room=room,
-        label=label,
+        labels={"label": label, "first_angle": first_angle},
         h_end=h_end,
         first_gap=gap,
         flight=flight,
@@ -275,7 +325,7 @@ def _held(
 ) -> _Held | None:
     """All poses while the tips are ``h`` apart along the travel."""
     line = on_line(tube.line(h), tube.parameters)
-    box = {**move.box, **line, "h": h}
+    box = {**move.box, **line, "h": h, "turned": tube.parameters["turned"]}
     (x,), (y,), (c, s), (offset,) = (enclose(part, box, boxes=boxes, slack=0.002) for part in of)
     # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
     angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)

@@ -62,12 +62,13 @@ def certify_straighten(
     edge = setup.edge(pre.theta.mid)
     tilt = tilt if tilt is not None and tilt.edge == edge else None
     box, aligned = base_box(rule, pre, setup, edge), _aligned(setup)
+    zero = one_tip.zeros(box)
     obligations = [*free_at_start((1, -1), box, edge)]
     alike = len(obligations)
     posts: list[PoseBox | None] = []
     knots = [Knot(stage="at rest", box=pre)]
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
-        of, part = one_tip.straighten(side), {**box, "theta": theta}
+        of, part = one_tip.straighten(side, zero), {**box, "theta": theta}
         ends = bound(
             of,
             part,
@@ -87,9 +88,9 @@ def certify_straighten(
         post = pose_of(ends)
         if tilt is not None:
             post = replace(post, y=_nearer(post.y, _height(side, part, tilt, aligned.mid)))
-        posts.append(post)
-        if whole:
-            knots += _passage(side, part, ends, post)
+        passage = _passage(side, part, ends, post) if whole else []
+        posts.append(post if passage or not whole else None)
+        knots += passage
     return Step(
         rule=rule,
         claim=about(Property.STRAIGHTENS),
@@ -162,8 +163,9 @@ def _wanted(side: int, edge: Edge, lighter: bool) -> list[Wanted]:
 def _height(side: int, box: Mapping[str, Interval], tilt: Turn, guess: float) -> Interval | None:
     """Height after the straightening, put together with the tilt before it."""
     before = {f"tilt_{name}": tilt.box[name] for name in (*one_tip.BEFORE, *one_tip.BEFORE_AIM)}
-    of = one_tip.straighten_height(side, tilt.side)
-    ends = bound(of, {**box, **before}, guess, both=("y",))
+    both = {**box, **before}
+    of = one_tip.straighten_height(side, tilt.side, one_tip.zeros(both))
+    ends = bound(of, both, guess, both=("y",))
     return None if ends is None else Interval(ends.lower["y"], ends.upper["y"])
 
 
@@ -173,13 +175,10 @@ def _nearer(one: Interval, other: Interval | None) -> Interval:
 
 
 def _passage(side: int, box: Mapping[str, Interval], ends: Ends, post: PoseBox) -> list[Knot]:
-    turning = turn_tube(one_tip.straighten_tube(side), box, ends.end.mid)
-    # a part may be at either end of its last turn when both tips touch
-    met = (knot.box.x for knot in turning if knot.box.theta.meets(post.theta))
-    heights = (knot.box.y for knot in turning if knot.box.theta.meets(post.theta))
-    together = replace(
-        post,
-        x=functools.reduce(Interval.hull, met, post.x),
-        y=functools.reduce(Interval.hull, heights, post.y),
-    )
+    of = one_tip.straighten_tube(side, one_tip.zeros(box))
+    *turning, met = turn_tube(of, box, ends.end.mid) or (None,)
+    if met is None:
+        return []
+    # the pair's way is straight but for what it strays, which the end of the turn has room for
+    together = replace(post, x=post.x.hull(met.box.x), y=post.y.hull(met.box.y))
     return [*turning, Knot(stage="both tips push", box=together)]

@@ -33,6 +33,8 @@ from meso_robust.primitives.tube import turn_tube
 
 GUESS = 0.06
 """rad: a turn from which the search for its end starts."""
+ENDS = Interval.point(0.0), Interval.point(1.0)
+"""Of the share of a phase: a line may be cleared in its middle and not at its start."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,15 +71,18 @@ def certify_tilt(
         that follows may use of it.
     """
     side, edge = rule.side, setup.edge(pre.theta.mid)
-    of, box = one_tip.tilt(side), base_box(rule, pre, setup, edge)
+    box = base_box(rule, pre, setup, edge)
+    zero = one_tip.zeros(box)
+    of = one_tip.tilt(side, zero)
     guess = edge.angle(pre.theta).mid + side * GUESS
     box |= _lines(of, box, guess, side, edge, pre, setup)
     margins = [name for name in of.outputs if name not in one_tip.POSE]
     ends = bound(of, box, guess, both=one_tip.POSE, lower=margins, proofs_only=not whole)
     rest = Knot(stage="at rest", box=pre)
-    passage = (
-        () if ends is None or not whole else turn_tube(one_tip.tilt_tube(side), box, ends.end.mid)
-    )
+    passage: tuple[Knot, ...] = ()
+    if ends is not None and whole:
+        passage = turn_tube(one_tip.tilt_tube(side, zero), box, ends.end.mid)
+        ends = ends if passage else None
     step = Step(
         rule=rule,
         claim=about(Property.TURNS_PART, turn=TURNS[side]),
@@ -118,17 +123,18 @@ def _lines(
     pre: PoseBox,
     setup: Setup,
 ) -> dict[str, Interval]:
-    """The side of the part's convex hull that the idle tip is farthest off, in the middle of the box."""
+    """The side of the part's convex hull that the idle tip is farthest off, from first to last."""
     sides = setup.sides(pre.theta.mid)
     if isinstance(setup.outline, Rectangle):  # the next edge the other way round is sides[3]
         sides = (sides[0], sides[3 if side > 0 else 1])
     found: dict[str, tuple[float, dict[str, Interval]]] = {}
     for line in sides:
         trial = {name: value for when in one_tip.LINES for name, value in _line(when, line, edge)}
-        values = at_middle(of, {**box, **trial}, guess)
+        ends = [at_middle(of, {**box, **trial, "share": share}, guess) for share in ENDS]
         for when in one_tip.LINES:
-            if when not in found or values[when] > found[when][0]:
-                found[when] = values[when], dict(_line(when, line, edge))
+            least = min(values[when] for values in ends)
+            if when not in found or least > found[when][0]:
+                found[when] = least, dict(_line(when, line, edge))
     return {name: value for _, chosen in found.values() for name, value in chosen.items()}
 
 

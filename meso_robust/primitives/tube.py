@@ -8,7 +8,9 @@ from meso_robust.motion.one_tip import POSE
 from meso_robust.primitives.base import pose_of
 from meso_robust.primitives.obligation import Knot
 
-SLICES = 8  # of a turn about one tip; more only make the boxes of a turn narrower
+SLICES = 8  # of a turn about one tip, a power of 2; more only make the boxes of a turn narrower
+WAY = (*((k / SLICES, (k + 1) / SLICES) for k in range(SLICES)), (1.0, 1.0))
+"""Shares of a turn, and its very end."""
 
 
 def turn_tube(of: Implicit, box: Box, guess: float) -> tuple[Knot, ...]:
@@ -26,7 +28,8 @@ def turn_tube(of: Implicit, box: Box, guess: float) -> tuple[Knot, ...]:
     Returns
     -------
     tuple[Knot, ...]
-        One for each share of the turn; none where they could not be enclosed.
+        One for each share of the turn, and one for its very end; none where they could not be
+        enclosed.
     """
-    slices = bound_slices(of, box, guess, "share", SLICES, POSE)
+    slices = bound_slices(of, box, guess, "share", WAY, POSE)
     return tuple(Knot(stage="one tip turns the part", box=pose_of(ends)) for ends in slices)

@@ -123,8 +123,39 @@ def test_an_integrand_that_depends_on_what_changes_in_both_senses_is_not_put_to_
     assert found.upper["total"] < 0.32
 
 
+def test_what_changes_between_two_integrals_moves_both() -> None:
+    """r acts one way on the first eighth of the way, and the other way on the rest of it."""
+    r, end, clock, total, so_far = (
+        ca.SX.sym(name) for name in ("r", "end", "clock", "total", "so_far")
+    )
+    rate, first = 1 + 0.125 * r, 0.125
+    of = implicit(
+        "two lengths",
+        {"r": r},
+        {},
+        ("r",),
+        end,
+        [
+            (total, Quadrature(rate=rate, clock=clock, start=ca.SX(0), stop=end)),
+            (so_far, Quadrature(rate=rate, clock=clock, start=ca.SX(0), stop=first * end)),
+        ],
+        total - 1,
+        {"so_far": so_far},
+    )
+    found = bound(of, {"r": Interval(-1.0, 1.0)}, 0.9, both=("so_far",))
+    assert found is not None
+
+    def until_there(before: float, after: float) -> float:
+        whole = 1.0 / (first * (1 + 0.125 * before) + (1 - first) * (1 + 0.125 * after))
+        return first * whole * (1 + 0.125 * before)
+
+    assert found.upper["so_far"] >= until_there(1.0, -1.0)
+    assert found.lower["so_far"] <= until_there(-1.0, 1.0)
+    assert found.upper["so_far"] < 0.18
+
+
 def test_slices_are_what_each_of_them_is_alone() -> None:
-    slices = bound_slices(growth(), BOX, 0.6, "h", 2, ("end",))
+    slices = bound_slices(growth(), BOX, 0.6, "h", [(0.5, 0.525), (0.525, 0.55)], ("end",))
     assert len(slices) == 2
     assert slices[0].lower["end"] == pytest.approx(end_of(1.0, 0.4, 0.0, 0.5, 1.05), abs=2e-5)
     assert slices[0].upper["end"] == pytest.approx(end_of(1.2, 0.6, 0.1, 0.525, 0.95), abs=2e-5)

@@ -29,6 +29,6 @@ def test_a_plan_with_a_move_left_out_or_not_reached_proves_nothing() -> None:
 
     assert certify(rules[:-1], paper_chain().setup).verdict is Verdict.UNKNOWN
     assert certify([], paper_chain().setup).verdict is Verdict.UNKNOWN
-    backwards = certify([rules[2], *rules[:2]], paper_chain().setup)
+    backwards = certify([rules[1], rules[0], rules[2]], paper_chain().setup)
     assert not backwards.complete
     assert backwards.verdict is Verdict.UNKNOWN

@@ -42,8 +42,9 @@ def test_climbing_stops_at_the_top_either_way(peak: float, start: float, step: f
     assert min(asked) > 0.0
 
 
-def test_a_move_that_fails_is_repaired_by_its_own_numbers() -> None:
+def test_a_move_that_fails_is_repaired_by_its_own_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     """The straightening push 40 um too high: its tips slip; brought back, not taken from the plan."""
+    monkeypatch.setattr(searched, "OFFSET_STEPS_UM", (20.0,))  # twice
     good = rules()
     point = replace(good[1].dual, y=from_part(good[1].dual.y.offset_um + 40.0))
     broken = (good[0], replace(good[1], dual=point), *good[2:])
@@ -56,7 +57,8 @@ def test_a_move_that_fails_is_repaired_by_its_own_numbers() -> None:
     assert repaired[1].dual.y != broken[1].dual.y
 
 
-def test_what_cannot_be_repaired_is_given_up() -> None:
+def test_what_cannot_be_repaired_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searched, "OFFSET_STEPS_UM", (24.0,))
     good = rules()
     point = replace(good[0].dual, y=from_part(0.0))  # the tilt would push in the middle
     broken = (replace(good[0], dual=point), *good[1:])
@@ -72,15 +74,17 @@ def test_the_factor_is_that_of_the_margin() -> None:
 
 
 def test_the_best_spacing_of_those_tried_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """From 603 um the way leads down to 580 um, whose plan bears more."""
+    """The shipped plan is made for 580 um; it bears less with tips that are 604 um apart."""
     monkeypatch.setattr(searched, "SPACING_STEPS", (0.04,))
     monkeypatch.setattr(searched, "WORTH", ())
+    monkeypatch.setattr(searched, "robust_at", lambda _, scale: rules() if scale == 1.0 else None)
     heard: list[str] = []
 
     found = searched.design(task_with(probe__tip_spacing_um=604.0), heard.append)
 
     tried = dict(found.tried)
     assert found.factor == max(tried.values()) > tried[604.0]
+    assert found.rules == rules()
     assert found.task.probe.tip_spacing_um == max(tried, key=lambda spacing: tried[spacing])
     setup = setup_of(found.task, found.factor)
     assert certify(found.rules, setup).verdict is Verdict.PROVED
@@ -109,6 +113,7 @@ def test_widest_writes_the_task_of_the_plan(
 ) -> None:
     monkeypatch.setattr(searched, "SPACING_STEPS", ())
     monkeypatch.setattr(searched, "WORTH", ())
+    monkeypatch.setattr(searched, "GROWTH", 1.1)  # few plans are asked for
     out = tmp_path / "out"
 
     result = CliRunner().invoke(app, ["plan", "--widest", "--samples", "20", "--out", str(out)])

@@ -14,7 +14,7 @@ from tests.test_architecture import imported
 FOLDER = Path(meso_robust.checker.__file__).parent
 ALLOWED = (
     "meso_robust.checker", "meso_robust.task", "meso_robust.errors", "meso_robust.files", "meso_robust.reading", "flint",
-    "pydantic",
+    "numpy", "pydantic",
 )  # fmt: skip
 STANDARD = {
     "__future__", "collections", "dataclasses", "enum", "fractions", "functools", "hashlib", "heapq",

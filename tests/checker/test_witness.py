@@ -24,7 +24,8 @@ DRAWS = draw(setup_of(TASK), MOVES, RUNS, np.random.default_rng(3))
 
 def witness(draws: Draws, row: int) -> Certificate:
     """What a certificate would state of one of the runs."""
-    run = {field.name: getattr(draws, field.name)[row] for field in fields(draws)}
+    values = {field.name: getattr(draws, field.name) for field in fields(draws)}
+    run = {name: value[row] for name, value in values.items() if value is not None}
 
     def told(values: Any) -> Any:
         if np.ndim(values) == 0:

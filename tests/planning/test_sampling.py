@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 
-from meso_robust.planning.sampling import REFINED, best_robust, levels
+from meso_robust.planning.sampling import best_robust, levels
 
 
 def test_dispersion_is_halved_until_the_control_uncertainty() -> None:
@@ -25,7 +25,7 @@ def test_no_sample_is_tried_twice() -> None:
     assert len(everything) == len(set(everything))
 
 
-def test_best_sample_of_the_first_robust_level_and_the_next_ones() -> None:
+def test_best_sample_of_the_first_robust_level_and_its_neighbours() -> None:
     tried: list[float] = []
 
     def attempt(x: float) -> tuple[float, float] | None:
@@ -33,7 +33,8 @@ def test_best_sample_of_the_first_robust_level_and_the_next_ones() -> None:
         return (x, x) if 0.6 < x < 0.9 else None
 
     assert best_robust(0.0, 1.0, 1e-3, attempt) == 0.875
-    assert len(tried) == 2 ** (2 + REFINED) - 1
+    assert tried == [0.5, 0.25, 0.75, 0.625, 0.875, 0.8125, 0.9375]
+    assert best_robust(0.0, 1.0, 1e-3, attempt, refined=0) == 0.75
 
 
 def test_nothing_robust_is_none_and_ends() -> None:

@@ -87,10 +87,10 @@ def test_sliders_change_motion_and_margins(page: Page, path: Path) -> None:
     assert number(page, "now-y") != ends
     assert said(page, "box-tag") == "inside: proved"
 
-    page.slide(knob(page, "friction"), 0.375)
+    page.slide(knob(page, "friction"), 0.39)
     assert value(page, "the pushing tip sticks", 0) != margin == "100 %"
     assert said(page, "box-tag") == "outside: not promised"
-    assert "friction is × 1.50 of its half width" in said(page, "box-words")
+    assert "friction is × 2.00 of its half width" in said(page, "box-words")
     assert page.errors == []
 
 

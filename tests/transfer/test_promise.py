@@ -16,6 +16,7 @@ from meso_robust.certificates.premise import Premise
 from meso_robust.certificates.words import PREMISES
 from meso_robust.identification.document import ModelDocument
 from meso_robust.pipeline import SimulatorContradictsProofError
+from meso_robust.planning.compose import Found
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import ObligationId as Id, Reason
 from meso_robust.primitives.setup import setup_of
@@ -29,6 +30,7 @@ from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Promise, model_hash, promise
 from meso_robust.transfer.running import Evidence
 from tests.conftest import paper_task
+from tests.strategies import paper_chain
 from tests.transfer.models import model, values
 from tests.transfer.plans import SAMPLES, share
 
@@ -148,8 +150,12 @@ def test_round_tips_are_proved_as_what_they_are() -> None:
     assert found.conditions == ()
 
 
-def test_a_drifting_probe_is_not_promised_where_a_tip_must_rest() -> None:
+def test_a_drifting_probe_is_not_promised_where_a_tip_must_rest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     drift = model({"probe_drift.x_um_s": (0.09, 0.1)}, base=SURE)
+    rules = tuple(step.rule for step in paper_chain().steps)
+    monkeypatch.setattr(module, "compose", lambda _: Found(rules=rules, scale=1.0))
     found = module.recertified(paper_task(), drift)
     (standing,) = [one for one in found.standings if one.name == "probe_drift"]
 
@@ -299,7 +305,7 @@ def test_a_certified_plan_stays_certified_for_any_size_within_the_interval() -> 
     for length in (1620.0, 1622.0, 1624.0):
         for width in (841.0, 843.0, 845.0):
             part = found.changed.task.part.model_copy(
-                update={"length_um": length, "width_um": width}
+                update={"length_um": length, "width_um": width, "size_tolerance_um": 0.0}
             )
             task = found.changed.task.model_copy(update={"part": part})
             alone = certify(found.plan.rules, setup_of(task))

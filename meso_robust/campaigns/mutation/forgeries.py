@@ -7,8 +7,11 @@ what it made would be true.
 from __future__ import annotations
 
 import copy
+import hashlib
+import json
 import random
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from meso_robust.bounds import Verdict
 from meso_robust.campaigns.mutation.forging import (
@@ -179,13 +182,38 @@ def _invented(step: Document) -> Document:
     return step
 
 
+def _claim_of_less(document: Document, original: Original, rng: random.Random) -> Document | None:
+    """The same, and the claim says so of one uncertainty."""
+    only = rng.choice(sorted(original.setup.uncertainty.stated))
+    easier = setup_of(original.task, rng.uniform(0.3, 0.97), only)
+    side = easier.uncertainty.stated[only]
+    if side == original.setup.uncertainty.stated[only]:
+        return None
+    document["claim"]["uncertainties"][only] = [side.lo.hex(), side.hi.hex()]
+    chain = original.certified(document["policy"], easier)
+    return _restated(document, chain) if chain.verdict is Verdict.PROVED else None
+
+
 def _another_task(document: Document, original: Original, rng: random.Random) -> Document:
-    """About a task of the same name with a wider friction."""
-    task = original.task
-    low, high = task.uncertainty.friction
-    wider = task.uncertainty.model_copy(update={"friction": (low, high + rng.uniform(0.01, 1.0))})
-    document["task_hash"] = task.model_copy(update={"uncertainty": wider}).hash
+    """About a task of the same name of which one value is another."""
+    task = original.task.to_dict()
+    section = rng.choice(("probe", "part", "uncertainty"))
+    key = rng.choice([key for key, value in sorted(task[section].items()) if value])
+    value = task[section][key]
+    if isinstance(value, bool):
+        task[section][key] = not value
+    elif isinstance(value, list):
+        task[section][key] = [value[0], _more(value[1], rng)]
+    else:
+        task[section][key] = _more(value, rng)
+    text = json.dumps(task, sort_keys=True)
+    document["task_hash"] = hashlib.sha256(text.encode()).hexdigest()
     return document
+
+
+def _more(value: Any, rng: random.Random) -> Any:
+    """A larger number; of anything else another one."""
+    return value * rng.uniform(1.01, 3.0) if isinstance(value, int | float) else [value]
 
 
 def _invented_witness(document: Document, original: Original, rng: random.Random) -> Document:
@@ -258,6 +286,7 @@ FORGERIES: Mapping[str, Forge] = {
     "the margin raised": _margin_raised,
     "proofs of an easier task": _easier_task,
     "an unproved policy called PROVED": _false_policy,
+    "a claim of less": _claim_of_less,
     "about another task": _another_task,
     "an invented witness": _invented_witness,
     "a move called by another name": _labels,

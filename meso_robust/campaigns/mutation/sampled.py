@@ -6,7 +6,8 @@ import numpy as np
 
 from meso_robust.campaigns.mutation.along_runs import ALONG
 from meso_robust.campaigns.mutation.places import Document
-from meso_robust.conditions import inputs, values
+from meso_robust.conditions import values
+from meso_robust.conditions.formula import inputs
 from meso_robust.primitives.names import Inequality
 from meso_robust.types import Floats
 

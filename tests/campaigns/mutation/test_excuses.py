@@ -80,6 +80,8 @@ def aimed(by_um: float) -> Change:
 
 
 FRICTION = "one_point_sticking.friction_margin"
+"""Over variables of the move; that of no jam is over those of the formula."""
+JAM = "opposite_edges.no_jam"
 TUBE = "two_sided_rotation.ends_of_edges"
 
 
@@ -90,8 +92,12 @@ TUBE = "two_sided_rotation.ends_of_edges"
         (put("simulation", "samples", value=7), "named as not checked"),
         (put("reading", "claim", value="every part, everywhere"), "named as not checked"),
         (shifted(FRICTION, "lower_bound", -0.1), "a weaker bound"),
-        (shifted(FRICTION, "mu", 0.1), "the same inequality over a narrower box"),
-        (shifted(FRICTION, "mu", 0.1, end=1), "true at 20000 points"),
+        (shifted(FRICTION, "mu_lower_now", 0.1), "the same inequality over a narrower box"),
+        (
+            shifted(FRICTION, "mu_lower_now", 0.01, end=1),
+            "an inequality that the planner proves too",
+        ),
+        (shifted(JAM, "mu", 0.02, end=1), "true at 20000 points"),
         (shifted(TUBE, "lower_bound", 0.1), "true along 500 runs"),
         (put("margin", "factor", value=1.0), "a smaller margin"),
         (put("margin", "factor", value=1.2103), "a factor at which 500 runs keep every claim"),
@@ -117,7 +123,8 @@ def test_what_is_true_is_excused(original: Original, change: Change, because: st
         put("steps", 1, "primitive", value="rotation"),
         put("task", value="another"),
         shifted(FRICTION, "lower_bound", 2.0),
-        shifted(FRICTION, "mu", -40.0),
+        shifted(FRICTION, "mu_lower_now", -40.0),
+        shifted(JAM, "mu", 40.0, end=1),
         shifted(TUBE, "lower_bound", 10.0),
         shifted("travel_to_spare", "lower_bound", 10.0),
         put("margin", "factor", value=2.5),
@@ -145,7 +152,7 @@ def test_one_excuse_does_not_cover_another_change(original: Original) -> None:
 def test_a_raised_bound_over_a_narrower_box_is_judged_together(original: Original) -> None:
     """At the box's middle alone the inequality has more to spare than over all of it."""
     mutant = copy.deepcopy(original.document)
-    one = inequality(mutant, FRICTION)
+    one = inequality(mutant, JAM)
     for ends in one["over"].values():
         middle = 0.5 * (float.fromhex(ends[0]) + float.fromhex(ends[1]))
         ends[0] = ends[1] = middle.hex()

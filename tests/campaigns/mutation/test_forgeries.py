@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import itertools
+import json
 import random
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,6 +19,7 @@ from meso_robust.campaigns.mutation.kind import Prepared
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document, sealed
 from meso_robust.checker.prover import Prover
+from meso_robust.task import load_task
 
 OBJECTIONS = {
     "a move left out": "",
@@ -29,6 +32,7 @@ OBJECTIONS = {
     "proofs of an easier task": "",
     "an unproved policy called PROVED": "",
     "an invented witness": "witness",
+    "a claim of less": "claim.uncertainties",
 }
 """What the checker's objection must be about, if it is always the same, of those that are never true."""
 TRUE_AT_TIMES = {
@@ -110,3 +114,28 @@ def test_the_moves_fit_together_in_a_forged_chain(original: Original) -> None:
 def test_a_draw_names_its_forgery(original: Original) -> None:
     names = {forge(original, random.Random(seed))[0] for seed in range(60)}
     assert len(names) > 10
+
+
+REAL = Path(__file__).parents[2] / "checker" / "real_parts"
+
+
+def test_every_quantity_of_real_parts_is_held_to_the_task() -> None:
+    """The claim may say less of none of them, and the task may be no other one."""
+    task = load_task(REAL / "hexagon.toml")
+    text = (REAL / "hexagon.json").read_text(encoding="utf-8")
+    stated = json.loads(text)["claim"]["uncertainties"]
+    assert {"tip_radius", "size", "squareness", "drag_centre", "travel_direction"} <= stated.keys()
+    for key, (low, high) in stated.items():
+        document = json.loads(text)
+        wide = float.fromhex(high) - float.fromhex(low)
+        for end, by in ((0, 0.1), (1, -0.1)):
+            moved = float.fromhex((low, high)[end]) + by * wide
+            document["claim"]["uncertainties"][key][end] = moved.hex()
+            reply = answered(sealed(document), task)
+            assert reply.word == "REJECTED"
+            assert f"claim.uncertainties.{key}" in reply.why
+    every = Original(task, json.loads(text))
+    rng = random.Random(0)
+    for _ in range(40):
+        made = sealed(FORGERIES["about another task"](json.loads(text), every, rng) or {})
+        assert answered(made, task).word == "malformed"

@@ -16,9 +16,11 @@ from meso_robust.primitives.move import Aim, MoveRule, Point
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
+from meso_robust.types import Floats
 
 ALIKE = 1e-6
-"""Of the size of a coordinate: how far the ends of two boxes may be apart."""
+"""Of half the part's length, and of a radian: how far the ends of two boxes may be apart. Not of the
+coordinate itself, which may be 0 but for rounding."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +89,8 @@ def check(example: InUnits) -> Verdict:
     """Certify twice, and compare."""
     factor = 2.0**example.power
     rules, setup = paper_rules(), setup_of(example.variant.task())
+    length = setup.half_length.hi * factor
+    apart = ALIKE * np.array([length, length, 1.0])
     one = _steps(rules, setup)
     other = _steps([_rule(rule, factor) for rule in rules], _setup(setup, factor))
     if len(one) != len(other):
@@ -95,20 +99,19 @@ def check(example: InUnits) -> Verdict:
         if step.verdict != seen.verdict:
             return _breach("verdict", f"step {k + 1}: {step.verdict.name}, {seen.verdict.name}")
         wanted = None if step.post is None else _box(step.post, factor)
-        if not _alike(wanted, seen.post):
+        if not _alike(wanted, seen.post, apart):
             return _breach("boxes", f"step {k + 1} ends in {wanted}, and {seen.post}")
         tubes = zip(step.tube, seen.tube, strict=False)
-        alike = all(_alike(_box(a.box, factor), b.box) for a, b in tubes)
+        alike = all(_alike(_box(a.box, factor), b.box, apart) for a, b in tubes)
         if not alike or len(step.tube) != len(seen.tube):
             return _breach("tubes", f"step {k + 1} goes through other boxes")
     return None
 
 
-def _alike(wanted: PoseBox | None, seen: PoseBox | None) -> bool:
+def _alike(wanted: PoseBox | None, seen: PoseBox | None, apart: Floats) -> bool:
     if wanted is None or seen is None:
         return wanted is seen
-    size = np.abs(wanted.ends).max(axis=0)
-    return bool((np.abs(wanted.ends - seen.ends) <= ALIKE * size).all())
+    return bool((np.abs(wanted.ends - seen.ends) <= apart).all())
 
 
 def _breach(what: str, detail: str) -> Breach:
@@ -121,7 +124,10 @@ UNITS = Property(
         "The paper's plan and variants of its task with all lengths times a power of two, rho times its "
         "square: the certificate has the same verdicts, and boxes and tubes times the power."
     ),
-    agreement="to a millionth (before boxes are widened to decimals): searches begin at absolute lengths",
+    agreement=(
+        "to a millionth of half the part's length (before boxes are widened to decimals): searches "
+        "begin at absolute lengths"
+    ),
     examples=st.builds(InUnits, variant=variants(1.5), power=st.integers(-8, 8)),
     check=check,
     cost=Cost.MODERATE,

@@ -1,0 +1,10 @@
+; D alone slips towards +a at every positive ratio if it does so at 0 and its slip grows with the ratio
+(set-logic QF_NRA)
+(declare-const grows Real)
+(declare-const slip_0 Real)
+(declare-const tau Real)
+(assert (> slip_0 0))
+(assert (>= grows 0))
+(assert (> tau 0))
+(assert (<= (+ (* grows tau) slip_0) 0))
+(check-sat)

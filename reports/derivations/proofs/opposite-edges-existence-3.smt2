@@ -1,0 +1,11 @@
+; D's cone is cut, and the rate there is above that at which D sticks, the smaller one
+(set-logic QF_NRA)
+(declare-const r_0 Real)
+(declare-const r_c Real)
+(declare-const r_m Real)
+(declare-const u_high Real)
+(declare-const u_low Real)
+(assert (>= u_high u_low))
+(assert (> r_c u_low))
+(assert (not (or (and (>= r_m u_low) (<= r_m u_high)) (and (> r_0 u_high) (< r_m u_high)) (and (> r_c u_low) (< r_m u_low)) (and (> r_m u_high) (< r_0 u_high)) (>= r_0 u_high))))
+(check-sat)
