@@ -40,6 +40,7 @@ _MEMBER_SHARE = 0.05
 _FOLD_SHARE = 0.02
 _SURE = 3.0  # standard deviations of noise, that the explainable error must be beyond
 _SURE_SHARE = 0.1  # least lower end of the share of a set that explains anything
+_DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set is down to the noise
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
@@ -287,11 +288,17 @@ def _pool(naming: Naming, quick: bool) -> tuple[Candidate, ...]:
 
 def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None) -> Floats:
     """(R,) sums of squares that free hidden inputs leave; never more than a judged set leaves."""
-    left = 1.0 if reach is None else reach / bench.baseline.noise.floor
     counts = bench.seen.sum(axis=(1, 2))
-    floor = counts * (left**2 + predicted[()].start_squares)
+    noise = counts * (1.0 + predicted[()].start_squares)
+    left = 1.0 if reach is None else reach / bench.baseline.noise.floor
+    floor = noise + counts * (left**2 - 1.0)
     least = min(float(one.squares.sum()) for one in predicted.values())
-    return np.asarray(floor * min(1.0, least / max(float(floor.sum()), 1e-300)))
+    if float(floor.sum()) <= least:
+        return np.asarray(floor)
+    # inputs that are constant in a window leave more than a set does: then they are no floor, and the
+    # noise is; but a set that is down to the noise is not held to be above it
+    floor = noise if least > _DOWN_TO * float(noise.sum()) else floor
+    return np.asarray(floor * min(1.0, least / float(floor.sum())))
 
 
 def _answer(

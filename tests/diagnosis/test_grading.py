@@ -9,7 +9,7 @@ import pytest
 
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.diagnosis.grading import Explained, Grade, _verdict, graded
+from meso_robust.diagnosis.grading import Explained, Grade, _floor, _verdict, graded
 from tests.identification.sets import UM
 
 
@@ -94,3 +94,19 @@ def test_of_a_set_without_a_mismatch_the_size_is_told(null: Diagnosis) -> None:
     assert grade.chosen is None
     assert grade.size < 1.0 * UM
     assert grade.cells == ()
+
+
+def test_hidden_inputs_that_leave_more_than_a_set_are_no_floor(late: Diagnosis) -> None:
+    grade, bench = late.grade, late.grade.bench
+    count = float(bench.seen.sum())
+    good = grade.extended
+    assert good is not None
+    worse = replace(good, squares=9.0 * good.squares)
+    for extended, reach, low, high in ((good, 1.3, 0.9, 1.2), (worse, 4.0, 0.95, 1.2)):
+        both = {(): grade.plain, ("camera_latency",): extended}
+        floor = float(_floor(bench, both, reach).sum())
+        assert floor <= extended.squares.sum() * (1.0 + 1e-12)
+        assert low < floor / count < high
+    # where they leave less than every set, they are the floor
+    free = float(_floor(bench, {(): grade.plain, ("a",): worse}, 2.0).sum()) / count
+    assert 4.0 < free < 4.5
