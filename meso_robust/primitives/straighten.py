@@ -65,7 +65,7 @@ def certify_straighten(
     obligations = [*free_at_start((1, -1), box, edge)]
     alike = len(obligations)
     posts: list[PoseBox | None] = []
-    knots = [Knot(stage="at rest", box=pre)]
+    knots, enclosed = [Knot(stage="at rest", box=pre)], True
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
         of, part = one_tip.straighten(side), {**box, "theta": theta}
         ends = bound(
@@ -89,14 +89,16 @@ def certify_straighten(
             post = replace(post, y=_nearer(post.y, _height(side, part, tilt, aligned.mid)))
         posts.append(post)
         if whole:
-            knots += _passage(side, part, ends, post)
+            passage = _passage(side, part, ends, post)
+            enclosed &= bool(passage)
+            knots += passage
     return Step(
         rule=rule,
         claim=about(Property.STRAIGHTENS),
         pre=pre,
         post=functools.reduce(_hull, posts),
         obligations=tuple(obligations),
-        tube=tuple(knots),
+        tube=tuple(knots) if enclosed else (),
     )
 
 
@@ -174,6 +176,8 @@ def _nearer(one: Interval, other: Interval | None) -> Interval:
 
 def _passage(side: int, box: Mapping[str, Interval], ends: Ends, post: PoseBox) -> list[Knot]:
     turning = turn_tube(one_tip.straighten_tube(side), box, ends.end.mid)
+    if not turning:
+        return []
     # a part may be at either end of its last turn when both tips touch
     met = (knot.box.x for knot in turning if knot.box.theta.meets(post.theta))
     heights = (knot.box.y for knot in turning if knot.box.theta.meets(post.theta))

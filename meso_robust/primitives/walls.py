@@ -26,11 +26,11 @@ TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point
 
 
 def part_clear(tube: Iterable[Knot], setup: Setup) -> Obligation:
-    """The part touches no wall anywhere in its tube (world frame)."""
+    """The part touches no wall anywhere in its tube (world frame); undecided if there is no tube."""
     found = [
         (_separation(knot.box, block, setup), knot.box) for knot in tube for block in setup.blocks
     ]
-    distance, box = min(found, key=lambda pair: pair[0], default=(math.inf, None))
+    distance, box = min(found, key=lambda pair: pair[0], default=(-math.inf, None))
     return require_order(
         about(ObligationId.PART_CLEAR_OF_WALLS),
         Inequality.PART_TO_WALL,
