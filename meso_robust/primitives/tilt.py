@@ -92,7 +92,7 @@ def certify_tilt(
             *free_at_start((-side, side), box, edge),
             *(positive(one, of, box, ends) for one in _wanted(side, edge)),
         ),
-        tube=(rest, *passage),
+        tube=(rest, *passage) if passage else (),
     )
     return step, None if ends is None else Turn(side=side, box=box, edge=edge)
 

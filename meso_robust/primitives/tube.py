@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from meso_robust.bounds import Box
 from meso_robust.bounds.implicit import Implicit, bound_slices
 from meso_robust.motion.one_tip import POSE
@@ -31,5 +33,7 @@ def turn_tube(of: Implicit, box: Box, guess: float) -> tuple[Knot, ...]:
         One for each share of the turn, and one for its very end; none where they could not be
         enclosed.
     """
-    slices = bound_slices(of, box, guess, "share", WAY, POSE)
-    return tuple(Knot(stage="one tip turns the part", box=pose_of(ends)) for ends in slices)
+    slices = [pose_of(ends) for ends in bound_slices(of, box, guess, "share", WAY, POSE)]
+    if not all(np.isfinite(pose.ends).all() for pose in slices):
+        return ()
+    return tuple(Knot(stage="one tip turns the part", box=pose) for pose in slices)

@@ -27,7 +27,7 @@ TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point
 
 
 def part_clear(tube: Iterable[Knot], setup: Setup) -> Obligation:
-    """The part touches no wall anywhere in its tube (world frame)."""
+    """The part touches no wall anywhere in its tube (world frame); undecided if there is no tube."""
     distance = math.inf
     box: PoseBox | None = None
     for knot, block in itertools.product(tube, setup.blocks):
@@ -36,6 +36,8 @@ def part_clear(tube: Iterable[Knot], setup: Setup) -> Obligation:
             distance, box = apart, knot.box
         if distance == -math.inf:
             break
+    if box is None:
+        distance = -math.inf
     return require_order(
         about(ObligationId.PART_CLEAR_OF_WALLS),
         Inequality.PART_TO_WALL,

@@ -233,3 +233,9 @@ def test_tips_that_reach_a_wall_at_the_end_of_their_travel_only_are_found() -> N
     proved = [o.proof.verdict is Verdict.PROVED for o in tips]
     assert all(proved[:-1])
     assert not proved[-1]
+
+
+def test_a_way_that_is_not_enclosed_is_not_clear_of_anything() -> None:
+    side = Interval(4e-3, 5e-3)
+    found = part_clear([], setup_with(Block(x=side, y=side)))
+    assert found.proof.verdict is Verdict.UNKNOWN
