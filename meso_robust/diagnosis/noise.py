@@ -104,7 +104,7 @@ def with_noise(recordings: RecordingSet, noise: Noise) -> RecordingSet:
 
 def weighed(noise: Noise, sigma: Floats) -> Noise:
     """The noise as a fit has weighed it by σ (3,); what was measured stays as the floor."""
-    if noise.known:
+    if np.allclose(sigma, noise.sigma, rtol=1e-6):
         return noise
     floor = float(np.sqrt(np.mean((noise.sigma / sigma) ** 2)))
     return replace(

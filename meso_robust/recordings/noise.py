@@ -1,4 +1,4 @@
-"""Noise of the sensor, estimated from the frames before the first contact: the part is still then.
+"""Noise of the sensor, estimated from the frames before the part begins to move.
 
 Still frames show the *repeatability*: the scatter from frame to frame. A *systematic error* (of the
 outline, the lens, the place in the image) stays from frame to frame and does not show. σ, as a set
@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from meso_robust.recordings.contact import still
+from meso_robust.recordings.still import still
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo, unwrapped
 from meso_robust.types import Flags, Floats
 
@@ -258,7 +258,7 @@ def _spread(runs: list[_Run], axis: int, most: int, rate: float) -> Spread:
     freedom = sum(int(np.count_nonzero(fit.kept)) - 2 for fit in fits)
     if freedom < FEWEST_FREE:
         reason = (
-            f"{freedom} degrees of freedom in still frames before the first contact (at most "
+            f"{freedom} degrees of freedom in still frames before the part moves (at most "
             f"{most} in a recording); must be at least {FEWEST_FREE}; let the camera run for a "
             "second before the tip moves"
         )
@@ -271,9 +271,10 @@ def _spread(runs: list[_Run], axis: int, most: int, rate: float) -> Spread:
     if correlation is not None and correlation > _MOTION:
         reason = (
             f"frames that should be still follow each other (correlation {correlation:.2f}): the "
-            "part moves before a tip is near; check outline and frames, or state it in set.toml"
+            "part moves without a tip; let it come to rest, or state the noise in set.toml"
         )
-        return Spread(sigma=None, correlation=correlation, freedom=freedom, reason=reason)
+        # motion tells no more of the colour of the noise than of its size
+        return Spread(sigma=None, correlation=None, freedom=freedom, reason=reason)
     sigma = float(np.sqrt(squares / freedom))
     return Spread(sigma=sigma, correlation=correlation, freedom=freedom, reason=None)
 

@@ -118,7 +118,9 @@ def test_a_fit_weighs_what_is_not_known() -> None:
     uneven = weighed(rough, SIGMA * [1.0, 2.0, 4.0])
     assert uneven.floor == pytest.approx(np.sqrt((1.0 + 0.25 + 0.0625) / 3.0))
     known = replace(rough, known=True)
-    assert weighed(known, 2.0 * SIGMA) is known
+    assert weighed(known, 1.0 * SIGMA) is known
+    # a misfit of a hundred times the noise is weighed by more than it; the noise is then the floor
+    assert weighed(known, 2.0 * SIGMA).floor == pytest.approx(0.5)
 
 
 def test_poses_without_any_noise_are_refused() -> None:

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from meso_robust.recordings import Recording, RecordingSet, Rectangle, SensorInfo
-from meso_robust.recordings.contact import gaps, margin, nearest_gap, scatter, size, still
+from meso_robust.recordings.contact import gaps, margin, nearest_gap, scatter, size
 from meso_robust.recordings.noise import estimated_noise, estimated_sensor
+from meso_robust.recordings.still import still
 from tests.recordings.planted import (
+    BACK,
     FRAMES,
     PART,
     RADIUS,
@@ -57,14 +59,47 @@ def test_a_hidden_tip_leaves_the_gap_open_unless_another_touches() -> None:
     assert np.all(np.isinf(nearest_gap(clean(recordings=(none,)), none)))
 
 
-def test_still_ends_before_the_first_contact_for_good() -> None:
+def test_a_margin_is_that_of_the_part_or_of_its_scatter() -> None:
     quiet = one("a.csv", noise=0.0)
-    made = clean(recordings=(quiet,))
     # 1/200 of the size, 5.66 um; the tip goes 2.5 um a frame
-    assert margin(made, quiet) == pytest.approx(0.005 * np.sqrt(1600 * 800) * UM)
-    assert np.flatnonzero(still(made, quiet)).tolist() == list(range(TOUCH - 2))
+    assert margin(clean(recordings=(quiet,)), quiet) == pytest.approx(
+        0.005 * np.sqrt(1600 * 800) * UM
+    )
     shaky = one("a.csv", noise=10.0)
-    assert margin(made, shaky) == pytest.approx(4.0 * 10.0 * SIGMA, rel=0.3)
+    assert margin(clean(recordings=(shaky,)), shaky) == pytest.approx(4.0 * 10.0 * SIGMA, rel=0.3)
+
+
+@pytest.mark.parametrize("away", [0.0, -150 * UM, 150 * UM])
+@pytest.mark.parametrize("seed", range(4))
+def test_still_ends_where_the_part_begins_to_move_wherever_the_tip_seems_to_be(
+    seed: int, away: float
+) -> None:
+    made = one("a.csv", seed)
+    frames = np.flatnonzero(
+        still(clean(), replace(made, probes=made.probes + np.array([away, 0.0])))
+    )
+    assert frames.tolist() == list(range(len(frames)))
+    assert TOUCH - 6 <= len(frames) <= TOUCH + 1
+
+
+def test_a_part_that_is_pushed_from_the_first_frame_on_is_never_still() -> None:
+    made = one("a.csv")
+    late = slice(TOUCH + 5, BACK)
+    pushed = replace(made, times=made.times[late], poses=made.poses[late], probes=made.probes[late])
+    assert not np.any(still(clean(), pushed))
+    # while the tip stays behind it is a drift, and a line through it leaves noise only
+    left = replace(pushed, probes=np.tile(pushed.probes[:1], (len(pushed.times), 1, 1)))
+    assert np.all(still(clean(), left))
+
+
+def test_one_bad_pose_ends_no_rest() -> None:
+    made = one("a.csv", 2)
+    poses = made.poses.copy()
+    poses[30] += [50 * UM, 0.0, 0.1]
+    poses[31] = np.nan
+    frames = still(clean(), replace(made, poses=poses))
+    assert TOUCH - 8 <= np.count_nonzero(frames) <= TOUCH
+    assert not frames[31]
 
 
 def test_the_scatter_of_a_steady_motion_is_that_of_its_noise() -> None:
@@ -154,7 +189,7 @@ def test_too_few_still_frames_are_said_to_be_too_few() -> None:
     assert found.info.position_sigma is None
     assert found.position_source == "unknown"
     assert found.noise.x.reason is not None
-    assert found.noise.x.reason.startswith("5 degrees of freedom in still frames before the first")
+    assert "degrees of freedom in still frames before the part moves" in found.noise.x.reason
     # two such recordings are enough
     both = (late, replace(late, file="other.csv"))  # 10 degrees of freedom
     assert estimated_sensor(clean(sensor=UNKNOWN, recordings=both)).position_source == "estimated"
@@ -170,14 +205,31 @@ def test_still_frames_that_do_not_differ_tell_nothing() -> None:
     assert "half of the still frames or more show one value" in found.theta.reason
 
 
-def test_a_part_that_moves_where_it_should_be_still_tells_nothing() -> None:
-    """A camera that is off by 150 um: the part moves while the tip seems far away."""
+def test_a_camera_that_is_off_does_not_spoil_the_noise() -> None:
+    """By 150 um: the part moves while the tip seems far away, or seems to be inside it at rest."""
     made = clean(sensor=UNKNOWN)
-    off = tuple(
-        replace(each, probes=each.probes - np.array([150 * UM, 0.0])) for each in made.recordings
+    plain = estimated_noise(made)
+    for away in (-150 * UM, 150 * UM):
+        off = tuple(
+            replace(each, probes=each.probes + np.array([away, 0.0])) for each in made.recordings
+        )
+        assert estimated_noise(replace(made, recordings=off)) == plain
+    assert plain.x.sigma == pytest.approx(SIGMA, rel=0.15)
+    assert plain.x.correlation == pytest.approx(0.0, abs=0.2)
+
+
+def test_a_part_that_wanders_tells_neither_size_nor_colour() -> None:
+    rng = np.random.default_rng(0)
+    made = drawn(1)
+    walks = tuple(
+        replace(
+            each, poses=each.poses + np.cumsum(rng.normal(size=(120, 1)), axis=0) * [5 * UM, 0, 0]
+        )
+        for each in made.recordings
     )
-    found = estimated_noise(replace(made, recordings=off))
+    found = estimated_noise(replace(made, recordings=walks))
     assert found.x.sigma is None
+    assert found.x.correlation is None
     assert found.x.reason is not None
     assert found.x.reason.startswith("frames that should be still follow each other (correlation ")
     assert found.y.sigma == pytest.approx(SIGMA, rel=0.15)
@@ -188,5 +240,7 @@ def test_tips_of_any_radius_and_parts_without_probes() -> None:
     bare = tuple(
         replace(one, probe_names=(), probes=np.zeros((FRAMES, 0, 2))) for one in made.recordings
     )
-    # nothing can touch: every frame counts, motion and all
-    assert estimated_noise(replace(made, recordings=bare)).y.freedom > 700
+    # nothing is known to push, and the part is still until it moves
+    assert estimated_noise(replace(made, recordings=bare)).y.freedom == pytest.approx(
+        estimated_noise(made).y.freedom, abs=3
+    )
