@@ -16,9 +16,11 @@ from meso_robust.errors import InputError
 
 if TYPE_CHECKING:
     from meso_robust.recordings import RecordingSet
+    from meso_robust.recordings.loose import Lines
     from meso_robust.recordings.problem import Problem
     from meso_robust.recordings.repair import Repair
     from meso_robust.recordings.summary import Checked
+    from meso_robust.recordings.usable import Usable
 
 RecordingsGiven: TypeAlias = Annotated[
     Union["RecordingSet", "Recordings", str, PathLike[str]],
@@ -180,6 +182,63 @@ def read_recordings(
         part = None if outline is None else read_outline(Path(outline))
         found = checked(Path(path), format, repair, part)
     return Recordings(checked=found, rewritten=repair or found.format != OWN)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Given:
+    """Recordings that somebody gave, and what could not be read of them.
+
+    Attributes
+    ----------
+    recordings, read, lines
+        As `usable.usable_set` takes them.
+    source
+        Where they are from; None of a set in memory.
+    """
+
+    recordings: RecordingSet
+    read: tuple[Problem, ...] = ()
+    lines: Lines | None = None
+    source: Path | None = None
+
+    def usable(self, allowed: frozenset[str] = frozenset()) -> Usable:
+        """What a fit takes of them, for one that can do with some kinds of errors.
+
+        Raises
+        ------
+        InputError
+            They cannot be used.
+        """
+        from meso_robust.recordings.usable import usable_set
+
+        return usable_set(self.recordings, self.read, self.lines, allowed)
+
+
+def given_of(recordings: RecordingsGiven) -> Given:
+    """A set with what could not be read of it, so that a bad row or file is left out and told.
+
+    Raises
+    ------
+    InputError
+        Nothing of it can be read.
+    """
+    if isinstance(recordings, Recordings):
+        checked = recordings.checked
+        read = () if checked.repairs else checked.unread
+        return Given(
+            recordings=recordings.set, read=read, lines=checked.lines, source=Path(checked.source)
+        )
+    if isinstance(recordings, str | PathLike):
+        from meso_robust.recordings.loose import read_loosely
+
+        loose = read_loosely(Path(recordings))
+        return Given(
+            recordings=loose.recordings,
+            read=loose.problems,
+            lines=loose.lines,
+            source=Path(recordings),
+        )
+    return Given(recordings=recordings)
 
 
 def set_of(recordings: RecordingsGiven) -> tuple[RecordingSet, Path | None]:

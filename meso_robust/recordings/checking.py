@@ -6,14 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meso_robust.errors import InputError
+from meso_robust.recordings.direct.clocks import Stream
+from meso_robust.recordings.direct.run import direct_tests
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.importers import FORMATS
 from meso_robust.recordings.loose import Lines, read_loosely
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.problem import Problem
 from meso_robust.recordings.problems import problems
-from meso_robust.recordings.repair import repairable, repaired
+from meso_robust.recordings.repair import Repair, repairable, repaired
 from meso_robust.recordings.summary import Checked
+from meso_robust.recordings.usable import usable
 from meso_robust.recordings.values import RecordingSet
 
 OWN = "set"
@@ -52,34 +55,40 @@ def checked(
         raise InputError(f"--outline: {path} states its part in {SET_FILE}; change it there")
     read = _own(path) if name == OWN else _imported(path, name, outline)
     found = (*read.problems, *problems(read.recordings, read.lines))
-    if not repair:
-        return Checked(
-            source=str(path),
-            format=name,
-            recordings=read.recordings,
-            found=found,
-            repairs=(),
-            remaining=found,
-            lines=read.lines,
-            notes=read.notes,
-        )
-    usable, repairs = repaired(read.recordings, found, read.lines)
-    left = problems(usable)
-    for _ in range(_PASSES):  # the noise of what is left may bring out more
-        if not any(map(repairable, left)):
-            break
-        rows = {one.file: read.lines[one.file] for one in usable.recordings} if read.lines else None
-        usable, more = repaired(usable, problems(usable, rows), rows)
-        repairs, left = (*repairs, *more), problems(usable)
+    recordings, lines, left = read.recordings, read.lines, found
+    repairs: tuple[Repair, ...] = ()
+    if repair:
+        recordings, repairs, left = _repaired(read, found)
+        lines = None
+    fit = usable(recordings, left, lines)
     return Checked(
         source=str(path),
         format=name,
-        recordings=usable,
+        recordings=recordings,
         found=found,
         repairs=repairs,
         remaining=left,
+        lines=lines,
         notes=read.notes,
+        barring=fit.barring,
+        left_out=fit.left_out,
+        direct=direct_tests(fit.recordings, read.streams),
     )
+
+
+def _repaired(
+    read: _Read, found: tuple[Problem, ...]
+) -> tuple[RecordingSet, tuple[Repair, ...], tuple[Problem, ...]]:
+    """The set, what was done, and the problems that are left."""
+    mended, repairs = repaired(read.recordings, found, read.lines)
+    left = problems(mended)
+    for _ in range(_PASSES):  # the noise of what is left may bring out more
+        if not any(map(repairable, left)):
+            break
+        rows = {one.file: read.lines[one.file] for one in mended.recordings} if read.lines else None
+        mended, more = repaired(mended, problems(mended, rows), rows)
+        repairs, left = (*repairs, *more), problems(mended)
+    return mended, repairs, left
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,6 +97,7 @@ class _Read:
     lines: Lines | None
     problems: tuple[Problem, ...]
     notes: tuple[str, ...]
+    streams: tuple[Stream, ...] = ()
 
 
 def _recognised(path: Path) -> str:
@@ -118,4 +128,6 @@ def _imported(path: Path, name: str, outline: Rectangle | Polygon | None) -> _Re
     importer = FORMATS[name]
     read = importer.read(path, outline)
     notes = (importer.note, *map(str, read.left))
-    return _Read(recordings=read.recordings, lines=None, problems=(), notes=notes)
+    return _Read(
+        recordings=read.recordings, lines=None, problems=(), notes=notes, streams=read.streams
+    )

@@ -99,6 +99,9 @@ class SensorSection(_Section):
     the repeatability alone, from still frames."""
     orientation_sigma_deg: Annotated[FiniteFloat, Field(ge=0, le=90)] | None = None
     """Standard deviation of a seen theta, deg, likewise."""
+    tip_sigma_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)] | None = None
+    """Standard deviation of x or y of a tip in the controller's log, um; when absent, estimated from
+    straight travel."""
     frame_rate_hz: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Frames a second."""
 

@@ -12,15 +12,22 @@ from meso_robust.recordings.checks.view import unseen
 from meso_robust.recordings.problem import KINDS, Problem, lines_text
 from meso_robust.recordings.problems import line_numbers
 from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
+from meso_robust.types import Indices
 
-_LEFT_OUT = {
+LEFT_OUT = {
     "unreadable": "the recording was left out",
     "row": "the row was left out",
     "cell": "the cell was taken as not seen, a row without an instant left out",
     "clock": "the row was left out",
 }
-"""Repairs that reading makes; see `read_readable`."""
-_UNSEEN = {"zero_pose", "frozen", "outlier"}
+"""Repairs that reading makes, by kind of problem; see `read_readable`."""
+UNSEEN: Mapping[str, str] = {
+    "zero_pose": "the poses were taken as not seen",
+    "frozen": "the poses were taken as not seen",
+    "outlier": "the poses were taken as not seen",
+    "late_stamp": "the row was left out",
+}
+"""Repairs of single rows, by kind of problem."""
 _KEPT = {"units", "noise_unknown"}  # another value would be a guess about the data
 
 
@@ -68,11 +75,9 @@ def repaired(
         If no recording would be left.
     """
     repairs = [
-        Repair(
-            file=problem.file, kind=problem.kind, rows=problem.rows, done=_LEFT_OUT[problem.kind]
-        )
+        Repair(file=problem.file, kind=problem.kind, rows=problem.rows, done=LEFT_OUT[problem.kind])
         for problem in problems
-        if problem.kind in _LEFT_OUT
+        if problem.kind in LEFT_OUT
     ]
     kept: list[Recording] = []
     for recording in recordings.recordings:
@@ -95,11 +100,11 @@ def repaired(
 
 def repairable(problem: Problem) -> bool:
     """Whether `repaired` does something about a problem of a set in memory."""
-    return problem.kind in {*_UNSEEN, "wrap"} or _useless(problem)
+    return problem.kind in {*UNSEEN, "wrap"} or _useless(problem)
 
 
 def _useless(problem: Problem) -> bool:
-    return problem.severity == "error" and problem.kind not in {*_LEFT_OUT, *_UNSEEN, *_KEPT}
+    return problem.severity == "error" and problem.kind not in {*LEFT_OUT, *UNSEEN, *_KEPT}
 
 
 def _corrected(
@@ -107,16 +112,24 @@ def _corrected(
 ) -> tuple[Recording, list[Repair]]:
     repairs = []
     for problem in problems:
-        if problem.kind not in _UNSEEN:
+        if problem.kind not in UNSEEN:
             continue
         frames = np.flatnonzero(np.isin(np.asarray(lines), problem.rows))
         recording = unseen(recording, frames)
-        repairs.append(_repair(problem, "the poses were taken as not seen"))
+        if problem.kind == "late_stamp":  # the tips stand at a wrong instant, too
+            recording = _tips_unseen(recording, frames)
+        repairs.append(_repair(problem, UNSEEN[problem.kind]))
     for problem in problems:
         if problem.kind == "wrap":
             recording = unwrapped(recording)
             repairs.append(_repair(problem, "whole turns were added, so θ is continuous"))
     return recording, repairs
+
+
+def _tips_unseen(recording: Recording, frames: Indices) -> Recording:
+    probes = recording.probes.copy()
+    probes[frames] = np.nan
+    return replace(recording, probes=probes)
 
 
 def _repair(problem: Problem, done: str) -> Repair:

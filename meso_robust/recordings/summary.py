@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from meso_robust.recordings.contact import SHORTEST
+from meso_robust.recordings.direct.document import direct_document, words
+from meso_robust.recordings.direct.run import DirectTests
 from meso_robust.recordings.loose import Lines
 from meso_robust.recordings.noise import (
     EstimatedSensor,
@@ -21,7 +23,7 @@ from meso_robust.recordings.noise import (
 )
 from meso_robust.recordings.phases import Phase, phases
 from meso_robust.recordings.problem import Problem
-from meso_robust.recordings.repair import Repair
+from meso_robust.recordings.repair import LEFT_OUT, Repair
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
 from meso_robust.types import Floats
@@ -146,6 +148,12 @@ class Checked:
         Line of each row that ``remaining`` counts by, as for `problems`.
     notes
         What an importer assumed and left out, one sentence each.
+    barring
+        Errors that bar a fit; other errors concern what ``left_out`` tells. None: all errors bar it.
+    left_out
+        What a fit leaves out, as `usable.usable` says.
+    direct
+        What tests without a simulation say; None where they were not asked.
     """
 
     source: str
@@ -156,6 +164,14 @@ class Checked:
     remaining: tuple[Problem, ...]
     lines: Lines | None = None
     notes: tuple[str, ...] = ()
+    barring: tuple[Problem, ...] | None = None
+    left_out: tuple[Repair, ...] = ()
+    direct: DirectTests | None = None
+
+    @property
+    def unread(self) -> tuple[Problem, ...]:
+        """Problems of what could not be read."""
+        return tuple(one for one in self.found if one.kind in LEFT_OUT)
 
     @property
     def matters(self) -> tuple[Problem, ...]:
@@ -164,11 +180,11 @@ class Checked:
 
     @property
     def verdict(self) -> str:
-        """CLEAN, USABLE WITH CARE (warnings remain) or NOT USABLE AS IT IS (errors remain)."""
-        severities = {one.severity for one in self.matters}
-        if "error" in severities:
+        """CLEAN, USABLE WITH CARE (warnings, or errors of what is left out) or NOT USABLE AS IT IS."""
+        errors = [one for one in self.remaining if one.severity == "error"]
+        if errors if self.barring is None else self.barring:
             return "NOT USABLE AS IT IS"
-        return "USABLE WITH CARE" if severities else "CLEAN"
+        return "USABLE WITH CARE" if self.matters else "CLEAN"
 
 
 def document(checked: Checked) -> dict[str, Any]:
@@ -196,6 +212,8 @@ def document(checked: Checked) -> dict[str, Any]:
         "found": [_problem(one) for one in checked.found],
         "repairs": [_repair(one) for one in checked.repairs],
         "remaining": [_problem(one) for one in checked.remaining],
+        "left_out": [_repair(one) for one in checked.left_out],
+        "direct_tests": None if checked.direct is None else direct_document(checked.direct),
         "notes": list(checked.notes),
     }
 
@@ -299,12 +317,38 @@ def answer(checked: Checked, most: int = 20) -> str:
     lines = [
         f"{checked.verdict}: {counted(len(checked.recordings.recordings), 'recording')}, {counted(frames, 'row')}",
         *_few("repaired: ", checked.repairs, most),
+        *left_out_words(checked),
         *_few("", checked.matters, most),
     ]
+    if checked.direct is not None:
+        lines += _few("direct test: ", words(checked.direct), most)
     rest = len(checked.remaining) - len(checked.matters)
     if rest:
         lines.append(f"{rest} informational notes are in the report")
     return "\n".join([*lines, *_few("note: ", checked.notes, most)])
+
+
+def left_out_words(checked: Checked) -> tuple[str, ...]:
+    """What a fit leaves out of a set, counted; no line where it takes all.
+
+    Parameters
+    ----------
+    checked
+        The set.
+
+    Returns
+    -------
+    tuple of str
+        One line at most.
+    """
+    if not checked.left_out:
+        return ()
+    files = sorted({one.file for one in checked.left_out if not one.rows})
+    rows = sum(len(one.rows) for one in checked.left_out if one.file not in files)
+    parts = [f"{counted(rows, 'row or pose', 'rows or poses')}"] if rows else []
+    if files:
+        parts.append(f"{counted(len(files), 'recording')} ({', '.join(files)})")
+    return (f"a fit leaves out {' and '.join(parts)}; everything else can be used",)
 
 
 def _few(prefix: str, items: Sequence[object], most: int) -> list[str]:

@@ -28,6 +28,9 @@ class SensorInfo:
         Standard deviation of x and of y in m; None where it is unknown.
     orientation_sigma
         Standard deviation of θ in rad; None where it is unknown.
+    tip_sigma
+        Standard deviation in m of x and of y of a tip in the controller's log; None where it is
+        unknown, to be estimated from straight travel.
 
     Raises
     ------
@@ -38,13 +41,14 @@ class SensorInfo:
     frame_rate: float
     position_sigma: float | None = None
     orientation_sigma: float | None = None
+    tip_sigma: float | None = None
 
     def __post_init__(self) -> None:
         """Check the fields."""
         if not 0.0 < self.frame_rate < math.inf:
             rule = "must be positive and finite"
             _refuse("frame_rate", f"{self.frame_rate} Hz", rule, "try 30 Hz")
-        for name in ("position_sigma", "orientation_sigma"):
+        for name in ("position_sigma", "orientation_sigma", "tip_sigma"):
             value = getattr(self, name)
             if value is not None and not 0.0 <= value < math.inf:
                 rule = "must be finite and not negative"

@@ -3,40 +3,37 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from markupsafe import Markup
 
-from meso_robust import units
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
 from meso_robust.recordings.phases import Phase
-from meso_robust.reporting.canvas import (
-    AFTER,
-    AXIS_NAME,
-    BEFORE,
-    CERTIFIED,
-    CERTIFIED_FILL,
+from meso_robust.recordings.rules import DEG, UM
+from meso_robust.reporting.plot import Area, equal, limits, picture
+from meso_robust.reporting.theme import (
+    BLUE,
+    BLUE_FILL,
     GHOST,
-    MISS,
-    OPEN,
-    TIP,
-    corners,
-    fit_equal,
-    outline,
-    poses_shown,
+    LAST,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    WAY,
 )
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Indices
 
-SIZE = (11.6, 4.2)  # inches
+WIDTH, HEIGHT = 835.0, 302.0  # pt
 MOST_POINTS = 400  # of one line
 GHOSTS = 4  # outlines between the first and the last
+_NAMES = ("x in µm", "y in µm", "θ in deg")
 
 
-def recording_figure(
+def recording_svg(
     recordings: RecordingSet,
     recording: Recording,
     marked: frozenset[int],
     phases: tuple[Phase, ...],
-) -> Figure:
+    label: str,
+) -> Markup:
     """Draw one recording, in um, deg and s.
 
     Parameters
@@ -46,76 +43,94 @@ def recording_figure(
     recording
         What to draw; a line is broken where a pose was not seen or rows are missing.
     marked
-        Rows with a problem, drawn in red.
+        Rows with a problem, drawn in purple.
     phases
         Contact is shaded.
+    label
+        What the picture shows, for readers who do not see it.
+
+    Returns
+    -------
+    Markup
+        An ``<svg>`` element.
     """
-    figure = Figure(figsize=SIZE)
-    plane = figure.add_axes((0.057, 0.11, 0.36, 0.86))
-    poses = poses_shown(unwrapped(recording).poses)
-    _plane(plane, recordings, recording, sorted(marked))
-    columns = (("x", 0), ("y", 1), ("theta", 2))
-    holes = _holes(recording, recordings.sensor.frame_rate)
-    for row, (coordinate, axis) in enumerate(columns):
-        axes = figure.add_axes((0.49, 0.11 + 0.3 * (2 - row), 0.50, 0.26))
+    return picture(
+        WIDTH,
+        HEIGHT,
+        label,
+        [
+            *_plane(recordings, recording, sorted(marked)),
+            *_rows(recordings, recording, marked, phases),
+        ],
+    )
+
+
+def _rows(
+    recordings: RecordingSet,
+    recording: Recording,
+    marked: frozenset[int],
+    phases: tuple[Phase, ...],
+) -> list[str]:
+    """x, y and θ over time."""
+    parts = []
+    times = recording.times
+    poses = unwrapped(recording).poses / [UM, UM, DEG]
+    space = 0.01 * (times[-1] - times[0]) or 1.0
+    kept, at = _thinned(times.size, marked), np.array(sorted(marked), dtype=np.intp)
+    for row, name in enumerate(_NAMES):
+        x = (float(times[0] - space), float(times[-1] + space))
+        area = Area(420.0, 8.0 + 90.0 * row, 408.0, 78.0, x, limits(poses[:, row]))
         for phase in phases:
             if phase.name == "contact":
-                axes.axvspan(phase.start, phase.end, color=CERTIFIED_FILL, lw=0)
-        for start, end in holes:
-            axes.axvspan(start, end, color=OPEN, alpha=0.35, lw=0)
-        kept = _thinned(recording.times.size, marked)
-        _line(axes, recording.times[kept], poses[kept, axis], CERTIFIED)
-        at = [k for k in sorted(marked) if np.isfinite(poses[k, axis])]
-        axes.plot(recording.times[at], poses[at, axis], "o", color=MISS, ms=3.2)
-        axes.set_ylabel(AXIS_NAME[coordinate], labelpad=2)
-        axes.set_xlim(*_limits(recording.times))
-        if row < 2:
-            axes.set_xticklabels([])
-        else:
-            axes.set_xlabel("time in s", labelpad=2)
-    return figure
+                parts.append(area.band(phase.start, phase.end, BLUE_FILL))
+        for start, end in _holes(recording, recordings.sensor.frame_rate):
+            parts.append(area.band(start, end, ORANGE, 0.35))
+        last = row == len(_NAMES) - 1
+        parts += [
+            area.frame("time in s" if last else "", name, numbers=last),
+            area.line(times[kept], poses[kept, row], BLUE),
+            area.dots(times[at], poses[at, row], PURPLE),
+        ]
+    return parts
 
 
-def _plane(axes: Axes, recordings: RecordingSet, recording: Recording, marked: list[int]) -> None:
+def _plane(recordings: RecordingSet, recording: Recording, marked: list[int]) -> list[str]:
     """Outlines of the part on its way, and the ways of its reference point and of the tips."""
-    body, poses = recordings.part.outline, recording.poses
-    seen = np.flatnonzero(~np.any(np.isnan(poses), axis=1))
-    drawn: list[Floats] = [recording.probes[k] / units.UM for k in range(recording.times.size)]
-    points = np.concatenate(drawn) if drawn else np.zeros((0, 2))
-    good = [k for k in seen.tolist() if k not in marked] or seen.tolist()
-    if good:
-        chosen = [good[int(k)] for k in np.linspace(0, len(good) - 1, GHOSTS + 2).round()]
-        for k in chosen[1:-1]:
-            outline(axes, poses[k], body, "", fill=False, edgecolor=GHOST, lw=0.8)
-        outline(axes, poses[chosen[0]], body, "", fill=False, edgecolor=BEFORE, lw=1.2, ls="--")
-        outline(axes, poses[chosen[-1]], body, "", fill=False, edgecolor=AFTER, lw=1.4)
-        points = np.concatenate([points, *(corners(poses[k], body) for k in chosen)])
-    kept = _thinned(recording.times.size, frozenset(marked))
-    _line(axes, poses[kept, 0] / units.UM, poses[kept, 1] / units.UM, CERTIFIED)
-    for tip in recording.probes.transpose(1, 0, 2):
-        _line(axes, tip[kept, 0] / units.UM, tip[kept, 1] / units.UM, TIP)
-    at = [k for k in marked if k in set(seen.tolist())]
-    axes.plot(*(poses[at, :2].T / units.UM), "o", color=MISS, ms=3.2)
-    points = np.concatenate([points, poses[at, :2] / units.UM])
+    poses = recording.poses
+    seen = np.flatnonzero(~np.any(np.isnan(poses), axis=1)).tolist()
+    good = [k for k in seen if k not in set(marked)] or seen
+    chosen = (
+        [good[int(k)] for k in np.linspace(0, len(good) - 1, GHOSTS + 2).round()] if good else []
+    )
+    shapes = [_outline(recordings.part.outline, poses[k]) for k in chosen]
+    tips = recording.probes / UM
+    points = np.concatenate([tips.reshape(-1, 2), *shapes, poses[marked, :2] / UM])
     points = points[~np.any(np.isnan(points), axis=1)]
-    if len(points):
-        fit_equal(axes, points, 0.05)
-    axes.set_xlabel(AXIS_NAME["x"], labelpad=2)
-    axes.set_ylabel(AXIS_NAME["y"], labelpad=2)
+    wide, tall = 300.0, 262.0
+    x, y = equal(points, wide, tall) if len(points) else ((0.0, 1.0), (0.0, 1.0))
+    area = Area(50.0, 8.0, wide, tall, x, y)
+    kept = _thinned(recording.times.size, frozenset(marked))
+    parts = [area.frame(*_NAMES[:2])]
+    parts += [area.line(shape[:, 0], shape[:, 1], GHOST, 0.8) for shape in shapes[1:-1]]
+    if shapes:
+        parts.append(area.line(shapes[0][:, 0], shapes[0][:, 1], WAY, 1.2, dash="4 2"))
+        parts.append(area.line(shapes[-1][:, 0], shapes[-1][:, 1], LAST, 1.4))
+    parts.append(area.line(poses[kept, 0] / UM, poses[kept, 1] / UM, BLUE))
+    parts += [area.line(tip[kept, 0], tip[kept, 1], VERMILION) for tip in tips.transpose(1, 0, 2)]
+    return [*parts, area.dots(poses[marked, 0] / UM, poses[marked, 1] / UM, PURPLE)]
 
 
-def _line(axes: Axes, across: Floats, up: Floats, color: str) -> None:
-    """A line that is broken at NaN, with a dot where a point stands alone."""
-    axes.plot(across, up, "-", color=color, lw=1.0)
-    there = np.concatenate(([False], np.isfinite(up), [False]))
-    alone = there[1:-1] & ~there[:-2] & ~there[2:]
-    axes.plot(across[alone], up[alone], ".", color=color, ms=1.6)
+def _outline(body: Floats, pose: Floats) -> Floats:
+    """(V + 1, 2) closed outline of the part at a pose, um."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    corners = body @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
+    return np.asarray(np.vstack([corners, corners[:1]]) / UM)
 
 
-def _thinned(rows: int, marked: frozenset[int]) -> list[int]:
+def _thinned(rows: int, marked: frozenset[int]) -> Indices:
     """Rows to draw: evenly chosen, and all that have a problem."""
-    even = np.linspace(0, rows - 1, min(rows, MOST_POINTS)).round().astype(int)
-    return sorted({*even.tolist(), *marked})
+    even = np.linspace(0, rows - 1, min(rows, MOST_POINTS)).round().astype(np.intp)
+    return np.union1d(even, np.array(sorted(marked), dtype=np.intp))
 
 
 def _holes(recording: Recording, rate: float) -> list[tuple[float, float]]:
@@ -123,8 +138,3 @@ def _holes(recording: Recording, rate: float) -> list[tuple[float, float]]:
     seen = recording.times[~np.any(np.isnan(recording.poses), axis=1)]
     long = np.flatnonzero(np.diff(seen) > 2.5 / rate)
     return [(float(seen[k]), float(seen[k + 1])) for k in long]
-
-
-def _limits(times: Floats) -> tuple[float, float]:
-    space = 0.01 * (times[-1] - times[0]) or 1.0
-    return float(times[0] - space), float(times[-1] + space)

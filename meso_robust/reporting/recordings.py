@@ -8,17 +8,17 @@ from shlex import quote
 import numpy as np
 from markupsafe import Markup
 
-from meso_robust.identification.answer import set_hash
 from meso_robust.provenance import made_with
 from meso_robust.recordings import Recording
+from meso_robust.recordings.fingerprint import set_hash
 from meso_robust.recordings.noise import Spread, estimated_sensor, systematic
 from meso_robust.recordings.problem import KINDS, lines_text
 from meso_robust.recordings.problems import line_numbers
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.summary import Checked, RecordingSummary, TipSummary, summary
 from meso_robust.reporting import pages
-from meso_robust.reporting.recording_figures import recording_figure
-from meso_robust.reporting.svg import style, to_svg
+from meso_robust.reporting.direct import direct_section
+from meso_robust.reporting.recording_figures import recording_svg
 
 MOST_PICTURES = 16
 """Recordings that are drawn; those with problems come first."""
@@ -65,6 +65,7 @@ def recordings_report(checked: Checked) -> str:
                 _problems(checked),
                 _repairs(checked),
                 *[notes] * bool(checked.notes),
+                *([direct_section(checked.direct)] if checked.direct else []),
                 _noise(checked),
                 _numbers(tuple(summaries.values())),
                 _pictures(checked, summaries),
@@ -231,15 +232,13 @@ def _short(value: float) -> str:
 
 
 def _pictures(checked: Checked, summaries: Mapping[str, RecordingSummary]) -> pages.Section:
-    with style():
-        pictures = [
-            _picture(checked, recording, summaries[recording.file], k)
-            for k, recording in enumerate(_drawn(checked))
-        ]
+    pictures = [
+        _picture(checked, recording, summaries[recording.file]) for recording in _drawn(checked)
+    ]
     words = (
         "<p>Left, to scale: the part at the start (dashed), at the end (dark) and in between, the paths "
         "of its reference point (blue) and of the tips (orange).\nRight: contact is shaded blue, gaps "
-        "of more than one frame amber; rows with a problem are red.\n"
+        "of more than one frame amber; rows with a problem are purple.\n"
     )
     if len(pictures) < len(summaries):
         words += (
@@ -259,9 +258,7 @@ def _drawn(checked: Checked) -> list[Recording]:
     return [recording for recording in every if recording.file in names]
 
 
-def _picture(
-    checked: Checked, recording: Recording, numbers: RecordingSummary, index: int
-) -> pages.Figure:
+def _picture(checked: Checked, recording: Recording, numbers: RecordingSummary) -> pages.Figure:
     rows = {
         row
         for problem in checked.remaining
@@ -270,9 +267,9 @@ def _picture(
     }
     lines = line_numbers(recording, checked.lines)
     marked = frozenset(k for k, line in enumerate(lines) if line in rows)
-    drawing = recording_figure(checked.recordings, recording, marked, numbers.phases)
+    label = f"Recording {recording.file}"
     return pages.Figure(
-        svg=to_svg(drawing, f"rec{index}", f"Recording {recording.file}"),
+        svg=recording_svg(checked.recordings, recording, marked, numbers.phases, label),
         title=recording.file,
         caption=f"{numbers.duration:.3g} s, {_frames(numbers)}; the part moves by "
         f"{_travel(numbers)} µm and turns by {_turn(numbers)}°.",

@@ -15,7 +15,7 @@ from meso_robust.provenance import commit
 from meso_robust.recordings import RecordingSet
 from meso_robust.reporting import pages
 from meso_robust.reporting.canvas import CERTIFIED, OPEN, TIP
-from meso_robust.reporting.recording_figures import recording_figure
+from meso_robust.reporting.recording_figures import recording_svg
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
@@ -206,11 +206,10 @@ def _pictures(
         if video.file is None or len(pictures) >= 2 * MOST_PICTURES:
             continue
         way = f"{video.video}: the way"
-        drawing = recording_figure(recordings, by_file[video.file], frozenset(), ())
         deviations = f"{video.video}: standard deviations"
         pictures += [
             pages.Figure(
-                svg=to_svg(drawing, f"way{k}", way),
+                svg=recording_svg(recordings, by_file[video.file], frozenset(), (), way),
                 title=way,
                 caption="Outlines of the part along its path, tips, and x, y, θ over time; orange: not "
                 "seen.",

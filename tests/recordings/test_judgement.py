@@ -8,14 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meso_robust.api.recordings import Recordings, read_recordings
+from meso_robust.api.recordings import Recordings, given_of, read_recordings
 from meso_robust.diagnosis.noise import noise_of
 from meso_robust.errors import InputError
 from meso_robust.identification.prepared import prepare
-from meso_robust.identification.usable import NOISE_IS_FITTED, warnings_of
+from meso_robust.identification.usable import NOISE_IS_FITTED
 from meso_robust.recordings import RecordingSet, SensorInfo, read_set, write_set
 from meso_robust.recordings.checking import checked
 from meso_robust.recordings.problems import problems
+from meso_robust.recordings.usable import usable_set
 from tests.recordings.planted import FILES, FRAMES, MIDDLE, RATE, UM, clean, one, planted, poses
 from tests.recordings.simulated import Kind, made
 
@@ -72,9 +73,6 @@ def blind_camera() -> RecordingSet:
 
 
 BAD = [
-    zeros,
-    frozen,
-    leap,
     unseen_probe,
     no_probe,
     begins_inside,
@@ -86,9 +84,9 @@ BAD = [
 def refused_by_a_fit(recordings: RecordingSet) -> bool:
     """Whether checks, preparation or noise end a diagnosis."""
     try:
-        warnings_of(recordings)
-        prepare(recordings)
-        noise_of(recordings)
+        left = usable_set(recordings).recordings
+        prepare(left)
+        noise_of(left)
     except InputError:
         return True
     return False
@@ -101,6 +99,100 @@ def test_what_a_diagnosis_refuses_is_not_called_usable(bad: object, tmp_path: Pa
 
     assert refused_by_a_fit(read_set(tmp_path))
     assert checked(tmp_path, None, repair=False).verdict == "NOT USABLE AS IT IS"
+
+
+@pytest.mark.parametrize("bad", [zeros, frozen, leap])
+def test_a_few_bad_poses_are_left_out_and_told(bad: object, tmp_path: Path) -> None:
+    assert callable(bad)
+    write_set(tmp_path, bad())
+    found = checked(tmp_path, None, repair=False)
+
+    assert found.verdict == "USABLE WITH CARE"
+    assert {one.file for one in found.left_out} == {MIDDLE}
+    left = usable_set(read_set(tmp_path))
+    assert any(line.startswith(f"left out: {MIDDLE}") for line in left.warnings)
+    seen = np.isfinite(left.recordings.recordings[1].poses[:, 0])
+    assert FRAMES - 3 <= seen.sum() < FRAMES
+    assert not refused_by_a_fit(read_set(tmp_path))
+
+
+def of_twelve(bad: RecordingSet) -> RecordingSet:
+    """A set of twelve recordings one of which is bad."""
+    others = tuple(one(f"push_{k:02d}.csv", k) for k in range(2, 13))
+    return replace(bad, recordings=(bad.recordings[1], *others))
+
+
+@pytest.mark.parametrize("bad", [unseen_probe, begins_inside])
+def test_one_bad_file_of_twelve_is_left_out_told_and_counted(bad: object) -> None:
+    assert callable(bad)
+
+    left = usable_set(of_twelve(bad()))
+
+    assert MIDDLE not in {each.file for each in left.recordings.recordings}
+    assert len(left.recordings.recordings) == 11
+    assert left.warnings[0] == f"1 of 12 recordings left out: {MIDDLE}"
+    assert not refused_by_a_fit(of_twelve(bad()))
+
+
+def test_a_broken_file_of_twelve_does_not_refuse_the_set(tmp_path: Path) -> None:
+    write_set(tmp_path / "set", of_twelve(clean()))
+    (tmp_path / "set" / MIDDLE).write_text("time_s\n1\n")
+
+    found = read_recordings(tmp_path / "set")
+
+    assert found.verdict == "USABLE WITH CARE"
+    given = given_of(tmp_path / "set").usable()
+    assert given.warnings[0] == f"1 of 12 recordings left out: {MIDDLE}"
+    for file in (tmp_path / "set").glob("*.csv"):
+        file.write_text("time_s\n1\n")
+    with pytest.raises(InputError, match="no recording can be read"):
+        given_of(tmp_path / "set")
+
+
+def test_one_late_stamp_leaves_out_its_row(tmp_path: Path) -> None:
+    middle = clean().recordings[1]
+    times = middle.times.copy()
+    times[60] += 0.02
+    late = replace(clean(), recordings=(clean().recordings[0], replace(middle, times=times)))
+
+    left = usable_set(late)
+
+    assert [(each.kind, each.rows) for each in left.left_out] == [("late_stamp", (62,))]
+    row = left.recordings.recordings[1]
+    assert np.isnan(row.poses[60]).all()
+    assert np.isnan(row.probes[60]).all()
+    assert np.isfinite(row.probes[[59, 61]]).all()
+    # later than the next row, it is no clock any more; reading leaves the row out
+    write_set(tmp_path, clean())
+    lines = (tmp_path / MIDDLE).read_text().splitlines()
+    cells = lines[61].split(",")
+    lines[61] = ",".join([repr(float(cells[0]) + 0.05), *cells[1:]])
+    (tmp_path / MIDDLE).write_text("\n".join(lines) + "\n")
+    given = given_of(tmp_path).usable()
+    left_out = {(each.kind, each.rows) for each in given.left_out}
+    assert left_out == {("clock", (63,)), ("late_stamp", (62,))}
+
+
+def test_a_tip_a_little_inside_the_part_is_a_sign_and_no_refusal() -> None:
+    middle = clean().recordings[1]
+    tips = middle.probes.copy()
+    tips[:, 0, 0] += 144 * UM  # 44 um inside at first
+    recordings = planted(probes=tips)
+
+    left = usable_set(recordings)
+
+    assert len(left.recordings.recordings) == 3
+    assert any("µm inside the part" in line and "registration" in line for line in left.warnings)
+    assert not refused_by_a_fit(recordings)
+
+
+def test_a_refusal_names_the_likely_cause() -> None:
+    mirrored = tuple(
+        replace(each, poses=each.poses * [1.0, -1.0, -1.0])
+        for each in made(Kind(seed=3)).recordings
+    )
+    with pytest.raises(InputError, match="likely cause: y of the tips has the other sign"):
+        usable_set(replace(made(Kind(seed=3)), recordings=mirrored))
 
 
 @pytest.mark.parametrize("bad", [zeros, frozen, leap])
@@ -120,7 +212,7 @@ def test_poses_that_are_no_measurements_are_mended_without_losing_the_recording(
 def test_identify_may_fit_noise_that_nobody_knows() -> None:
     (warning,) = {
         line.split(":")[2].strip()
-        for line in warnings_of(noiseless_two_poses(), NOISE_IS_FITTED)
+        for line in usable_set(noiseless_two_poses(), allowed=NOISE_IS_FITTED).warnings
         if line.startswith("error")
     }
 
@@ -144,7 +236,7 @@ def test_same_recording_under_two_names_is_told_wherever_the_set_goes(tmp_path: 
     first, _, last = clean().recordings
     write_set(tmp_path, clean(recordings=(first, replace(first, file=MIDDLE), last)))
 
-    (warning,) = warnings_of(read_set(tmp_path))
+    (warning,) = usable_set(read_set(tmp_path)).warnings
 
     assert warning.startswith(f"warning: {MIDDLE}: the same push twice: ")
     assert FILES[0] in warning
@@ -178,7 +270,7 @@ def test_orientation_among_likes_is_a_warning_that_travels_with_the_set(tmp_path
 
     assert "alike_orientations = 2" in (tmp_path / "b" / "set.toml").read_text()
     assert found.verdict == "USABLE WITH CARE"
-    (warning,) = warnings_of(read_set(tmp_path / "b"))
+    (warning,) = usable_set(read_set(tmp_path / "b")).warnings
     assert "up to 180°" in warning
     assert warning.startswith(f"warning: {MIDDLE}: ")
 
@@ -221,7 +313,7 @@ def test_radians_in_the_column_of_degrees_are_found_at_small_angles(
     assert units
     assert "θ in rad: factor 57.29578" in units[0].advice
     with pytest.raises(InputError, match="θ in rad"):
-        warnings_of(in_rad(right))
+        usable_set(in_rad(right))
 
 
 def test_noise_is_told_apart_into_repeatability_and_systematic_error(tmp_path: Path) -> None:

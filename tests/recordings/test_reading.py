@@ -271,7 +271,12 @@ def test_the_schema_lists_the_keys_of_the_format() -> None:
     assert sections == {
         "PartSection": {"length_um", "width_um", "polygon_um"},
         "ProbeSection": {"tip_radius_um", "position_source"},
-        "SensorSection": {"position_sigma_um", "orientation_sigma_deg", "frame_rate_hz"},
+        "SensorSection": {
+            "position_sigma_um",
+            "orientation_sigma_deg",
+            "tip_sigma_um",
+            "frame_rate_hz",
+        },
         "RecordingSection": {"file", "probes", "alike_orientations"},
     }
     assert json.loads(json.dumps(schema)) == schema

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.direct.document import words
+from meso_robust.recordings.direct.run import direct_tests
 from meso_robust.recordings.phases import phases
 from meso_robust.recordings.problems import problems
 from meso_robust.recordings.repair import Repair
 from meso_robust.recordings.summary import Checked
-from meso_robust.reporting.recording_figures import recording_figure
+from meso_robust.reporting.recording_figures import recording_svg
 from meso_robust.reporting.recordings import recordings_report
-from meso_robust.reporting.svg import style
+from meso_robust.reporting.theme import BLUE, BLUE_FILL, ORANGE, PURPLE
 from tests.recordings.planted import FRAMES, MIDDLE, UM, clean, one, planted, poses
 from tests.reporting.test_page import Reader
 
@@ -114,23 +117,62 @@ def test_the_drawing_shows_the_path_to_scale_the_marks_and_the_holes() -> None:
     hidden[60, 1] += 100 * UM
     quiet = replace(quiet, poses=hidden)
     recordings = clean(recordings=(quiet,))
-    with style():
-        figure = recording_figure(recordings, quiet, frozenset({60}), phases(recordings, quiet))
-        plane, *rows = figure.axes
-        assert plane.get_aspect() == 1.0
-        (mark,) = [line for line in plane.lines if line.get_marker() == "o"]
-        assert np.allclose(np.asarray(mark.get_xydata()), [[2700.0, 70.0]], atol=1e-9)
-        first = plane.patches[-2].get_xy()[:4]  # type: ignore[attr-defined]
-        np.testing.assert_allclose(np.ptp(first, axis=0), [800.0, 1600.0], atol=1e-6)
-        assert len(rows) == 3
-        x = np.asarray(rows[0].lines[0].get_ydata(), dtype=np.float64)
-        assert np.flatnonzero(np.isnan(x)).tolist() == list(range(100, 110))
-        assert len(x) == FRAMES
-        spans = [patch.get_extents().width for patch in rows[0].patches]
-        assert len(spans) == 2  # contact and one hole
+
+    shown = phases(recordings, quiet)
+    svg = ElementTree.fromstring(recording_svg(recordings, quiet, frozenset({60}), shown, "a <b>"))
+
+    tag = "{http://www.w3.org/2000/svg}"
+    assert svg.findtext(f"{tag}title") == "a <b>"
+    paths = [path.attrib for path in svg.iter(f"{tag}path")]
+    # the part as it begins: 800 um wide and 1600 um high, at one scale
+    (first,) = [path for path in paths if "stroke-dasharray" in path]
+    corners = np.array([pair.split() for pair in first["d"][1:].split("L")], dtype=float)[:4]
+    width, height = np.ptp(corners, axis=0)
+    assert height / width == pytest.approx(2.0, rel=1e-3)
+    # 100 um off in y, seen at the same scale in the plane; and in the three rows
+    marks = [circle.attrib for circle in svg.iter(f"{tag}circle") if circle.get("fill") == PURPLE]
+    assert len(marks) == 4
+    left = corners[:, 0].mean()
+    plane = [mark for mark in marks if float(mark["cx"]) < 400.0]
+    assert len(plane) == 1
+    assert float(plane[0]["cx"]) == pytest.approx(left, abs=0.05)
+    above = corners[:, 1].mean() - float(plane[0]["cy"])
+    assert above == pytest.approx(width * 100.0 / 800.0, abs=0.05)
+    # the line of x over time is broken where nothing was seen
+    (x_row, *_) = [p for p in paths if p["stroke"] == BLUE and float(p["d"][1:].split()[0]) > 400]
+    pieces = x_row["d"][1:].split("M")
+    assert [len(piece.split("L")) for piece in pieces] == [100, FRAMES - 110]
+    spans = [r.attrib for r in svg.iter(f"{tag}rect") if r.get("fill") in {BLUE_FILL, ORANGE}]
+    assert len(spans) == 6  # contact and one hole in each row
 
 
 def test_nothing_seen_can_be_drawn() -> None:
     blind = replace(one(MIDDLE), poses=np.full((FRAMES, 3), np.nan))
     recordings = clean(recordings=(blind,))
     assert "<svg" in recordings_report(checked(recordings))
+
+
+def test_direct_tests_stand_on_the_page_with_their_pictures() -> None:
+    rng = np.random.default_rng(0)
+    recordings = tuple(
+        replace(
+            each,
+            poses=each.poses + [30 * UM, -20 * UM, 0.0] + 1e-8 * rng.normal(size=each.poses.shape),
+        )
+        for each in (
+            one(f"push_{k:02d}.csv", k, start=(2700 * UM, -30 * UM, angle))
+            for k, angle in enumerate(np.tile([0.0, np.pi / 2], 6).tolist())
+        )
+    )
+    tests = direct_tests(clean(recordings=recordings))
+    assert tests.gap is not None
+    made = checked(clean(recordings=recordings), direct=tests)
+    reader = Reader(recordings_report(made))
+    assert reader.open == []
+    assert "Direct tests" in reader.text
+    assert "Gap between tip and face" in reader.text
+    for line in words(tests):
+        assert line in reader.text
+    # all are pushed along +x: a shift and a radius look the same, and the page says which it takes
+    assert abs(tests.gap.rms[0] - 30e-6) < 2e-6
+    assert tests.gap.rms[1] < 3e-6

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meso_robust.recordings.checks.view import View
-from meso_robust.recordings.contact import gaps
+from meso_robust.recordings.contact import OVERLAP, gaps
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.noise import EstimatedSensor, roughness
 from meso_robust.recordings.problem import Problem
@@ -49,23 +49,29 @@ def fitting_problems(view: View, sensor: EstimatedSensor) -> list[Problem]:
 
 def _inside(view: View, sensor: EstimatedSensor, first: np.ndarray) -> list[Problem]:
     position, orientation = sensor.info.position_sigma, sensor.info.orientation_sigma
-    if not (position and orientation):
-        return []  # nobody knows how much is noise
     outline, whole = view.recordings.part.outline, view.recordings
     depth = -gaps(outline, view.poses[first], view.recording.probes[first], whole.tip_radius).min()
     seen = whole.position_source == "camera"
     arm = float(np.hypot(*outline.T).max())
-    most = _NOISE * float(np.hypot(np.hypot(position, arm * orientation), position * seen))
-    if not depth > most:
+    deep = depth > OVERLAP * arm
+    noise = np.inf  # where nobody knows how much it is
+    if position and orientation:
+        noise = _NOISE * float(np.hypot(np.hypot(position, arm * orientation), position * seen))
+    if not (deep or depth > noise):
         return []
     return [
         view.problem(
             "overlap",
-            "error",
+            "error" if deep else "warning",
             first,
             f"at the first whole frame a tip is {1e6 * depth:.3g} µm inside the part",
-            f"must not exceed {_NOISE:g} σ = {1e6 * most:.3g} µm of noise",
-            "check part, tip radius and units, or leave the recording out",
+            f"must not exceed {1e6 * OVERLAP * arm:.3g} µm, an eighth of the part"
+            if deep
+            else f"{_NOISE:g} σ of noise are {1e6 * noise:.3g} µm",
+            "check part, tip radius and units, or leave the recording out"
+            if deep
+            else "a sign of a wrong registration, reference point, yaw, scale or delay: see the direct "
+            "tests",
         )
     ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meso_robust.recordings.checks.view import View, turn
+from meso_robust.recordings.direct.clocks import regular_clock
 from meso_robust.recordings.problem import Problem
 from meso_robust.wording import counted
 
@@ -12,11 +13,14 @@ FEWEST, FEW = 2, 10
 """Seen poses below which a recording cannot be used, and below which it tells little."""
 _LONG = 10  # lost frames in a row: a third of a second at 30 Hz, in which contact may change
 _MANY = 0.5  # share of lost frames
+_CLOCK = 20  # rows from which a clock is seen to be regular
+_SINGLE, _SHARE = 8.0, 0.25  # deviations, and share of a frame, beyond which a stamp is late
+_REGULAR, _RARE = 0.05, 0.05  # jitter over a frame, and share of late stamps, of a regular clock
 
 
 def frame_problems(view: View) -> list[Problem]:
-    """Wrong rate; too few frames, or else missing frames."""
-    return [*_rate(view), *(_few(view) or _gaps(view))]
+    """Wrong rate; late stamps; too few frames, or else missing frames."""
+    return [*_rate(view), *_late(view), *(_few(view) or _gaps(view))]
 
 
 def wraps(view: View) -> list[Problem]:
@@ -52,6 +56,33 @@ def _rate(view: View) -> list[Problem]:
             f"steps of {step:.6g} s, that is {1.0 / step:.4g} Hz",
             f"set.toml states {stated:.6g} Hz",
             f"correct frame_rate_hz or the clock{thousand}",
+        )
+    ]
+
+
+def _late(view: View) -> list[Problem]:
+    """Single rows whose stamp is off a clock that is regular otherwise."""
+    seen = ~np.any(np.isnan(view.recording.poses), axis=1)
+    seen |= np.any(np.isfinite(view.recording.probes), axis=(1, 2))
+    rows = np.flatnonzero(seen)  # a row that shows nothing says nothing wrong
+    if rows.size < _CLOCK:
+        return []
+    counts, regular = regular_clock(view.times[rows])
+    off = view.times[rows] - regular
+    jitter = 1.4826 * float(np.median(np.abs(off)))
+    period = float(np.median(np.diff(regular) / np.diff(counts)))
+    late = np.flatnonzero(np.abs(off) > max(_SINGLE * jitter, _SHARE * period))
+    if not late.size or jitter > _REGULAR * period or late.size > _RARE * rows.size:
+        return []
+    return [
+        view.problem(
+            "late_stamp",
+            "error",
+            rows[late],
+            f"{counted(late.size, 'stamp')} up to {1e3 * np.abs(off[late]).max():.3g} ms off a clock "
+            f"that is regular to {1e3 * jitter:.2g} ms",
+            f"must be within {100 * _SHARE:.0f} % of a frame",
+            "none needed: the rows are left out",
         )
     ]
 

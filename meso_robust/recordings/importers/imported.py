@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol, TypeAlias
 
 from meso_robust.errors import InputError
+from meso_robust.recordings.direct.clocks import Stream
 from meso_robust.recordings.outline import Polygon, Rectangle
 from meso_robust.recordings.values import RecordingSet
 
@@ -55,10 +56,13 @@ class Imported:
         The set, in SI.
     left
         What the files hold and the set does not, in the order of the files.
+    streams
+        What was sampled by clocks of its own and interpolated into the set.
     """
 
     recordings: RecordingSet
     left: tuple[Left, ...]
+    streams: tuple[Stream, ...] = ()
 
 
 class Reader(Protocol):

@@ -17,6 +17,7 @@ import numpy as np
 
 from meso_robust.errors import InputError
 from meso_robust.reading import json_values
+from meso_robust.recordings.direct.clocks import Stream
 from meso_robust.recordings.importers.files import candidates, files_of, one_kind, text_of
 from meso_robust.recordings.importers.imported import Imported, Importer, Left, Outline
 from meso_robust.recordings.importers.streams import forward, sampled
@@ -82,9 +83,10 @@ def read(path: Path, outline: Outline | None = None) -> Imported:
             tip_radius=TIP_RADIUS,
             position_source="controller",
             sensor=SensorInfo(frame_rate=FRAME_RATE),
-            recordings=tuple(recording for recording, _ in pushes),
+            recordings=tuple(recording for recording, _, _ in pushes),
         ),
-        left=tuple(left for _, lefts in pushes for left in lefts),
+        left=tuple(left for _, lefts, _ in pushes for left in lefts),
+        streams=tuple(stream for _, _, streams in pushes for stream in streams),
     )
 
 
@@ -97,7 +99,7 @@ def _named(file: Path) -> dict[str, str]:
     return match.groupdict() if match else {}
 
 
-def _push(file: Path) -> tuple[Recording, list[Left]]:
+def _push(file: Path) -> tuple[Recording, list[Left], list[Stream]]:
     streams = _streams(file)
     ahead = {name: forward(rows[:, 0]) for name, rows in streams.items()}
     started = np.any(np.abs(streams["ft_wrench"][:, 1:]) > _UNFILLED, axis=1)
@@ -120,7 +122,12 @@ def _push(file: Path) -> tuple[Recording, list[Left]]:
         probes=sampled(instants, tip[:, 0], tip[:, 1:3], HOLE)[:, None],
         forces=-sampled(instants, wrench[:, 0], wrench[:, 1:3], HOLE)[:, None],
     )
-    return recording, [entry for entry in left if entry.rows]
+    clocks = [
+        Stream(file=recording.file, name="part", times=instants, values=poses[:, 1:3]),
+        Stream(file=recording.file, name="tip", times=tip[:, 0], values=tip[:, 1:3]),
+        Stream(file=recording.file, name="force", times=wrench[:, 0], values=np.zeros((0, 2))),
+    ]
+    return recording, [entry for entry in left if entry.rows], clocks
 
 
 def _left(file: Path, name: str, rows: Flags, reason: str) -> Left:
