@@ -8,7 +8,7 @@ from meso_robust.simulator.outline import refuse
 from meso_robust.simulator.stage import Effect, Parameter, Stage
 from meso_robust.types import Floats
 
-_UM = 1e-6
+_UM, _DEG = 1e-6, np.pi / 180.0
 
 GEOMETRY = Stage(
     name="geometry",
@@ -47,6 +47,17 @@ GEOMETRY = Stage(
                 Parameter(key="y_um", unit="µm", to_si=_UM, meaning="c_y, frame of the part"),
             ),
         ),
+        Effect(
+            name="part_yaw",
+            equation="tracked angle = θ + ψ",
+            source="template of the tracker: its axes are not the outline's",
+            parameters=(
+                Parameter(
+                    key="angle_deg", unit="°", to_si=_DEG, low=-45.0 * _DEG, high=45.0 * _DEG,
+                    meaning="ψ, by which the tracked frame is turned against the part's outline",
+                ),
+            ),
+        ),
     ),
 )  # fmt: skip
 
@@ -56,6 +67,7 @@ EXCESS = GEOMETRY.slot("tip_radius", "excess_um")
 """Column of the excess of the tips' radius."""
 _OFFSET_X = GEOMETRY.slot("reference_offset", "x_um")
 _OFFSET_Y = GEOMETRY.slot("reference_offset", "y_um")
+_YAW = GEOMETRY.slot("part_yaw", "angle_deg")
 
 
 def outlines(vertices: Floats, table: Floats) -> Floats:
@@ -141,7 +153,7 @@ def reference_of_tracked(poses: Floats, table: Floats) -> Floats:
     Floats
         (N, …, 3) m and rad; the argument itself where there is no offset.
     """
-    return _shifted(poses, table, -1.0)
+    return _shifted(_turned(poses, table, -1.0), table, -1.0)
 
 
 def tracked_of_reference(poses: Floats, table: Floats) -> Floats:
@@ -157,7 +169,16 @@ def tracked_of_reference(poses: Floats, table: Floats) -> Floats:
     Floats
         As of `reference_of_tracked`.
     """
-    return _shifted(poses, table, 1.0)
+    return _turned(_shifted(poses, table, 1.0), table, 1.0)
+
+
+def _turned(poses: Floats, table: Floats, sign: float) -> Floats:
+    yaw = sign * table[:, _YAW]
+    if not np.any(yaw):
+        return poses
+    turned = poses.copy()
+    turned[..., 2] += yaw.reshape(-1, *[1] * (poses.ndim - 2))
+    return turned
 
 
 def _shifted(poses: Floats, table: Floats, sign: float) -> Floats:

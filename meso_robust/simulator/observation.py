@@ -2,11 +2,11 @@
 
 A pose x, θ of the part at time t is seen as
 
-    y(t) = (1 + s) D(R(φ) x(t - τ)) + d t,    D(r) = r (1 + k1 |r|²),
+    y(t) = A (1 + s) D(R(φ) x(t - τ)) + d t + c,    D(r) = r (1 + k1 |r|²),
     θ_seen(t) = θ(t - τ) + φ + q ψ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
 
 world frame, all about the world origin: delay τ, rotation φ of the image against the stage, lens D,
-error s of the scale and drift d. The lens shears what is off its axis; ψ is the angle by which the
+error s of the scale, stretch A of the axes, drift d and shift c. The lens shears what is off its axis; ψ is the angle by which the
 x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. Then `sense` samples at the frames of the camera, adds noise and
 loses frames. NumPy only; the kernels do not come here.
 """
@@ -19,7 +19,7 @@ from typing import NoReturn
 import numpy as np
 
 from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
-from meso_robust.types import Floats
+from meso_robust.types import Flags, Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
 
@@ -121,6 +121,67 @@ OBSERVATION = Stage(
                 ),
             ),
         ),
+        Effect(
+            name="camera_anisotropy",
+            equation="y = [[1 + a, k], [k, 1 + b]] x about the world origin, θ_seen = θ + q ψ, ψ the "
+            "angle by which that turns the part's x axis",
+            source="affine camera; R. Hartley, A. Zisserman 2004, doi:10.1017/CBO9780511811685",
+            parameters=(
+                Parameter(
+                    key="x_percent",
+                    unit="%",
+                    to_si=1e-2,
+                    meaning="a: by how much lengths along x are seen too long",
+                    low=-0.2,
+                    high=0.2,
+                ),
+                Parameter(
+                    key="y_percent",
+                    unit="%",
+                    to_si=1e-2,
+                    meaning="b: by how much lengths along y are seen too long",
+                    low=-0.2,
+                    high=0.2,
+                ),
+                Parameter(
+                    key="shear_percent",
+                    unit="%",
+                    to_si=1e-2,
+                    meaning="k: half of what the angle between the axes lacks of 90°, in 0.01 rad",
+                    low=-0.1,
+                    high=0.1,
+                ),
+                Parameter(
+                    key="turned",
+                    unit="",
+                    to_si=1.0,
+                    meaning="share of the shear that the tracker takes for a turn: 1 if it follows "
+                    "the part's x axis, 0 if it fits a round outline",
+                    low=-1.0,
+                    high=1.5,
+                    size=False,
+                ),
+            ),
+        ),
+        Effect(
+            name="registration_shift",
+            equation="y = x + s",
+            source="translation of a rigid registration, doi:10.1109/34.88573",
+            parameters=(
+                Parameter(
+                    key="x_um",
+                    unit="µm",
+                    to_si=_UM,
+                    meaning="s_x: by how much the camera's frame stands off the tips'",
+                ),
+                Parameter(
+                    key="y_um",
+                    unit="µm",
+                    to_si=_UM,
+                    meaning="s_y: by how much the camera's frame stands off the tips'",
+                ),
+            ),
+        ),
     ),
 )
 """The stage of the camera and the tracker."""
@@ -132,6 +193,12 @@ CAMERA_DRIFT_X = OBSERVATION.slot("camera_drift", "x_um_s")
 CAMERA_DRIFT_Y = OBSERVATION.slot("camera_drift", "y_um_s")
 LENS_DISTORTION_K1 = OBSERVATION.slot("lens_distortion", "k1_per_mm2")
 LENS_DISTORTION_TURNED = OBSERVATION.slot("lens_distortion", "turned")
+CAMERA_ANISOTROPY_X = OBSERVATION.slot("camera_anisotropy", "x_percent")
+CAMERA_ANISOTROPY_Y = OBSERVATION.slot("camera_anisotropy", "y_percent")
+CAMERA_ANISOTROPY_SHEAR = OBSERVATION.slot("camera_anisotropy", "shear_percent")
+CAMERA_ANISOTROPY_TURNED = OBSERVATION.slot("camera_anisotropy", "turned")
+REGISTRATION_SHIFT_X = OBSERVATION.slot("registration_shift", "x_um")
+REGISTRATION_SHIFT_Y = OBSERVATION.slot("registration_shift", "y_um")
 
 _ROUNDS = 50  # of Newton's rule, which converges quadratically but where the lens folds the image
 _LEAST = 1e-6  # slope of the lens, below which its inverse is not to be had
@@ -252,6 +319,7 @@ def observe(
     _delay(times, poses, table[:, CAMERA_LATENCY_TIME])
     _turn(poses[..., 2], table[:, CAMERA_ROTATION_ANGLE])
     _shear(poses, table)
+    _lean(poses, table)
     _show(times, poses[:, :, None, :2], table)
     if probes_seen_by_camera:
         _delay(times, probes, table[:, CAMERA_LATENCY_TIME])
@@ -278,6 +346,9 @@ def unseen(times: Floats, points: Floats, effects_table: Floats) -> Floats:
     """
     table = np.broadcast_to(effects_table, (len(points), SLOTS))
     shown = points - times[..., None, None] * table[:, None, None, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]]
+    shown -= table[:, None, None, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]]
+    on = _stretched(table)
+    shown[on] = np.einsum("nij,ntqj->ntqi", np.linalg.inv(_axes(table[on])), shown[on])
     shown /= 1.0 + table[:, None, None, None, CAMERA_SCALE_PERCENT]
     _straighten(shown, table[:, LENS_DISTORTION_K1])
     _rotate(shown, -table[:, CAMERA_ROTATION_ANGLE])
@@ -345,7 +416,9 @@ def _show(times: Floats, points: Floats, table: Floats) -> None:
     _rotate(points, table[:, CAMERA_ROTATION_ANGLE])
     _distort(points, table[:, LENS_DISTORTION_K1])
     _scale(points, table[:, CAMERA_SCALE_PERCENT])
+    _deform(points, table)
     _drift(times, points, table[:, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]])
+    _shift(points, table[:, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]])
 
 
 # The following write into the copies that `observe` has made, and only for the runs where the
@@ -374,6 +447,41 @@ def _shear(poses: Floats, table: Floats) -> None:
     k = k1[on, None]
     stretch = 1.0 + k * (x**2 + y**2) + 2.0 * k * along**2
     poses[on, :, 2] += share[on, None] * np.arctan2(2.0 * k * along * across, stretch)
+
+
+def _axes(table: Floats) -> Floats:
+    """(N, 2, 2) stretch of the axes."""
+    shear = table[:, CAMERA_ANISOTROPY_SHEAR]
+    rows = (
+        np.stack((1.0 + table[:, CAMERA_ANISOTROPY_X], shear), axis=-1),
+        np.stack((shear, 1.0 + table[:, CAMERA_ANISOTROPY_Y]), axis=-1),
+    )
+    return np.stack(rows, axis=-2)
+
+
+def _stretched(table: Floats) -> Flags:
+    """(N,) runs whose axes are not seen as they are."""
+    columns = [CAMERA_ANISOTROPY_X, CAMERA_ANISOTROPY_Y, CAMERA_ANISOTROPY_SHEAR]
+    return np.asarray(np.any(table[:, columns] != 0.0, axis=1))
+
+
+def _deform(points: Floats, table: Floats) -> None:
+    on = _stretched(table)
+    points[on] = np.einsum("nij,ntqj->ntqi", _axes(table[on]), points[on])
+
+
+def _lean(poses: Floats, table: Floats) -> None:
+    """Turn poses by what the tracker takes of the stretch of the axes."""
+    on = _stretched(table) & (table[:, CAMERA_ANISOTROPY_TURNED] != 0.0)
+    cos, sin = np.cos(poses[on, :, 2]), np.sin(poses[on, :, 2])
+    axis = np.einsum("nij,ntj->nti", _axes(table[on]), np.stack((cos, sin), axis=-1))
+    across, along = cos * axis[..., 1] - sin * axis[..., 0], cos * axis[..., 0] + sin * axis[..., 1]
+    poses[on, :, 2] += table[on, CAMERA_ANISOTROPY_TURNED, None] * np.arctan2(across, along)
+
+
+def _shift(points: Floats, shift: Floats) -> None:
+    on = np.any(shift != 0.0, axis=1)
+    points[on] += shift[on, None, None]
 
 
 def _rotate(points: Floats, angle: Floats) -> None:

@@ -94,6 +94,8 @@ def _open(verdict: str | None) -> Standing:
     said = {
         "unknown": "something is missing in the model that no effect explains: diagnosis.json says "
         "where",
+        "partial": "the model explains a part of what was missing only: diagnosis.json says how much is "
+        "left",
         "ambiguous": "several models explain the recordings equally well: diagnosis.json lists them",
     }
     return Standing(

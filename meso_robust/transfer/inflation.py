@@ -182,6 +182,41 @@ def lens_distortion(ranges: Ranges, budget: Budget) -> Absorbed:
     )
 
 
+def camera_anisotropy(ranges: Ranges, budget: Budget) -> Absorbed:
+    """λ |x|, and |q| arcsin(√((a - b)² + 4 k²) / (2 + a + b)) of the orientation.
+
+    A symmetric matrix turns a vector by at most the arcsine of the difference of its eigenvalues over
+    their sum; λ is the largest eigenvalue where all entries have their largest size.
+    """
+    x, y, shear = (
+        0.01 * largest(ranges.get(key, NOTHING))
+        for key in ("x_percent", "y_percent", "shear_percent")
+    )
+    share = largest(ranges.get("turned", NOTHING))
+    far = rounded_up((0.5 * (x + y) + math.hypot(0.5 * (x - y), shear)) * budget.radius_um)
+    most = min(math.hypot(x + y, 2.0 * shear) / (2.0 - x - y), 1.0)
+    turned = rounded_up(share * math.degrees(math.asin(most))) if share else 0.0
+    return Absorbed(
+        said=f"sensed position ± {far:g} µm and orientation ± {turned:g}° more: "
+        f"λ |x|, λ the largest eigenvalue of the stretch, {_place(budget)}",
+        sensed_um=far,
+        turned_deg=turned,
+        bounded_by="place",
+    )
+
+
+def registration_shift(ranges: Ranges, _: Budget) -> Absorbed:
+    """|c|."""
+    far = rounded_up(_distance(ranges, "x_um", "y_um"))
+    return Absorbed(said=f"sensed position ± {far:g} µm more: |c|", sensed_um=far)
+
+
+def part_yaw(ranges: Ranges, _: Budget) -> Absorbed:
+    """|ψ|."""
+    turned = rounded_up(largest(ranges["angle_deg"]))
+    return Absorbed(said=f"sensed orientation ± {turned:g}° more: |ψ|", turned_deg=turned)
+
+
 def camera_drift(ranges: Ranges, budget: Budget) -> Absorbed:
     """|d| t."""
     far = rounded_up(_distance(ranges, "x_um_s", "y_um_s") * budget.seconds)

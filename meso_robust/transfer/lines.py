@@ -165,6 +165,7 @@ LINES: Mapping[str, Line] = {
     "reference_offset": _sensing(
         "the tracker follows another point of the part", inflation.reference_offset
     ),
+    "part_yaw": _sensing("the tracked axes are not the outline's", inflation.part_yaw),
     "probe_compliance": Line(
         premise=Premise.PROBES_RIGID,
         claim="closed-form-motion",
@@ -189,6 +190,12 @@ LINES: Mapping[str, Line] = {
     "camera_rotation": _sensing("the image is turned", inflation.camera_rotation),
     "camera_drift": _sensing("everything is seen to move", inflation.camera_drift),
     "lens_distortion": _sensing("places far out are seen displaced", inflation.lens_distortion),
+    "camera_anisotropy": _sensing(
+        "lengths along one axis are seen too long", inflation.camera_anisotropy
+    ),
+    "registration_shift": _sensing(
+        "the camera's frame stands off the probes'", inflation.registration_shift
+    ),
 }
 """Every effect of the simulator's catalogue."""
 

@@ -42,9 +42,10 @@ NAMES = {
     "uneven_support",
     "environment": "body_force film_flow wall_capillarity unmodelled_wall",
     "contact": "tip_adhesion tip_attraction edge_dependent_friction",
-    "geometry": "part_geometry tip_radius reference_offset",
+    "geometry": "part_geometry tip_radius reference_offset part_yaw",
     "actuation": "probe_compliance backlash probe_drift",
-    "observation": "camera_latency camera_scale camera_rotation camera_drift lens_distortion",
+    "observation": "camera_latency camera_scale camera_rotation camera_drift lens_distortion "
+    "camera_anisotropy registration_shift",
 }
 
 # A size of every effect that acts on the poses, for a push of some 100 µm.
@@ -69,6 +70,7 @@ ON: Values = {
     "part_geometry": {"x_um": 15.0, "y_um": -6.0},
     "tip_radius": {"excess_um": -4.0},
     "reference_offset": {"x_um": 20.0, "y_um": 9.0},
+    "part_yaw": {"angle_deg": 0.8},
     "probe_compliance": {"time_ms": 80.0},
     "backlash": {"width_um": 6.0},
     "probe_drift": {"x_um_s": 1.5, "y_um_s": -2.0},
@@ -688,6 +690,21 @@ def test_tracked_point_goes_round_the_reference_point() -> None:
     plain = simulate(lifted({}), record=7)
     start = tracked(np.zeros((1, 3)))
     got = simulate(lifted({"reference_offset": ON["reference_offset"]}, poses=start), record=7)
+    close(got.path, tracked(plain.path), 1e-14)
+    close(got.poses, tracked(plain.poses), 1e-14)
+
+
+def test_tracked_axes_are_turned_against_the_outline_and_the_offset_with_them() -> None:
+    c = np.array([20.0, 9.0]) * UM
+    yaw = np.radians(0.8)
+
+    def tracked(poses: F) -> F:
+        z = (c[0] + 1j * c[1]) * np.exp(1j * poses[..., 2])
+        return poses + np.stack([z.real, z.imag, 0 * z.real + yaw], axis=-1)
+
+    plain = simulate(lifted({}), record=7)
+    both = {"reference_offset": ON["reference_offset"], "part_yaw": ON["part_yaw"]}
+    got = simulate(lifted(both, poses=tracked(np.zeros((1, 3)))), record=7)
     close(got.path, tracked(plain.path), 1e-14)
     close(got.poses, tracked(plain.poses), 1e-14)
 

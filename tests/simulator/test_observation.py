@@ -12,6 +12,10 @@ import pytest
 
 from meso_robust.simulator.effects import Effects
 from meso_robust.simulator.observation import (
+    CAMERA_ANISOTROPY_SHEAR,
+    CAMERA_ANISOTROPY_TURNED,
+    CAMERA_ANISOTROPY_X,
+    CAMERA_ANISOTROPY_Y,
     CAMERA_DRIFT_X,
     CAMERA_DRIFT_Y,
     CAMERA_LATENCY_TIME,
@@ -20,6 +24,8 @@ from meso_robust.simulator.observation import (
     LENS_DISTORTION_K1,
     LENS_DISTORTION_TURNED,
     OBSERVATION,
+    REGISTRATION_SHIFT_X,
+    REGISTRATION_SHIFT_Y,
     Frames,
     Sensor,
     observe,
@@ -37,6 +43,13 @@ SLOT_OF = {
     "camera_rotation": (CAMERA_ROTATION_ANGLE,),
     "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y),
     "lens_distortion": (LENS_DISTORTION_K1, LENS_DISTORTION_TURNED),
+    "camera_anisotropy": (
+        CAMERA_ANISOTROPY_X,
+        CAMERA_ANISOTROPY_Y,
+        CAMERA_ANISOTROPY_SHEAR,
+        CAMERA_ANISOTROPY_TURNED,
+    ),
+    "registration_shift": (REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y),
 }
 ON: dict[str, dict[str, float | Floats]] = {
     "camera_latency": {"time_ms": 60.0},
@@ -44,6 +57,8 @@ ON: dict[str, dict[str, float | Floats]] = {
     "camera_rotation": {"angle_deg": 1.3},
     "camera_drift": {"x_um_s": 0.4, "y_um_s": -0.2},
     "lens_distortion": {"k1_per_mm2": 0.01},
+    "camera_anisotropy": {"x_percent": -0.4, "y_percent": 2.3, "shear_percent": 0.2},
+    "registration_shift": {"x_um": 3.0, "y_um": -7.0},
 }
 
 
@@ -67,12 +82,13 @@ def same_bits(a: Floats, b: Floats) -> bool:
     return a.shape == b.shape and a.tobytes() == b.tobytes()
 
 
-def test_the_stage_declares_the_five_effects_in_its_block_of_the_table() -> None:
+def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == [80, 81, 82, 83, 84, 85, 86]
+    assert slots == list(range(80, 93))
     table = Effects(ON).table[0]
     expected = [0.06, 0.007, math.radians(1.3), 0.4e-6, -0.2e-6, 1e4, 0.0]
+    expected += [-0.004, 0.023, 0.002, 0.0, 3e-6, -7e-6]
     columns = [slot for group in SLOT_OF.values() for slot in group]
     assert table[columns] == pytest.approx(expected, rel=1e-15)
 
@@ -105,7 +121,7 @@ def test_commanded_tips_are_no_matter_of_the_camera() -> None:
     assert not np.any(out[0] == poses)
 
 
-def test_rotation_scale_lens_and_drift_are_those_of_complex_numbers() -> None:
+def test_rotation_scale_lens_stretch_drift_and_shift_are_those_of_complex_numbers() -> None:
     poses, probes = motion()
     values = {name: given for name, given in ON.items() if name != "camera_latency"}
     out_poses, out_probes = seen(values)
@@ -116,13 +132,17 @@ def test_rotation_scale_lens_and_drift_are_those_of_complex_numbers() -> None:
         for point, image in zip(points, found, strict=True):
             z = complex(*point) * turn
             z *= (1.0 + 0.01e6 * abs(z) ** 2) * 1.007
-            z += complex(0.4e-6, -0.2e-6) * float(TIMES[k])
+            z = complex(0.996 * z.real + 0.002 * z.imag, 0.002 * z.real + 1.023 * z.imag)
+            z += complex(0.4e-6, -0.2e-6) * float(TIMES[k]) + complex(3e-6, -7e-6)
             assert complex(*image) == pytest.approx(z, abs=1e-17)
         turned = poses[run, k, 2] + math.radians(1.3)
         assert out_poses[run, k, 2] == pytest.approx(turned, abs=1e-16)
 
 
-@pytest.mark.parametrize("name", ["camera_scale", "camera_drift", "lens_distortion"])
+@pytest.mark.parametrize(
+    "name",
+    ["camera_scale", "camera_drift", "lens_distortion", "camera_anisotropy", "registration_shift"],
+)
 def test_scale_drift_and_lens_turn_nothing(name: str) -> None:
     assert same_bits(seen({name: ON[name]})[0][..., 2], motion()[0][..., 2])
 
@@ -168,6 +188,24 @@ def test_what_is_shown_tells_where_it_is() -> None:
         _, tips = observe(TIMES, poses, probes, table, probes_seen_by_camera=True)
         times = np.broadcast_to(TIMES, (len(probes), len(TIMES)))
         np.testing.assert_allclose(unseen(times, tips, table), probes, atol=1e-15)
+
+
+def test_a_stretched_axis_is_turned_as_the_image_of_two_points_of_it() -> None:
+    heading = 0.7
+    ends = np.exp(1j * heading) * np.array([1.0, -1.0])
+    image = 1.03 * ends.real + 0.01 * ends.imag + 1j * (0.01 * ends.real + 0.98 * ends.imag)
+    shear = np.angle((image[0] - image[1]) * np.exp(-1j * heading))
+    assert abs(shear) > 0.02
+    for share in (0.0, 0.5, 1.0):
+        given = {"x_percent": 3.0, "y_percent": -2.0, "shear_percent": 1.0, "turned": share}
+        out, _ = observe(
+            np.zeros(1),
+            np.array([[[0.0, 0.0, heading]]]),
+            np.zeros((1, 1, 0, 2)),
+            Effects({"camera_anisotropy": given}).table,
+            probes_seen_by_camera=False,
+        )
+        assert out[0, 0, 2] == pytest.approx(heading + share * shear, abs=1e-12)
 
 
 def test_latency_on_a_linear_path_is_a_shift_by_speed_times_delay() -> None:

@@ -22,6 +22,14 @@ SEEN = {
     "camera_scale": {"percent": (-0.3, 0.2)},
     "camera_drift": {"x_um_s": (-0.05, 0.02), "y_um_s": (0.0, 0.1)},
     "reference_offset": {"x_um": (3.0, 8.0), "y_um": (-4.0, -2.0)},
+    "part_yaw": {"angle_deg": (-0.3, 0.1)},
+    "camera_anisotropy": {
+        "x_percent": (-0.4, 0.1),
+        "y_percent": (0.1, 0.5),
+        "shear_percent": (-0.05, 0.1),
+        "turned": (0.0, 1.0),
+    },
+    "registration_shift": {"x_um": (-5.0, 2.0), "y_um": (1.0, 1.5)},
 }
 """Effects on what is seen of a part at rest, with intervals that are not symmetric."""
 HALF = np.array([808e-6, 418.5e-6])
