@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Literal
 from meso_robust import __version__
 from meso_robust.api.call import call
 from meso_robust.api.inputs import path_of
-from meso_robust.api.options import Seed, StrPath
+from meso_robust.api.options import Relevant, Seed, StrPath
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
+from meso_robust.api.recordings import RecordingsGiven, given_of, name_of
 from meso_robust.api.result import Result
 
 if TYPE_CHECKING:
     from meso_robust.diagnosis.diagnose import Diagnosis
     from meso_robust.diagnosis.document import DiagnosisDocument
+    from meso_robust.recordings.direct.run import DirectTests
 
-Verdict = Literal["consistent", "named", "ambiguous", "unknown"]
+Verdict = Literal["consistent", "named", "partial", "ambiguous", "unknown"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -32,15 +33,18 @@ class Diagnosed(Result):
         The content of ``diagnosis.json``.
     warnings
         What to keep in mind about the recordings, a line each.
+    direct
+        What the tests say that need no simulation.
     """
 
     diagnosis: Diagnosis
     document: DiagnosisDocument
     warnings: tuple[str, ...]
+    direct: DirectTests | None = None
 
     @property
     def verdict(self) -> Verdict:
-        """Consistent, named, ambiguous or unknown."""
+        """Consistent, named, partial, ambiguous or unknown."""
         return self.document.verdict
 
     @property
@@ -86,7 +90,9 @@ class Diagnosed(Result):
         return {
             FILE: self.text(),
             "model.toml": self.model_toml,
-            "report.html": page.diagnosis_report(self.document, drawn, name_of(self.source)),
+            "report.html": page.diagnosis_report(
+                self.document, drawn, name_of(self.source), self.direct
+            ),
         }
 
 
@@ -96,6 +102,7 @@ def diagnose(
     *,
     model: str = "viscous",
     quick: bool = False,
+    relevant_um: Relevant | None = None,
     seed: Seed = 0,
     store: StrPath | None = None,
     progress: Progress = SILENT,
@@ -110,6 +117,9 @@ def diagnose(
         The plain model: viscous …
     quick
         Fewer simulated sets and candidates; a coarser answer.
+    relevant_um
+        Error of prediction in µm below which a mismatch does not matter; by default a fifth of the
+        noise, or 0.1 where that is not known.
     seed
         Seed of all random numbers.
     store
@@ -138,23 +148,33 @@ def diagnose(
     >>> diagnosed.save("diagnosis")  # doctest: +SKIP
     >>> mr.plan("task.toml", model="diagnosis/model.toml")  # doctest: +SKIP
     """
-    found, source = set_of(recordings)
+    given = given_of(recordings)
 
     from meso_robust.diagnosis import answer, diagnose as diagnosing
-    from meso_robust.identification import usable
     from meso_robust.identification.identify import check_model
+    from meso_robust.recordings.direct.document import words
+    from meso_robust.recordings.direct.run import direct_tests
 
     check_model(model)
     with progress.doing("checking the recordings"):
-        warnings = usable.warnings_of(found)
+        usable = given.usable()
+        direct = direct_tests(usable.recordings)
     with progress.following() as told:
         diagnosis = diagnosing.diagnose(
-            found, model=model, quick=quick, seed=seed, store=path_of(store), told=told
+            usable.recordings,
+            model=model,
+            quick=quick,
+            seed=seed,
+            relevant=None if relevant_um is None else 1e-6 * relevant_um,
+            store=path_of(store),
+            told=told,
         )
-    warnings = (*warnings, *diagnosis.doubts)
+    seen = tuple(f"direct test: {line}" for line in words(direct))
+    warnings = (*usable.warnings, *seen, *diagnosis.doubts)
     return Diagnosed(
         diagnosis=diagnosis,
         document=answer.document(diagnosis, __version__, warnings),
         warnings=warnings,
-        source=source,
+        direct=direct,
+        source=given.source,
     )

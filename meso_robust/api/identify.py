@@ -13,7 +13,7 @@ from meso_robust.api.call import call
 from meso_robust.api.inputs import task_of
 from meso_robust.api.options import Confidence, Objective, Pushes, Seed, Starts, TaskGiven
 from meso_robust.api.progress import SILENT, Progress
-from meso_robust.api.recordings import RecordingsGiven, name_of, set_of
+from meso_robust.api.recordings import RecordingsGiven, given_of, name_of, set_of
 from meso_robust.api.result import Result
 from meso_robust.errors import InputError
 
@@ -152,22 +152,24 @@ def identify(  # every option of the verb is an argument
     """
     if design and objective == "printed":
         raise InputError("--design: needs the information of a likelihood; leave --objective out")
-    found, source = set_of(recordings)
+    given = given_of(recordings)
 
     from meso_robust.identification.answer import document
     from meso_robust.identification.identify import check_model
-    from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of, warnings_of
+    from meso_robust.identification.usable import NOISE_IS_FITTED, pathological_of
     from meso_robust.identification.verdict import doubts
     from meso_robust.wording import counted
 
     check_model(model)
     with progress.doing("checking the recordings"):
-        by_camera = found.position_source == "camera"  # of seen tips the noise must be known first
-        warnings = warnings_of(found, frozenset() if by_camera else NOISE_IS_FITTED)
+        # of seen tips the noise must be known first
+        by_camera = given.recordings.position_source == "camera"
+        usable = given.usable(frozenset() if by_camera else NOISE_IS_FITTED)
+        found, source = usable.recordings, given.source
     fit = _fitted(found, progress, (model, starts, objective), seed, confidence)
     with progress.doing("looking for pathological starts"):
         remarks = (
-            *warnings,
+            *usable.warnings,
             *doubts(fit.model, fit.best),
             *pathological_of(found, fit.model, fit.best),
         )

@@ -45,6 +45,7 @@ Confidence: TypeAlias = Annotated[float, Option(low=0.5, high=0.999)]
 Share: TypeAlias = Annotated[float, Option(low=0, high=1)]
 Dropout: TypeAlias = Annotated[float, Option(low=0, high=0.99)]
 Noise: TypeAlias = Annotated[float, Option(low=0)]
+Relevant: TypeAlias = Annotated[float, Option(low=0)]
 Latency: TypeAlias = Annotated[float, Option(low=0, high=1000)]
 Objective: TypeAlias = Literal["likelihood", "printed"]
 

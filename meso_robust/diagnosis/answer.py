@@ -27,9 +27,9 @@ from meso_robust.identification.document import (
     ParameterSection,
     RecordingSection,
 )
-from meso_robust.identification.usable import warnings_of
 from meso_robust.identification.verdict import verdict
 from meso_robust.recordings import read_set
+from meso_robust.recordings.usable import usable_set
 from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
 from meso_robust.toml_files import toml_of
 from meso_robust.types import Floats
@@ -59,7 +59,7 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
         The content of ``diagnosis.json``, in µm and degrees.
     """
     best, noise, checked = found.best, found.baseline.noise, found.checked
-    answers = found.naming.answers if found.naming else ()
+    answers = found.answers
     unseen = [one for one in found.detected.visible if not one.seen]
     # by a mapping, because `schema` is the name of a method of pydantic's models
     return DiagnosisDocument.model_validate(
@@ -76,8 +76,15 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             },
             "training": found.baseline.prepared.files,
             "mismatch": _mismatch(found),
-            "effects": _effects(best, answers) if best else (),
-            "ambiguous_with": tuple(one.effects for one in answers[1:]),
+            "explained": asdict(found.grade.explained) if found.grade.explained else None,
+            "remainder": _remainder(found),
+            "budget": tuple(
+                {**asdict(one), "stage": one.stage or None} for one in found.grade.cells
+            ),
+            "relevant_um": UM * found.grade.relevant,
+            "explainable_um": UM * found.grade.size,
+            "effects": _effects(found, best, answers) if best else (),
+            "ambiguous_with": tuple(one.effects for one in found.grade.rivals),
             "not_identifiable": (VISCOSITY, *(one.effect for one in unseen)),
             "not_identifiable_why": tuple(
                 {
@@ -133,10 +140,9 @@ def diagnosed(folder: Path, *, quick: bool = False, seed: int = 0) -> dict[str, 
     InputError
         If the recordings cannot be used.
     """
-    recordings = read_set(folder)
-    remarks = warnings_of(recordings)
-    found = diagnose(recordings, quick=quick, seed=seed)
-    return document(found, __version__, remarks).model_dump(mode="json", by_alias=True)
+    read = usable_set(read_set(folder))
+    found = diagnose(read.recordings, quick=quick, seed=seed)
+    return document(found, __version__, read.warnings).model_dump(mode="json", by_alias=True)
 
 
 def _ended(found: Diagnosis) -> tuple[str, ...]:
@@ -156,29 +162,33 @@ def _ended(found: Diagnosis) -> tuple[str, ...]:
 
 
 def _why(found: Diagnosis) -> str:
-    detection, best = found.detected.detection, found.best
+    detection, grade = found.detected.detection, found.grade
     if found.accepted is None:
         return (
             f"nothing beyond the refitted model is supported: the largest of {len(detection.tests)} "
             f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
         )
-    answers = found.accepted.naming.answers
-    if best is None or not answers:
-        return _why_unknown(best, found.accepted.catch_all)
-    names = " + ".join(best.effects)
-    if len(answers) == 1:
-        return f"{names} leaves nothing that the detector sees (p = {answers[0].p_value:.2g})"
-    others = " or ".join(" + ".join(one.effects) for one in answers[1:])
-    return f"{names} explains the recordings, and so does {others}; they cannot be distinguished"
-
-
-def _why_unknown(best: Candidate | None, catch_all: float | None) -> str:
-    why = "no effect of the catalogue helps on recordings held out"
-    if best is not None:
-        names = " + ".join(best.effects)
-        why = f"no set of effects is enough: {names} {best.rejected.words if best.rejected else 'leaves a mismatch'}"
-    reach = "" if catch_all is None else f"; a free hidden input would leave {catch_all:.3g} σ"
-    return why + reach
+    if found.verdict == "consistent":
+        return (
+            f"a mismatch is there, but its size in predictions is {UM * grade.size:.2g} um, below the "
+            f"{UM * grade.relevant:.2g} um that matter"
+        )
+    reach = f"; free hidden inputs would leave {np.sqrt(grade.floor):.3g} σ"
+    if grade.chosen is None or grade.explained is None:
+        return "no effect of the catalogue helps on recordings left out of the fit" + reach
+    names, share = " + ".join(grade.chosen.effects), 100.0 * grade.explained.share
+    if found.verdict == "ambiguous":
+        others = " or ".join(" + ".join(one.effects) for one in grade.rivals)
+        return (
+            f"{names} explains the recordings, and so does {others}; they cannot be distinguished"
+        )
+    said = (
+        f"{names} explains {share:.0f} % of the explainable error of recordings left out of the fit"
+    )
+    if found.verdict == "named":
+        adequate = grade.chosen.adequate and not grade.chosen.rejected
+        return said + (", and leaves nothing that the detector sees" if adequate else reach)
+    return f"{said}: {'too little for a name' if found.verdict == 'unknown' else 'not all of it'}{reach}"
 
 
 def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:
@@ -241,7 +251,23 @@ def intervals_of(found: Candidate) -> tuple[Interval, ...]:
     return intervals(refit.model, refit.fits.values[0], refit.fitted.jacobian[0], refit.tangent)
 
 
-def _effects(best: Candidate, answers: tuple[Candidate, ...]) -> tuple[dict[str, object], ...]:
+def _remainder(found: Diagnosis) -> dict[str, object]:
+    left = found.grade.remainder
+    return {
+        "um": UM * left.metres,
+        "deg": DEG * left.radians,
+        "sigma": left.sigma,
+        "stage": left.stage,
+        "component": left.component,
+        "phase": left.phase,
+        "grows_with": left.grows_with,
+        "spread_between_pushes": left.spread,
+    }
+
+
+def _effects(
+    found: Diagnosis, best: Candidate, answers: tuple[Candidate, ...]
+) -> tuple[dict[str, object], ...]:
     known = {one.key: one for one in intervals_of(best)}
     able = sum(one.probability for one in answers) or 1.0
     return tuple(
@@ -256,6 +282,8 @@ def _effects(best: Candidate, answers: tuple[Candidate, ...]) -> tuple[dict[str,
             | {key: _fixed(trial.effect, key, value) for key, value in trial.held.items()},
             "stage": stage_of(trial.effect).name,
             "equation": CATALOGUE[trial.effect].equation,
+            "share": found.grade.shares.get(trial.effect),
+            "form": ", ".join(f"{key} {value:g}" for key, value in trial.held.items()),
         }
         for trial in best.refit.trials
     )

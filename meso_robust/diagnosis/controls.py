@@ -18,7 +18,7 @@ import numpy as np
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.detect import Span
-from meso_robust.diagnosis.hidden_inputs import Statistics
+from meso_robust.diagnosis.hidden_inputs import left
 from meso_robust.diagnosis.signatures import estimate
 from meso_robust.diagnosis.tangent import Tangent
 from meso_robust.diagnosis.validation import Errors
@@ -313,12 +313,3 @@ def catch_all(recordings: RecordingSet, prepared: Prepared, baseline: Baseline) 
     except ValueError:
         return None
     return left(found.found)
-
-
-def left(found: Statistics) -> float | None:
-    """Root mean square in σ of what the inputs of all stages together leave; None of no datum."""
-    freedom = float(np.sum(found.freedom - found.ranks[:, -1]))
-    if freedom <= 0.0:
-        return None
-    chi2 = float(np.sum(found.chi2 - found.gains[:, -1]))
-    return float(np.sqrt(max(chi2, 0.0) / freedom))

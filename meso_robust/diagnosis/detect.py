@@ -127,7 +127,10 @@ class Detector:
     def statistics(self, evidence: Floats) -> Floats:
         """(B, N) of evidence (B, R M), each about normal if there is no mismatch."""
         count = len(evidence)
-        signed = [_deviations(evidence @ block.T) for block in self.blocks]
+        # one product: the nulls are larger than a cache, and are read once
+        whole = evidence @ np.concatenate([np.zeros((0, evidence.shape[1])), *self.blocks]).T
+        ends = np.cumsum([len(block) for block in self.blocks])[:-1]
+        signed = [_deviations(of) for of in np.split(whole, ends, axis=1)] if self.blocks else []
         rows = evidence.reshape(count, len(self.at.own), -1)
         frames = rows[..., : 3 * self.at.seen.shape[1]].reshape(count, *self.at.seen.shape)
         means = []
@@ -214,8 +217,10 @@ def detector(
         whole = np.linalg.norm(one.columns)
         if not np.linalg.norm(left) > _SMALL * whole:
             continue
-        ways, sizes, _ = np.linalg.svd(left.T, full_matrices=False)
-        blocks.append(ways[:, sizes > _SMALL * sizes[0]].T)
+        # of few rows the square is as exact as needed and far cheaper than the rows themselves
+        squares, ways = np.linalg.eigh(left @ left.T)
+        told = squares > _SMALL**2 * squares[-1]
+        blocks.append((ways[:, told] / np.sqrt(squares[told])).T @ left)
         names.append(LocalTest(name=one.trial.effect, kind="signature"))
     for span in spans:
         for component in ("x", "y", "theta"):

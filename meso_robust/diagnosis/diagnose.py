@@ -1,7 +1,7 @@
-"""The whole diagnosis: refit, detect, locate, select, accept, check.
+"""The whole diagnosis: refit, detect, locate, select, accept, grade, check.
 
 Each step makes one part from the parts before it: `Baseline` → `Detected` → `Located` → `Naming` →
-`Accepted` → `Checked`; a `Diagnosis` is all of them.
+`Accepted` → `Grade` → `Checked`; a `Diagnosis` is all of them.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, decoys
 from meso_robust.diagnosis.detect import Detected, detected, spans_of
+from meso_robust.diagnosis.document import Verdict
+from meso_robust.diagnosis.folds import bench_of
+from meso_robust.diagnosis.grading import Grade, graded
 from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.localisation import Located, located, predicted_pairs
 from meso_robust.diagnosis.model_selection import Contest
@@ -31,10 +34,10 @@ from meso_robust.diagnosis.validation import (
     split,
     worth,
 )
-from meso_robust.identification.answer import set_hash
 from meso_robust.identification.identify import Told
 from meso_robust.identification.verdict import doubts
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.fingerprint import set_hash
 
 NULLS = {True: 199, False: 399}
 """Simulated sets without a mismatch of a quick and of a full diagnosis: they bound the p-value from
@@ -83,7 +86,9 @@ class Diagnosis:
     detected
         The fitted plain model, and whether there is a mismatch.
     located, accepted
-        Where the mismatch is, and what explains it; None where there is none.
+        Where the mismatch is, and what survived the competition; None where none was detected.
+    grade
+        What is explained of recordings that were left out of the fit, and the verdict.
     plain, extended
         Errors of the plain model, and of the best extended one; None where nothing was added.
     checked
@@ -98,6 +103,7 @@ class Diagnosis:
     detected: Detected
     located: Located | None
     accepted: Accepted | None
+    grade: Grade
     plain: Worth
     extended: Worth | None
     checked: Checked
@@ -115,7 +121,15 @@ class Diagnosis:
     @property
     def best(self) -> Candidate | None:
         """The set of effects of the extended model."""
-        return self.naming.chosen if self.naming else None
+        return self.grade.chosen
+
+    @property
+    def answers(self) -> tuple[Candidate, ...]:
+        """The chosen set and those that explain as much, if they explain enough."""
+        grade = self.grade
+        if grade.chosen is None or grade.verdict == "unknown":
+            return ()
+        return (grade.chosen, *grade.rivals)
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -123,11 +137,9 @@ class Diagnosis:
         return doubts(self.baseline.model, self.baseline.fits.values[0])
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Verdict:
         """As in `diagnosis.json`."""
-        if self.naming is None:
-            return "consistent"
-        return {0: "unknown", 1: "named"}.get(len(self.naming.answers), "ambiguous")
+        return self.grade.verdict
 
 
 def diagnose(
@@ -136,6 +148,7 @@ def diagnose(
     model: str = "viscous",
     quick: bool = False,
     seed: int = 0,
+    relevant: float | None = None,
     store: Path | None = None,
     told: Told = lambda *_: None,
 ) -> Diagnosis:
@@ -151,6 +164,8 @@ def diagnose(
         Fewer simulated nulls and forms of effects.
     seed
         The same seed gives the same result.
+    relevant
+        m: an error of prediction below this does not matter; None for a fifth of the noise.
     store
         Folder for intermediate results, from which an interrupted diagnosis resumes.
     told
@@ -184,12 +199,23 @@ def diagnose(
     answer, extended, checks = None, None, Checked()
     if where is not None and naming is not None:
         answer = accepted(naming, where, baseline, plain, parts)
-        best = answer.naming.chosen
-        if best is not None:
-            extended = answer.worths[best.effects]
-            pairs = predicted_pairs(baseline, where.pairs, extended.training.poses)
-            beyond = None if quick else extrapolated(parts.training, baseline, best.refit)
-            checks = _checked(tests, parts, plain, extended, best.refit, pairs, beyond, seed)
+    told("predicting recordings left out of the fit", 0, 1)
+    grade = graded(
+        recordings,
+        bench_of(recordings, baseline, seed),
+        answer.naming if answer else None,
+        where,
+        _reach(parts, where, answer),
+        quick=quick,
+        seed=seed,
+        relevant=relevant,
+    )
+    best = grade.chosen
+    if answer is not None and where is not None and best is not None:
+        extended = answer.worths.get(best.effects) or worth(baseline, best.refit, parts.held_out)
+        pairs = predicted_pairs(baseline, where.pairs, extended.training.poses)
+        beyond = None if quick else extrapolated(parts.training, baseline, best.refit)
+        checks = _checked(tests, parts, plain, extended, best.refit, pairs, beyond, seed)
     return Diagnosis(
         recordings=recordings,
         sha256=sha256,
@@ -199,10 +225,23 @@ def diagnose(
         detected=tests,
         located=where,
         accepted=answer,
+        grade=grade,
         plain=plain,
         extended=extended,
         checked=checks,
     )
+
+
+def _reach(parts: Split, where: Located | None, answer: Accepted | None) -> float | None:
+    """σ that free hidden inputs leave of all recordings, those of the fit and those held out."""
+    known = [(len(parts.training.recordings), where.reach if where else None)]
+    if parts.held_out is not None:
+        known.append((len(parts.held_out.recordings), answer.catch_all if answer else None))
+    told = [(count, value) for count, value in known if value is not None]
+    if not told:
+        return None
+    counts, values = np.array(told).T
+    return float(np.sqrt(counts @ values**2 / counts.sum()))
 
 
 def _checked(

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from meso_robust.diagnosis.rejection import Ground
 
-SCHEMA = "meso-robust/diagnosis/1"
+SCHEMA = "meso-robust/diagnosis/2"
 FILE = "diagnosis.json"
 
 Channel: TypeAlias = Literal[
@@ -17,7 +17,7 @@ Channel: TypeAlias = Literal[
 """Stage of the chain from command to recording."""
 PhaseName: TypeAlias = Literal["approach", "one_point", "two_point", "retract", "rest"]
 Component: TypeAlias = Literal["x", "y", "theta"]
-Verdict: TypeAlias = Literal["consistent", "named", "ambiguous", "unknown"]
+Verdict: TypeAlias = Literal["consistent", "named", "partial", "ambiguous", "unknown"]
 
 Probability = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=0)]
@@ -113,6 +113,60 @@ class EffectSection(_Section):
     """Stage of the experiment's chain that the effect belongs to."""
     equation: Key
     """The effect's equation in the field's symbols."""
+    share: FiniteFloat | None = None
+    """Share of the explainable error that it explains, out of fold; null in the first version."""
+    form: str = ""
+    """Form of its law: what was held, such as the edge of a friction; empty if it has one form only."""
+
+
+class ExplainedSection(_Section):
+    """Explainable error that the effects explain in recordings which a fit has not seen."""
+
+    share: FiniteFloat
+    """Share of the explainable error: the plain model's out of fold, less what free hidden inputs leave;
+    means of squares, in roll-outs from the pose seen at rest."""
+    low: FiniteFloat
+    """Lower end of its interval, 90 % bootstrap over recordings."""
+    high: FiniteFloat
+    """Upper end, likewise."""
+    folds: Count
+    """Parts that the recordings were cut into, each predicted by a fit of the others."""
+
+
+class RemainderSection(_Section):
+    """What is left unexplained in roll-outs, beyond what free hidden inputs leave."""
+
+    um: NotNegative
+    """Root mean square of the place, um."""
+    deg: NotNegative
+    """Root mean square of the turn, deg."""
+    sigma: NotNegative
+    """Root mean square of all over the noise."""
+    stage: Channel | None
+    """Stage whose hidden input explains most of what no effect does; null if nothing is looked for."""
+    component: Component | None
+    """Component of the motion that most of it is in; null likewise."""
+    phase: PhaseName | None
+    """What probes and part do where most of it is; null likewise."""
+    grows_with: str
+    """Covariate that it follows; empty if none is significant."""
+    spread_between_pushes: NotNegative
+    """Standard deviation over mean of what is left of one recording: small if all are wrong alike."""
+
+
+class BudgetSection(_Section):
+    """Part of the explainable error; the shares of all parts add up to one."""
+
+    effect: str
+    """Effect that explains it; empty for what none does."""
+    stage: Channel | None
+    """Stage of the effect, or else the one whose hidden input helps most."""
+    phase: PhaseName
+    """What probes and part do."""
+    component: Component
+    """Component of the motion."""
+    share: FiniteFloat
+    """Of the explainable error; below zero where an effect makes it worse."""
 
 
 class CandidateSection(_Section):
@@ -316,8 +370,11 @@ class ProvenanceSection(_Section):
 class DiagnosisDocument(_Section):
     """What recordings say of a model, file diagnosis.json."""
 
-    schema_: Annotated[Literal["meso-robust/diagnosis/1"], Field(alias="schema")]
-    """Name and version of the format."""
+    schema_: Annotated[
+        Literal["meso-robust/diagnosis/2", "meso-robust/diagnosis/1"], Field(alias="schema")
+    ]
+    """Name and version of the format; the first version has no `explained`, `remainder`, `budget`,
+    `relevant_um` and shares of effects."""
     verdict: Verdict
     """Whether the plain model holds, and if not, whether an explanation was found."""
     why: str
@@ -330,6 +387,17 @@ class DiagnosisDocument(_Section):
     """CSV files that models were fitted to."""
     mismatch: MismatchSection
     """Whether and where the plain model fails."""
+    explained: ExplainedSection | None = None
+    """What the effects explain together; null where nothing is to be explained, or nothing helps."""
+    remainder: RemainderSection | None = None
+    """What they leave, or the plain model where there are none; null in the first version."""
+    budget: tuple[BudgetSection, ...] = ()
+    """The explainable error, part by part."""
+    relevant_um: NotNegative | None = None
+    """Error of prediction from which on a mismatch matters, um; null in the first version."""
+    explainable_um: NotNegative | None = None
+    """Explainable error of the plain model: root mean square, um, of place or of the turn of the farthest
+    corner, whichever is larger; null in the first version."""
     effects: tuple[EffectSection, ...]
     """The best answer; empty if the recordings are consistent with the plain model."""
     ambiguous_with: tuple[tuple[Key, ...], ...]

@@ -311,6 +311,15 @@ def channel_totals(found: Statistics) -> tuple[ChannelTotal, ...]:
     )
 
 
+def left(found: Statistics) -> float | None:
+    """Root mean square in σ of what the inputs of all stages together leave; None of no datum."""
+    freedom = float(np.sum(found.freedom - found.ranks[:, -1]))
+    if freedom <= 0.0:
+        return None
+    chi2 = float(np.sum(found.chi2 - found.gains[:, -1]))
+    return float(np.sqrt(max(chi2, 0.0) / freedom))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _One:
     """One window: columns (M, I) and data (M,), what the start can take projected out."""

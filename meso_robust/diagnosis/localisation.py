@@ -19,7 +19,7 @@ import numpy as np
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.document import Channel, Component
-from meso_robust.diagnosis.hidden_inputs import ChannelTotal
+from meso_robust.diagnosis.hidden_inputs import ChannelTotal, left
 from meso_robust.diagnosis.invariances import Pair, compared, pairs
 from meso_robust.diagnosis.windows import Cut, Window, Windows, tips_of, windowed
 from meso_robust.identification.prepared import Prepared
@@ -284,12 +284,15 @@ class Located:
         What the slack follows.
     pairs
         Invariances, the most broken first.
+    reach
+        σ per degree of freedom that free hidden inputs leave of the windows; None of no datum.
     """
 
     places: tuple[Place, ...]
     channels: tuple[ChannelTotal, ...]
     covariates: tuple[Covariate, ...]
     pairs: tuple[Pair, ...]
+    reach: float | None
 
 
 def located(training: RecordingSet, baseline: Baseline, seed: int) -> Located:
@@ -310,6 +313,7 @@ def located(training: RecordingSet, baseline: Baseline, seed: int) -> Located:
         channels=tuple(sorted(found.totals(), key=lambda one: -one.share)),
         covariates=follows,
         pairs=tuple(sorted(own, key=lambda one: -one.sigma)),
+        reach=left(found.found),
     )
 
 

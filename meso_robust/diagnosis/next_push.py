@@ -39,10 +39,10 @@ _FINALISTS = 12  # pushes of which the part of the start is worked out
 
 def next_experiment(found: Diagnosis) -> dict[str, object]:
     """Section ``next_experiment`` of the document."""
-    answers = found.naming.answers if found.naming else ()
+    answers = found.answers
     if len(answers) > 1:
         return _telling(found, answers[0], answers[1])
-    if found.naming is not None and not answers:
+    if found.verdict == "unknown":
         worst = next((t for t in found.detected.detection.tests if t.recording >= 0), None)
         file = found.baseline.prepared.files[worst.recording] if worst else "the worst push"
         what = f"repeat {file} at another speed, at another place, and with the part turned by 180°"

@@ -98,9 +98,7 @@ def refitted(
     store
         Where the fit is kept.
     """
-    model = extended(
-        baseline.model, tuple(one.trial for one in chosen), baseline.prepared.tip_radius
-    )
+    model = extended(baseline.model, tuple(one.trial for one in chosen), baseline.prepared)
     settings = replace(baseline.settings, chord=True, central=False, most=_ROUGH, flat=1.0)
     before = start.fits if start else baseline.fits
 

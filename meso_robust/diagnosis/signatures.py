@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,14 +10,21 @@ from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.tangent import Tangent
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.identification.forward import predicted
-from meso_robust.identification.models import Model, with_effects
-from meso_robust.simulator.catalogue import CATALOGUE, values_in_si
+from meso_robust.identification.models import Model, Parameter, with_effects
+from meso_robust.identification.prepared import Prepared
+from meso_robust.simulator.catalogue import values_in_si
 from meso_robust.types import Floats
 
 _FLAT = 1e-6  # σ: a change this small is rounding
 SEEN = 5.0
 """σ by which an effect of relevant size must change the recordings to count as visible."""
 _ALIKE = 0.99  # cosine beyond which two signatures are one
+# typical changes: a hundred times the drag of the film at the speed of the pushes; beyond it, a dry
+# support is as good as alone, and no motion tells how much
+_STRONGEST = 1000.0
+_RATIOS = ("dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support")
+_INSIDE = ("drag_centre_offset", "reference_offset", "registration_shift")
+"""Effects whose place cannot be outside the part."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,14 +51,30 @@ class Signature:
         return at.evidence(self.columns)
 
 
-def extended(model: Model, trials: tuple[Trial, ...], tip_radius: float = np.inf) -> Model:
-    """The model with the numbers of some trials; ``tip_radius`` as for `with_effects`."""
-    return with_effects(
+def extended(model: Model, trials: tuple[Trial, ...], prepared: Prepared) -> Model:
+    """The model with the numbers of some trials, none of which may leave what a thing can be."""
+    made = with_effects(
         model,
         {trial.effect: trial.scales for trial in trials},
         fixed={trial.effect: trial.held for trial in trials if trial.held},
-        tip_radius=tip_radius,
+        tip_radius=prepared.tip_radius,
     )
+    base = len(model.parameters)
+    added = tuple(_physical(parameter, prepared.length) for parameter in made.parameters[base:])
+    return replace(made, parameters=(*made.parameters[:base], *added))
+
+
+def _physical(parameter: Parameter, length: float) -> Parameter:
+    """The parameter in the range that it can have with a part of a length, m."""
+    effect, key = parameter.key.split(".")
+    low, high = parameter.likely or (-np.inf, np.inf)
+    if effect == "camera_latency":
+        low = 0.0  # a camera cannot see ahead
+    elif effect in _INSIDE:
+        low, high = -length, length
+    elif effect in _RATIOS and key == "ratio":
+        high = _STRONGEST * parameter.scale
+    return replace(parameter, low=max(parameter.low, low), high=min(parameter.high, high))
 
 
 def start_of(trial: Trial, sizes: Floats) -> Floats:
@@ -86,7 +109,7 @@ def _of_effect(baseline: Baseline, trials: list[Trial], plain: Floats) -> list[S
     for trial in trials:
         groups.setdefault(tuple(sorted(trial.held.items())), []).append(trial)
     for group in groups.values():
-        model = extended(baseline.model, (group[0],), baseline.prepared.tip_radius)
+        model = extended(baseline.model, (group[0],), baseline.prepared)
         values, owners = [], []
         for trial in group:
             for sizes in np.eye(len(trial.sizes)) if trial.sizes else np.zeros((1, 0)):
@@ -117,7 +140,10 @@ def _signature(
     changes = (np.stack([poses[k] for k in own]) - plain) / baseline.settings.sigma
     if trial.sizes and not np.any(np.abs(changes) > _FLAT):
         changes = np.zeros_like(changes)
-    low = {one.key: one.low for one in CATALOGUE[trial.effect].parameters}
+    model = extended(baseline.model, (trial,), baseline.prepared)
+    low = {
+        one.key.split(".")[1]: one.low for one in model.parameters[len(baseline.model.parameters) :]
+    }
     return Signature(
         trial=trial,
         columns=baseline.tangent.rows(np.where(baseline.seen, changes, 0.0)),

@@ -228,6 +228,7 @@ TRIALS: Mapping[str, Try] = {
         "approaches to all four edges, contact seen at high frame rate", sized(excess_um=2.0)
     ),
     "reference_offset": Try("pushes that turn the part by 20° or more", sized(x_um=3.0, y_um=3.0)),
+    "part_yaw": Try("pushes on four edges at several headings", sized(angle_deg=0.2)),
     "probe_compliance": Try(
         "stop suddenly at the highest speed and keep the camera running", sized(time_ms=10.0)
     ),
@@ -244,6 +245,14 @@ TRIALS: Mapping[str, Try] = {
     "lens_distortion": Try(
         "pushes in the corners of the image; a calibration grid",
         shaped({"k1_per_mm2": 0.003}, {"turned": 0.5}, turned=(0.5,)),
+    ),
+    "camera_anisotropy": Try(
+        "long pushes along x, along y and along both diagonals; a calibration grid",
+        # two forms: a tracker that fits an outline as a whole, and one that follows its long axis
+        shaped({"x_percent": 0.3, "y_percent": 0.3, "shear_percent": 0.3}, {}, turned=(0.0, 1.0)),
+    ),
+    "registration_shift": Try(
+        "pushes on four edges at several headings", sized(x_um=3.0, y_um=3.0)
     ),
 }
 """What to try of each effect, and the push that would show it; without a line, see `tried`."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -26,6 +25,7 @@ from meso_robust.identification.models import Model
 from meso_robust.identification.profiles import Profile
 from meso_robust.identification.verdict import meaning, verdict
 from meso_robust.recordings import RecordingSet, Rectangle
+from meso_robust.recordings.fingerprint import set_hash
 from meso_robust.recordings.noise import (
     Noise,
     estimated_noise,
@@ -104,32 +104,6 @@ def sections(
             notes=(*(f"{note.file}: {note.what}" for note in found.prepared.notes), *remarks),
         ),
     }
-
-
-def set_hash(recordings: RecordingSet) -> str:
-    """SHA-256 of the values of a recording set.
-
-    Parameters
-    ----------
-    recordings
-        Values in SI, as read: files that differ in layout only have one hash.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits.
-    """
-    digest = hashlib.sha256()
-    sensor = recordings.sensor
-    sigmas = (sensor.position_sigma, sensor.orientation_sigma)
-    head = (recordings.tip_radius, recordings.position_source, sensor.frame_rate, sigmas)
-    digest.update(repr(head).encode())
-    digest.update(np.ascontiguousarray(recordings.part.outline).tobytes())
-    for one in recordings.recordings:
-        digest.update(repr((one.file, one.probe_names, len(one.times))).encode())
-        for array in (one.times, one.poses, one.probes):
-            digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
 
 
 def summary(document: ModelDocument) -> str:

@@ -194,7 +194,7 @@ class ModelDocument(_Section):
     """FIT REJECTED: the recordings reject the model (χ²); IDENTIFIED, PARTLY or NOT IDENTIFIED: all, some or no
     parameters have bounds; FITTED: all have, and no known noise tells how good the fit is. Absent from
     models of `diagnose`."""
-    diagnosis: Literal["consistent", "named", "ambiguous", "unknown"] | None = None
+    diagnosis: Literal["consistent", "named", "partial", "ambiguous", "unknown"] | None = None
     """Verdict of the diagnosis that the model is from; None of an identification."""
     objective: Literal["printed", "likelihood"]
     """What was minimised: the paper's eq. (4), or the negative log likelihood."""

@@ -48,6 +48,7 @@ _NOISE = 3  # rounds in which an unknown noise is estimated
 _FINER = 4.0  # by how much shorter steps tell the error of the steps
 _SHARPER = 2  # times that predictions are corrected
 _CHORDS = 8  # most iterations after a correction
+_FINEST = 100.0  # misfit of the first search over the noise that it is weighed by, at most
 _AGAIN = 3  # times that a profile may find a better fit
 
 
@@ -401,12 +402,15 @@ def _shift(model: Model, before: Fitted, after: Fitted) -> float:
 
 
 def settings_of(prepared: Prepared, guess: float) -> Settings:
-    """Noise as known, or else as large as the misfit of the first search (m), to be estimated."""
-    sigmas = prepared.sigmas
-    position = sigmas.position or guess
+    """Noise as known, or else as large as the misfit of the first search (m), to be estimated.
+
+    Known or not, it counts as no finer than a share of that misfit: differences over steps that change
+    what is seen by less would end within the kinks of a contact.
+    """
+    sigmas, least = prepared.sigmas, guess / _FINEST
     return Settings(
-        position=position,
-        orientation=sigmas.orientation or guess / prepared.length,
+        position=max(sigmas.position or guess, least),
+        orientation=max(sigmas.orientation or guess / prepared.length, least / prepared.length),
         offset=prepared.tip_offset,
     )
 

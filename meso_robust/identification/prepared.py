@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from meso_robust.identification.models.model import characteristic_length
 from meso_robust.identification.paths import in_steps, smoothed, thinned, with_corners
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
+from meso_robust.recordings.contact import OVERLAP
 from meso_robust.recordings.noise import estimated_sensor, roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
@@ -24,8 +25,6 @@ Source = Literal["stated", "estimated", "fitted", "unknown"]
 """From ``set.toml``, from still frames, from the residuals of the fit, or none of them."""
 FINENESS = 1.0 / 364.0
 """Step over the characteristic length where no model says otherwise: 2.5 µm for a 1.6-mm part."""
-NOISE = 5.0
-"""Standard deviations by which a first pose may overlap a tip and still be taken for noise."""
 EXACT = 1e-9
 """m: commanded positions closer than this to even motion are left out."""
 CORNER = 5e-9
@@ -118,6 +117,8 @@ class Prepared:
         (2,) a place far from everything, m.
     notes
         What was left out, interpolated or shifted, by file.
+    weights
+        (R, T) by which residuals are multiplied before they are squared; None: all alike.
     """
 
     files: tuple[str, ...]
@@ -137,6 +138,7 @@ class Prepared:
     tip_offset: float
     parked: Floats
     notes: tuple[Note, ...]
+    weights: Floats | None = None
 
     @property
     def tip_radius(self) -> float:
@@ -159,6 +161,17 @@ class _One:
     instants: Floats
     seen: Floats
     start: Floats
+
+
+def some_of(prepared: Prepared, rows: Ints) -> Prepared:
+    """Some of the recordings, in the order of rows (r,), padded as they were."""
+    named = {name: getattr(prepared, name)[rows] for name in _BY_RECORDING}
+    weights = None if prepared.weights is None else prepared.weights[rows]
+    files = tuple(prepared.files[row] for row in rows.tolist())
+    return replace(prepared, files=files, weights=weights, **named)
+
+
+_BY_RECORDING = ("waypoints", "times", "instants", "seen", "starts", "correction")
 
 
 def prepare(
@@ -234,7 +247,7 @@ def _one(
 ) -> _One:
     recording = _trimmed(recording, notes)
     times, path = _motion(recording, whole, sigmas, notes)
-    start = _start(recording, whole, sigmas, path[0], notes)
+    start = _start(recording, whole, path[0], notes)
     margin = min(5.0 * _gap_sigma(whole, sigmas), 10.0 * step)
     times, path = in_steps(times, path, np.full(len(times) - 1, step))
     steps = _steps(path, start, whole, max(margin, step), step)
@@ -322,20 +335,18 @@ def _gap_sigma(whole: RecordingSet, sigmas: Sigmas) -> float:
     return float(np.sqrt(position**2 + arm**2 + tip**2))
 
 
-def _start(
-    recording: Recording, whole: RecordingSet, sigmas: Sigmas, tips: Floats, notes: list[Note]
-) -> Floats:
-    """The first pose, out of the tips if noise has put it there."""
+def _start(recording: Recording, whole: RecordingSet, tips: Floats, notes: list[Note]) -> Floats:
+    """The first pose, out of the tips that it seems to overlap."""
     start = recording.poses[0].copy()
     radii = np.full((1, len(tips)), whole.tip_radius)
     shift, left = freed(start[None], tips[None], np.array(whole.part.outline)[None], radii)
-    size, sigma = float(np.hypot(*shift[0])), _gap_sigma(whole, sigmas)
-    unknown = sigmas.position is None or sigmas.orientation is None
-    if left[0] > EXACT or (size > max(NOISE * sigma, EXACT) and not unknown):
+    size = float(np.hypot(*shift[0]))
+    most = OVERLAP * characteristic_length(np.array(whole.part.outline))
+    if left[0] > EXACT or size > most:
         raise InputError(
             f"{recording.file}: at the first whole frame a tip is {1e6 * size:.3g} µm inside the "
-            f"part; must not exceed {NOISE:g} σ = {1e6 * NOISE * sigma:.3g} µm of noise; check "
-            "part, tip radius and units, or leave the recording out"
+            f"part; must not exceed {OVERLAP:g} of its size = {1e6 * most:.3g} µm; check "
+            "part, tip radius, units and the sign of y, or leave the recording out"
         )
     if size > 0.0:
         what = f"first pose moved by {1e6 * size:.3g} µm out of a tip that it overlapped"

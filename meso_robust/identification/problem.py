@@ -78,7 +78,7 @@ class Fits:
     chi2
         (B,) squared residuals over σ², with those of the offsets.
     residuals
-        (B, R, T, 3) seen less predicted over σ, zero where not seen.
+        (B, R, T, 3) seen less predicted over σ, times the weight of the frame; zero where not seen.
     outcomes
         (B, R) of the runs.
     """
@@ -238,6 +238,8 @@ class Problem:
             workers=self.settings.workers,
         )
         residuals = np.nan_to_num((self.prepared.seen - found.poses) / self.settings.sigma)
+        if self.prepared.weights is not None:
+            residuals = residuals * self.prepared.weights[..., None]
         chi2 = np.sum(residuals**2, axis=(1, 2, 3))
         if self.settings.offset:
             chi2 = chi2 + np.sum((offsets / self.settings.offset) ** 2, axis=(1, 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import matplotlib
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from meso_robust.bounds import Verdict
@@ -25,7 +26,7 @@ from meso_robust.reporting.answer import answer
 from meso_robust.reporting.diagnosis_figures import held_out_figure, map_figure
 from meso_robust.reporting.identification_figures import profile_figure, recording_figure
 from meso_robust.reporting.plan_figures import overview_figure
-from meso_robust.reporting.recording_figures import recording_figure as way_figure
+from meso_robust.reporting.recording_figures import recording_svg
 from meso_robust.reporting.run_figures import certificate_figure, runs_figure, shares_figure
 from meso_robust.reporting.words import about, high_end, low_end, sentence, significant
 from meso_robust.task import Task
@@ -293,7 +294,7 @@ def recordings_card(checked: CheckedSet, text: str) -> str:
             ("errors and warnings", str(len(checked.matters))),
             ("repairs", str(len(checked.repairs))),
         ),
-        picture=cards.picture(lambda: _way(found), text, "A recording"),
+        picture=_way(found),
         caption=f"{found.recordings[0].file}: the paths of part and tips; x, y, θ over time.",
         text=text,
     )
@@ -318,7 +319,7 @@ def tracked_card(found: Tracked, text: str) -> str:
     frames, seen = sum(video.frames for video in videos), sum(video.found for video in videos)
     drawn = None
     if recordings is not None:
-        drawn = cards.picture(lambda: _way(recordings), text, "A recording")
+        drawn = _way(recordings)
     return cards.card(
         word="TRACKED" if found.answer.tracked else "LOST",
         colour="PROVED" if found.answer.tracked else "REFUTED",
@@ -331,9 +332,10 @@ def tracked_card(found: Tracked, text: str) -> str:
     )
 
 
-def _way(recordings: RecordingSet) -> Figure:
+def _way(recordings: RecordingSet) -> Markup:
     first = recordings.recordings[0]
-    return way_figure(recordings, first, frozenset(), phases(recordings, first))
+    shown = phases(recordings, first)
+    return recording_svg(recordings, first, frozenset(), shown, "A recording")
 
 
 def campaigned_card(found: CampaignAnswer, text: str) -> str:

@@ -11,9 +11,11 @@ from markupsafe import Markup
 from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.provenance import made_with
+from meso_robust.recordings.direct.run import DirectTests
 from meso_robust.reporting import pages
 from meso_robust.reporting.diagnosis_figures import (
     LEVELS,
+    budget_figure,
     held_out_figure,
     map_figure,
     null_figure,
@@ -28,14 +30,17 @@ from meso_robust.reporting.diagnosis_words import (
     LOOKS,
     PHASES,
     answer,
+    left_words,
     noise_words,
     plain,
     probability,
     set_words,
     sets,
+    stage_words,
     standing_words,
     unit_words,
 )
+from meso_robust.reporting.direct import direct_section
 from meso_robust.reporting.equations import typeset
 from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.theme import STAGES
@@ -49,7 +54,12 @@ MOST_ROWS = 40
 """Rows of one table, and recordings of one picture."""
 
 
-def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: str) -> str:
+def diagnosis_report(
+    document: DiagnosisDocument,
+    evidence: Evidence,
+    source: str,
+    direct: DirectTests | None = None,
+) -> str:
     """One self-contained HTML page: the answer first, then its grounds.
 
     Parameters
@@ -58,6 +68,8 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         The diagnosis, as written, and the motion that it is about.
     source
         Name of the recording set.
+    direct
+        What the tests say that need no simulation, where they were made.
 
     Returns
     -------
@@ -74,6 +86,8 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
         sets=sets(document),
         spans=document.mismatch.where[:MOST_ROWS],
         held_out=_held_out(document),
+        left=left_words(document),
+        unexplained=sum(part.share for part in document.budget if not part.effect),
         shades=_shades(),
         channels=list(STAGES),
         most=MOST_ROWS,
@@ -103,9 +117,15 @@ def diagnosis_report(document: DiagnosisDocument, evidence: Evidence, source: st
                 ),
                 *(
                     ()
+                    if pictures["budget"] is None
+                    else (pages.section(body, "budget", "Where the error is", "Budget"),)
+                ),
+                *(
+                    ()
                     if pictures["held_out"] is None
                     else (pages.section(body, "better", better, "Held out"),)
                 ),
+                *(() if direct is None else (direct_section(direct),)),
                 pages.section(body, "overlays", "Recorded and simulated motion", "Recordings"),
                 pages.section(
                     body, "maps", f"Residuals{' before and after' if extended else ''}", "Residuals"
@@ -204,6 +224,7 @@ def _pictures(
     held, spans = _held_out(document), document.mismatch.where
     noise = document.held_out.noise_floor_sigma, document.held_out.repeatability_sigma
     pictures: dict[str, pages.Figure | list[pages.Figure] | None] = {
+        "budget": None,
         "held_out": None,
         "strip": None,
         "map": pages.Figure(
@@ -220,6 +241,14 @@ def _pictures(
         "null": None,
         "recordings": [_recording(evidence, row) for row in worst[:MOST_PICTURES]],
     }
+    if document.budget:
+        drawing = budget_figure(document.budget)
+        pictures["budget"] = pages.Figure(
+            svg=to_svg(drawing, "budget", "Explainable error by effect, phase and component"),
+            caption="Mean squares of roll-outs from the pose at rest, of recordings that the fit has not "
+            "seen, beyond what free hidden inputs leave; the colour is the stage, hatched is unexplained. "
+            + stage_words(document),
+        )
     if held:
         drawing = held_out_figure(held, noise, bool(document.effects))
         pictures["held_out"] = pages.Figure(svg=to_svg(drawing, "held", "Held-out errors"))

@@ -13,7 +13,12 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
 
 from meso_robust import units
-from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording, WhereSection
+from meso_robust.diagnosis.document import (
+    BudgetSection,
+    DiagnosisDocument,
+    HeldOutRecording,
+    WhereSection,
+)
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.reporting.canvas import AXIS_NAME, GRID, INK, MUTED, corners, fit_equal, outline
 from meso_robust.reporting.theme import BAND, BLUE, PAPER, SHADES, STAGES, VERMILION, WAY
@@ -29,6 +34,18 @@ _MOST_POINTS = 300  # of a line; the eye sees no more on its width
 _HAIRS = 12  # arrows of a recording
 _LONGEST_HAIR = 0.12  # of the extent of the picture
 _FAR = 4.0  # times the largest null, beyond which a linear axis would flatten the nulls
+
+
+_DRAWN = 0.01  # share of the error, that a part of the bar has a place of its own from
+_LABELLED = 0.07  # likewise words of its own
+_SHORT = {"x": "x", "y": "y", "theta": "θ"}
+_PHASE = {
+    "approach": "approach",
+    "one_point": "one tip",
+    "two_point": "two tips",
+    "retract": "retract",
+    "rest": "rest",
+}
 
 
 def residuals(evidence: Evidence, predicted: Floats) -> Floats:
@@ -312,6 +329,51 @@ def strip_figure(where: Sequence[WhereSection], evidence: Evidence, rows: Sequen
     axes.set_yticks(np.arange(len(rows)) + 0.5, [evidence.files[row] for row in rows], fontsize=8)
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("time in s", labelpad=2)
+    return figure
+
+
+def budget_figure(budget: Sequence[BudgetSection]) -> Figure:
+    """The explainable error as one stacked bar: by effect and its stage, phase and component.
+
+    Parameters
+    ----------
+    budget
+        Its parts, which add up to one. Parts too small for a place of their own, and those below zero,
+        are summed up by effect.
+    """
+    figure = Figure(figsize=(11.6, 1.5))
+    axes = figure.add_axes((0.02, 0.36, 0.96, 0.4))
+    end = 0.0
+    for effect in dict.fromkeys(part.effect for part in budget):
+        parts = [part for part in budget if part.effect == effect]
+        large = sorted((p for p in parts if p.share >= _DRAWN), key=lambda part: -part.share)
+        rest = sum(part.share for part in parts) - sum(part.share for part in large)
+        colour = STAGES.get(parts[0].stage or "", MUTED)
+        whole = [(part.share, f"{_SHORT[part.component]} {_PHASE[part.phase]}") for part in large]
+        if rest > 0.0:
+            whole.append((rest, ""))
+        begin = end
+        for share, words in whole:
+            axes.barh(
+                0.0,
+                share,
+                0.8,
+                end,
+                color=colour,
+                edgecolor=PAPER,
+                lw=0.8,
+                hatch=None if effect else "////",
+            )
+            if share > _LABELLED:
+                axes.text(end + 0.5 * share, 0.0, words, ha="center", va="center", fontsize=7.5)
+            end += share
+        if end - begin > _DRAWN:
+            axes.text(begin, 0.5, effect or "unexplained", fontsize=8, va="bottom")
+    axes.set_xlim(0.0, max(end, 1.0))
+    axes.set_ylim(-0.5, 0.9)
+    axes.set_yticks([])
+    axes.grid(axis="y", visible=False)
+    axes.set_xlabel("share of the explainable error", labelpad=2)
     return figure
 
 

@@ -22,6 +22,7 @@ from meso_robust.diagnosis.document import DiagnosisDocument, Verdict
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.errors import InputError
 from meso_robust.recordings import RecordingSet, write_set
+from meso_robust.recordings.direct.run import DirectTests
 from tests.recordings.planted import clean, planted, poses
 from tests.reporting import diagnoses
 
@@ -54,7 +55,10 @@ class Made:
 def _page(monkeypatch: pytest.MonkeyPatch) -> None:
     """A line for the page, which has tests of its own and takes a second."""
 
-    def page(document: DiagnosisDocument, evidence: Evidence, source: str) -> str:
+    def page(
+        document: DiagnosisDocument, evidence: Evidence, source: str, direct: DirectTests
+    ) -> str:
+        assert direct.findings == ()
         return f"{document.verdict} of {Path(source).name}, {len(evidence.files)} recordings"
 
     monkeypatch.setattr("meso_robust.reporting.diagnosis.diagnosis_report", page)
@@ -151,9 +155,7 @@ def test_options_and_remarks_reach_the_diagnosis(
     given: Any, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = given("named")
-    monkeypatch.setattr(
-        "meso_robust.identification.usable.warnings_of", lambda _: ("push_00.csv: odd",)
-    )
+    monkeypatch.setattr("meso_robust.recordings.usable.Usable.warnings", ("push_00.csv: odd",))
 
     done = run(
         folder, "--out", tmp_path / "out", "--seed", "7", "--quick", "--model", "three_point"
@@ -239,7 +241,7 @@ def test_the_recordings_are_not_written_over(given: Any, folder: Path) -> None:
 def test_poses_that_are_no_measurements_are_not_diagnosed(given: Any, tmp_path: Path) -> None:
     asked = given()
     dirty = poses()
-    dirty[60] = 0.0
+    dirty[60:200] = 0.0  # more than half of one recording of three
     write_set(tmp_path / "set", planted(poses=dirty))
     done = run(tmp_path / "set", "--out", tmp_path / "out")
     assert done.exit_code == 2

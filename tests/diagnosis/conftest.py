@@ -71,8 +71,6 @@ def coloured(baseline: Baseline, correlation: float, freedom: float = np.inf) ->
     )
 
 
-def renamed(found: Diagnosis, **changes: Any) -> Diagnosis:
-    """The diagnosis with another outcome of the competition."""
-    assert found.accepted is not None
-    naming = replace(found.accepted.naming, **changes)
-    return replace(found, accepted=replace(found.accepted, naming=naming))
+def regraded(found: Diagnosis, **changes: Any) -> Diagnosis:
+    """The diagnosis with another verdict on what is explained out of fold."""
+    return replace(found, grade=replace(found.grade, **changes))

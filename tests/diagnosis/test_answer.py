@@ -12,9 +12,8 @@ import pytest
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import DiagnosisDocument
-from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.simulator.catalogue import CATALOGUE
-from tests.diagnosis.conftest import renamed
+from tests.diagnosis.conftest import regraded
 
 PROMISED: dict[str, Any] = {
     "schema": "",
@@ -37,6 +36,18 @@ PROMISED: dict[str, Any] = {
         )
     ),
     "next_experiment": {"why": "", "push": {}},
+    "remainder": dict.fromkeys(
+        (
+            "um",
+            "deg",
+            "sigma",
+            "stage",
+            "component",
+            "phase",
+            "grows_with",
+            "spread_between_pushes",
+        )
+    ),
 }
 """Keys that outside programs rely on."""
 WHERE = {
@@ -87,7 +98,7 @@ def missing(promised: object, found: object) -> list[str]:
 def test_all_promised_keys_are_there(nothing: dict[str, Any], named: dict[str, Any]) -> None:
     for values in (nothing, named):
         assert missing(PROMISED, values) == []
-        assert values["schema"] == "meso-robust/diagnosis/1"
+        assert values["schema"] == "meso-robust/diagnosis/2"
     assert named["mismatch"]["where"]
     for place in named["mismatch"]["where"]:
         assert set(place) == WHERE
@@ -137,7 +148,12 @@ def test_a_named_effect_has_its_number(named: dict[str, Any]) -> None:
     assert time["high"] - time["low"] < 2.0
     assert named["mismatch"]["p_value"] == 0.005  # the least of 199 simulated sets
     assert named["mismatch"]["nulls"] == 199
-    assert "camera_latency leaves nothing that the detector sees" in named["why"]
+    assert "camera_latency explains" in named["why"]
+    assert "leaves nothing that the detector sees" in named["why"]
+    assert set(named["explained"]) == {"share", "low", "high", "folds"}
+    assert effect["share"] == pytest.approx(named["explained"]["share"])
+    assert 0.9 < named["explained"]["low"] <= named["explained"]["share"] <= 1.0
+    assert named["explained"]["folds"] == 6
     first = named["candidates"][0]
     assert (first["effects"], first["adequate"]) == (["camera_latency"], True)
     assert (first["rejected"], first["ground"]) == ("", None)
@@ -175,7 +191,7 @@ def test_several_answers_are_all_given(late: Diagnosis) -> None:
     assert late.naming is not None
     one, two = late.naming.candidates[:2]
     one, two = replace(one, probability=0.6), replace(two, probability=0.2, adequate=True)
-    values = written(renamed(late, answers=(one, two)))
+    values = written(regraded(late, verdict="ambiguous", chosen=one, rivals=(two,)))
     assert values["verdict"] == "ambiguous"
     assert [effect["name"] for effect in values["effects"]] == ["camera_latency"]
     assert values["effects"][0]["probability"] == pytest.approx(0.75)
@@ -186,14 +202,13 @@ def test_several_answers_are_all_given(late: Diagnosis) -> None:
 
 def test_without_an_answer_nothing_is_claimed_of_the_best(late: Diagnosis) -> None:
     assert late.naming is not None
-    left = Rejection(ground=Ground.MISMATCH_LEFT, names=("push_03.csv",))
-    best = replace(late.naming.candidates[0], rejected=left)
-    values = written(renamed(late, answers=(), best=best))
+    assert late.grade.explained is not None
+    little = replace(late.grade.explained, share=0.1)
+    values = written(regraded(late, verdict="unknown", explained=little))
     assert values["verdict"] == "unknown"
     assert values["effects"][0]["probability"] == 0.0
-    assert "no set of effects is enough" in values["why"]
-    assert left.words in values["why"]
-    assert "push_03.csv" in left.words
+    assert "camera_latency explains 10 %" in values["why"]
+    assert "too little for a name" in values["why"]
     assert values["mismatch"]["where"]
     assert values["next_experiment"]["push"]["what"]
 
@@ -202,3 +217,25 @@ def test_unknown_keys_are_no_document(nothing: dict[str, Any]) -> None:
     for broken in ({**nothing, "more": 1}, {k: v for k, v in nothing.items() if k != "verdict"}):
         with pytest.raises(ValueError, match="1 validation error"):
             DiagnosisDocument.model_validate_json(json.dumps(broken))
+
+
+def test_the_first_version_is_still_read(named: dict[str, Any]) -> None:
+    later = ("explained", "remainder", "budget", "relevant_um", "explainable_um")
+    old = {key: value for key, value in named.items() if key not in later}
+    old["schema"] = "meso-robust/diagnosis/1"
+    old["effects"] = [
+        {key: value for key, value in effect.items() if key not in ("share", "form")}
+        for effect in named["effects"]
+    ]
+    found = DiagnosisDocument.model_validate_json(json.dumps(old))
+    assert found.explained is None
+    assert found.effects[0].share is None
+    assert found.verdict == "named"
+
+
+def test_the_budget_adds_up(named: dict[str, Any]) -> None:
+    shares = [part["share"] for part in named["budget"]]
+    assert sum(shares) == pytest.approx(1.0)
+    known = sum(part["share"] for part in named["budget"] if part["effect"])
+    assert known == pytest.approx(named["explained"]["share"])
+    assert {part["stage"] for part in named["budget"] if part["effect"]} == {"observation"}

@@ -94,7 +94,7 @@ def test_noise_that_nothing_tells_is_weighed_by_the_fit() -> None:
     assert values.held_out.recordings == ()
     assert values.held_out.noise_floor_sigma == found.baseline.noise.floor
     assert found.verdict == "consistent"
-    assert told[-1] == "comparing with recordings that were held out"
+    assert told[-1] == "predicting recordings left out of the fit"
 
 
 def test_pictures_show_all_recordings(late: Diagnosis, null: Diagnosis) -> None:

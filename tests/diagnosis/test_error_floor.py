@@ -9,11 +9,11 @@ import pytest
 
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.controls import catch_all, left
+from meso_robust.diagnosis.controls import catch_all
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.hidden_inputs import Statistics
+from meso_robust.diagnosis.hidden_inputs import Statistics, left
 from meso_robust.diagnosis.windows import windowed
-from tests.diagnosis.conftest import renamed, small_set
+from tests.diagnosis.conftest import regraded, small_set
 from tests.diagnosis.test_windows import hidden
 
 PULL = {"body_force": {"x_um_s": 3.0}}
@@ -71,13 +71,22 @@ def test_recordings_without_a_window_say_nothing(pulled: Baseline) -> None:
 
 
 def test_an_unknown_mismatch_says_what_any_law_could_reach(late: Diagnosis) -> None:
-    assert late.naming is not None
     assert late.accepted is not None
-    unknown = renamed(replace(late, accepted=replace(late.accepted, catch_all=1.234)), answers=())
+    assert late.grade.explained is not None
+    little = replace(late.grade.explained, share=0.07)
+    unknown = regraded(late, verdict="unknown", explained=little, floor=1.234**2)
+    unknown = replace(unknown, accepted=replace(late.accepted, catch_all=1.234))
     found = document(unknown, "0")
     assert found.verdict == "unknown"
     assert found.catch_all_sigma == 1.234
-    assert found.why.endswith("a free hidden input would leave 1.23 σ")
-    none = replace(late, accepted=replace(late.accepted, catch_all=None))
-    none = renamed(none, answers=(), best=None)
-    assert document(none, "0").why == "no effect of the catalogue helps on recordings held out"
+    assert "camera_latency explains 7 % of the explainable error" in found.why
+    assert found.why.endswith("free hidden inputs would leave 1.23 σ")
+    none = regraded(unknown, chosen=None, explained=None)
+    assert document(none, "0").why.startswith("no effect of the catalogue helps on recordings left")
+
+
+def test_the_floor_is_never_above_an_answer(late: Diagnosis) -> None:
+    grade, counts = late.grade, np.isfinite(late.grade.bench.prepared.seen).sum()
+    assert grade.extended is not None
+    for one in (grade.plain, grade.extended):
+        assert grade.floor <= one.squares.sum() / counts

@@ -13,13 +13,13 @@ from scipy.optimize import least_squares
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import Candidate
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.document import NextExperiment
+from meso_robust.diagnosis.document import NextExperiment, Verdict
 from meso_robust.diagnosis.next_push import Rival, arranged, best_push, next_experiment, rivals
 from meso_robust.diagnosis.trials import Trial, tried
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import Model, with_effects
 from meso_robust.recordings.contact import gaps
-from tests.diagnosis.conftest import renamed
+from tests.diagnosis.conftest import regraded
 from tests.identification.sets import PART, RADIUS
 
 Floats = npt.NDArray[np.float64]
@@ -153,7 +153,13 @@ def answers(found: Diagnosis, *sets: tuple[str, Given]) -> Diagnosis:
             fits=replace(refit.fits, values=values[None]),
         )
         given.append(Candidate(refit=refit, probability=1.0 / len(sets)))
-    return renamed(found, answers=tuple(given))
+    verdict: Verdict = "ambiguous" if len(given) > 1 else "named" if given else "unknown"
+    return regraded(
+        found,
+        verdict=verdict,
+        chosen=given[0] if given else None,
+        rivals=tuple(given[1:]),
+    )
 
 
 def test_an_ambiguous_answer_asks_for_the_push_that_tells(late: Diagnosis) -> None:

@@ -14,8 +14,9 @@ from meso_robust.diagnosis.signatures import (
     within,
 )
 from meso_robust.diagnosis.trials import Trial
+from meso_robust.simulator.catalogue import values_in_si
 from tests.diagnosis.conftest import coloured
-from tests.identification.sets import UM
+from tests.identification.sets import PART, UM
 
 DRIFT = Trial(effect="camera_drift", sizes={"x_um_s": 0.3, "y_um_s": 0.5})
 POST = Trial(
@@ -36,7 +37,7 @@ def test_a_start_is_in_si_and_in_the_order_of_the_model(null: Diagnosis) -> None
     np.testing.assert_allclose(start_of(DRIFT, np.array([2.0, -1.0])), [0.6e-6, -0.5e-6])
     np.testing.assert_allclose(start_of(LAY, np.array([3.0])), [0.15, np.pi / 4.0])
     np.testing.assert_allclose(start_of(POST, np.zeros(0)), [0.0, 0.0])
-    model = extended(null.baseline.model, (LAY, POST))
+    model = extended(null.baseline.model, (LAY, POST), null.baseline.prepared)
     assert model.name == "viscous+anisotropic_drag+unmodelled_wall"
     assert model.keys[2:] == (
         "anisotropic_drag.fraction",
@@ -49,7 +50,7 @@ def test_a_start_is_in_si_and_in_the_order_of_the_model(null: Diagnosis) -> None
 
 
 def test_values_are_moved_into_their_ranges(null: Diagnosis) -> None:
-    model = extended(null.baseline.model, (LAY,))
+    model = extended(null.baseline.model, (LAY,), null.baseline.prepared)
     moved = within(model, np.array([[0.3e-6, 1.4, -3.0, 7.0], [0.3e-6, 0.2, 0.1, -7.0]]))
     np.testing.assert_allclose(moved[0], [0.3e-6, 1.0, -0.9, 7.0], rtol=1e-6)
     np.testing.assert_array_equal(moved[1], [0.3e-6, 0.2, 0.1, -7.0])
@@ -94,7 +95,8 @@ def test_effects_that_cannot_be_simulated_are_left_out(null: Diagnosis) -> None:
 def test_effects_that_cannot_be_negative_are_known(null: Diagnosis) -> None:
     tried = [
         Trial(effect="dry_friction", sizes={"ratio": 0.1}),
-        Trial(effect="camera_latency", sizes={"time_ms": 20.0}),
+        Trial(effect="camera_latency", sizes={"time_ms": 20.0}),  # no camera sees ahead
+        Trial(effect="camera_rotation", sizes={"angle_deg": 0.3}),
         Trial(
             effect="unmodelled_wall",
             sizes={},
@@ -103,8 +105,8 @@ def test_effects_that_cannot_be_negative_are_known(null: Diagnosis) -> None:
         ),
     ]
     found = signatures(null.baseline, tried)
-    assert [one.one_sided for one in found] == [True, False, True]
-    assert not np.any(found[2].columns)  # nothing ever comes near it
+    assert [one.one_sided for one in found] == [True, True, False, True]
+    assert not np.any(found[3].columns)  # nothing ever comes near it
 
 
 def test_sizes_are_those_of_least_squares() -> None:
@@ -124,3 +126,26 @@ def test_sizes_that_cannot_be_negative_gain_nothing_where_they_would_be() -> Non
     assert sizes == pytest.approx([2.0])
     assert gain == pytest.approx(4.0 * float(left[0] @ left[0]))
     assert estimate(-2.0 * left[0], left, one_sided=False)[0] == pytest.approx([-2.0])
+
+
+def test_nothing_is_searched_for_outside_of_what_it_can_be(null: Diagnosis) -> None:
+    given = (
+        Trial(effect="camera_latency", sizes={"time_ms": 20.0}),
+        Trial(effect="reference_offset", sizes={"x_um": 5.0, "y_um": 5.0}),
+        Trial(effect="dry_friction", sizes={"ratio": 0.1}),
+        Trial(effect="tip_radius", sizes={"excess_um": 1.0}),
+    )
+    prepared = null.baseline.prepared
+    ranges = {
+        one.key: (one.low, one.high)
+        for one in extended(null.baseline.model, given, prepared).parameters
+    }
+    half = np.hypot(0.5 * PART.length, 0.5 * PART.width)
+    assert ranges["camera_latency.time_ms"][0] == 0.0
+    assert ranges["reference_offset.x_um"] == pytest.approx((-half, half))
+    low, high = ranges["dry_friction.ratio"]
+    assert low == 0.0
+    assert high == pytest.approx(
+        values_in_si({"dry_friction": {"ratio": 100.0}})["dry_friction"]["ratio"]
+    )
+    assert ranges["tip_radius.excess_um"][0] == -prepared.tip_radius

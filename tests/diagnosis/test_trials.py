@@ -44,7 +44,7 @@ def test_trials_start_within_the_ranges_of_the_catalogue(null: Diagnosis) -> Non
         assert set(one.free) <= set(one.shape) <= set(known)
         assert set(one.scales) & set(one.held) == set()
         assert set(one.sizes) | set(one.shape) == set(known)
-        model = extended(null.baseline.model, (one,))
+        model = extended(null.baseline.model, (one,), null.baseline.prepared)
         start = start_of(one, np.ones(len(one.sizes)))
         values = np.append(null.baseline.fits.values[0], start)[None]
         np.testing.assert_array_equal(within(model, values), values)

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from meso_robust.errors import InputError
-from meso_robust.identification.answer import document, set_hash, summary
+from meso_robust.identification.answer import document, summary
 from meso_robust.identification.document import ModelDocument, read_model
 from meso_robust.identification.identify import Identification
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.fingerprint import set_hash
 from meso_robust.toml_files import toml_of
 from tests.identification.sets import first
 

@@ -106,7 +106,7 @@ def test_a_first_pose_that_noise_put_into_a_tip_is_moved_out_and_noted(
     away = prepared.starts[0] - near.recordings[0].poses[0]
     assert 0.0 < np.hypot(*away[:2]) < 5 * UM
     with pytest.raises(InputError, match=r"push_00.csv.*inside the part"):
-        prepare(moved_first_pose(replace(quiet, sensor=known), 60 * UM), step=MODEL.step)
+        prepare(moved_first_pose(replace(quiet, sensor=known), 250 * UM), step=MODEL.step)
 
 
 def test_what_cannot_be_used_is_refused_with_the_name_of_the_file(film_set: RecordingSet) -> None:

@@ -96,13 +96,14 @@ SPANS = (
 def document(verdict: Verdict, **changes: Any) -> DiagnosisDocument:
     """A document of a verdict; `changes` replaces sections."""
     found = verdict != "consistent"
-    effects = {"named": (DRY,), "ambiguous": (FORCE,)}.get(verdict, ())
+    effects = {"named": (DRY,), "partial": (DRY,), "ambiguous": (FORCE,)}.get(verdict, ())
     extended = bool(effects)
     before = 4.1 if found else 1.02
     after = 1.05 if extended else before
     given: dict[str, Any] = {
-        "schema": "meso-robust/diagnosis/1",
+        "schema": "meso-robust/diagnosis/2",
         "verdict": verdict,
+        **graded(verdict),
         "why": f"The reason of {verdict} <in one sentence>.",
         "baseline": {
             "model": "viscous",
@@ -190,6 +191,37 @@ def document(verdict: Verdict, **changes: Any) -> DiagnosisDocument:
         },
     }
     return DiagnosisDocument.model_validate({**given, **changes})
+
+
+def graded(verdict: Verdict) -> dict[str, Any]:
+    """What is explained of recordings left out of the fit, as a verdict of this kind has it."""
+    share = {"named": 0.93, "partial": 0.55, "ambiguous": 0.9}.get(verdict)
+    found = verdict != "consistent"
+    left = 1.0 - (share or 0.0)
+    effect = {"named": "dry_friction", "partial": "dry_friction", "ambiguous": "body_force"}
+    rows = [("", "contact", "one_point", "y", 0.6 * left), ("", "contact", "rest", "x", 0.4 * left)]
+    if share:
+        stage = "environment" if verdict == "ambiguous" else "support"
+        rows.append((effect[verdict], stage, "one_point", "theta", share))
+    keys = ("effect", "stage", "phase", "component", "share")
+    return {
+        "explained": {"share": share, "low": share - 0.06, "high": share + 0.041, "folds": 6}
+        if share
+        else None,
+        "remainder": {
+            "um": 0.52,
+            "deg": 0.031,
+            "sigma": 0.4,
+            "stage": "contact" if found else None,
+            "component": "y" if found else None,
+            "phase": "one_point" if found else None,
+            "grows_with": "<speed>" if found else "",
+            "spread_between_pushes": 0.3,
+        },
+        "budget": tuple(dict(zip(keys, row, strict=True)) for row in rows) if found else (),
+        "relevant_um": 0.74,
+        "explainable_um": 5.21 if found else 0.55,
+    }
 
 
 def candidate(

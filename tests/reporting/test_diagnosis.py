@@ -18,14 +18,14 @@ from meso_robust.diagnosis.document import Verdict
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.reporting import diagnosis_figures as figures
 from meso_robust.reporting.diagnosis import diagnosis_report
-from meso_robust.reporting.diagnosis_words import answer, summary
+from meso_robust.reporting.diagnosis_words import answer, stage_words, summary
 from meso_robust.reporting.svg import style
 from meso_robust.reporting.theme import BAND, SHADES, STAGES
 from meso_robust.types import Floats
 from tests.reporting.diagnoses import EXTRAPOLATION, NAMES, SPANS, document, evidence
 from tests.reporting.test_page import Reader
 
-VERDICTS: tuple[Verdict, ...] = ("consistent", "named", "ambiguous", "unknown")
+VERDICTS: tuple[Verdict, ...] = ("consistent", "named", "partial", "ambiguous", "unknown")
 SOURCE = "sets/<a>&'b'"
 
 
@@ -75,7 +75,7 @@ def test_the_answer_comes_first(pages: dict[Verdict, str], verdict: Verdict) -> 
     parts = (f"<h1>{verdict.upper()}</h1>", f"The reason of {verdict} &lt;in", 'id="answer"')
     order = [body.index(part) for part in (*parts, "<svg", 'id="limits"', 'id="made"')]
     assert order == sorted(order)
-    assert body.index("held-out error") < body.index("The reason of")
+    assert body.index("0.52 µm and 0.031°") < body.index("The reason of")
 
 
 def test_no_page_speaks_of_a_floor_that_a_model_can_go_below(pages: dict[Verdict, str]) -> None:
@@ -86,20 +86,55 @@ def test_no_page_speaks_of_a_floor_that_a_model_can_go_below(pages: dict[Verdict
         assert "any law could reach" not in page
 
 
-def test_the_answer_is_one_sentence_of_its_verdict() -> None:
+LEFT = "0.52 µm and 0.031° are left unexplained, most of it y with one tip"
+
+
+def test_the_answer_is_one_sentence_that_a_laboratory_can_act_on() -> None:
+    dry = "dry_friction (support): ratio 0.21 [0.18, 0.24]"
+    next_one = "next: push faster <225>"
     assert answer(document("named")) == (
-        "dry_friction (support): ratio 0.21 [0.18, 0.24]; held-out error 4.1 → 1.05 σ"
+        f"{dry} explains 93 % [87, 98] of an error of 5.21 µm; {LEFT}; {next_one}"
+    )
+    assert answer(document("partial")) == (
+        f"{dry} explains 55 % [49, 60] of an error of 5.21 µm; {LEFT}; {next_one}"
     )
     assert answer(document("consistent")) == (
-        "rho_um2 376900 [371000, 383000] µm², mu 0.331 [0.32, 0.343]; held-out error 1.02 σ"
+        "rho_um2 376900 [371000, 383000] µm², mu 0.331 [0.32, 0.343]; predictions are off by "
+        "0.52 µm and 0.031°; 0.74 µm matter"
     )
     assert answer(document("ambiguous")) == (
-        "body_force or film_flow or camera_drift + backlash; held-out error 4.1 → 1.05 σ"
+        "body_force or film_flow or camera_drift + backlash explains 90 % [84, 95] of an error of "
+        f"5.21 µm; {LEFT}; {next_one}"
     )
     assert answer(document("unknown")) == (
-        "largest in a<b>&$x$_0.csv at 1.70–4.20 s (one tip): support, θ, 12.3 σ, grows with "
-        "<speed>; held-out error 4.1 σ"
+        "no effect of the catalogue explains it; largest in a<b>&$x$_0.csv at 1.70–4.20 s (one tip): "
+        f"support, θ, 12.3 σ, grows with <speed>; {LEFT}; {next_one}"
     )
+
+
+def test_the_first_version_says_what_it_knew() -> None:
+    later = ("explained", "remainder", "relevant_um", "explainable_um")
+    old = document("named", schema="meso-robust/diagnosis/1", budget=(), **dict.fromkeys(later))
+    assert answer(old) == (
+        "dry_friction (support): ratio 0.21 [0.18, 0.24]; held-out error 4.1 → 1.05 σ; "
+        "next: push faster <225>"
+    )
+    assert "Where the error is" not in diagnosis_report(old, evidence("named"), SOURCE)
+
+
+def test_windows_that_point_elsewhere_than_the_effects_are_explained() -> None:
+    assert stage_words(document("named")) == ""
+    words = stage_words(document("ambiguous"))
+    assert words.startswith("Windows by themselves point to support")
+    assert words.endswith("Over all recordings, environment explains more.")
+
+
+def test_the_bar_of_the_budget_adds_up() -> None:
+    drawing = figures.budget_figure(document("partial").budget)
+    bars = [one for one in drawing.axes[0].patches if isinstance(one, Rectangle)]
+    assert sum(one.get_width() for one in bars) == pytest.approx(1.0)
+    colours = {to_hex(one.get_facecolor()): one.get_width() for one in bars}
+    assert colours[STAGES["support"]] == pytest.approx(0.55)
 
 
 def test_the_summary_names_alternatives_and_extrapolation() -> None:
@@ -132,6 +167,7 @@ def test_words_of_users_are_escaped_and_no_formulas(pages: dict[Verdict, str]) -
             ["66 to 78 %", "motion alone: film_viscosity .", "recording 3 stays"],
             "rule out none",
         ),
+        ("partial", ["explains part of the mismatch", "no effect contact 45"], "No set of"),
         ("ambiguous", ["rule out none of the following", "film_flow"], "No set of"),
         (
             "unknown",
@@ -147,7 +183,7 @@ def test_every_verdict_says_what_it_is(
     for words in present:
         assert words in reader.text
     assert absent not in reader.text
-    extended = verdict in ("named", "ambiguous")
+    extended = verdict in ("named", "partial", "ambiguous")
     assert ("extended model" in reader.text) == extended
 
 
@@ -193,7 +229,6 @@ def test_a_page_is_made_of_almost_nothing() -> None:
         tiny(), null_statistics=np.zeros(0), seen=np.full((2, 5, 3), np.nan), extended=None
     )
     text = Reader(diagnosis_report(bare.model_copy(update=empty), blind, "s")).text
-    assert "no recording was held out" in text
     assert "No recording was held out, so nothing here shows" in text
     assert "No two pushes were found" in text
     assert "Every effect of the catalogue would have shown" in text

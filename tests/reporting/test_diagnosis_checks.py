@@ -12,7 +12,7 @@ from tests.reporting.diagnoses import document, evidence
 
 @pytest.fixture(autouse=True)
 def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("held_out", "vectors", "map", "strip", "null")
+    names = ("budget", "held_out", "vectors", "map", "strip", "null")
     picture = Figure(svg=Markup("a picture"))
     drawn = {**dict.fromkeys(names, picture), "recordings": []}
     monkeypatch.setattr("meso_robust.reporting.diagnosis._pictures", lambda *_: drawn)

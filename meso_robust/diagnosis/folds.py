@@ -1,0 +1,271 @@
+"""What a model is worth where it was not fitted: roll-outs from the pose at rest, fold by fold.
+
+Each recording is predicted by a fit of the others. A prediction starts from the pose that was seen
+while the part rested, as well as the camera's noise allows, and runs to the end without looking at
+the recording again: a start that is free to take up misfit is no prediction.
+
+In the fits a misfit is not noise. Frames at rest count by the noise of the camera, all others by what
+the model leaves of them, so that the many pushed frames of a model that is a little wrong do not drag
+the starts away from where they were seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.runs import longer
+from meso_robust.diagnosis.windows import tips_of
+from meso_robust.identification.forward import corrected, predicted
+from meso_robust.identification.likelihood import fit
+from meso_robust.identification.models.model import Model
+from meso_robust.identification.prepared import Prepared, prepare, some_of
+from meso_robust.identification.problem import Problem
+from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.still import still
+from meso_robust.simulator import Outcome
+from meso_robust.types import Flags, Floats, Ints
+
+FOLDS = 6
+"""Parts that the recordings are cut into; fewer recordings are left out one by one."""
+_ALL = 8  # most iterations of a fit to all recordings, which begins at one to most of them
+_FOLD = 8  # of a fit without one fold, which begins at that and must forget it
+# of the frames before the part moves: a model that is late or early moves it in the last of them
+_RESTING = 2.0 / 3.0
+_FINER = 4.0  # by how much shorter steps tell the error of the steps
+_ROUNDS = 2  # corrections of a start by what still frames leave
+_DAMPED = 1e-6  # σ²: of a start that still frames do not tell
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Bench:
+    """All recordings of a set, ready to be predicted fold by fold.
+
+    Attributes
+    ----------
+    prepared
+        R recordings, with the correction for the length of the steps.
+    baseline
+        The plain model, and the noise.
+    still
+        (R, T) frames that tell where the part rests; at least the first whole one of each.
+    fold
+        (R,) which fold predicts a recording.
+    """
+
+    prepared: Prepared
+    baseline: Baseline
+    still: Flags
+    fold: Ints
+
+    @property
+    def seen(self) -> Flags:
+        """(R, T, 3) whether there is a datum."""
+        return np.isfinite(self.prepared.seen)
+
+    @property
+    def count(self) -> int:
+        """Number of folds."""
+        return int(self.fold.max()) + 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RollOut:
+    """Predictions of a model, each by a fit that has not seen the recording.
+
+    Attributes
+    ----------
+    model
+        With n parameters.
+    values
+        (n,) of the fit to all recordings.
+    by_fold
+        (K, n) of the fits without a fold.
+    poses
+        (R, T, 3) predicted; NaN where nothing was seen.
+    squares
+        (R, T, 3) squared errors over the variance of the camera's noise; zero where not seen.
+    start_squares
+        (R,) mean of what the uncertain start alone adds to them.
+    """
+
+    model: Model
+    values: Floats
+    by_fold: Floats
+    poses: Floats
+    squares: Floats
+    start_squares: Floats
+
+
+def bench_of(recordings: RecordingSet, baseline: Baseline, seed: int) -> Bench:
+    """Arrange all recordings of a set for roll-outs.
+
+    Parameters
+    ----------
+    recordings
+        All of them, those of the baseline's fit and others.
+    baseline
+        The plain model, fitted to some of them.
+    seed
+        Of the folds.
+    """
+    prepared = prepare(recordings, step=baseline.prepared.step)
+    finer = prepare(recordings, step=baseline.prepared.step / _FINER)
+    prepared = replace(prepared, time_step=baseline.prepared.time_step)
+    finer = replace(finer, time_step=baseline.prepared.time_step / _FINER)
+    none = np.zeros((len(prepared.files), 4))
+    prepared = corrected(
+        prepared,
+        finer,
+        baseline.model,
+        baseline.fits.values,
+        starts=prepared.starts,
+        offsets=none,
+    )
+    return Bench(
+        prepared=prepared,
+        baseline=baseline,
+        still=_still(recordings, prepared),
+        fold=_folds(prepared, seed),
+    )
+
+
+def _still(recordings: RecordingSet, prepared: Prepared) -> Flags:
+    whole = np.all(np.isfinite(prepared.seen), axis=2)
+    found = np.zeros(whole.shape, dtype=bool)
+    for row, recording in enumerate(recordings.recordings):
+        quiet = recording.times[still(recordings, recording)]
+        last = quiet[int(_RESTING * (len(quiet) - 1))] if len(quiet) else -np.inf
+        found[row] = whole[row] & (prepared.instants[row] <= last)
+        if not np.any(found[row]):
+            found[row, int(np.argmax(whole[row]))] = True
+    return found
+
+
+def _folds(prepared: Prepared, seed: int) -> Ints:
+    """(R,) folds that have pushes of every kind: of each side of the part, slow and fast."""
+    tips = tips_of(prepared)
+    away = tips[:, -1, 0] - tips[:, 0, 0]
+    heading = np.arctan2(away[:, 1], away[:, 0]) - prepared.starts[:, 2]
+    side = np.round(heading / (0.5 * np.pi)).astype(int) % 4
+    speed = np.hypot(*away.T) / (prepared.instants[:, -1] - prepared.instants[:, 0])
+    order = np.lexsort((speed, side))
+    count = min(FOLDS, len(order))
+    fold = np.empty(len(order), dtype=np.int64)
+    rng = np.random.default_rng([seed, 4])
+    for first in range(0, len(order), count):
+        block = order[first : first + count]
+        fold[block] = rng.permutation(count)[: len(block)]
+    return fold
+
+
+def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
+    """Predict every recording by a fit of the model to the other folds.
+
+    Parameters
+    ----------
+    bench
+        The recordings.
+    model, values
+        The model, and values (n,) from which fits begin.
+    """
+    settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=0.05)
+    whole = replace(bench.prepared, weights=_weights(bench, model, values))
+    every = fit(whole, model, values[None], settings)
+    values, starts = every.fits.values[0], every.fits.starts[0]
+    problem = Problem(whole, model, settings)
+    spans = problem.spans(problem.arrow(every.fits, every.jacobian))
+    jacobian = problem.jacobian(every.fits, spans, model.fitted[None])
+    slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
+    by_fold = np.tile(values, (bench.count, 1))
+    poses = np.full(whole.seen.shape, np.nan)
+    for k in range(bench.count):
+        rows, left = np.flatnonzero(bench.fold != k), np.flatnonzero(bench.fold == k)
+        if len(rows):
+            by_fold[k] = fit(
+                some_of(whole, rows),
+                model,
+                values[None],
+                replace(settings, most=_FOLD, chord=False),
+                starts=starts[rows],
+                offsets=every.fits.offsets[0, rows],
+                jacobian=jacobian[:, rows],
+            ).fits.values[0]
+        poses[left] = _from_rest(bench, model, by_fold[k], left, starts[left], slopes[left])
+    away = (bench.prepared.seen - poses) / _sigma(bench)
+    return RollOut(
+        model=model,
+        values=values,
+        by_fold=by_fold,
+        poses=poses,
+        squares=np.where(bench.seen, np.nan_to_num(away) ** 2, 0.0),
+        start_squares=_start_squares(bench, slopes),
+    )
+
+
+def _sigma(bench: Bench) -> Floats:
+    """(3,) noise of the camera, whatever the fit has weighed by."""
+    noise = bench.baseline.noise
+    return np.asarray(noise.sigma * noise.floor)
+
+
+def _or_one(weights: Floats | None) -> Floats | float:
+    """Weights as they apply to the rows of derivatives (R, 3 T, d)."""
+    return 1.0 if weights is None else np.repeat(weights, 3, axis=1)[..., None]
+
+
+def _weights(bench: Bench, model: Model, values: Floats) -> Floats | None:
+    """(R, T) one for frames at rest, less for others by what the model leaves of them."""
+    settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=1.0)
+    held = np.ones(len(values), dtype=bool)
+    residuals = fit(bench.prepared, model, values[None], settings, held=held).fits.residuals[0]
+    moving = bench.seen & ~bench.still[..., None]
+    left = float(np.sqrt(np.mean(residuals[moving] ** 2))) if np.any(moving) else 1.0
+    noise = bench.baseline.noise.floor
+    if left <= 1.5 * noise:  # as good as the noise: nothing needs to be held apart from it
+        return None
+    return np.where(bench.still, 1.0 / noise, 1.0 / left)
+
+
+def _from_rest(
+    bench: Bench, model: Model, values: Floats, rows: Ints, starts: Floats, slopes: Floats
+) -> Floats:
+    """(r, T, 3) predicted from starts that agree with the frames at rest on the whole."""
+    prepared, sigma = some_of(bench.prepared, rows), bench.baseline.settings.sigma
+    quiet = bench.still[rows]
+    for _ in range(_ROUNDS):
+        found = predicted(prepared, model, values[None], starts=starts)
+        away = np.where(quiet[..., None], (prepared.seen - found.poses[0]) / sigma, 0.0)
+        starts = starts + np.stack(
+            [
+                _step(slope, of.ravel(), kept) * sigma
+                for slope, of, kept in zip(slopes, away, quiet, strict=True)
+            ]
+        )
+    found = predicted(prepared, model, values[None], starts=starts)
+    ran = found.outcomes[0] == Outcome.COMPLETED
+    poses = np.where(bench.seen[rows], found.poses[0], np.nan)
+    # a push that a model cannot carry out is predicted to stay where it ends, which is an error
+    return np.where(ran[:, None, None] | np.isfinite(poses), poses, prepared.seen)
+
+
+def _step(slope: Floats, away: Floats, quiet: Flags) -> Floats:
+    """(3,) by how much a start moves, in σ, for frames at rest to agree."""
+    rows = slope[np.repeat(quiet, 3)]
+    normal = rows.T @ rows + _DAMPED * np.eye(3)
+    return np.asarray(np.linalg.solve(normal, rows.T @ away[np.repeat(quiet, 3)]))
+
+
+def _start_squares(bench: Bench, slopes: Floats) -> Floats:
+    """(R,) mean square error over the noise that the noise of frames at rest makes by itself."""
+    wider = longer(bench.baseline.noise.correlation)
+    each = []
+    for slope, quiet, seen in zip(slopes, bench.still, bench.seen, strict=True):
+        rows, kept = slope[np.repeat(quiet, 3)], slope[seen.ravel()]
+        normal = rows.T @ rows + _DAMPED * np.eye(3)
+        share = np.sum(np.linalg.solve(normal, kept.T).T * kept) / max(len(kept), 1)
+        few = min(wider, float(quiet.sum()))  # the mean of one frame is as uncertain as the frame
+        each.append(few * float(share))
+    return np.array(each)

@@ -1,0 +1,499 @@
+"""How much of what could be explained a set of effects explains, where it was not fitted.
+
+Every real recording is a little wrong everywhere, and with thousands of frames any law is refuted.
+What counts is the share of the *explainable* error: the plain model's error in roll-outs of
+recordings that a fit has not seen, less what hidden inputs, free from window to window, would leave.
+A set of effects is named for four fifths of it, and partly for a fifth; an error too small to matter
+is consistent, and its size is told. Shares are those of means of squares, so they add up.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+
+from meso_robust.diagnosis.baseline import Baseline
+from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.document import Channel, Verdict
+from meso_robust.diagnosis.folds import Bench, RollOut, rolled_out
+from meso_robust.diagnosis.localisation import Located
+from meso_robust.diagnosis.signatures import extended
+from meso_robust.diagnosis.windows import cuts_of
+from meso_robust.recordings import RecordingSet
+from meso_robust.simulator.catalogue import stage_of
+from meso_robust.types import Floats, Ints
+
+NAMED, PARTIAL = 0.8, 0.2
+"""Shares of the explainable error from which on a set is named, and partly named."""
+RELEVANT = 1e-7
+"""m: size of an error that matters, where no noise is known to compare it with."""
+RELEVANT_SHARE = 0.2
+"""Of the noise, likewise."""
+_JUDGED = {True: 4, False: 8}  # sets that are predicted fold by fold, if quick and if not
+# of the explainable error, that a member must explain: less is what any law mops up of another's form
+_MEMBER_SHARE = 0.05
+# of it, by which a member may raise the error of one fold: a few pushes tell no more
+_FOLD_SHARE = 0.02
+_SURE = 3.0  # standard deviations of noise, that the explainable error must be beyond
+_SURE_SHARE = 0.1  # least lower end of the share of a set that explains anything
+_DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set is down to the noise
+_EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
+_EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
+_TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
+_RESAMPLED = 2000
+_INTERVAL = 0.9
+_PHASES = ("approach", "one_point", "two_point", "retract", "rest")
+_COMPONENTS = ("x", "y", "theta")
+
+Names = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """Part of the explainable error, as a share of it; the shares of all cells add up to one.
+
+    Attributes
+    ----------
+    effect
+        That explains it; empty for what nothing explains.
+    stage
+        Of the effect, or the one whose hidden input helps most.
+    phase, component
+        Of the motion.
+    share
+        May be slightly negative, where an effect makes it worse.
+    """
+
+    effect: str
+    stage: str
+    phase: str
+    component: str
+    share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Explained:
+    """Share of the explainable error that a set explains, with an interval over recordings."""
+
+    share: float
+    low: float
+    high: float
+    folds: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Remainder:
+    """What is left to explain in roll-outs, beyond the floor.
+
+    Attributes
+    ----------
+    metres, radians, sigma
+        Root mean squares of place and turn, and of all over the noise of the camera.
+    stage, component, phase, grows_with
+        Where most of it is.
+    spread
+        Standard deviation over mean of what is left of one recording: about nought if all pushes are
+        wrong alike, more if the rest varies between them.
+    """
+
+    metres: float
+    radians: float
+    sigma: float
+    stage: Channel | None
+    component: str | None
+    phase: str | None
+    grows_with: str
+    spread: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Grade:
+    """Verdict on the competition, and what it rests on.
+
+    Attributes
+    ----------
+    verdict
+        As in `diagnosis.json`.
+    bench
+        All recordings, and their folds.
+    plain, extended
+        Roll-outs of the plain model, and of the chosen set; None where no set was chosen.
+    chosen
+        Candidate of that set.
+    rivals
+        Sets that explain as much.
+    explained
+        None where nothing is to be explained.
+    shares
+        Of the explainable error, by effect; their sum is that of ``explained``.
+    cells
+        The whole of it.
+    remainder
+        What is left.
+    size, relevant
+        Of the explainable error of the plain model, and from which on it matters, m.
+    floor
+        Mean square that free hidden inputs leave, over the noise.
+    """
+
+    verdict: Verdict
+    bench: Bench
+    plain: RollOut
+    extended: RollOut | None
+    chosen: Candidate | None
+    rivals: tuple[Candidate, ...]
+    explained: Explained | None
+    shares: Mapping[str, float]
+    cells: tuple[Cell, ...]
+    remainder: Remainder
+    size: float
+    relevant: float
+    floor: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Judge:
+    """The recordings, and every set of effects that was predicted fold by fold."""
+
+    bench: Bench
+    seen: dict[Names, RollOut]
+    floor: Floats
+    """(R,) sums of squares that nothing needs to explain."""
+
+    def sums(self, names: Names) -> Floats:
+        """(R,) sums of squares of a set that was predicted."""
+        return np.asarray(self.seen[names].squares.sum(axis=(1, 2)))
+
+    @property
+    def explainable(self) -> float:
+        """Sum of squares of the plain model beyond the floor; positive."""
+        return max(float(np.sum(self.sums(()) - self.floor)), 1e-12)
+
+    def share(self, names: Names) -> float:
+        """Of the explainable error, that a set explains."""
+        return float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
+
+    def with_part(self, whole: Candidate, names: Names) -> None:
+        """Predict a part of a set, whose fits begin where the whole ended."""
+        if names in self.seen:
+            return
+        base = self.bench.baseline
+        trials = tuple(one for one in whole.refit.trials if one.effect in names)
+        model = extended(base.model, trials, base.prepared)
+        values = dict(zip(whole.refit.model.keys, whole.refit.fits.values[0], strict=True))
+        start = np.array([values[key] for key in model.keys])
+        self.seen[names] = rolled_out(self.bench, model, start)
+
+
+def graded(
+    recordings: RecordingSet,
+    bench: Bench,
+    naming: Naming | None,
+    where: Located | None,
+    reach: float | None,
+    *,
+    quick: bool,
+    seed: int,
+    relevant: float | None,
+) -> Grade:
+    """Judge the sets of a competition by what they explain of recordings left out of the fit.
+
+    Parameters
+    ----------
+    recordings, bench
+        All recordings.
+    naming
+        Outcome of the competition; None where no mismatch was detected.
+    where
+        Where the mismatch is; None likewise.
+    reach
+        σ that free hidden inputs leave; None where that is not known.
+    quick
+        Fewer sets are judged.
+    seed
+        Of the intervals.
+    relevant
+        m: errors below do not matter; None for a fifth of the noise.
+    """
+    baseline = bench.baseline
+    pool = _pool(naming, quick) if naming else ()
+    plain = rolled_out(bench, baseline.model, baseline.fits.values[0])
+    predicted: dict[Names, RollOut] = {(): plain}
+    for one in pool:
+        try:
+            predicted[one.effects] = rolled_out(bench, one.refit.model, one.refit.fits.values[0])
+        except (ValueError, np.linalg.LinAlgError):
+            continue  # its search leaves what can be simulated: no answer, and no fault
+    pool = tuple(one for one in pool if one.effects in predicted)
+    judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
+    place, turn = _left(judge, ())
+    size = max(place, turn * bench.prepared.length)
+    matters = _relevant(baseline) if relevant is None else relevant
+    chosen: Candidate | None = None
+    rivals: tuple[Candidate, ...] = ()
+    # sums of squares of noise vary by themselves, by √(2 N) of N data
+    chance = _SURE * float(np.sqrt(2.0 * bench.seen.sum()))
+    missing = naming is not None and size >= matters and judge.explainable > chance
+    if naming and pool and missing:
+        chosen, rivals = _answer(judge, naming, pool, seed)
+    explained = _explained(judge, chosen.effects, seed) if chosen else None
+    effects = chosen.effects if chosen else ()
+    by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
+    cells = _cells(tables, effects, where) if missing else ()
+    return Grade(
+        verdict=_verdict(missing, explained, rivals),
+        bench=bench,
+        plain=plain,
+        extended=predicted[effects] if effects else None,
+        chosen=chosen,
+        rivals=rivals,
+        explained=explained,
+        shares=by_effect,
+        cells=cells,
+        remainder=_remainder(judge, effects, cells, where),
+        size=size,
+        relevant=matters,
+        floor=float(judge.floor.sum() / bench.seen.sum()),
+    )
+
+
+def _verdict(matters: bool, explained: Explained | None, rivals: tuple[Candidate, ...]) -> Verdict:
+    if not matters:
+        return "consistent"
+    if explained is None or explained.share < PARTIAL or explained.low < _SURE_SHARE:
+        return "unknown"
+    if rivals:
+        return "ambiguous"
+    return "named" if explained.share >= NAMED else "partial"
+
+
+def _relevant(baseline: Baseline) -> float:
+    noise = baseline.noise
+    return RELEVANT_SHARE * float(noise.sigma[0]) * noise.floor if noise.known else RELEVANT
+
+
+def _pool(naming: Naming, quick: bool) -> tuple[Candidate, ...]:
+    """Sets that may be the answer: those that the competition leaves, or else the likeliest."""
+    if naming.answers:
+        return naming.answers[: _JUDGED[quick]]
+    able = [one for one in naming.candidates if not one.duplicate and one.score > 0.0]
+    likely = able[: _JUDGED[quick]]
+    single = next((one for one in able if len(one.effects) == 1), None)
+    return tuple(likely if single is None or single in likely else [*likely, single])
+
+
+def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None) -> Floats:
+    """(R,) sums of squares that free hidden inputs leave; never more than a judged set leaves."""
+    counts = bench.seen.sum(axis=(1, 2))
+    noise = counts * (1.0 + predicted[()].start_squares)
+    left = 1.0 if reach is None else reach / bench.baseline.noise.floor
+    floor = noise + counts * (left**2 - 1.0)
+    least = min(float(one.squares.sum()) for one in predicted.values())
+    if float(floor.sum()) <= least:
+        return np.asarray(floor)
+    # inputs that are constant in a window leave more than a set does: then they are no floor, and the
+    # noise is; but a set that is down to the noise is not held to be above it
+    floor = noise if least > _DOWN_TO * float(noise.sum()) else floor
+    return np.asarray(floor * min(1.0, least / float(floor.sum())))
+
+
+def _answer(
+    judge: _Judge, naming: Naming, pool: tuple[Candidate, ...], seed: int
+) -> tuple[Candidate | None, tuple[Candidate, ...]]:
+    """The set that explains the recordings, and those that do so equally."""
+    if naming.answers:
+        return _earning(judge, naming, pool[0], 0.0), naming.answers[1:]
+    enough = (1.0 - _MEMBER_SHARE) * pool[0].refit.gain
+    simple = min(
+        (one for one in pool if one.refit.gain >= enough), key=lambda one: len(one.effects)
+    )
+    chosen = _earning(judge, naming, simple, _MEMBER_SHARE)
+    if chosen is None:
+        return None, ()
+    rivals = tuple(one for one in pool if _equal(judge, chosen, one, seed))
+    if rivals and judge.share(chosen.effects) < NAMED:
+        # what all of them share is sure; which of the rest is not, and stays a remainder
+        core = set(chosen.effects).intersection(*(one.effects for one in rivals))
+        common = _listed(naming, tuple(sorted(core)))
+        if common is not None:
+            judge.with_part(chosen, common.effects)
+            if judge.share(common.effects) >= PARTIAL:
+                return common, ()
+    return chosen, rivals
+
+
+def _listed(naming: Naming, names: Names) -> Candidate | None:
+    return next((one for one in naming.candidates if names and one.effects == names), None)
+
+
+def _earning(judge: _Judge, naming: Naming, whole: Candidate, least: float) -> Candidate | None:
+    """The set without members that do not earn their place in every fold; None if none does."""
+    for member in whole.effects:
+        rest = tuple(name for name in whole.effects if name != member)
+        judge.with_part(whole, rest)
+        own = judge.sums(rest) - judge.sums(whole.effects)
+        folds = np.bincount(judge.bench.fold, weights=own)
+        bar = judge.explainable
+        if own.sum() > least * bar and folds.min() >= -_FOLD_SHARE * bar:
+            continue
+        smaller = _listed(naming, rest)
+        if smaller is not None:
+            return _earning(judge, naming, smaller, least)
+        if not rest:
+            return None
+    return whole
+
+
+def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
+    """Whether another set, neither part nor whole of the chosen one, explains as much."""
+    own, other = set(chosen.effects), set(rival.effects)
+    if own <= other or other <= own:
+        return False
+    if judge.share(rival.effects) < _EQUAL_SHARE * judge.share(chosen.effects):
+        return False
+    excess = float(judge.sums(chosen.effects).sum() / judge.floor.sum())
+    if chosen.score - rival.score <= _EQUAL_NATS * max(excess, 1.0):
+        return True
+    if excess <= _TEMPERED:
+        return False
+    behind = judge.sums(rival.effects) - judge.sums(chosen.effects)
+    drawn = behind[_resampled(len(behind), seed)].sum(axis=1)
+    return bool(np.quantile(drawn, 0.5 * (1.0 - _INTERVAL)) <= 0.0)
+
+
+def _resampled(count: int, seed: int) -> Ints:
+    """(B, R) recordings drawn with replacement."""
+    return np.random.default_rng([seed, 5]).integers(0, count, (_RESAMPLED, count))
+
+
+def _explained(judge: _Judge, names: Names, seed: int) -> Explained:
+    """Share of a set, with its interval by resampling recordings."""
+    fall, whole = judge.sums(()) - judge.sums(names), judge.sums(()) - judge.floor
+    drawn = _resampled(len(fall), seed)
+    shares = fall[drawn].sum(axis=1) / np.maximum(whole[drawn].sum(axis=1), 1e-12)
+    tail = 0.5 * (1.0 - _INTERVAL)
+    low, high = np.quantile(shares, [tail, 1.0 - tail])
+    share = judge.share(names)
+    return Explained(
+        share=share,
+        low=min(float(low), share),
+        high=max(float(min(high, 1.0)), share),
+        folds=judge.bench.count,
+    )
+
+
+def _phases(recordings: RecordingSet, bench: Bench) -> Ints:
+    """(R, T) index into the phases; a frame of no window belongs to the one before it."""
+    codes = np.full(bench.still.shape, -1)
+    for cut in cuts_of(recordings, bench.prepared):
+        codes[cut.recording, cut.first : cut.last] = _PHASES.index(cut.phase)
+    codes[:, 0] = np.maximum(codes[:, 0], 0)
+    frames = np.arange(len(codes[0]))
+    last = np.maximum.accumulate(np.where(codes >= 0, frames, 0), axis=1)
+    return np.asarray(np.take_along_axis(codes, last, axis=1))
+
+
+def _shapley(
+    judge: _Judge, chosen: Candidate | None, phases: Ints
+) -> tuple[dict[str, float], dict[str, Floats]]:
+    """Shares of the effects, and shares (P, 3) by phase and component of them and of the rest ("").
+
+    An effect's share is its mean fall of the error over all orders in which effects may be added, so
+    that the shares add up, whatever they overlap.
+    """
+    effects = chosen.effects if chosen else ()
+    whole, count = judge.explainable, len(effects)
+    parts = [part for n in range(count) for part in itertools.combinations(effects, n)]
+    for part in parts:
+        if chosen is not None:
+            judge.with_part(chosen, part)
+    tables = {part: _table(judge.seen[part].squares, phases) for part in (*parts, effects)}
+    each: dict[str, Floats] = {}
+    for effect in effects:
+        others = [part for part in parts if effect not in part]
+        each[effect] = (
+            sum(
+                (
+                    factorial(len(part))
+                    * factorial(count - len(part) - 1)
+                    / factorial(count)
+                    * (tables[part] - tables[tuple(sorted((*part, effect)))])
+                    for part in others
+                ),
+                np.zeros((len(_PHASES), 3)),
+            )
+            / whole
+        )
+    counts = judge.bench.seen.sum(axis=(1, 2))
+    spread = np.broadcast_to((judge.floor / counts)[:, None, None], judge.bench.seen.shape)
+    each[""] = (tables[effects] - _table(np.where(judge.bench.seen, spread, 0.0), phases)) / whole
+    return {effect: float(each[effect].sum()) for effect in effects}, each
+
+
+def _table(squares: Floats, phases: Ints) -> Floats:
+    """(P, 3) sums of squares (R, T, 3) by phase and component."""
+    return np.stack([squares[phases == code].sum(axis=0) for code in range(len(_PHASES))])
+
+
+def _cells(tables: Mapping[str, Floats], effects: Names, where: Located | None) -> tuple[Cell, ...]:
+    unnamed = _unnamed_stage(effects, where)
+    return tuple(
+        Cell(
+            effect=effect,
+            stage=stage_of(effect).name if effect else (unnamed or ""),
+            phase=phase,
+            component=component,
+            share=float(table[k, axis]),
+        )
+        for effect, table in tables.items()
+        for k, phase in enumerate(_PHASES)
+        for axis, component in enumerate(_COMPONENTS)
+        if table[k, axis] != 0.0
+    )
+
+
+def _unnamed_stage(effects: Names, where: Located | None) -> Channel | None:
+    """The stage whose hidden input explains most, of those that no effect of the set belongs to."""
+    if where is None:
+        return None
+    named = {stage_of(effect).name for effect in effects}
+    return next((one.channel for one in where.channels if one.channel not in named), None)
+
+
+def _left(judge: _Judge, names: Names) -> tuple[float, float]:
+    """Root mean squares in m and rad of what a set leaves beyond the floor."""
+    noise, squares = judge.bench.baseline.noise, judge.seen[names].squares
+    counts = np.maximum(judge.bench.seen.sum(axis=(0, 1)), 1)
+    beyond = squares.sum(axis=(0, 1)) - float(judge.floor.sum()) * counts / counts.sum()
+    means = np.maximum([beyond[:2].sum() / counts[0], beyond[2] / counts[2]], 0.0)
+    place, turn = np.sqrt(means) * noise.sigma[[0, 2]] * noise.floor
+    return float(place), float(turn)
+
+
+def _remainder(
+    judge: _Judge, names: Names, cells: tuple[Cell, ...], where: Located | None
+) -> Remainder:
+    beyond = np.maximum(judge.sums(names) - judge.floor, 0.0)
+    counts = judge.bench.seen.sum(axis=(1, 2))
+    each = np.sqrt(beyond / counts)
+    place, turn = _left(judge, names)
+    rest = [cell for cell in cells if not cell.effect]
+    worst = max(rest, key=lambda cell: cell.share, default=None)
+    component = worst.component if worst else None
+    follows = where.covariates if where else ()
+    return Remainder(
+        metres=place,
+        radians=turn,
+        sigma=float(
+            np.sqrt(max(float(np.sum(judge.sums(names) - judge.floor)), 0.0) / counts.sum())
+        ),
+        stage=_unnamed_stage(names, where) if worst else None,
+        component=component,
+        phase=worst.phase if worst else None,
+        grows_with=next((one.covariate for one in follows if one.component == component), ""),
+        spread=float(each.std() / each.mean()) if np.any(each) else 0.0,
+    )

@@ -1,0 +1,61 @@
+"""Roll-outs from the pose at rest: of which recordings, from where, and by which fits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.folds import RollOut, rolled_out
+
+
+def test_every_recording_is_left_out_once(late: Diagnosis) -> None:
+    bench = late.grade.bench
+    assert list(bench.prepared.files) == [one.file for one in late.recordings.recordings]
+    counts = np.bincount(bench.fold)
+    assert bench.count == len(counts) == 6
+    assert counts.sum() == 8
+    assert counts.min() >= 1
+
+
+def test_roll_outs_start_where_the_part_was_seen_at_rest(late: Diagnosis) -> None:
+    grade = late.grade
+    bench, sigma = grade.bench, late.baseline.settings.sigma
+    assert grade.extended is not None
+    for one in (grade.plain, grade.extended):
+        for seen, poses, quiet in zip(bench.prepared.seen, one.poses, bench.still, strict=True):
+            assert np.count_nonzero(quiet) >= 5
+            away = (seen[quiet] - poses[quiet]).mean(axis=0) / sigma
+            np.testing.assert_allclose(away, 0.0, atol=0.15)
+    # a delay of 60 ms at 225 µm/s is eleven σ, none of which a start may take
+    assert np.sqrt(grade.plain.squares.max()) > 8.0
+
+
+def test_a_recording_has_no_say_in_its_own_prediction(late: Diagnosis) -> None:
+    """What is recorded of a push after its rest changes the other predictions only."""
+    bench, baseline = late.grade.bench, late.baseline
+    row = 2
+    seen = bench.prepared.seen.copy()
+    seen[row, ~bench.still[row]] += 40.0 * baseline.settings.sigma
+    changed = replace(bench, prepared=replace(bench.prepared, seen=seen))
+
+    def moved(after: RollOut, before: RollOut) -> np.ndarray:
+        own = np.abs(after.by_fold - before.by_fold)[:, 1] / before.by_fold[:, 1]
+        return np.asarray(own)
+
+    before = rolled_out(bench, baseline.model, baseline.fits.values[0])
+    after = rolled_out(changed, baseline.model, baseline.fits.values[0])
+    change = moved(after, before)
+    others = np.delete(change, bench.fold[row])
+    assert change[bench.fold[row]] < 0.2 * others.min()
+
+
+def test_the_noise_of_the_start_adds_a_little(late: Diagnosis) -> None:
+    # some twenty frames at rest: the mean is known to a twentieth of σ², and a push keeps most of it
+    quiet = late.grade.bench.still.sum(axis=1)
+    ratio = late.grade.plain.start_squares * quiet
+    assert np.all(ratio > 0.3)
+    assert np.all(ratio < 5.0)
+    assert np.mean(late.grade.plain.start_squares) == pytest.approx(1.0 / quiet.mean(), rel=0.8)

@@ -1,0 +1,112 @@
+"""The graded verdict: shares out of fold, what matters, and what is left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.document import Verdict
+from meso_robust.diagnosis.grading import Explained, Grade, _floor, _verdict, graded
+from tests.identification.sets import UM
+
+
+def again(found: Diagnosis, **changes: object) -> Grade:
+    """The grade of the same competition, asked otherwise."""
+    given = {"naming": found.naming, "reach": 1.0, "relevant": None} | changes
+    return graded(
+        found.recordings,
+        found.grade.bench,
+        given["naming"],  # type: ignore[arg-type]
+        found.located,
+        given["reach"],  # type: ignore[arg-type]
+        quick=True,
+        seed=0,
+        relevant=given["relevant"],  # type: ignore[arg-type]
+    )
+
+
+@pytest.mark.parametrize(
+    ("matters", "share", "low", "verdict"),
+    [
+        (False, 1.0, 0.9, "consistent"),
+        (True, 0.81, 0.7, "named"),
+        (True, 0.79, 0.7, "partial"),
+        (True, 0.21, 0.12, "partial"),
+        (True, 0.19, 0.12, "unknown"),
+        (True, 0.5, 0.05, "unknown"),
+    ],
+)
+def test_a_verdict_is_by_its_share(
+    matters: bool, share: float, low: float, verdict: Verdict
+) -> None:
+    explained = Explained(share=share, low=low, high=1.0, folds=6)
+    assert _verdict(matters, explained, ()) == verdict
+
+
+def test_without_a_set_a_mismatch_that_matters_is_unknown() -> None:
+    assert _verdict(True, None, ()) == "unknown"
+    assert _verdict(False, None, ()) == "consistent"
+
+
+def test_the_share_is_of_the_error_beyond_the_floor(late: Diagnosis) -> None:
+    grade = late.grade
+    assert grade.verdict == "named"
+    assert grade.explained is not None
+    assert grade.extended is not None
+    count = np.isfinite(grade.bench.prepared.seen).sum()
+    plain, extended = (one.squares.sum() / count for one in (grade.plain, grade.extended))
+    assert grade.floor == pytest.approx(1.0, abs=0.15)
+    assert grade.explained.share == pytest.approx((plain - extended) / (plain - grade.floor))
+    assert sum(grade.shares.values()) == pytest.approx(grade.explained.share)
+    assert sum(cell.share for cell in grade.cells) == pytest.approx(1.0)
+    # beside the delay there is nothing: a tenth of σ is 0.12 µm
+    assert grade.remainder.metres < 0.5 * UM
+    assert grade.size > 3 * UM
+
+
+def test_what_matters_is_for_the_user_to_say(late: Diagnosis) -> None:
+    assert late.grade.relevant == pytest.approx(0.2 * 1.2 * UM)
+    grade = again(late, relevant=1e-3)
+    assert grade.verdict == "consistent"
+    assert grade.chosen is None
+    assert grade.explained is None
+    assert grade.cells == ()
+    assert grade.size == pytest.approx(late.grade.size, rel=0.1)
+
+
+def test_a_wrong_effect_explains_too_little(late: Diagnosis) -> None:
+    assert late.naming is not None
+    wrong = [one for one in late.naming.candidates if "camera_latency" not in one.effects]
+    wrong = [one for one in wrong if "probe_compliance" not in one.effects]
+    if not wrong:
+        pytest.skip("the quick competition refitted no other effect")
+    naming = replace(late.naming, answers=(), candidates=tuple(wrong), best=wrong[0])
+    grade = again(late, naming=naming)
+    assert grade.verdict in ("unknown", "partial", "ambiguous")
+
+
+def test_of_a_set_without_a_mismatch_the_size_is_told(null: Diagnosis) -> None:
+    grade = null.grade
+    assert grade.verdict == "consistent"
+    assert grade.chosen is None
+    assert grade.size < 1.0 * UM
+    assert grade.cells == ()
+
+
+def test_hidden_inputs_that_leave_more_than_a_set_are_no_floor(late: Diagnosis) -> None:
+    grade, bench = late.grade, late.grade.bench
+    count = float(bench.seen.sum())
+    good = grade.extended
+    assert good is not None
+    worse = replace(good, squares=9.0 * good.squares)
+    for extended, reach, low, high in ((good, 1.3, 0.9, 1.2), (worse, 4.0, 0.95, 1.2)):
+        both = {(): grade.plain, ("camera_latency",): extended}
+        floor = float(_floor(bench, both, reach).sum())
+        assert floor <= extended.squares.sum() * (1.0 + 1e-12)
+        assert low < floor / count < high
+    # where they leave less than every set, they are the floor
+    free = float(_floor(bench, {(): grade.plain, ("a",): worse}, 2.0).sum()) / count
+    assert 4.0 < free < 4.5
