@@ -39,7 +39,7 @@ _MEMBER_SHARE = 0.05
 # of it, by which a member may raise the error of one fold: a few pushes tell no more
 _FOLD_SHARE = 0.02
 _SURE = 3.0  # standard deviations of noise, that the explainable error must be beyond
-_SURE_SHARE = 0.1  # least lower end of the share of a set that explains anything
+_SURE_SHARE = 0.0  # what the lower end of the share of a set that explains anything must be above
 _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set is down to the noise
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
@@ -264,7 +264,7 @@ def graded(
 def _verdict(matters: bool, explained: Explained | None, rivals: tuple[Candidate, ...]) -> Verdict:
     if not matters:
         return "consistent"
-    if explained is None or explained.share < PARTIAL or explained.low < _SURE_SHARE:
+    if explained is None or explained.share < PARTIAL or not explained.low > _SURE_SHARE:
         return "unknown"
     if rivals:
         return "ambiguous"

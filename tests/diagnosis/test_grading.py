@@ -36,7 +36,8 @@ def again(found: Diagnosis, **changes: object) -> Grade:
         (True, 0.79, 0.7, "partial"),
         (True, 0.21, 0.12, "partial"),
         (True, 0.19, 0.12, "unknown"),
-        (True, 0.5, 0.05, "unknown"),
+        (True, 0.33, 0.005, "partial"),
+        (True, 0.5, 0.0, "unknown"),
     ],
 )
 def test_a_verdict_is_by_its_share(
