@@ -51,6 +51,9 @@ _COMPONENTS = ("x", "y", "theta")
 
 Names = tuple[str, ...]
 
+SPECIAL_CASE = {"camera_anisotropy": "camera_scale"}
+"""Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cell:
@@ -306,7 +309,8 @@ def _answer(
 ) -> tuple[Candidate | None, tuple[Candidate, ...]]:
     """The set that explains the recordings, and those that do so equally."""
     if naming.answers:
-        return _earning(judge, naming, pool[0], 0.0), naming.answers[1:]
+        chosen = _earning(judge, naming, pool[0], 0.0)
+        return chosen, tuple(one for one in naming.answers[1:] if not _holds(one, pool[0]))
     enough = (1.0 - _MEMBER_SHARE) * pool[0].refit.gain
     simple = min(
         (one for one in pool if one.refit.gain >= enough), key=lambda one: len(one.effects)
@@ -348,10 +352,14 @@ def _earning(judge: _Judge, naming: Naming, whole: Candidate, least: float) -> C
     return whole
 
 
+def _holds(general: Candidate, special: Candidate) -> bool:
+    """Whether a set holds all laws of another one, each by itself or as a special case of its own."""
+    return set(special.effects) <= {SPECIAL_CASE.get(name, name) for name in general.effects}
+
+
 def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
     """Whether another set, neither part nor whole of the chosen one, explains as much."""
-    own, other = set(chosen.effects), set(rival.effects)
-    if own <= other or other <= own:
+    if _holds(rival, chosen) or set(rival.effects) <= set(chosen.effects):
         return False
     if judge.share(rival.effects) < _EQUAL_SHARE * judge.share(chosen.effects):
         return False
