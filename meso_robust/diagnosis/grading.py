@@ -39,7 +39,7 @@ _MEMBER_SHARE = 0.05
 # of it, by which a member may raise the error of one fold: a few pushes tell no more
 _FOLD_SHARE = 0.02
 _SURE = 3.0  # standard deviations of noise, that the explainable error must be beyond
-_SURE_SHARE = 0.1  # least lower end of the share of a set that explains anything
+_SURE_SHARE = 0.0  # what the lower end of the share of a set that explains anything must be above
 _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set is down to the noise
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
@@ -50,6 +50,9 @@ _PHASES = ("approach", "one_point", "two_point", "retract", "rest")
 _COMPONENTS = ("x", "y", "theta")
 
 Names = tuple[str, ...]
+
+SPECIAL_CASE = {"camera_anisotropy": "camera_scale"}
+"""Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -264,7 +267,7 @@ def graded(
 def _verdict(matters: bool, explained: Explained | None, rivals: tuple[Candidate, ...]) -> Verdict:
     if not matters:
         return "consistent"
-    if explained is None or explained.share < PARTIAL or explained.low < _SURE_SHARE:
+    if explained is None or explained.share < PARTIAL or not explained.low > _SURE_SHARE:
         return "unknown"
     if rivals:
         return "ambiguous"
@@ -306,7 +309,8 @@ def _answer(
 ) -> tuple[Candidate | None, tuple[Candidate, ...]]:
     """The set that explains the recordings, and those that do so equally."""
     if naming.answers:
-        return _earning(judge, naming, pool[0], 0.0), naming.answers[1:]
+        chosen = _earning(judge, naming, pool[0], 0.0)
+        return chosen, tuple(one for one in naming.answers[1:] if not _holds(one, pool[0]))
     enough = (1.0 - _MEMBER_SHARE) * pool[0].refit.gain
     simple = min(
         (one for one in pool if one.refit.gain >= enough), key=lambda one: len(one.effects)
@@ -348,10 +352,14 @@ def _earning(judge: _Judge, naming: Naming, whole: Candidate, least: float) -> C
     return whole
 
 
+def _holds(general: Candidate, special: Candidate) -> bool:
+    """Whether a set holds all laws of another one, each by itself or as a special case of its own."""
+    return set(special.effects) <= {SPECIAL_CASE.get(name, name) for name in general.effects}
+
+
 def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
     """Whether another set, neither part nor whole of the chosen one, explains as much."""
-    own, other = set(chosen.effects), set(rival.effects)
-    if own <= other or other <= own:
+    if _holds(rival, chosen) or set(rival.effects) <= set(chosen.effects):
         return False
     if judge.share(rival.effects) < _EQUAL_SHARE * judge.share(chosen.effects):
         return False

@@ -164,7 +164,20 @@ class _One:
 
 
 def some_of(prepared: Prepared, rows: Ints) -> Prepared:
-    """Some of the recordings, in the order of rows (r,), padded as they were."""
+    """Some of the recordings.
+
+    Parameters
+    ----------
+    prepared
+        R recordings.
+    rows
+        (r,) which of them, in the order wanted.
+
+    Returns
+    -------
+    Prepared
+        r recordings, padded as they were.
+    """
     named = {name: getattr(prepared, name)[rows] for name in _BY_RECORDING}
     weights = None if prepared.weights is None else prepared.weights[rows]
     files = tuple(prepared.files[row] for row in rows.tolist())

@@ -159,7 +159,7 @@ def test_results_never_go_over_what_they_come_from(tmp_path: Path) -> None:
 
 def test_bad_recordings_are_a_value_and_no_ground_for_a_fit() -> None:
     jumping = poses()
-    jumping[120, :2] += 1e-3
+    jumping[np.arange(len(jumping)) % 4 > 0] = 0.0
     with pytest.raises(mr.InputError, match="meso-robust recordings"):
         mr.identify(planted(poses=jumping))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.folds import RollOut, rolled_out
+from meso_robust.diagnosis.folds import RollOut, _step, rolled_out
 
 
 def test_every_recording_is_left_out_once(late: Diagnosis) -> None:
@@ -59,3 +59,11 @@ def test_the_noise_of_the_start_adds_a_little(late: Diagnosis) -> None:
     assert np.all(ratio > 0.3)
     assert np.all(ratio < 5.0)
     assert np.mean(late.grade.plain.start_squares) == pytest.approx(1.0 / quiet.mean(), rel=0.8)
+
+
+def test_a_start_that_still_frames_hardly_tell_stays_near_where_it_was_seen() -> None:
+    """A tip that seems to be inside the part moves it out before the first frame, whatever its start."""
+    flat, plain = 1e-5 * np.eye(3), np.eye(3)
+    away, quiet = np.array([300.0, -200.0, 100.0]), np.array([True])
+    assert np.abs(_step(flat, away, quiet)).max() < 1.0
+    assert _step(plain, away, quiet) == pytest.approx(away, rel=0.01)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
+from meso_robust.diagnosis.candidates import Candidate
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.diagnosis.grading import Explained, Grade, _floor, _verdict, graded
+from meso_robust.diagnosis.grading import Explained, Grade, _floor, _holds, _verdict, graded
 from tests.identification.sets import UM
 
 
@@ -36,7 +39,8 @@ def again(found: Diagnosis, **changes: object) -> Grade:
         (True, 0.79, 0.7, "partial"),
         (True, 0.21, 0.12, "partial"),
         (True, 0.19, 0.12, "unknown"),
-        (True, 0.5, 0.05, "unknown"),
+        (True, 0.33, 0.005, "partial"),
+        (True, 0.5, 0.0, "unknown"),
     ],
 )
 def test_a_verdict_is_by_its_share(
@@ -110,3 +114,19 @@ def test_hidden_inputs_that_leave_more_than_a_set_are_no_floor(late: Diagnosis) 
     # where they leave less than every set, they are the floor
     free = float(_floor(bench, {(): grade.plain, ("a",): worse}, 2.0).sum()) / count
     assert 4.0 < free < 4.5
+
+
+@pytest.mark.parametrize(
+    ("general", "special", "holds"),
+    [
+        (("camera_anisotropy",), ("camera_scale",), True),
+        (("camera_scale",), ("camera_anisotropy",), False),
+        (("camera_anisotropy", "part_yaw"), ("camera_scale",), True),
+        (("part_yaw",), ("camera_scale",), False),
+    ],
+)
+def test_a_more_general_law_is_no_rival(
+    general: tuple[str, ...], special: tuple[str, ...], holds: bool
+) -> None:
+    one, other = (cast("Candidate", SimpleNamespace(effects=e)) for e in (general, special))
+    assert _holds(one, other) is holds

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from meso_robust.recordings.direct.finding import Finding
+from meso_robust.recordings.direct.finding import Estimate, Finding
 from meso_robust.recordings.direct.run import DirectTests
 from meso_robust.recordings.direct.trends import Trend
 from meso_robust.recordings.rules import UM
@@ -98,8 +98,7 @@ def finding_words(one: Finding) -> str:
         Without a full stop.
     """
     sizes = ", ".join(
-        f"{each.key.split('_')[0]} = {each.value:.3g}{_unit(each.key)} "
-        f"({each.low:.3g} … {each.high:.3g})"
+        f"{each.key.split('_')[0]} = {each.value:.3g}{_unit(each.key)} ({_between(each)})"
         for each in one.estimates
     )
     gain = "" if one.after >= one.before else f"; {_SEEN[one.test]} {_to(one)} µm"
@@ -157,6 +156,12 @@ def _rms(test: Any) -> dict[str, float | None] | None:
         return None
     before, after = test.rms
     return {"before": _number(before / UM), "after": _number(after / UM)}
+
+
+def _between(one: Estimate) -> str:
+    if not math.isfinite(one.high):
+        return "of one recording: without an interval"
+    return f"{one.low:.3g} … {one.high:.3g}"
 
 
 def _number(value: float) -> float | None:

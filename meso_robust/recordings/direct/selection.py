@@ -350,7 +350,8 @@ def _estimates(
     )
     count = len(numbers)
     error = np.sqrt((count - 1) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
-    half = error * _student(count - 1)
+    # of one recording nothing can be left out: any value may be the true one
+    half = error * _student(count - 1) if count > 1 else np.full(error.shape, np.inf)
     estimates: dict[str, tuple[Estimate, ...]] = {}
     at = 0
     for name in taken:
