@@ -173,6 +173,8 @@ def _why(found: Diagnosis) -> str:
             f"a mismatch is there, but its size in predictions is {UM * grade.size:.2g} um, below the "
             f"{UM * grade.relevant:.2g} um that matter"
         )
+    if grade.bench.count == 1:
+        return "there is one recording, which can only be predicted by a fit of itself: record more pushes"
     reach = f"; free hidden inputs would leave {np.sqrt(grade.floor):.3g} σ"
     if grade.chosen is None or grade.explained is None:
         return "no effect of the catalogue helps on recordings left out of the fit" + reach

@@ -39,7 +39,6 @@ _MEMBER_SHARE = 0.05
 # of it, by which a member may raise the error of one fold: a few pushes tell no more
 _FOLD_SHARE = 0.02
 _SURE = 3.0  # standard deviations of noise, that the explainable error must be beyond
-_SURE_SHARE = 0.0  # what the lower end of the share of a set that explains anything must be above
 _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set is down to the noise
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
@@ -241,7 +240,8 @@ def graded(
     # sums of squares of noise vary by themselves, by √(2 N) of N data
     chance = _SURE * float(np.sqrt(2.0 * bench.seen.sum()))
     missing = naming is not None and size >= matters and judge.explainable > chance
-    if naming and pool and missing:
+    # of a single recording none can be left out: what its own fit explains proves nothing
+    if naming and pool and missing and bench.count > 1:
         chosen, rivals = _answer(judge, naming, pool, seed)
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
@@ -267,7 +267,7 @@ def graded(
 def _verdict(matters: bool, explained: Explained | None, rivals: tuple[Candidate, ...]) -> Verdict:
     if not matters:
         return "consistent"
-    if explained is None or explained.share < PARTIAL or not explained.low > _SURE_SHARE:
+    if explained is None or explained.share < PARTIAL or explained.low <= 0.0:
         return "unknown"
     if rivals:
         return "ambiguous"

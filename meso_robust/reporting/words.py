@@ -75,11 +75,16 @@ def number(value: float, digits: int = 1) -> str:
     return signed(f"{round(value, digits) + 0.0:.{digits}f}")
 
 
+_WRITTEN_OUT = 1e6  # below it 2.8e+03 is written 2800
+
+
 def significant(value: float, digits: int = 6) -> str:
     """At most ``digits`` significant digits, no exponent where it can be helped."""
     if math.isinf(value):
         return signed("-∞") if value < 0 else "∞"
-    return signed(f"{value:.{digits}g}")
+    short = f"{value:.{digits}g}"
+    plain = "e+" in short and abs(value) < _WRITTEN_OUT
+    return signed(f"{float(short):.0f}" if plain else short)
 
 
 def outward(low: float, high: float, digits: int) -> str:

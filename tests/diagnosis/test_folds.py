@@ -56,9 +56,8 @@ def test_the_noise_of_the_start_adds_a_little(late: Diagnosis) -> None:
     # some twenty frames at rest: the mean is known to a twentieth of σ², and a push keeps most of it
     quiet = late.grade.bench.still.sum(axis=1)
     ratio = late.grade.plain.start_squares * quiet
-    assert np.all(ratio > 0.3)
-    assert np.all(ratio < 5.0)
-    assert np.mean(late.grade.plain.start_squares) == pytest.approx(1.0 / quiet.mean(), rel=0.8)
+    assert np.all(ratio > 0.6)
+    assert np.all(ratio < 1.1)
 
 
 def test_a_start_that_still_frames_hardly_tell_stays_near_where_it_was_seen() -> None:

@@ -85,11 +85,20 @@ def test_a_wrong_effect_explains_too_little(late: Diagnosis) -> None:
     assert late.naming is not None
     wrong = [one for one in late.naming.candidates if "camera_latency" not in one.effects]
     wrong = [one for one in wrong if "probe_compliance" not in one.effects]
-    if not wrong:
-        pytest.skip("the quick competition refitted no other effect")
+    assert wrong
     naming = replace(late.naming, answers=(), candidates=tuple(wrong), best=wrong[0])
     grade = again(late, naming=naming)
     assert grade.verdict in ("unknown", "partial", "ambiguous")
+
+
+def test_of_one_recording_nothing_is_named(late: Diagnosis) -> None:
+    """Nothing can be left out of its fit, so that no share is one of recordings left out."""
+    bench = replace(late.grade.bench, fold=np.zeros_like(late.grade.bench.fold))
+    grade = again(replace(late, grade=replace(late.grade, bench=bench)))
+    assert grade.verdict == "unknown"
+    assert grade.chosen is None
+    assert grade.explained is None
+    assert grade.size == pytest.approx(late.grade.size, rel=0.1)
 
 
 def test_of_a_set_without_a_mismatch_the_size_is_told(null: Diagnosis) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from meso_robust.recordings.contact import size
 from meso_robust.recordings.direct.finding import Estimate, Finding, possible
 from meso_robust.recordings.direct.pushing import Contacts
-from meso_robust.recordings.direct.selection import Columns, selected, spread
+from meso_robust.recordings.direct.selection import Columns, Comparison, selected
 from meso_robust.recordings.outline import gyration
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import RecordingSet
@@ -29,34 +29,19 @@ _LAYS = frozenset({"anisotropic_drag", "part_anisotropic_drag"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BalanceTest:
-    """Errors of the lever arm at the contact.
+class BalanceTest(Comparison):
+    """Errors of the lever arm at the contact, with ρ alone and with what was found.
 
     Attributes
     ----------
     rows
         (n,) rows of the contacts that were used.
-    recording
-        (n,) number of the recording of each.
     rho
         Ratio of drags in m².
-    before, after
-        (n,) m, with ρ alone and with what was found.
-    findings
-        What explains it.
     """
 
     rows: Ints
-    recording: Ints
     rho: float
-    before: Floats
-    after: Floats
-    findings: tuple[Finding, ...]
-
-    @property
-    def rms(self) -> tuple[float, float]:
-        """Root mean square in m, far frames clipped, before and after."""
-        return spread(self.before), spread(self.after)
 
 
 def balance_test(recordings: RecordingSet, pairs: Contacts) -> BalanceTest | None:

@@ -20,10 +20,10 @@ import numpy as np
 from meso_robust.recordings.contact import size
 from meso_robust.recordings.direct.finding import Finding, possible
 from meso_robust.recordings.direct.pushing import Contacts, pair
-from meso_robust.recordings.direct.selection import Columns, Selection, selected, spread
+from meso_robust.recordings.direct.selection import Columns, Comparison, Selection, selected, spread
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import RecordingSet
-from meso_robust.types import Floats, Ints
+from meso_robust.types import Floats
 
 _FEWEST = 10
 _PASSES = 4
@@ -32,28 +32,8 @@ _PERCENT = 1e-2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class GapTest:
-    """Distances between tips and the faces that they push.
-
-    Attributes
-    ----------
-    recording
-        (n,) number of the recording of each row.
-    before, after
-        (n,) gap in m as the files have it, and with what was found taken out.
-    findings
-        What explains it.
-    """
-
-    recording: Ints
-    before: Floats
-    after: Floats
-    findings: tuple[Finding, ...]
-
-    @property
-    def rms(self) -> tuple[float, float]:
-        """Root mean square in m, far frames clipped, before and after."""
-        return spread(self.before), spread(self.after)
+class GapTest(Comparison):
+    """Distances between tips and the faces that they push."""
 
 
 def gap_test(

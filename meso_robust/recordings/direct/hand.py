@@ -16,7 +16,7 @@ import numpy as np
 from meso_robust.recordings.contact import size
 from meso_robust.recordings.direct.finding import Finding, possible
 from meso_robust.recordings.direct.pushing import Moving
-from meso_robust.recordings.direct.selection import Columns, fitted, selected, spread
+from meso_robust.recordings.direct.selection import Columns, Comparison, fitted, selected
 from meso_robust.recordings.rules import UM
 from meso_robust.recordings.values import RecordingSet
 from meso_robust.types import Floats, Ints
@@ -35,28 +35,11 @@ _Rows: TypeAlias = Callable[[float], tuple[Floats, dict[str, Columns]]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HandTest:
+class HandTest(Comparison):
     """Where the part stands in the hand's frame, less its mean in every push.
 
-    Attributes
-    ----------
-    recording
-        (n,) number of the recording of each row; x, y and θ times half the part's size are rows.
-    before, after
-        (n,) m, as the files have it, and with what was found taken out.
-    findings
-        What explains it.
+    Its rows are x, y and θ times half the part's size.
     """
-
-    recording: Ints
-    before: Floats
-    after: Floats
-    findings: tuple[Finding, ...]
-
-    @property
-    def rms(self) -> tuple[float, float]:
-        """Root mean square in m, far frames clipped, before and after."""
-        return spread(self.before), spread(self.after)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from meso_robust.recordings.direct.finding import Estimate
+from meso_robust.recordings.direct.finding import Estimate, Finding
 from meso_robust.types import Floats, Ints
 
 FLIPS = 999
@@ -32,6 +32,31 @@ _EITHER = (
 )
 """Effects of which one holds the other: together they only cancel."""
 _T90 = (6.31, 2.92, 2.35, 2.13, 2.02, 1.94, 1.89, 1.86, 1.83, 1.81)  # Student, 1 … 10 degrees
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Comparison:
+    """Rows of a test as the files have them, and with what was found taken out.
+
+    Attributes
+    ----------
+    recording
+        (n,) number of the recording of each row.
+    before, after
+        (n,) in m.
+    findings
+        What explains them.
+    """
+
+    recording: Ints
+    before: Floats
+    after: Floats
+    findings: tuple[Finding, ...]
+
+    @property
+    def rms(self) -> tuple[float, float]:
+        """Root mean square in m, far frames clipped, before and after."""
+        return spread(self.before), spread(self.after)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
