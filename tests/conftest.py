@@ -7,9 +7,23 @@ from collections.abc import Iterator
 
 import pytest
 
+from meso_robust import pipeline
 from meso_robust.pipeline import Planned, make
 from tests.browser import REQUIRED, Browser, Page, browser as started, executable, tab
 from tests.paper import paper_task as paper_task  # read from here by many tests
+from tests.plan_once import once
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _planned_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What ``plan`` searches for the same task is found once in a run: the searches take longest."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "planned"
+    folder.mkdir(exist_ok=True)
+    with pytest.MonkeyPatch.context() as patch:
+        for of in (pipeline.compose, pipeline.margin):
+            patch.setattr(pipeline, of.__name__, once(of, folder))
+        yield
 
 
 @pytest.fixture(scope="session")
