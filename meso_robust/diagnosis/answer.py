@@ -195,7 +195,7 @@ def _why(found: Diagnosis) -> str:
 
 def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:
     base = found.baseline
-    known = intervals(base.model, base.fits.values[0], base.jacobian, base.tangent)
+    known = intervals(base.model, base.fits.values[0], base.jacobian, base.tangent, base.rows)
     return {one.key: _value(one) for one in known}
 
 
@@ -250,7 +250,8 @@ def _located(found: Diagnosis) -> dict[str, object]:
 def intervals_of(found: Candidate) -> tuple[Interval, ...]:
     """Intervals of all numbers of an extended model."""
     refit = found.refit
-    return intervals(refit.model, refit.fits.values[0], refit.fitted.jacobian[0], refit.tangent)
+    values, jacobian = refit.fits.values[0], refit.fitted.jacobian[0]
+    return intervals(refit.model, values, jacobian, refit.tangent, refit.rows)
 
 
 def _remainder(found: Diagnosis) -> dict[str, object]:
@@ -406,7 +407,7 @@ def _model_document(found: Diagnosis, version: str) -> ModelDocument:
         plain
         | {
             "model": best.refit.model.name,
-            "interval": "curvature",
+            "interval": "curvature and jackknife",
             "confidence": CONFIDENCE,
             "parameters": {one.key: _section(one) for one in known},
             "held": {**plain["held"], **held},

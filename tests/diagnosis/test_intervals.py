@@ -53,6 +53,38 @@ def test_intervals_are_those_of_generalised_least_squares(phi: float) -> None:
     assert not any((rho.open_low, rho.open_high, mu.open_low, mu.open_high))
 
 
+def fitted(jacobian: Floats, data: Floats, without: int | None = None) -> tuple[Floats, Floats]:
+    """Least squares with parameters and a start for each recording: (2,) and what is left (R, 3 T)."""
+    kept = [r for r in range(R) if r != without]
+    design = np.zeros((len(kept), 3 * T, 2 + 3 * R))
+    design[..., :2] = jacobian[kept, :, :2]
+    for row, r in enumerate(kept):
+        design[row, :, 2 + 3 * r : 5 + 3 * r] = jacobian[r, :, 2:]
+    solved = np.linalg.lstsq(design.reshape(-1, 2 + 3 * R), data[kept].ravel(), rcond=None)[0]
+    return solved[:2], data[kept] - (design @ solved)
+
+
+def test_recordings_that_disagree_widen_an_interval_to_what_leaving_each_out_does() -> None:
+    generator = np.random.default_rng(3)
+    jacobian = 20.0 * generator.standard_normal((R, 3 * T, 5))
+    # each recording has parameters of its own, far apart for its noise
+    apart = 0.02 * generator.standard_normal((R, 2))
+    data = np.einsum("rmk,rk->rm", jacobian[..., :2], apart) + generator.standard_normal((R, 3 * T))
+    left = fitted(jacobian, data)[1]
+    without = np.stack([fitted(jacobian, data, r)[0] for r in range(R)])
+    spread = np.sqrt((R - 1) / R * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
+    reach = 2.919985580355516 * spread  # of Student's t with 2 degrees of freedom
+    at = tangent(jacobian, 2, np.ones((R, T, 3), dtype=bool), 0.0)
+    values = np.array([RHO, MU])
+    rho, mu = intervals(MODEL, values, jacobian, at, left)
+    assert np.all(reach > 1.2 * BETWEEN * deviations(jacobian, 0.0))
+    assert (rho.low, rho.high) == pytest.approx((RHO * np.exp(-reach[0]), RHO * np.exp(reach[0])))
+    assert (mu.low, mu.high) == pytest.approx((MU - reach[1], MU + reach[1]))
+    # where they agree to the last digit the noise of the frames is what is left to tell
+    one = intervals(MODEL, values, jacobian, at, np.zeros_like(left))[1]
+    assert one.high - MU == pytest.approx(BETWEEN * deviations(jacobian, 0.0)[1])
+
+
 def test_a_number_that_nothing_depends_on_has_no_bound() -> None:
     jacobian = 20.0 * np.random.default_rng(1).standard_normal((R, 3 * T, 5))
     jacobian[..., 1] = 0.0
@@ -74,7 +106,7 @@ def test_a_weak_number_is_open_where_its_interval_leaves_the_range() -> None:
 
 def test_parameters_of_a_null_set_are_covered(null: Diagnosis) -> None:
     base = null.baseline
-    known = intervals(base.model, base.fits.values[0], base.jacobian, base.tangent)
+    known = intervals(base.model, base.fits.values[0], base.jacobian, base.tangent, base.rows)
     rho, mu = known
     assert (rho.key, mu.key) == ("rho_um2", "mu")
     for one, truth in ((rho, 0.276e-6), (mu, 0.3)):
