@@ -148,38 +148,67 @@ def at_rest_tip() -> tuple[sp.Expr, sp.Expr]:
     return place, p_D - place * CK + far * SK
 
 
-def turn_rolling() -> sp.Expr:
-    """Turn per travel while D alone pushes and its contact sticks."""
+def pushed_at() -> sp.Matrix:
+    """D's contact from the centre of drag."""
+    return sp.Matrix([p_D - drag_a, d_D - drag_n])
+
+
+def goes_along() -> sp.Matrix:
+    """Velocity of D per travel, in the frame (a, n)."""
+    return sp.Matrix([bend * across - along, -APPROACH])
+
+
+def rolled(rate: sp.Expr) -> sp.Matrix:
+    """Twist about the centre of drag whose contact at D moves with D, of a turn ``rate`` per travel."""
+    arm, speed = pushed_at(), goes_along()
+    return sp.Matrix([speed[0] - rate * arm[1], speed[1] + rate * arm[0], rate])
+
+
+def film_about_D(twist: sp.Matrix) -> sp.Expr:
+    """Moment of the film about D's contact, over e_x, at a twist about the centre of drag."""
+    drag = sp.Matrix([[1 + stretch, shear], [shear, 1 - stretch]])
+    force = drag * sp.Matrix(twist[:2])
+    return rho * twist[2] - pushed_at()[1] * force[0] + pushed_at()[0] * force[1]
+
+
+def moment_rolling() -> tuple[sp.Expr, sp.Expr]:
+    """Moment of the film about D's contact while that sticks: without turning, and what a turn adds."""
     rate = sp.Symbol("rate", real=True)
-    arm = sp.Matrix([p_D - drag_a, d_D - drag_n])
-    at_D = sp.Matrix([bend * across - along, -APPROACH])
-    moves = at_D - rate * sp.Matrix([arm[1], -arm[0]])
-    force = sp.Matrix([[1 + stretch, shear], [shear, 1 - stretch]]) * moves
-    # no moment about the contact
-    moment = rho * rate - arm[1] * force[0] + arm[0] * force[1]
-    ahead = moment.subs(rate, 0)
-    return -ahead / sp.expand(sp.diff(moment, rate))
+    moment = film_about_D(rolled(rate))
+    return moment.subs(rate, 0), sp.expand(sp.diff(moment, rate))
+
+
+def from_centre(place: sp.Expr) -> sp.Matrix:
+    """The point under S of an edge on which S is at ``place``, from the centre of drag."""
+    return sp.Matrix([place * CK - d_S * SK - drag_a, -place * SK - d_S * CK - drag_n])
+
+
+def closing(twist: sp.Matrix, place: sp.Expr) -> sp.Expr:
+    """Speed at which S's edge closes on S at a twist about the centre of drag."""
+    reached = moved(twist, from_centre(place))
+    return -(reached[0] * SK + reached[1] * CK)
+
+
+def closing_rolling(rate: sp.Expr, place: sp.Expr) -> sp.Expr:
+    """How much it does so per turn if D's contact moves with D, of a turn ``rate`` per travel."""
+    nears = (along - bend * across) * SK + APPROACH * CK
+    at_S = from_centre(place) - pushed_at()
+    return nears / rate - at_S[1] * SK + at_S[0] * CK
 
 
 def alone_rates() -> dict[str, sp.Expr]:
     """What D alone does, by the names of the functions."""
     twist, stiff = alone()
     place, _ = at_rest_tip()
-    far = d_S  # the edge's point under S
-    arm = sp.Matrix([place * CK - far * SK - drag_a, -place * SK - far * CK - drag_n])
-    reached = moved(twist, arm)
-    closing = -(reached[0] * SK + reached[1] * CK)
-    slip = moved(twist, sp.Matrix([p_D - drag_a, d_D - drag_n]))[0]
-    slip += (along - bend * across) * stiff
+    slip = moved(twist, pushed_at())[0] + (along - bend * across) * stiff
     pressing, slip_alone = sp.diff(slip, tau), slip.subs(tau, 0)
-    rolls = turn_rolling()
-    # as the part's contact moves with D then
-    at_S = arm - sp.Matrix([p_D - drag_a, d_D - drag_n])
-    nears = (along - bend * across) * SK + APPROACH * CK
+    ahead, per_turn = moment_rolling()
+    rolls = -ahead / per_turn  # D's contact bears no moment
     return {
-        "gap_per_turn": closing / twist[2],
+        # the speed of D cancels, and with it the bend of its path
+        "gap_per_turn": closing(twist / APPROACH, place) / (twist[2] / APPROACH),
         "turn_rolling": rolls,
-        "gap_per_rolling": nears / rolls - at_S[1] * SK + at_S[0] * CK,
+        "gap_per_rolling": closing_rolling(rolls, place),
         "creep_per_turn": (-slip - r_D * twist[2]) / twist[2],
         "lever": p_D - drag_a + tau * (d_D - drag_n),
         "pressing": pressing,
@@ -336,7 +365,7 @@ def derive() -> Derivation:
                 meaning="friction ratio at which D alone sticks",
             ),
             "gap_per_turn": Function(
-                arguments=(*pushing, tau),
+                arguments=(*pushing[:-1], tau),
                 results=(rates["gap_per_turn"],),
                 unit="m",
                 meaning="how much S's edge closes on S per turn while D alone pushes at friction ratio tau, m",
@@ -519,7 +548,9 @@ def _contact_kept() -> Claim:
     drag = sp.Matrix([[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]])
     normal = still.cross(sliding)
     slip_0, grows = sp.symbols("slip_0 grows", real=True)
-    rates = alone_rates()
+    rates, (pushed, stiff) = alone_rates(), alone()
+    slip_alone, pressing = rates["slip_alone"], rates["pressing"]
+    turns, place_S = sp.symbols("turns p_S", real=True)
     own_still, own_sliding = twists()
     unit = pushes(sp.zeros(2, 1), sp.Matrix([SK, CK]))
     facing = own_still.cross(own_sliding)
@@ -557,9 +588,24 @@ def _contact_kept() -> Claim:
                 list(APPROACH / T * unit),
             ),
             identity(
-                "the gap closed per turn while D alone pushes and sticks, from its ratio of friction",
-                rates["gap_per_rolling"],
-                rates["gap_per_turn"].subs(tau, rates["stick_ratio"]),
+                "D alone pushes: the film has no moment about its contact, whatever the ratio",
+                as_written(lambda: film_about_D(pushed)),
+                sp.Integer(0),
+            ),
+            identity(
+                "its contact goes with it but for the slip, which is of first degree in the ratio",
+                as_written(lambda: moved(pushed, pushed_at())),
+                list(goes_along() * stiff + sp.Matrix([slip_alone + tau * pressing, 0])),
+            ),
+            identity(
+                "while it sticks that moment is of first degree in the turn per travel, which makes it 0",
+                film_about_D(rolled(turns)),
+                moment_rolling()[0] + turns * moment_rolling()[1],
+            ),
+            identity(
+                "the gap closed per turn while it sticks, wherever S's contact is",
+                closing(rolled(turns), place_S) / turns,
+                closing_rolling(turns, place_S),
             ),
             for_all(
                 "D alone slips towards +a at every positive ratio if it does so at 0 and its slip grows with "

@@ -357,18 +357,16 @@ const formulas = {
       return [(-x0*x4 - x0*x6 - x3*(-rho*(-stretch - 1) + x2*Math.pow(x5, 2)))/(rho*x0*(1 - stretch) + x0*Math.pow(x1, 2)*x2 + x3*(x4 + x6))];
     },
     // how much S's edge closes on S per turn while D alone pushes at friction ratio tau, m
-    gap_per_turn(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend, tau) {
-      const x0 = bend*c + s;
-      const x1 = -drag_a + p_D + tau*(d_D - drag_n);
-      const x2 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
-      const x3 = Math.sin(kappa);
-      const x4 = rho*x0;
-      const x5 = Math.cos(kappa);
-      const x6 = 1/(c*x3 + s*x5);
-      const x7 = d_S + gap + r_S;
-      const x8 = -V - c*(d_D + r_D + x5*x7) + s*(p_D + x3*x7);
-      const x9 = x0*x1*x2;
-      return [(-x3*(x4*(shear + tau*(1 - stretch)) + x9*(-d_S*x5 - drag_n - x3*x6*x8)) - x5*(x4*(-shear*tau - stretch - 1) - x9*(-d_S*x3 - drag_a + x5*x6*x8)))/(x0*x1*x2)];
+    gap_per_turn(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, tau) {
+      const x0 = -drag_a + p_D + tau*(d_D - drag_n);
+      const x1 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x2 = Math.sin(kappa);
+      const x3 = Math.cos(kappa);
+      const x4 = 1/(c*x2 + s*x3);
+      const x5 = d_S + gap + r_S;
+      const x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x2*x5);
+      const x7 = x0*x1;
+      return [(-x2*(rho*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x2*x4*x6)) - x3*(rho*(-shear*tau - stretch - 1) - x7*(-d_S*x2 - drag_a + x3*x4*x6)))/(x0*x1)];
     },
     // the same while the contact of D sticks, m
     gap_per_rolling(c, s, p_D, V, gap, d_D, d_S, r_D, r_S, kappa, drag_a, drag_n, rho, stretch, shear, bend) {

@@ -237,20 +237,18 @@ def stick_ratio(ops: Any, c: Any, s: Any, p_D: Any, d_D: Any, drag_a: Any, drag_
     )
 
 
-def gap_per_turn(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau: Any) -> tuple[Any, ...]:
+def gap_per_turn(ops: Any, c: Any, s: Any, p_D: Any, V: Any, gap: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, tau: Any) -> tuple[Any, ...]:
     """Return how much S's edge closes on S per turn while D alone pushes at friction ratio tau, m."""
-    x0 = bend*c + s
-    x1 = -drag_a + p_D + tau*(d_D - drag_n)
-    x2 = -shear**2 - stretch**2 + 1
-    x3 = ops.sin(kappa)
-    x4 = rho*x0
-    x5 = ops.cos(kappa)
-    x6 = 1/(c*x3 + s*x5)
-    x7 = d_S + gap + r_S
-    x8 = -V - c*(d_D + r_D + x5*x7) + s*(p_D + x3*x7)
-    x9 = x0*x1*x2
+    x0 = -drag_a + p_D + tau*(d_D - drag_n)
+    x1 = -shear**2 - stretch**2 + 1
+    x2 = ops.sin(kappa)
+    x3 = ops.cos(kappa)
+    x4 = 1/(c*x2 + s*x3)
+    x5 = d_S + gap + r_S
+    x6 = -V - c*(d_D + r_D + x3*x5) + s*(p_D + x2*x5)
+    x7 = x0*x1
     return (
-        (-x3*(x4*(shear + tau*(1 - stretch)) + x9*(-d_S*x5 - drag_n - x3*x6*x8)) - x5*(x4*(-shear*tau - stretch - 1) - x9*(-d_S*x3 - drag_a + x5*x6*x8)))/(x0*x1*x2),
+        (-x2*(rho*(shear + tau*(1 - stretch)) + x7*(-d_S*x3 - drag_n - x2*x4*x6)) - x3*(rho*(-shear*tau - stretch - 1) - x7*(-d_S*x2 - drag_a + x3*x4*x6)))/(x0*x1),
     )
 
 

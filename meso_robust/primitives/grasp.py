@@ -229,7 +229,7 @@ def _alone(at: dict[str, ca.SX]) -> None:
     (at["stiffness"],) = _call("stiffness", at, "p_D", "d_D", *film, "tau")
     for name in ("pressing", "stick_ratio"):
         (at[name],) = _call(name, at, "c", "s", "p_D", "d_D", *film, "bend")
-    (at["gap_per_turn"],) = _call("gap_per_turn", at, *touch, *film, "bend", "tau")
+    (at["gap_per_turn"],) = _call("gap_per_turn", at, *touch, *film, "tau")
     (at["gap_per_rolling"],) = _call("gap_per_rolling", at, *touch, *film, "bend")
     (at["turn_rolling"],) = _call("turn_rolling", at, "c", "s", "p_D", "d_D", *film, "bend")
     creeping = ("c", "s", "p_D", "d_D", "r_D", *film, "bend", "tau")

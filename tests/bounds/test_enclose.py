@@ -30,6 +30,10 @@ CORNER = tuple(
 BOXES = {
     "polygon_edge.edge_direction": CORNER,
     "polygon_edge.edge_offsets": CORNER,
+    "polygon_edge.end_offset": (
+        *(DEPTH, Interval(803.0 * UM, 813.0 * UM)),
+        *(Interval(1.55, 1.60), Interval(0.0, 30.0 * UM)),
+    ),
     "one_point_sticking.normal_force": (THETA, DEPTH, OFFSET, RHO),
     "one_point_sticking.friction_margin": (THETA, DEPTH, OFFSET, RHO, MU),
     "one_point_sticking.stick_ratio": (THETA, DEPTH, OFFSET, RHO),

@@ -53,6 +53,7 @@ _RANGES = {
     (1.5e-4, 4e-4): "y_1 y_2",
     (-2e-4, 3e-4): "x_3",
     (-4e-4, -1.5e-4): "y_3",
+    (1e-5, 2e-4): "room clear",
     (5e-4, 1e-3): "d4 half h V T W width spacing gap",
     (5e2, 2e3): "omega",
     (1e-7, 8e-7): "rho",
