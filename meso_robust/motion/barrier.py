@@ -26,7 +26,9 @@ GRIPS, PRESSED, FREELY, SLIPS_ALONE, STATES = 2, 6, 10, 11, 13
 """Outputs of a state: first contacts along their edges; grips; forces at S, at D; force at S if D has no
 friction; slip of the part over D that pushes alone without friction, and what that grows by per ratio."""
 PIECES = 8  # of q; fewer are looser, more take longer
-FIRST_STRIP = 1e-9  # m; half of what a bound is first tried in, widened until it is enough
+FIRST_STRIP = (
+    2.5e-4  # of a step in h; half of what a bound is first tried in, widened until it is enough
+)
 
 
 class Programs(NamedTuple):
@@ -490,7 +492,7 @@ def _bound_lines(
     does not shrink there, and its knots are given.
     """
     h, drift = tube.h, np.zeros(known.dev_lo.size)
-    strips = np.full(2, FIRST_STRIP)
+    strips = np.full(2, FIRST_STRIP * (h[0] - h[1]))
     checked = 0
     for k in range(h.size - 1):
         starts = h[k] > band

@@ -30,7 +30,10 @@ MOST_STAGES = 25
 GUESSES = 10
 TURNS = (0.02, 0.06, 0.1)  # rad; where slopes are taken, which are a guess
 ONE = Interval.point(1.0)
-SMALL = 1e-5  # m/rad; the same
+# What a length, and a creep per turn, are changed by where slopes are taken, of the part's width: far below
+# what curves, far above what is rounded.
+SMALL, SMALL_CREEP = 1.0 / 84_000.0, 1.0 / 84.0
+SMALL_ANGLE = 1e-8  # rad; the same
 BOXES = 16
 FINE_BOXES = 256  # for what adds up over the stages
 TOUCHES = 8  # parts of the range of turns in which the slide at the touch is enclosed
@@ -226,7 +229,7 @@ PART_OF_CREEP = {
 
 def _told(box: dict[str, Interval], friction: Interval, of: Relations) -> dict[str, Interval]:
     """With a guess of how the creep per turn depends on the angle and on constants, on average."""
-    at = {**box, "tau": Interval.point(-friction.mid)}
+    at, width = {**box, "tau": Interval.point(-friction.mid)}, _width(box)
 
     def changed(name: str, small: float, turned: float) -> tuple[float, float]:
         """Of the creep and of the place of the first contact, per what is changed."""
@@ -239,11 +242,14 @@ def _told(box: dict[str, Interval], friction: Interval, of: Relations) -> dict[s
         return creep, first
 
     def mean(name: str) -> tuple[float, float]:
-        creeps, firsts = zip(*(changed(name, 1e-8, turned) for turned in TURNS), strict=True)
+        creeps, firsts = zip(
+            *(changed(name, SMALL * width, turned) for turned in TURNS), strict=True
+        )
         return sum(creeps) / len(TURNS), firsts[0]
 
     # more creep per turn moves the contact by itself times the turn
-    by_place = sum(changed("creep", SMALL, turned)[0] / turned for turned in TURNS) / len(TURNS)
+    small = SMALL_CREEP * width
+    by_place = sum(changed("creep", small, turned)[0] / turned for turned in TURNS) / len(TURNS)
     slopes = {"first_p": by_place}
     for name, part in PART_OF_CREEP.items():
         creep, first = mean(part)
@@ -255,6 +261,11 @@ def _told(box: dict[str, Interval], friction: Interval, of: Relations) -> dict[s
     by_angle, _ = changed("turned", halfway, halfway)
     upright = Interval.point(HALF_PI.mid)
     return {**box, **found, "by_angle": Interval.point(by_angle), "upright": upright}
+
+
+def _width(box: Mapping[str, Interval]) -> float:
+    """Of the part between the two edges, m."""
+    return box["depth"].mid + box["depth_far"].mid
 
 
 def _values(of: Bounded, box: Mapping[str, Interval]) -> list[float]:
@@ -314,13 +325,15 @@ def _slopes(of: Bounded, box: Mapping[str, Interval]) -> Callable[[str, str], fl
     """Slopes there, by divided differences: what follows is a guess."""
 
     def slope(result: str, name: str) -> float:
-        small = 1e-8  # m or rad: far below what curves, far above what is rounded
+        small = SMALL_ANGLE if name in ANGLES else SMALL * _width(box)
         ends = [_at_middle(of, box, **{name: side})[result] for side in (small, -small)]
         return (ends[0] - ends[1]) / (2.0 * small)
 
     return slope
 
 
+ANGLES = ("theta", "turned", "kappa_far")
+"""Parameters that are angles; all others here are lengths."""
 PART_OF_CONSTANT = {
     "d_D": "depth", "d_S": "depth_far", "r_D": "radius_lower", "r_S": "radius_passive",
     "kappa": "kappa_far", "drag_a": "drag_a", "drag_n": "drag_n",
