@@ -45,7 +45,20 @@ _SWAPPED = {
 
 
 def premise_of(task: Task, premise: Premise) -> Premise:
-    """What stands for a premise of schema 1 in the certificate of a task."""
+    """What stands for a premise of schema 1 in the certificate of a task.
+
+    Parameters
+    ----------
+    task
+        Its schema and what it states decide.
+    premise
+        One of ``SCHEMA_1``.
+
+    Returns
+    -------
+    Premise
+        The same for a task of schema 1.
+    """
     if task.schema_ == POINT_TIPS:
         return premise
     if premise is Premise.COULOMB_FRICTION and task.uncertainty.friction_common:

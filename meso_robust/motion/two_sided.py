@@ -415,7 +415,20 @@ def parameters_of(grip: Grip, labels: Mapping[str, Interval]) -> dict[str, Inter
 
 
 def rate_at(grip: Grip, h: float, q: float) -> float:
-    """The slide's rate in the middle of all that is known, in plain numbers; a guess."""
+    """The slide's rate in the middle of all that is known, in plain numbers; a guess.
+
+    Parameters
+    ----------
+    grip
+        What is known.
+    h, q
+        Distance of the tips along the travel and the slide, m.
+
+    Returns
+    -------
+    float
+        dq/d(travel).
+    """
     box = grip.box()
     formulas = _formulas(_exact(box), grip.common)
     at = np.array([h, q, *(box[name].mid for name in formulas.inputs[2:])])

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from meso_robust.certificates.chain import certify
-from meso_robust.certificates.document import ObligationDocument, StepDocument, name_of
+from meso_robust.certificates.document import STATED, ObligationDocument, StepDocument, name_of
 from meso_robust.certificates.words import derivation_words, inequality_words, words
 from meso_robust.pipeline import Planned
 from meso_robust.primitives.setup import setup_of
@@ -65,12 +65,15 @@ Ideal = Mapping[tuple[int, str], float]
 
 
 def _without_errors(result: Planned) -> Ideal:
-    """Lower bound of every inequality, by move and name, where no uncertainty is left."""
+    """Lower bound of every inequality, by move and name, where no uncertainty is left.
+
+    As it would be stated in a certificate: what is compared with it is stated in one.
+    """
     steps = certify(result.found.rules, setup_of(result.task, 0.0)).steps
     found = [(index, item) for index, step in enumerate(steps) for item in step.obligations]
     times = Counter((index, item.name.key) for index, item in found)
     return {
-        (index, item.name.key): item.proof.lower
+        (index, item.name.key): STATED * item.proof.lower
         for index, item in found
         if times[index, item.name.key] == 1  # else it is not said which of them is meant
     }

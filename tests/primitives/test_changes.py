@@ -129,7 +129,8 @@ BREAKS: dict[str, tuple[int, dict[str, Any], str]] = {
     "passive tip in contact": (ROTATE, {"rule": passive(x=15)}, "tip_free_at_start/passive"),
     "tilt without travel": (TILT, {"rule": shifted(end=225)}, "tip_reaches_part"),
     "straighten too short": (STRAIGHTEN, {"rule": shifted(end=40)}, "second_tip_touches"),
-    "to goal too short": (TO_GOAL, {"rule": shifted(end=150)}, "second_tip_touches"),
+    # of 400 simulated runs from corners of the box all end against both tips at 420 um, 398 at 440 um
+    "to goal too short": (TO_GOAL, {"rule": shifted(end=440)}, "second_tip_touches"),
     "rotate too far": (ROTATE, {"rule": shifted(end=-60)}, "both_tips_on_edges"),
     "tilt far off the middle": (TILT, {"rule": shifted(y=60)}, SLIPS),
     "tilt off the edge": (TILT, {"rule": shifted(y=520)}, "tip_on_edge"),

@@ -124,8 +124,10 @@ def test_the_answer_counts_what_is_proved(refuted: Planned) -> None:
 
 
 def test_a_final_box_outside_the_goal_is_told_by_how_far(proved: Planned) -> None:
-    goal = proved.setup.goal
-    narrow = replace(goal, y=replace(goal.y, lo=-30e-6))
+    goal, end = proved.setup.goal, proved.chain.end
+    assert end is not None
+    lowest = end.y.lo + 12e-6
+    narrow = replace(goal, y=replace(goal.y, lo=lowest))
     setup = replace(proved.setup, goal=narrow)
     chain = replace(proved.chain, setup=setup)
     from meso_robust.certificates.document import undecided_document
@@ -139,11 +141,8 @@ def test_a_final_box_outside_the_goal_is_told_by_how_far(proved: Planned) -> Non
     )
     found = answer(replace(proved, setup=setup, chain=chain, certificate=certificate)).open
     assert found is not None
-    assert chain.end is not None
-    outside_um = (-30e-6 - chain.end.y.lo) * 1e6
     said = float(found.how.split("leaves the goal by ")[1].split(" µm in y;")[0])
-    assert outside_um > 10.0
-    assert abs(said - outside_um) <= 0.05
+    assert abs(said - 12.0) <= 0.05
     assert found.where.startswith("move 4 ")
 
 
