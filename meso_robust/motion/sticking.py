@@ -50,28 +50,6 @@ def contact_reach(angle: Interval, depth: Interval, rise: Interval) -> Interval:
     return enclose(condition("sticking_motion", "contact_reach"), box)[0]
 
 
-def arm(angle: Interval, depth: Interval, offset: Interval) -> tuple[Interval, Interval]:
-    """Where a contact lies.
-
-    Parameters
-    ----------
-    angle
-        Of the edge, rad; pi/2 stands upright to the push.
-    depth
-        Distance of the edge from the centre (d1), m.
-    offset
-        Of the contact along the edge (d2), m.
-
-    Returns
-    -------
-    tuple
-        x and y of the contact minus those of the centre, axes of the move, enclosed, m.
-    """
-    box = {"theta": angle, "d1": depth, "d2": offset}
-    x, y = enclose(condition("sticking_motion", "arm"), box)
-    return x, y
-
-
 def travel_monotone(
     path: Interval, side: int, depth: Interval, offset: Interval, ratio: Interval
 ) -> bool:

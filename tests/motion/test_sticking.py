@@ -117,10 +117,6 @@ def test_contact_point_by_geometry() -> None:
         along = x * math.cos(theta) + y * math.sin(theta)
         assert reach.lo - 1e-15 <= x <= reach.hi + 1e-15
         assert offset.lo - 1e-15 <= along <= offset.hi + 1e-15
-        sides = (Interval.point(theta), Interval.point(d), Interval.point(along))
-        found = sticking.arm(*sides)
-        assert found[0].mid == pytest.approx(x, abs=1e-15)
-        assert found[1].mid == pytest.approx(y, abs=1e-15)
 
 
 def test_a_turn_beyond_the_candidates_is_not_bounded() -> None:

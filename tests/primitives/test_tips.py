@@ -26,16 +26,13 @@ def test_a_tip_ends_where_the_corners_of_the_errors_take_it(side: int, end: Aim)
 
     tip = tip_of(rule, side, step.pre, setup)
 
-    ends, ahead = [], []
+    ahead = []
     for true, sensing, off, beta in itertools.product(
         (x.lo, x.hi), (-SENSED, SENSED), (-PROBE, PROBE), (-TILT, TILT)
     ):
         commanded = end.offset_um * 1e-6
         commanded += true + sensing if end.anchor is Anchor.PART else 0.0
         # a positive misalignment puts the upper tip ahead, towards -x
-        at = commanded + off - side * HALF * math.tan(beta)
-        ends.append(at)
-        ahead.append(at - true)
-    for found, corners in ((tip.x_end, ends), (tip.ahead_end, ahead)):
-        assert found.lo == pytest.approx(min(corners), abs=1e-15)
-        assert found.hi == pytest.approx(max(corners), abs=1e-15)
+        ahead.append(commanded + off - side * HALF * math.tan(beta) - true)
+    assert tip.ahead_end.lo == pytest.approx(min(ahead), abs=1e-15)
+    assert tip.ahead_end.hi == pytest.approx(max(ahead), abs=1e-15)
