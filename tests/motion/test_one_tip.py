@@ -185,10 +185,11 @@ def test_a_path_that_is_bent_all_the_way_turns_the_part_as_integrated(
     close(ends, "theta", pose[2], 1e-6)
 
 
-def test_a_straightening_is_that_of_two_discs() -> None:
+@pytest.mark.parametrize("part_end", [1.0, 0.0], ids=["to the part", "to the world"])
+def test_a_straightening_is_that_of_two_discs(part_end: float) -> None:
     rng, of = np.random.default_rng(8), one_tip.straighten(-1)
     for _ in range(12):
-        v = drawn(STRAIGHT, rng) | {"share": 1.0, "bend": 0.0}
+        v = drawn(STRAIGHT, rng) | {"share": 1.0, "bend": 0.0, "part_end": part_end}
         v |= {f"wander_{axis}_now": v[f"wander_{axis}"] for axis in "xy"}
         ends = at(of, v, np.pi / 2)
         length, way = plant.travel(v)

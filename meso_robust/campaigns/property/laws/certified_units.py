@@ -18,7 +18,7 @@ from meso_robust.primitives.outline import Rectangle
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.types import Floats
 
-ALIKE = 1e-6
+ALIKE = 1e-12
 """Of half the part's length, and of a radian: how far the ends of two boxes may be apart. Not of the
 coordinate itself, which may be 0 but for rounding."""
 
@@ -125,8 +125,8 @@ UNITS = Property(
         "square: the certificate has the same verdicts, and boxes and tubes times the power."
     ),
     agreement=(
-        "to a millionth of half the part's length (before boxes are widened to decimals): searches "
-        "begin at absolute lengths"
+        "to 1e-12 of half the part's length (before boxes are widened to decimals): micrometres are "
+        "rounded to metres at either length"
     ),
     examples=st.builds(InUnits, variant=variants(1.5), power=st.integers(-8, 8)),
     check=check,
