@@ -81,17 +81,12 @@ def compose(task: Task) -> Found:
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
     ways, choices = _ways(task), _choices(task)
-    for headings, scale in itertools.product(choices, IN_HAND):
-        rules = _rules(task, ways, headings, scale, clear=True)
-        if rules is not None:
-            return Found(rules=rules, scale=scale)
-    if (
-        task.slot is not None
-    ):  # one that is robust in the open shows what the walls are in the way of
-        for headings, scale in itertools.product(choices, IN_HAND):
-            rules = _rules(task, ways, headings, scale)
-            if rules is not None:
-                return Found(rules=rules, scale=scale)
+    # with a slot, one that is robust in the open shows what the walls are in the way of
+    for clear in (True,) if task.slot is None else (True, False):
+        for headings in choices:
+            found = _with_most_in_hand(task, ways, headings, clear=clear)
+            if found is not None:
+                return found
     headings = choices[-1]
     last = _rules(task, ways, headings, REDUCED[-1])
     if last is None:
@@ -136,6 +131,21 @@ def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
     ways = _ways(task)
     found = (_rules(task, ways, headings, scale, clear=True) for headings in _choices(task))
     return next((rules for rules in found if rules is not None), None)
+
+
+def _with_most_in_hand(
+    task: Task, ways: Sequence[_Way], headings: Sequence[Heading], *, clear: bool
+) -> Found | None:
+    """The plan that bears the most; where none bears the task's uncertainties none bears more."""
+    most, more, least = IN_HAND
+    rules = _rules(task, ways, headings, most, clear=clear)
+    if rules is not None:
+        return Found(rules=rules, scale=most)
+    rules = _rules(task, ways, headings, least, clear=clear)
+    if rules is None:
+        return None
+    better = _rules(task, ways, headings, more, clear=clear)
+    return Found(rules=rules, scale=least) if better is None else Found(rules=better, scale=more)
 
 
 def _choices(task: Task) -> list[Sequence[Heading]]:

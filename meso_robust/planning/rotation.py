@@ -15,7 +15,8 @@ from typing import Protocol, TypeVar
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
-from meso_robust.planning.x_translation import to_goal
+from meso_robust.planning.x_translation import to_goal, upright
+from meso_robust.primitives.frame import HEADINGS, Frame
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import certify_rotation, reach
@@ -84,7 +85,7 @@ def rotate_and_finish(
     for extra in SEPARATION_STEPS_UM:
         separation = _least_separation_um(setup) + fine(setup) * extra
         # a larger separation leaves a larger tilt, so what fails now would fail with it too
-        if finish(_at_best(separation, pre, setup)) is None:
+        if not _straightens(_at_best(separation, pre, setup), setup):
             return None
         turned = _turn(separation, pre, setup)
         if turned is not None:
@@ -92,8 +93,18 @@ def rotate_and_finish(
     return None
 
 
+def _straightens(state: PoseBox, setup: Setup) -> bool:
+    """Whether a push in some heading straightens the part, wherever it is."""
+    frames = (Frame(heading=heading) for heading in HEADINGS)
+    pushes = (
+        upright(frame.from_world(state), frame.setup(setup), step=3, primitive="x_translation")
+        for frame in frames
+    )
+    return any(push is not None for push in pushes)
+
+
 def _at_best(separation: float, pre: PoseBox, setup: Setup) -> PoseBox:
-    """Poses after the longest push of a part that slid well: what comes after it must manage these.
+    """Poses after the longest push of a part that slid well: a push after it must straighten these.
 
     A guess; the orientations are those that the errors of the separation and of the width leave.
     """

@@ -9,13 +9,12 @@ from meso_robust.bounds.interval import cos, sin
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
-    SIDES,
     Inequality,
     ObligationId,
     Which,
     about,
 )
-from meso_robust.primitives.obligation import Obligation, require, require_order
+from meso_robust.primitives.obligation import Obligation, require_order
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
 
@@ -105,18 +104,6 @@ def second_tip(side: int, setup: Setup) -> tuple[Interval, Interval]:
     return -(down * sin(beta) / cos(beta)), down
 
 
-def free_at_start(tips: tuple[Tip, ...], angle: Interval, edge: Edge) -> tuple[Obligation, ...]:
-    """Both tips stand clear of the edge's line before the move."""
-    return tuple(
-        require(
-            about(ObligationId.TIP_FREE_AT_START, tip=SIDES[tip.side]),
-            Inequality.CLEARANCE,
-            {"theta": angle, "d1": edge.depth + tip.radius, "dx": tip.ahead, "dy": tip.rise},
-        )
-        for tip in tips
-    )
-
-
 def comes_free(which: Which, end: Interval) -> Obligation:
     """A tip in contact leaves the part at once when it backs off, along +x from the edge that faces it.
 
@@ -129,19 +116,6 @@ def comes_free(which: Which, end: Interval) -> Obligation:
         sin(end),
         {"theta": end},
     )
-
-
-def on_edge(which: Which, offset: Interval, edge: Edge) -> Obligation:
-    """The contact lies between the ends of the edge."""
-    name = about(ObligationId.TIP_ON_EDGE, tip=which)
-    if edge.beyond:
-        low, high = offset - edge.first, edge.last - offset
-        margin = Interval(min(low.lo, high.lo), min(low.hi, high.hi))
-        ends = {"d2": offset, "first": edge.first, "last": edge.last}
-        return require_order(name, Inequality.BETWEEN_CORNERS, margin, ends)
-    margin = edge.half - offset.hull(-offset)
-    box = {"d2": offset, "half": edge.half}
-    return require_order(name, Inequality.WITHIN_EDGE, margin, box)
 
 
 def one_contact(path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> Box:
