@@ -8,7 +8,9 @@ from collections.abc import Iterator
 import pytest
 
 from meso_robust import pipeline
+from meso_robust.certificates.margin import margin
 from meso_robust.pipeline import Planned, make
+from meso_robust.planning.compose import compose
 from tests.browser import REQUIRED, Browser, Page, browser as started, executable, tab
 from tests.paper import paper_task as paper_task  # read from here by many tests
 from tests.plan_once import once
@@ -21,7 +23,7 @@ def _planned_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "planned"
     folder.mkdir(exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
-        for of in (pipeline.compose, pipeline.margin):
+        for of in (compose, margin):
             patch.setattr(pipeline, of.__name__, once(of, folder))
         yield
 

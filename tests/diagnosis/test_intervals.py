@@ -60,7 +60,8 @@ def fitted(jacobian: Floats, data: Floats, without: int | None = None) -> tuple[
     design[..., :2] = jacobian[kept, :, :2]
     for row, r in enumerate(kept):
         design[row, :, 2 + 3 * r : 5 + 3 * r] = jacobian[r, :, 2:]
-    solved = np.linalg.lstsq(design.reshape(-1, 2 + 3 * R), data[kept].ravel(), rcond=None)[0]
+    fit = np.linalg.lstsq(design.reshape(-1, 2 + 3 * R), data[kept].ravel(), rcond=None)[0]
+    solved = np.asarray(fit, dtype=np.float64)
     return solved[:2], data[kept] - (design @ solved)
 
 
