@@ -49,6 +49,8 @@ from meso_robust.checker.scene import Scene, direction
 
 NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 30.0, 2e-2, 1e-2
 """How closely the rates are bounded: 1/m, 1 and 1."""
+CLOSE_CREEP = 5e-3
+"""The same once they are confirmed: what creeps in the gap is how wide the start of the slide is."""
 HALVED = 3
 """How often parts of the orientations are tried, twice as many each time."""
 SLIGHT = arb("0.01")
@@ -393,7 +395,8 @@ def _approach(pair: Pair) -> Approach:
     for _ in range(GUESSES):
         found = _follows(trial)
         if _inside(found.turn, trial.turn) and _inside(found.creep, trial.creep):
-            return found
+            # what is confirmed holds, and so does what follows from it
+            return _follows(found, CLOSE_CREEP)
         trial = dataclasses.replace(found, turn=_enlarged(found.turn), creep=_enlarged(found.creep))
     raise Refused(named(Objection.COMES_TO_REST), "bounded rates", "no bound")
 
@@ -434,7 +437,7 @@ def _ratio_at(trial: Approach, point: Mapping[str, arb]) -> arb:
     return sticking.max(-mu).min(mu)
 
 
-def _follows(trial: Approach) -> Approach:
+def _follows(trial: Approach, near_creep: float = NEAR_CREEP) -> Approach:
     """Bounds of the friction ratio and the rates on the states that follow from a guess."""
     ratio = _ratio(trial)
     trial = dataclasses.replace(trial, ratio=ratio)
@@ -449,7 +452,7 @@ def _follows(trial: Approach) -> Approach:
     of = functools.partial(off_trend, "turn", trial.turn_trend)
     turn = span(of, box, within=NEAR_TURN)
     of = functools.partial(off_trend, "creep", trial.creep_trend)
-    low, high = span(of, box, within=NEAR_CREEP)
+    low, high = span(of, box, within=near_creep)
     least_mu = trial.scene.box[trial.scene.mu(ACTIVE)][0]
     if trial.creep_trend is NO_TREND:
         if ratio[1] < least_mu:  # it never slides towards +a

@@ -59,7 +59,7 @@ from meso_robust.checker.rows import (
 
 LONG, SHORT = 6e-5, 6e-6
 """m; pieces are at most and, if they are no barrier, at least about as long."""
-CUTS, HALVED = 2, 1
+CUTS, HALVED = 4, 1
 """How often a box is cut in two before a steeper slope is tried: for a closer bound, and where it is
 open which tip is slipped over which way."""
 CLOSE = 5e-5

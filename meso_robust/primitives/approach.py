@@ -19,7 +19,7 @@ import numpy as np
 from meso_robust.bounds import HALF_PI, Bounded, Interval, enclose
 from meso_robust.motion.two_sided import Grip, Start, parameters_of, rate_at
 from meso_robust.primitives.grasp import ALONE, CREEPS, LINE, Relations, on_line
-from meso_robust.primitives.names import Inequality, ObligationId, about
+from meso_robust.primitives.names import Inequality, ObligationId, Which, about
 from meso_robust.primitives.obligation import Obligation, require_order
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import ZERO, PoseBox
@@ -101,8 +101,20 @@ def approach(
         # the film yields to a push by its share of what it is stiff
         largest_force=(box["rho"] * (ONE + box["bend"]) / unique).hi,
         obligations=(
-            _stated(ObligationId.PUSHES_UNTIL_REST, Inequality.NORMAL_FORCE, pushes, box),
-            _stated(ObligationId.UNIQUE_UNTIL_REST, Inequality.ONLY_SOLUTION, unique, box),
+            *(
+                require_order(about(id_), inequality, margin * STATED, {"rho": box["rho"]})
+                for id_, inequality, margin in (
+                    (ObligationId.PUSHES_UNTIL_REST, Inequality.NORMAL_FORCE, pushes),
+                    (ObligationId.UNIQUE_UNTIL_REST, Inequality.ONLY_SOLUTION, unique),
+                )
+            ),
+            require_order(
+                about(ObligationId.TIP_ON_EDGE, tip=Which.ACTIVE),
+                Inequality.WITHIN_EDGE,
+                # a rectangle's edge: what is certain of its straight part ends alike on both sides
+                (edge.half - offset.hull(-offset)) * STATED,
+                {name: box[name] for name in ("depth", "kappa")},
+            ),
         ),
     )
 
@@ -209,13 +221,6 @@ def _margins(
         rates.append(rate if turns.lo > 0.0 else ZERO)
     rate = functools.reduce(Interval.hull, rates)
     return (rate, (pressing, least)) if least.lo > 0.0 and rate.lo > 0.0 else None
-
-
-def _stated(
-    id_: ObligationId, inequality: Inequality, margin: Interval, box: Mapping[str, Interval]
-) -> Obligation:
-    over = {"rho": box["rho"]}
-    return require_order(about(id_), inequality, margin * STATED, over)
 
 
 PART_OF_CREEP = {

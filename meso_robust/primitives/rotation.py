@@ -25,6 +25,7 @@ from meso_robust.motion.two_sided import (
     enclose_slide,
 )
 from meso_robust.primitives.approach import STATED, Touch, approach
+from meso_robust.primitives.base import base_box, free_at_start, stated
 from meso_robust.primitives.force import squeeze_below_cap
 from meso_robust.primitives.grasp import Relations, aims_of, on_line, ranges, relations
 from meso_robust.primitives.move import Anchor, MoveRule
@@ -40,14 +41,7 @@ from meso_robust.primitives.names import (
 from meso_robust.primitives.obligation import Knot, Obligation, Step, require, require_order
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import ZERO, PoseBox, Setup
-from meso_robust.primitives.tips import (
-    Tip,
-    comes_free,
-    free_at_start,
-    on_edge,
-    second_tip,
-    tip_of,
-)
+from meso_robust.primitives.tips import comes_free, second_tip
 
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
@@ -70,8 +64,6 @@ class _Move:
     edge: Edge
     far: Edge
     """The edge that the passive tip holds."""
-    tips: tuple[Tip, Tip]
-    """The active one, the idle one."""
     setup: Setup
     V: Interval
     """Distance of both tips across the travel, m."""
@@ -140,7 +132,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     if edge.beyond:
         return _step(rule, pre, None, [_undecided(ObligationId.IS_RECTANGLE)])
     move = _move(rule, pre, edge, setup)
-    obligations = _before(move, pre)
+    box = base_box(rule, pre, setup, edge)
+    obligations = [*free_at_start((-IDLE, IDLE), box, edge), *_before(move)]
     if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.ACTIVE_ABOVE_PASSIVE)])
     grip = move.grip
@@ -154,7 +147,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
         (h_start - move.h_end - Interval(0.0, h_start.width)) * STATED,
         {"h_start": h_start + Interval(-h_start.width, h_start.width), "h_end": move.h_end},
     )
-    obligations += [*touch.obligations, on_edge(Which.ACTIVE, touch.active_offset, edge), rests]
+    obligations += [*touch.obligations, rests]
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
     tube = _tube(grip, touch, move.h_end.lo, 1.0)
@@ -166,7 +159,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.END_ENCLOSED)])
     slices = _slices(move, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
-    obligations.append(comes_free(Which.BOTH, _faced(move, at_end.edge_angle)))
+    obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
     post = replace(at_end.pose, x=_roomy(at_end.pose.x), y=_roomy(at_end.pose.y))
@@ -241,7 +234,6 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
         of=of,
         edge=edge,
         far=far,
-        tips=(tip_of(rule, -1, pre, setup), tip_of(rule, IDLE, pre, setup)),
         setup=setup,
         V=V,
         room=room,
@@ -263,13 +255,11 @@ def _idle_lines(exact: frozenset[str]) -> set[str]:
     return {f"{kind}_{name}" for name, of in gone.items() if of in exact for kind in kinds}
 
 
-def _before(move: _Move, pre: PoseBox) -> list[Obligation]:
-    """What holds before any tip touches."""
+def _before(move: _Move) -> list[Obligation]:
+    """What holds of the passive tip before any touches."""
     box = move.box
-    angle = move.edge.angle(pre.theta) + move.squareness
     gap = move.first_gap * STATED
     return [
-        *free_at_start(move.tips, angle, move.edge),
         require_order(
             about(ObligationId.TIP_FREE_AT_START, tip=Which.PASSIVE),
             Inequality.CLEARANCE,
@@ -290,7 +280,12 @@ def _before(move: _Move, pre: PoseBox) -> list[Obligation]:
 
 
 def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
-    box = {"h": Interval(float(tube.h[-1]), float(tube.h[0])), "V": move.V}
+    # there is no grip beyond the first one; others may put that a little farther out
+    beyond = ROOM * float(tube.h[0])
+    box = {
+        "h": Interval(float(tube.h[-1]) - beyond, float(tube.h[0]) + beyond),
+        "V": move.V + move.box["sway"],
+    }
     done = tube.status is TubeStatus.COMPLETE
     # how far the tube came tells two failures apart; a proved obligation has nothing to tell
     why = {} if done else {"status": tube.status.name.lower()}
@@ -408,18 +403,29 @@ def _passes(
     more = box["radius_lower"] - u.tip_radius
     # the edge in which the pushed one ends faces the probe a quarter turn earlier
     half = move.setup.edge(move.edge.turn.mid).depth
-    return require(
-        about(ObligationId.IDLE_TIP_PASSES, when=when),
-        Inequality.BESIDE,
-        {
-            "theta": theta,
-            "d2": offset,
-            "half": half.hull(half + u.tip_radius + _leaning(move)),
-            "dx": x * c + y * s + short + sin(theta) * more,
-            "dy": y * c - x * s - cos(theta) * more,
-            "side": Interval.point(float(IDLE)),
-        },
-    )
+    beside = {
+        "theta": theta,
+        "d2": offset,
+        "half": half.hull(half + u.tip_radius + _leaning(move)),
+        "dx": x * c + y * s + short + sin(theta) * more,
+        "dy": y * c - x * s - cos(theta) * more,
+        "side": Interval.point(float(IDLE)),
+    }
+    about_it = about(ObligationId.IDLE_TIP_PASSES, when=when)
+    return _of_move(move, require(about_it, Inequality.BESIDE, beside))
+
+
+def _of_move(move: _Move, obligation: Obligation) -> Obligation:
+    """What was proved over enclosures, as a statement about everything that the move can be like.
+
+    Others enclose turn and slide a little differently: they are to meet the bound, not these boxes.
+    """
+    proof = obligation.proof
+    if proof.verdict is not Verdict.PROVED:
+        return obligation
+    lower = (Interval.point(proof.lower) * STATED).lo
+    over = stated({name: move.box[name] for name in ("beta", "spacing")})
+    return replace(obligation, proof=replace(proof, lower=lower, box=over))
 
 
 def _leaning(move: _Move) -> Interval:

@@ -6,20 +6,16 @@ from dataclasses import dataclass
 
 from meso_robust.bounds import Box, Interval
 from meso_robust.bounds.interval import cos, sin
-from meso_robust.conditions import values
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
-    SIDES,
     Inequality,
-    Named,
     ObligationId,
-    When,
     Which,
     about,
 )
-from meso_robust.primitives.obligation import Obligation, require, require_order
-from meso_robust.primitives.outline import Edge, Line
+from meso_robust.primitives.obligation import Obligation, require_order
+from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
 
 ZERO, HALF, ONE = Interval.point(0.0), Interval.point(0.5), Interval.point(1.0)
@@ -111,89 +107,6 @@ def second_tip(side: int, setup: Setup) -> tuple[Interval, Interval]:
     return -(down * sin(beta) / cos(beta)), down
 
 
-def passes(
-    path: Interval,
-    flight: Interval,
-    offset: Interval,
-    side: int,
-    edge: Edge,
-    setup: Setup,
-    when: When,
-) -> Obligation:
-    """While one tip is ``flight`` short of its place on the edge, the other one is clear of the part.
-
-    ``side`` is that of the other tip; it must be off the edge's line or beyond the edge's end, which
-    is the end of a rectangle. A polygon may extend further: there it must be off the line of one
-    side of the convex hull all the time.
-    """
-    dx, dy = second_tip(-side, setup)
-    name = about(ObligationId.IDLE_TIP_PASSES, when=when)
-    radius = setup.uncertainty.tip_radius
-    if edge.beyond or radius != ZERO or not setup.tolerance.exact:
-        arm_x, arm_y = sticking.arm(path, edge.depth + radius, offset)
-        lines = setup.sides(pre_theta(edge, path))
-        return _off_a_side(name, edge, lines, path, arm_x + dx + flight, arm_y + dy, radius)
-    return require(
-        name,
-        Inequality.BESIDE,
-        {
-            "theta": path,
-            "d2": offset,
-            "half": edge.half,
-            "dx": dx + flight,
-            "dy": dy,
-            "side": Interval.point(float(side)),
-        },
-    )
-
-
-def pre_theta(edge: Edge, path: Interval) -> float:
-    """An orientation at which ``edge`` faces the probe."""
-    return edge.orientation(path).mid
-
-
-def _off_a_side(
-    name: Named,
-    edge: Edge,
-    lines: tuple[Line, ...],
-    path: Interval,
-    dx: Interval,
-    dy: Interval,
-    radius: Interval,
-) -> Obligation:
-    """A tip at ``(dx, dy)`` from the centre is off the line of a side of the part's convex hull.
-
-    The side is the one that the tip is farthest off in the middle of all that can be.
-    """
-    theta = edge.orientation(path)
-    clearance = values("sticking_motion", "clearance")
-
-    def off(line: Line) -> float:
-        angle = line.angle(theta).mid
-        return float(clearance(theta=angle, d1=line.depth.mid, dx=dx.mid, dy=dy.mid)[0])
-
-    line = max(lines, key=off)
-    box = {"theta": line.angle(theta), "d1": line.depth + radius, "dx": dx, "dy": dy}
-    return require(name, Inequality.CLEARANCE, box)
-
-
-def in_flight(pusher: Tip, reach: Interval) -> Interval:
-    """How far the pushing tip is from the edge, from its start to its touch, m."""
-    return Interval(0.0, max(0.0, (pusher.ahead - reach).hi))
-
-
-def free_at_start(tips: tuple[Tip, ...], angle: Interval, edge: Edge) -> tuple[Obligation, ...]:
-    """Both tips stand clear of the edge's line before the move."""
-    return tuple(
-        require(
-            about(ObligationId.TIP_FREE_AT_START, tip=SIDES[tip.side]),
-            Inequality.CLEARANCE,
-            {"theta": angle, "d1": edge.depth + tip.radius, "dx": tip.ahead, "dy": tip.rise},
-        )
-        for tip in tips
-    )
-
-
 def comes_free(which: Which, end: Interval) -> Obligation:
     """A tip in contact leaves the part at once when it backs off, along +x from the edge that faces it.
 
@@ -206,24 +119,6 @@ def comes_free(which: Which, end: Interval) -> Obligation:
         sin(end),
         {"theta": end},
     )
-
-
-def way_back(tip: Tip) -> Interval:
-    """How far a tip is from the end of its travel while it backs off to its start, m."""
-    return Interval(0.0, max(0.0, (tip.ahead - tip.ahead_end).hi))
-
-
-def on_edge(which: Which, offset: Interval, edge: Edge) -> Obligation:
-    """The contact lies between the ends of the edge."""
-    name = about(ObligationId.TIP_ON_EDGE, tip=which)
-    if edge.beyond:
-        low, high = offset - edge.first, edge.last - offset
-        margin = Interval(min(low.lo, high.lo), min(low.hi, high.hi))
-        ends = {"d2": offset, "first": edge.first, "last": edge.last}
-        return require_order(name, Inequality.BETWEEN_CORNERS, margin, ends)
-    margin = edge.half - offset.hull(-offset)
-    box = {"d2": offset, "half": edge.half}
-    return require_order(name, Inequality.WITHIN_EDGE, margin, box)
 
 
 def one_contact(path: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> Box:

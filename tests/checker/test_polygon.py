@@ -143,7 +143,7 @@ def of_a_rectangle(one: Document) -> None:
 
 FALSE: list[tuple[str, Callable[[Document], None]]] = [
     ("tip_on_edge/pushing", larger_bound),
-    ("tip_on_edge/pushing", narrower("share")),
+    ("tip_on_edge/pushing", narrower("theta")),
     ("tip_on_edge/pushing", of_a_rectangle),
     ("idle_tip_passes/while_turning", larger_bound),
     ("idle_tip_passes/while_turning", narrower("theta")),

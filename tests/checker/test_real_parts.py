@@ -14,7 +14,11 @@ from typing import Any
 import pytest
 from flint import ctx
 
+from meso_robust.campaigns.mutation.answer import answered as answer_to
+from meso_robust.campaigns.mutation.forged_tasks import true_of
 from meso_robust.campaigns.mutation.memory import Remembered
+from meso_robust.campaigns.mutation.original import Original
+from meso_robust.campaigns.mutation.places import sealed
 from meso_robust.checker.inputs import given, uncertainties
 from meso_robust.checker.reading import digest, parse_certificate
 from meso_robust.checker.verdict import BITS, Answer, check
@@ -152,3 +156,15 @@ def test_what_is_stated_of_fewer_variables_holds_for_all_of_the_rest(document: D
     for one in every(document):
         one["over"].pop("radius_lower", None)
     assert answered(document, task()).verdict == "VERIFIED"
+
+
+def test_a_rotation_of_a_real_part_is_verified_as_it_is_proved() -> None:
+    """With everything uncertain at once; proved again, as a certificate that is kept may be old."""
+    folder = Path(__file__).resolve().parents[2] / "reports" / "campaigns" / "real_parts"
+    kept = json.loads((folder / "latch.json").read_text(encoding="utf-8"))
+    plate = Original(load_task(folder / "latch.toml"), kept)
+    proved = true_of(plate, plate.task)
+    assert proved is not None
+    assert [step["action"] for step in proved.document["steps"]].count("rotate") == 1
+    reply = answer_to(sealed(proved.document), plate.task, PROVER)
+    assert (reply.word, reply.why) == ("VERIFIED", "")

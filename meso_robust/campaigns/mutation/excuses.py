@@ -17,6 +17,7 @@ from meso_robust.campaigns.mutation.original import RUNS, Original
 from meso_robust.campaigns.mutation.places import Difference, Document, Place, at, differences
 from meso_robust.campaigns.mutation.sampled import POINTS, least, of_formula
 from meso_robust.planning.document import box_document
+from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.setup import PoseBox, setup_of
 
 UNCHECKED = {"simulation", "made_with", "reading"}
@@ -130,6 +131,9 @@ def _holds(accepted: Accepted, about: Place) -> str | None:
     if along is not None:
         held = bool(accepted.moves) and along(accepted.moves[int(about[1])]) >= bound
         return f"true along {RUNS} runs" if held else None
+    if stated["inequality"] == Inequality.FORCE:
+        held = _below_cap(accepted, about, bound)
+        return "a force that leaves as much below the cap" if held else None
     if not of_formula(stated):  # its box is of the move's own variables
         proved = proves_too(accepted.original, accepted.document, about)
         return "an inequality that the planner proves too" if proved else None
@@ -138,6 +142,16 @@ def _holds(accepted: Accepted, about: Place) -> str | None:
         return None
     held = found >= bound - ROUNDING * abs(bound) - 1e-18
     return f"true at {POINTS} points" if held else None
+
+
+def _below_cap(accepted: Accepted, about: Place, bound: float) -> bool:
+    """Whether the stated range holds all forces that the true certificate allows, and is that far below."""
+    true, stated = (
+        float.fromhex(at(document, about)["over"]["force"][1])
+        for document in (accepted.original.document, accepted.document)
+    )
+    cap = accepted.original.setup.largest_force
+    return cap is not None and true <= stated and cap.lo - stated >= bound
 
 
 # ------------------------------------------------------------------------- policy, margin, boxes

@@ -14,23 +14,21 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from meso_robust.bounds import Verdict
+from meso_robust.campaigns.mutation.forged_tasks import FORGED_TASKS, Forged
 from meso_robust.campaigns.mutation.forging import (
     chained,
     ends_of,
     keep_boxes,
-    plain,
     put_post,
     reclaimed,
+    restated,
 )
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document
-from meso_robust.certificates.chain import Chain
-from meso_robust.certificates.document import step_document
 from meso_robust.primitives.setup import setup_of
+from meso_robust.task import ROUND_TIPS
 
 Forge = Callable[[Document, Original, random.Random], Document | None]
-INVENTED = (1e-12).hex()
-"""A bound for what was never proved."""
 
 
 def _move_left_out(document: Document, original: Original, rng: random.Random) -> Document:
@@ -150,7 +148,7 @@ def _easier_task(document: Document, original: Original, rng: random.Random) -> 
     only = rng.choice((None, *original.setup.uncertainty.stated))
     easier = setup_of(original.task, rng.uniform(0.3, 0.97), only)
     chain = original.certified(document["policy"], easier)
-    return _restated(document, chain) if chain.verdict is Verdict.PROVED else None
+    return restated(document, chain) if chain.verdict is Verdict.PROVED else None
 
 
 def _false_policy(document: Document, original: Original, rng: random.Random) -> Document | None:
@@ -159,27 +157,7 @@ def _false_policy(document: Document, original: Original, rng: random.Random) ->
     aims = [key for key in sorted(rule) if isinstance(rule[key], dict)]
     rule[rng.choice(aims)]["offset_um"] += rng.choice((-1, 1)) * 10.0 ** rng.uniform(0.5, 2.5)
     chain = original.certified(document["policy"])
-    return None if chain.verdict is Verdict.PROVED else _restated(document, chain)
-
-
-def _restated(document: Document, chain: Chain) -> Document:
-    """The steps as a chain has them, for all moves, each PROVED from the task's start to its goal."""
-    old = document["steps"]
-    document["steps"] = new = [_invented(plain(step_document(step))) for step in chain.steps]
-    new += old[len(new) :]
-    new[0]["pre"], new[0]["pre_exact"] = old[0]["pre"], old[0]["pre_exact"]
-    for move, (step, before) in enumerate(zip(new, old, strict=True)):
-        missing = step["post_exact"] is None or (move + 1 == len(new) and not chain.reaches_goal)
-        put_post(document, move, ends_of((before if missing else step)["post_exact"]))
-    return document
-
-
-def _invented(step: Document) -> Document:
-    step["verdict"] = "PROVED"
-    for one in step["obligations"]:
-        if one["verdict"] != "PROVED" or one["lower_bound"] is None:
-            one["verdict"], one["lower_bound"] = "PROVED", INVENTED
-    return step
+    return None if chain.verdict is Verdict.PROVED else restated(document, chain)
 
 
 def _claim_of_less(document: Document, original: Original, rng: random.Random) -> Document | None:
@@ -191,7 +169,7 @@ def _claim_of_less(document: Document, original: Original, rng: random.Random) -
         return None
     document["claim"]["uncertainties"][only] = [side.lo.hex(), side.hi.hex()]
     chain = original.certified(document["policy"], easier)
-    return _restated(document, chain) if chain.verdict is Verdict.PROVED else None
+    return restated(document, chain) if chain.verdict is Verdict.PROVED else None
 
 
 def _another_task(document: Document, original: Original, rng: random.Random) -> Document:
@@ -293,11 +271,19 @@ FORGERIES: Mapping[str, Forge] = {
 }
 
 
-def forge(original: Original, rng: random.Random) -> tuple[str, Document]:
-    """Name of a forgery, and the forged certificate; its digest does not fit yet."""
+OF_TASKS = 0.75
+"""Share of the forgeries of a real part and tips in which the task is another one or its proof is."""
+
+
+def forge(original: Original, rng: random.Random) -> Forged:
+    """A forged certificate; its digest does not fit yet."""
     found = None
-    while found is None or found == original.document:
+    while found is None or (found.document == original.document and found.task == original.task):
+        if original.task.schema_ == ROUND_TIPS and rng.random() < OF_TASKS:
+            found = FORGED_TASKS[rng.choice(sorted(FORGED_TASKS))](original, rng)
+            continue
         name = rng.choice(sorted(FORGERIES))
-        found = FORGERIES[name](copy.deepcopy(original.document), original, rng)
-    reclaimed(found)
-    return name, found
+        document = FORGERIES[name](copy.deepcopy(original.document), original, rng)
+        found = None if document is None else Forged(name, document, original.task)
+    reclaimed(found.document)
+    return found

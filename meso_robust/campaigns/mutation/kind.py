@@ -13,18 +13,18 @@ from meso_robust.campaigns.kind import MOST_FAILURES, Failure, Kind, Part, Resul
 from meso_robust.campaigns.mutation.answer import ACCEPTED, REJECTED, answered
 from meso_robust.campaigns.mutation.changes import change
 from meso_robust.campaigns.mutation.excuses import excuse
+from meso_robust.campaigns.mutation.forged_tasks import true_of
 from meso_robust.campaigns.mutation.forgeries import forge
 from meso_robust.campaigns.mutation.given import given_certificate
 from meso_robust.campaigns.mutation.memory import Remembered
 from meso_robust.campaigns.mutation.original import Original
 from meso_robust.campaigns.mutation.places import Document, differences, sealed
+from meso_robust.campaigns.mutation.section import FORGED
 from meso_robust.campaigns.mutation.summary import UNTRUE, tell
 from meso_robust.checker.prover import PLAIN, Prover
-from meso_robust.task import parse_task
+from meso_robust.task import Task, parse_task
 from meso_robust.toml_files import toml_text
 
-FORGED = 0.25
-"""Share of the certificates that are forged with care; the others have single values changed."""
 TOLD = 6
 """Most differences reported for a certificate."""
 
@@ -45,6 +45,8 @@ class Mutant:
     names: tuple[str, ...]
     """Of the changes."""
     document: Document
+    task: Task | None = None
+    """That it is about; None: the original's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,38 +80,41 @@ def count(part: Part) -> int:
     return math.ceil(part.asked["certificates"] / part.asked["chunk"])
 
 
-def mutate(original: Original, changes: int, rng: random.Random) -> Mutant:
+def mutate(original: Original, changes: int, rng: random.Random, forged: float = FORGED) -> Mutant:
     """A certificate with some things changed.
 
     The first may be a forgery. What is changed besides is a number: of several changes of the form
     one is as good as always seen before anything is checked.
     """
-    names, document = [], original.document
-    if rng.random() < FORGED:
-        name, document = forge(original, rng)
-        names.append(name)
+    names, document, task = [], original.document, original.task
+    if rng.random() < forged:
+        forgery = forge(original, rng)
+        names, document, task = [forgery.name], forgery.document, forgery.task
     while len(names) < changes:
         name, document = change(document, rng, numbers=bool(names))
         names.append(name)
     own = document["digest"] != original.document["digest"]
-    return Mutant(tuple(names), document if own else sealed(document))
+    return Mutant(tuple(names), document if own else sealed(document), task)
 
 
 def judged(mutant: Mutant, original: Original, prover: Prover = PLAIN) -> Trial:
     """Have a certificate checked, and what is accepted judged."""
-    reply = answered(mutant.document, original.task, prover)
+    task = mutant.task or original.task
+    reply = answered(mutant.document, task, prover)
     if reply.word not in ACCEPTED:
         return Trial(mutant, reply.word, reply.why)
-    return Trial(mutant, reply.word, excuse(original, mutant.document))
+    true = original if task == original.task else true_of(original, task)
+    return Trial(mutant, reply.word, None if true is None else excuse(true, mutant.document))
 
 
 def execute(prepared: Prepared, part: Part, chunk: int) -> Result:
     """Tamper, check, and judge what is accepted."""
     rng = random.Random(f"{part.seed}:{chunk}")
     size, asked = int(part.asked["chunk"]), int(part.asked["certificates"])
+    forged = float(part.asked["forged"])
     original, prover = prepared.original, prepared.known.copy().prover
     trials = [
-        judged(mutate(original, int(part.asked["changes"]), rng), original, prover)
+        judged(mutate(original, int(part.asked["changes"]), rng, forged), original, prover)
         for _ in range(min(size, asked - chunk * size))
     ]
     missed = [one for one in trials if one.missed]
@@ -144,7 +149,7 @@ def _failure(mutant: Mutant, original: Original) -> Failure:
     changes = list(differences(original.document, mutant.document))
     told = "; ".join(one.told() for one in changes[:TOLD])
     more = f"; and {len(changes) - TOLD} more" if len(changes) > TOLD else ""
-    task = original.task.model_dump(mode="json", by_alias=True, exclude_none=True)
+    task = (mutant.task or original.task).to_dict()
     return Failure(
         what=UNTRUE,
         detail=f"{' and '.join(mutant.names)}: {told}{more}",

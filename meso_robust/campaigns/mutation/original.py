@@ -59,6 +59,16 @@ class Original:
         """What the planner proves of a policy."""
         return certify(self.rules(policy), self.setup if setup is None else setup)
 
+    def chain_of(self, task: Task) -> Chain:
+        """What the planner proves of the certificate's own moves in another task."""
+        if task.hash not in self._chains:
+            self._chains[task.hash] = self.certified(self.document["policy"], setup_of(task))
+        return self._chains[task.hash]
+
+    @cached_property
+    def _chains(self) -> dict[str, Chain]:
+        return {}
+
     def paths(self, policy: Any) -> tuple[PlanRun, Draws]:
         """Simulated runs of a policy with their paths, always the same ones."""
         return self._own_paths if policy == self.document["policy"] else self._paths(policy)

@@ -8,6 +8,9 @@ from pydantic import Field, model_validator
 
 from meso_robust.campaigns.kind import PlanSection
 
+FORGED = 0.25
+"""Share of the certificates that are forged, unless another is asked for."""
+
 
 class MutationSection(PlanSection):
     """Certificates that are tampered with: what the checker accepts must still be true."""
@@ -24,6 +27,9 @@ class MutationSection(PlanSection):
     """Certificates in a chunk: some seconds of work."""
     changes: Annotated[int, Field(ge=1, le=5)] = 1
     """Things changed at once in each."""
+    forged: Annotated[float, Field(ge=0, le=1)] = FORGED
+    """Share of the certificates that are forged with care, in all that must fit together; the others have
+    single values changed."""
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:

@@ -72,6 +72,11 @@ def put(*where: Any, value: Any) -> Change:
     return change
 
 
+def at_refused_factor(document: Document) -> None:
+    """The planner tried this factor and proved nothing; runs show no harm in it."""
+    document["margin"]["factor"] = document["margin"]["refused_at"]
+
+
 def aimed(by_um: float) -> Change:
     def change(document: Document) -> None:
         document["policy"][0]["dual_y"]["offset_um"] += by_um
@@ -100,7 +105,7 @@ TUBE = "two_sided_rotation.ends_of_edges"
         (shifted(JAM, "mu", 0.02, end=1), "true at 20000 points"),
         (shifted(TUBE, "lower_bound", 0.1), "true along 500 runs"),
         (put("margin", "factor", value=1.0), "a smaller margin"),
-        (put("margin", "factor", value=1.2103), "a factor at which 500 runs keep every claim"),
+        (at_refused_factor, "a factor at which 500 runs keep every claim"),
         (aimed(0.01), "another policy, which the planner certifies too"),
         (box(3, 0, 0, -1e-6), "a box as its exact ends read; a box that holds 500 runs"),
         (box(1, 2, 1, 1e-15), "the same to 14 digits"),
