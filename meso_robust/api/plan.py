@@ -182,7 +182,7 @@ def plan(  # every option of the verb is an argument
     simulated: 20 of 20 runs end in the goal
     margin: still proved with all uncertainties x ...
     >>> planned.margin.binding
-    'probe_position'
+    'friction'
     >>> [move.primitive for move in planned.plan.moves]
     ['y_translation', 'y_translation', 'rotation', 'x_translation']
     """
@@ -263,7 +263,7 @@ def certify(
     >>> print(mr.certify(task, bad, samples=20))
     REFUTED (point tips): paper, Section IX-E, 4 moves
     simulated: 0 of 20 runs end in the goal
-    not proved in step 4 (straighten): the second tip touches before the probe stops
+    not proved in step 4 (straighten): every final pose lies in the goal
     what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan
     """
     known = task_of(task)

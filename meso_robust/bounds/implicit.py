@@ -508,20 +508,56 @@ def _rows(of: Implicit, box: Box) -> _Rows:
 
 
 def _refuted(of: Implicit, rows: _Rows, at_middle: Floats, lower: Sequence[str]) -> bool:
-    """Whether an output is not positive at that corner where its slopes at the middle point to.
+    """Whether an output is not positive at its least corner.
 
     In plain numbers: only so that no time is spent on proofs that are bound to fail.
     """
+    corners, end = _least_corners(of, rows, at_middle, lower)
+    total = _integrals(of, corners, (end, end))
+    _, high = enclose_many(of.values, *corners.columns((end, end), total), natural=True)
+    output = [of.outputs.index(name) for name in lower]
+    return not bool((high[np.arange(len(output)), output] > 0.0).all())
+
+
+def _least_corners(
+    of: Implicit, rows: _Rows, at_middle: Floats, outputs: Sequence[str]
+) -> tuple[_Rows, Floats]:
+    """For each output the corner where its slopes at the middle point to, and the end there."""
     here = _slopes(of, rows.middles(), (at_middle, at_middle))
-    output = np.array([of.outputs.index(name) for name in lower])
+    output = np.array([of.outputs.index(name) for name in outputs])
     slopes = [part[0, output] for part in here.outputs]
     side = np.full((len(output), 1), -1)
     corners, _ = _collapsed(rows.repeated(len(output)), slopes, side)
     corners = corners.middles()
-    end = _newton(of, corners, np.repeat(at_middle, len(output)))
-    total = _integrals(of, corners, (end, end))
-    _, high = enclose_many(of.values, *corners.columns((end, end), total), natural=True)
-    return not bool((high[np.arange(len(output)), output] > 0.0).all())
+    return corners, _newton(of, corners, np.repeat(at_middle, len(output)))
+
+
+def failing_point(of: Implicit, box: Box, guess: float, outputs: Sequence[str]) -> Box | None:
+    """Find a point of a box at which an output is proved not to be positive.
+
+    Parameters
+    ----------
+    of, box, guess
+        As for `bound`.
+    outputs
+        Those that are to be positive.
+
+    Returns
+    -------
+    Box or None
+        The parameters there; None if the corners tried, one an output, show nothing.
+    """
+    rows = _rows(of, box)
+    middle = _finite_middle(of, rows, guess)
+    found = None if middle is None else _all_ends(of, rows, middle)
+    if middle is None or found is None:
+        return None
+    corners, _ = _least_corners(of, rows, middle, outputs)
+    bounds = _bounded(of, corners, *found, outputs, ())
+    for output, corner, ends in zip(outputs, corners.lo.tolist(), bounds, strict=True):
+        if ends.upper[output] <= 0.0:
+            return dict(zip(of.parameters, map(Interval.point, corner), strict=True))
+    return None
 
 
 def _all_ends(

@@ -167,18 +167,18 @@ def _rules(
     *,
     clear: bool = False,
 ) -> tuple[MoveRule, ...] | None:
-    """The first plan that is robust, with ``clear`` in front of the slot too."""
+    """The first plan that is proved with all its ways, with ``clear`` in front of the slot too."""
     setup = setup_of(task, scale, only)
     if not clear:  # proposed without a slot, or pushes that a wall is in the way of were left out
         setup = replace(setup, blocks=())
     proposed = _proposed(task, setup, ways, headings)
-    return next((rules for rules in proposed if not setup.blocks or _clear(rules, setup)), None)
+    return next((rules for rules in proposed if _proved(rules, setup)), None)
 
 
 def _proposed(
     task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading]
 ) -> Iterator[tuple[MoveRule, ...]]:
-    """Plans that are robust in the open."""
+    """Plans of which every move is proved to end where it should, in the open."""
     if len(headings) > 1:
         yield from _in_any(task, setup, ways, headings)
     for way in _forward(ways):
@@ -230,8 +230,8 @@ def _placed(steps: Sequence[Step], frame: Frame) -> tuple[MoveRule, ...]:
     return tuple(replace(step.rule, frame=frame) for step in steps)
 
 
-def _clear(rules: Sequence[MoveRule], setup: Setup) -> bool:
-    """Whether a plan that is robust in the open is so in front of the slot."""
+def _proved(rules: Sequence[MoveRule], setup: Setup) -> bool:
+    """Whether a plan is proved with the ways between the poses, which searches leave out, and the slot."""
     state: PoseBox | None = setup.start
     before: Before | None = None
     for rule in rules:

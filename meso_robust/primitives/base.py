@@ -9,7 +9,7 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.bounds import Box, Interval, Proof, Verdict, prove_positive
-from meso_robust.bounds.implicit import Ends, Implicit
+from meso_robust.bounds.implicit import Ends, Implicit, failing_point
 from meso_robust.motion import one_tip
 from meso_robust.primitives.move import Aim, Anchor, MoveRule
 from meso_robust.primitives.names import (
@@ -187,7 +187,11 @@ def off_line(id_: ObligationId, tip: int, line: Line, box: Box) -> Obligation:
 
 
 def positive(
-    wanted: Wanted, of: Implicit, box: Mapping[str, Interval], ends: Ends | None
+    wanted: Wanted,
+    of: Implicit,
+    box: Mapping[str, Interval],
+    ends: Ends | None,
+    guess: float | None = None,
 ) -> Obligation:
     """Record that outputs of a motion are proved to be positive over ``box``, or that they are not.
 
@@ -197,6 +201,9 @@ def positive(
         What is to be positive.
     of, box, ends
         The motion, its parameters, and what was proved of it; None: nothing.
+    guess
+        Where the end may be at the middle of the box, from which a point is looked for that refutes
+        what is not proved; None: it is not looked for.
 
     Returns
     -------
@@ -208,15 +215,16 @@ def positive(
     uses = np.any(of.uses[[of.outputs.index(output) for output in outputs]], axis=0)
     over = stated({of.parameters[k]: box[of.parameters[k]] for k in np.flatnonzero(uses)})
     proved = least > 0.0
+    verdict, at = Verdict.PROVED if proved else Verdict.UNKNOWN, over
+    if guess is not None and not proved:
+        point = failing_point(of, box, guess, outputs)
+        if point is not None:
+            verdict, at = Verdict.REFUTED, {key: point[key] for key in over}
+    lower = least if proved else -float("inf")
     return Obligation(
         name=name,
         inequality=inequality,
-        proof=Proof(
-            verdict=Verdict.PROVED if proved else Verdict.UNKNOWN,
-            lower=least if proved else -float("inf"),
-            boxes=1,
-            box=over,
-        ),
+        proof=Proof(verdict=verdict, lower=lower, boxes=1, box=at),
     )
 
 

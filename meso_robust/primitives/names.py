@@ -101,6 +101,8 @@ class Inequality(StrEnum):
     PAIR_FRICTION = "two_point_sticking.friction_margin"
     PAIR_FORCES = "two_point_sticking.normal_forces"
     NO_JAM = "opposite_edges.no_jam"
+    NO_JAM_OF_POINTS = "two_sided_rotation.no_jam"
+    """The same of point tips, as older certificates name it: read, and no longer written."""
     PASSIVE_FORCE = "two_sided_rotation.passive_force"
     ENDS_OF_EDGES = "two_sided_rotation.ends_of_edges"
     TRAVEL = "travel"

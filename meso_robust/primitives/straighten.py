@@ -80,7 +80,11 @@ def certify_straighten(
         )
         lighter = ends is not None and any(not ends.lower[name] > 0.0 for name in _STICKS)
         wanted = _wanted(side, edge, lighter)[0 if len(obligations) == alike else 1 :]
-        proofs = [positive(one, of, part, ends) for one in wanted]
+        # that one of two inequalities fails, of which either is enough, refutes nothing
+        guess = aligned.mid if whole else None
+        proofs = [
+            positive(one, of, part, ends, None if one[2][0] in _EITHER else guess) for one in wanted
+        ]
         obligations += proofs
         if ends is None or any(one.proof.verdict is not Verdict.PROVED for one in proofs):
             posts.append(None)

@@ -16,6 +16,7 @@ from meso_robust.bounds.implicit import (
     at_middle,
     bound,
     bound_slices,
+    failing_point,
     implicit,
 )
 
@@ -169,6 +170,18 @@ def test_what_is_bound_to_fail_is_given_up() -> None:
     kept = bound(growth(), negative, 0.6, lower=("scaled",))
     assert kept is not None
     assert kept.lower["scaled"] < 0.0
+
+
+def test_a_point_refutes_an_output_only_where_it_is_not_positive() -> None:
+    """The output c end - h is least where the end is nearest, at the end 0.524 of h = 0.5."""
+    box = {**BOX, "c": Interval.point(0.9)}
+    point = failing_point(growth(), box, 0.6, ("total", "scaled"))
+    assert point is not None
+    at = {name: side.lo for name, side in point.items()}
+    assert all(BOX[name].lo <= value <= BOX[name].hi for name, value in at.items())
+    end = end_of(*(at[name] for name in ("a", "b", "s", "h", "r")))
+    assert 0.9 * end - at["h"] < 0.0
+    assert failing_point(growth(), {**BOX, "c": Interval.point(1.0)}, 0.6, ("scaled",)) is None
 
 
 def test_ends_that_do_not_follow_a_parameter_one_way_are_all_found() -> None:

@@ -1,4 +1,4 @@
-"""Certificates of schema 1, as they were written once: still verified, and false ones rejected."""
+"""Certificates as they were written once: still verified, and false ones of schema 1 rejected."""
 
 from __future__ import annotations
 
@@ -48,6 +48,14 @@ def test_a_certificate_as_it_was_written_is_verified(name: str) -> None:
     found = check(*read_certificate(HERE / f"{name}.json", task), task, prover=PROVER)
     assert found.verdict == "VERIFIED", found.refused
     assert found.claims == claim(task, len(document_of(name)["policy"]))
+
+
+def test_a_certificate_of_schema_2_that_names_the_bound_of_point_tips_is_verified() -> None:
+    """Since tips may be round, another bound says that a grasp cannot close; the older one holds too."""
+    path, task = HERE.parent / "schema_two" / "paper.json", task_of("paper")
+    assert "two_sided_rotation.no_jam" in path.read_text(encoding="utf-8")
+    found = check(*read_certificate(path, task), task, prover=PROVER)
+    assert found.verdict == "VERIFIED", found.refused
 
 
 def test_a_changed_value_breaks_the_digest() -> None:

@@ -201,10 +201,10 @@ def test_goal_that_is_too_tight_is_not_proved(tmp_path: Path) -> None:
 def test_simulator_that_contradicts_a_proof_is_never_reported_as_proved(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from meso_robust.laboratory import running
+    from meso_robust.laboratory import making
 
     monkeypatch.setattr(
-        running, "outline", lambda setup: 0.9 * original(setup)
+        making, "outline", lambda setup: 0.9 * original(setup)
     )  # a smaller part in the simulator only
     with pytest.raises(SimulatorContradictsProofError, match="breaks a PROVED claim"):
         RUNNER.invoke(

@@ -11,13 +11,22 @@ import pytest
 
 from meso_robust.errors import InputError
 from meso_robust.laboratory.draws import draw
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import run
+from meso_robust.laboratory.simulation import player_of
 from meso_robust.laboratory.witness import read_witness
+from meso_robust.planning.plan_file import RuleDocument
+from meso_robust.primitives.setup import setup_of
 from tests.conftest import paper_task
 from tests.laboratory.paper import REPORT, paper_plan_document, paper_player
 
-FIRST = Path(__file__).parents[1] / "checker" / "schema_one" / "paper.json"
-"""The same certificate as it was written in schema 1."""
+EARLIER = Path(__file__).parents[1] / "checker"
+SOURCES = {
+    "2": REPORT / "certificate.json",
+    "2, of point tips alone": EARLIER / "schema_two" / "paper.json",
+    "1": EARLIER / "schema_one" / "paper.json",
+}
+"""Certificates of plans of the paper's task, as each kind was written."""
 
 
 def certificate(folder: Path, source: Path = REPORT / "certificate.json", **changes: Any) -> Path:
@@ -46,12 +55,16 @@ def certificate(folder: Path, source: Path = REPORT / "certificate.json", **chan
     return path
 
 
-@pytest.mark.parametrize("source", [REPORT / "certificate.json", FIRST], ids=["2", "1"])
-def test_witness_is_replayed_number_for_number(tmp_path: Path, source: Path) -> None:
-    player = paper_player()
-    path = certificate(tmp_path, source)
+@pytest.mark.parametrize("kind", SOURCES)
+def test_witness_is_replayed_number_for_number(tmp_path: Path, kind: str) -> None:
+    path = certificate(tmp_path, SOURCES[kind])
+    policy = json.loads(path.read_text(encoding="utf-8"))["policy"]
+    rules = [RuleDocument.model_validate_json(json.dumps(rule)) for rule in policy]
+    plan = paper_plan_document().model_copy(update={"policy": tuple(rules)})
+    player = player_of(plan, setup_of(paper_task()))
+    assert isinstance(player, Feedback)
 
-    row = read_witness(path, paper_task(), paper_plan_document(), player).row
+    row = read_witness(path, paper_task(), plan, player).row
     expected = draw(player.setup, 4, 3, np.random.default_rng(9))
     direct = run(player.rules, player.setup, expected)
 

@@ -136,7 +136,7 @@ def test_an_answered_box_holds_what_is_certified_from_the_pose_alone(small_polic
     for cell in kinds.values():
         pre = true_poses(cell.sensed, setup)
         for share in (0.0, 1.0, rng.random()):
-            x, y = (side.lo + share * (side.hi - side.lo) for side in (pre.x, pre.y))
+            x, y = ((1.0 - share) * side.lo + share * side.hi for side in (pre.x, pre.y))
             now = PoseBox(x=Interval.point(x), y=Interval.point(y), theta=pre.theta)
             step, _ = certify_move(cell.rule, now, setup)
             assert step.post is not None

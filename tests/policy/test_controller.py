@@ -55,7 +55,7 @@ def short_push() -> PlanController:
     return PlanController((push,), task)
 
 
-AT_START = Sensed(x_um=8.3, y_um=0.0, theta_deg=180.0)
+AT_START = Sensed(x_um=8.1, y_um=0.0, theta_deg=180.0)
 IN_GOAL = Sensed(x_um=0.1, y_um=0.0, theta_deg=180.0)
 
 
@@ -68,7 +68,7 @@ def test_the_next_part_is_pushed_though_its_pose_could_be_the_last_one_s_end(end
         assert isinstance(controller.answer(IN_GOAL), Done)
     else:
         assert isinstance(controller.answer(Sensed(x_um=5e3, y_um=0.0, theta_deg=180.0)), Refused)
-    near = Sensed(x_um=8.2, y_um=0.0, theta_deg=180.0)
+    near = Sensed(x_um=8.05, y_um=0.0, theta_deg=180.0)
 
     answer = controller.answer(near)
 
