@@ -280,7 +280,7 @@ def test_a_proof_that_knows_an_absolute_length(monkeypatch: Patch) -> None:
     def wrong(*given: Any) -> Any:
         step, before = right(*given)
         if step.post is not None:
-            wide = Interval(step.post.x.lo - 1e-18, step.post.x.hi + 1e-18)
+            wide = Interval(step.post.x.lo - 1e-12, step.post.x.hi + 1e-12)
             step = replace(step, post=replace(step.post, x=wide))
         return step, before
 
