@@ -62,11 +62,12 @@ def planned(name: str) -> tuple[Task, tuple[MoveRule, ...], Chain]:
 
 def certificate(task: Task, rules: Sequence[MoveRule], chain: Chain) -> dict[str, Any]:
     """What a certificate would say, with a margin of 1 and no simulated runs."""
+    stated = list(chain.setup.uncertainty.stated)
     margin = Margin(
         factor=1.0,
         refused=None,
-        binding=UNCERTAINTIES[0],
-        each=dict.fromkeys(UNCERTAINTIES, 1.0),
+        binding=stated[0],
+        each=dict.fromkeys(stated, 1.0),
         limit=None,
     )
     made = CertificateDocument(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -44,6 +45,14 @@ const told = (task, rules, draw) => {
 def runs_script(more: str = "") -> Script:
     """What the page runs, with ``told(task, rules, draw)``: its conditions as an object."""
     return Script(slim(str(engine()) + TOLD + more))
+
+
+def steady(draws: Draws) -> Draws:
+    """The same draws with the friction of the first moment for good: the page's does not change."""
+    if draws.tip_friction is None:
+        return draws
+    first = draws.tip_friction[:, :1, :1]
+    return replace(draws, tip_friction=np.broadcast_to(first, draws.tip_friction.shape).copy())
 
 
 def draw_of(draws: Draws, row: int, spacing: float = 580e-6, edges: int = 4) -> Json:

@@ -24,7 +24,7 @@ from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
 from tests.browser import Page
 from tests.polygons import SHIPPED, planned, values_of
-from tests.reporting.javascript import Script, draw_of, runs_script
+from tests.reporting.javascript import Script, draw_of, runs_script, steady
 from tests.reporting.test_view_page import number, said
 from tests.reporting.test_view_runs import PLAN, UNITS, how, how_simulated, largest, rules_of, told
 
@@ -46,7 +46,7 @@ def policy_of(task: Task, rules: tuple[MoveRule, ...]) -> tuple[RuleDocument, ..
 
 def agrees(script: Script, setup: Setup, policy: Any, rules: Any, count: int, seed: int) -> None:
     """The nominal run and random ones are the event engine's, which knows corners only."""
-    random = draw(setup, len(rules), count, np.random.default_rng(seed))
+    random = steady(draw(setup, len(rules), count, np.random.default_rng(seed)))
     for draws in (nominal(setup, len(rules)), random):
         runs = run(rules, setup, draws, engine="events")
         for row, shown in enumerate(told(script, setup, policy, draws)):
@@ -87,7 +87,7 @@ def test_a_mirrored_part_in_mirrored_axes(script: Script, name: str) -> None:
 def test_runs_far_outside_are_the_simulator_s_or_declined(script: Script, name: str) -> None:
     task, rules, _ = planned(name)
     setup, policy = setup_of(task), policy_of(task, rules)
-    draws = draw(setup_of(task, 5.0), len(rules), 20, np.random.default_rng(13))
+    draws = steady(draw(setup_of(task, 5.0), len(rules), 20, np.random.default_rng(13)))
     runs = run(rules, setup, draws, engine="events")
     seen: Counter[str] = Counter()
     for row, shown in enumerate(told(script, setup, policy, draws)):
@@ -104,7 +104,7 @@ def test_margins_are_above_what_the_certificate_proves(script: Script, name: str
     task, rules, chain = planned(name)
     assert chain.verdict is Verdict.PROVED
     setup = setup_of(task)
-    draws = draw(setup, len(rules), 12, np.random.default_rng(14))
+    draws = steady(draw(setup, len(rules), 12, np.random.default_rng(14)))
     closest = math.inf
     for shown in told(script, setup, policy_of(task, rules), draws):
         for move, step in zip(shown["moves"], chain.steps, strict=True):
@@ -131,7 +131,7 @@ def test_a_rectangle_told_by_its_corners_moves_the_same(script: Script) -> None:
     a, b = 808.0, 418.5
     values["part"] = {"polygon_um": [[-a, -b], [a, -b], [a, b], [-a, b]]}
     setups = [setup_of(load_task(PAPER)), setup_of(parse_task(values, "corners"))]
-    draws = draw(setups[0], 4, 5, np.random.default_rng(15))
+    draws = steady(draw(setups[0], 4, 5, np.random.default_rng(15)))
     for one, two in zip(*(told(script, s, plan.policy, draws) for s in setups), strict=True):
         assert how(one) == how(two) == "completed"
         for move, same in zip(one["moves"], two["moves"], strict=True):
