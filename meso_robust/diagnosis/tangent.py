@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm, t as student
+from scipy.stats import chi2, norm, t as student
 
 from meso_robust.identification.models import Model, Parameter
 from meso_robust.types import Flags, Floats
@@ -18,6 +18,8 @@ from meso_robust.types import Flags, Floats
 CONFIDENCE = 0.9
 """Probability with which an interval shall cover."""
 _TAIL = 0.5 * (1.0 - CONFIDENCE)
+_DISAGREE = 0.05
+"""Chance with which recordings that agree are taken to disagree, which makes intervals a little wide."""
 _RANK = 1e-8  # of the largest singular value, below which a direction is none
 _PRIOR = 4  # offsets of the tips, with a prior of their own
 
@@ -163,8 +165,8 @@ def intervals(
     """Intervals of all fitted numbers.
 
     From the curvature of the likelihood at the fit, which is right if the model is. With what is left
-    of the data, from the jackknife too, and the wider of both is taken: where every recording is a
-    little wrong in its own way, recordings disagree by more than their noise.
+    of the data, and where recordings disagree by more than their noise, from the jackknife too, and the
+    wider of both is taken: every recording is then a little wrong in its own way.
 
     Parameters
     ----------
@@ -221,7 +223,7 @@ def _jackknife(columns: Floats, rows: Floats) -> Floats:
     Returns
     -------
     Floats
-        Zero where there is but one recording. With few recordings it is rather too wide than too
+        Zero where there is but one recording, or they agree to within their noise. With few recordings it is rather too wide than too
         narrow (Tukey 1958; CR3 of MacKinnon and White 1985, doi:10.1016/0304-4076(85)90158-7).
     """
     count = len(rows)
@@ -230,6 +232,14 @@ def _jackknife(columns: Floats, rows: Floats) -> Floats:
     information = np.einsum("krm,lrm->rkl", columns, columns, optimize=True)
     scores = np.einsum("krm,rm->rk", columns, rows, optimize=True)
     whole = np.sum(information, axis=0)
+    root = _inverse(whole)
+    pulls = float(np.einsum("rk,kl,rl->", scores, root, scores, optimize=True))
+    shares = root @ information
+    freedom = float(
+        np.trace(np.sum(shares - shares @ shares, axis=0))
+    )  # mean of the pulls by noise
+    if freedom <= 0.0 or pulls <= chi2.isf(_DISAGREE, freedom):
+        return np.zeros(len(columns))
     moved = np.stack([_inverse(whole - information[r]) @ scores[r] for r in range(count)])
     variance = (count - 1) / count * np.sum((moved - moved.mean(axis=0)) ** 2, axis=0)
     return np.asarray(student.isf(_TAIL, count - 1) * np.sqrt(variance))

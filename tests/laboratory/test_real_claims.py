@@ -41,7 +41,7 @@ def farther(rule: MoveRule, start: float, end: float) -> MoveRule:
 def proved() -> Chain:
     """The paper's tilt and straightening with room for round tips and parts out of true."""
     tilt, straighten = paper_player().rules[:2]
-    rules = (farther(tilt, 60.0, 30.0), farther(straighten, 60.0, -60.0))
+    rules = (farther(tilt, 60.0, 30.0), farther(straighten, 60.0, -160.0))
     return certify(rules, setup_of(real_task(**STATED)))
 
 
