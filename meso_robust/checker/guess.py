@@ -17,8 +17,8 @@ from meso_robust.checker.grip import D, Drag, Grip, S, Sides
 
 Values = Mapping[str, Any]
 """Numbers, or arrays of one shape, by name."""
-NEAR = 1e-6
-"""m; step of a difference."""
+NEAR = 1e-3
+"""Step of a difference, of the width between the pushed edges."""
 INSTANT = ("rho", "stretch", "shear", "bend", "mu", "mu_lower", "mu_passive")
 """What may change at every instant."""
 
@@ -46,6 +46,11 @@ class Flow:
     reach: Values
     """Half the width of every range that has one."""
     side: int
+
+    @property
+    def width(self) -> float:
+        """Between the edges that are pushed, m: lengths of the search are shares of it."""
+        return float(self.middle["depth"] + self.middle["depth_far"])
 
     def corners(self) -> Values:
         """All that friction, drag and path can be at their ends."""
@@ -80,8 +85,9 @@ class Flow:
     def drift(self, h: float, at: Guess, corner: Values) -> float:
         """Change of the rate with how far the part is ahead, 1/m."""
         there = {**self.middle, **corner}
-        low, high = rate(h, at.tip, at.ahead + np.array([-NEAR, NEAR]), there)
-        return float(high - low) / (2 * NEAR)
+        step = NEAR * self.width
+        low, high = rate(h, at.tip, at.ahead + np.array([-step, step]), there)
+        return float(high - low) / (2 * step)
 
     def step(self, h: float, length: float, at: Guess, rates: Guess, corner: Values) -> Guess:
         """The barrier one step on, by the rates at its start and half way (second order)."""

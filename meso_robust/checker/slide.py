@@ -57,8 +57,9 @@ from meso_robust.checker.rows import (
     varies,
 )
 
-LONG, SHORT = 6e-5, 6e-6
-"""m; pieces are at most and, if they are no barrier, at least about as long."""
+LONG, SHORT = 7e-2, 7e-3
+"""Of the width between the pushed edges; pieces are at most and, if they are no barrier, at least about
+as long."""
 CUTS, HALVED = 4, 1
 """How often a box is cut in two before a steeper slope is tried: for a closer bound, and where it is
 open which tip is slipped over which way."""
@@ -79,8 +80,8 @@ STARTS = 5
 BOTH = (-1, 1)
 ROOM = 1e-12
 """m; between what must be held and what holds it."""
-NEAR = 1e-7
-"""m; how closely the slides at which a turn can begin are bounded."""
+NEAR = 1e-4
+"""Of the width; how closely the slides at which a turn can begin are bounded."""
 CONSTANT = (
     "V", "Z", "begun", "gap", "depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n",
     "stray",
@@ -381,7 +382,7 @@ class _Barrier:
 
     def pieces(self, top: float, landed: float, near: float, bottom: float) -> list[Curve]:
         """The whole barrier; its first piece holds every start, its last one every end."""
-        count = math.ceil((landed - near) / LONG)
+        count = math.ceil((landed - near) / (LONG * self.flow.width))
         inner = [landed + (near - landed) * k / count for k in range(count)]
         knots = [top, *inner, near, bottom]
         labels = self._labelled(knots)
@@ -391,7 +392,8 @@ class _Barrier:
             curves = self._curves(legs, spare)
             lead, missing = self._leads(curves)
             pieces = [
-                _parts(leg, more) for leg, more in zip(legs, _wanted(lead, missing), strict=True)
+                _parts(leg, more, SHORT * self.flow.width)
+                for leg, more in zip(legs, _wanted(lead, missing), strict=True)
             ]
             if not any(inner for inner in pieces):
                 break
@@ -502,9 +504,9 @@ class _Barrier:
         boxes, exact = boxes_of(start.box, 1)
         mean = start.averaged
         place = None if mean is None else boxes.names.index(mean)
-        return arb(
-            float(lowest(lambda at, _: ahead({**exact, **at}), boxes, NEAR, STARTS, mean=place)[0])
-        )
+        near = NEAR * self.flow.width
+        found = lowest(lambda at, _: ahead({**exact, **at}), boxes, near, STARTS, mean=place)
+        return arb(float(found[0]))
 
     def _curve(self, leg: _Leg) -> Curve:
         def cubic(of: Callable[[Guess], float]) -> Cubic:
@@ -526,7 +528,7 @@ class _Barrier:
 
     def _raised(self, beyond: Formula, box: Box) -> float:
         """By how much a value must be moved for ``beyond`` to be positive."""
-        return self._moved(least(beyond, box, within=NEAR))
+        return self._moved(least(beyond, box, within=NEAR * self.flow.width))
 
     def _moved(self, missing: arb) -> float:
         raised = max(-float(missing), 0.0) + ROOM
@@ -566,9 +568,9 @@ def _wanted(lead: Floats, missing: Floats) -> Floats:
     return np.where(lead > 0, 0.0, 1.05 * np.minimum(more, MOST) + LEAST)
 
 
-def _parts(leg: _Leg, more: float) -> list[float]:
-    """Where to cut a piece that would have to be steeper by so much."""
-    count = min(math.ceil(more / STEEP), math.ceil(leg.length / SHORT), MOST_PARTS)
+def _parts(leg: _Leg, more: float, short: float) -> list[float]:
+    """Where to cut a piece that would have to be steeper by so much, into none shorter than ``short``."""
+    count = min(math.ceil(more / STEEP), math.ceil(leg.length / short), MOST_PARTS)
     return [leg.first - leg.length * k / count for k in range(1, count)]
 
 

@@ -84,7 +84,7 @@ def test_two_probes_are_proved_simulated_and_checked_where_one_has_no_plan(
 
 
 def test_one_probe_is_refused_with_what_would_help(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(composing, "IN_HAND", ())  # larger errors are no easier
+    monkeypatch.setattr(composing, "_with_most_in_hand", lambda *_, **__: None)  # no easier
     start = task().start
 
     with pytest.raises(NotApplicableError, match="probes on more sides"):
