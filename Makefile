@@ -83,8 +83,7 @@ campaign: $(INSTALLED)
 
 # What takes too long for every change.
 nightly: $(INSTALLED)
-	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q tests/cli/test_terminal.py tests/cli/test_manners.py \
-	  tests/derivations/test_derive.py
+	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder
 
 # Wheel and sdist, each in a clean environment of its own: plan, certificate, check.
 package: $(INSTALLED)

@@ -17,6 +17,7 @@ from meso_robust.errors import InputError
 from meso_robust.example import copy_example
 from meso_robust.files import check_folder, write_all
 from meso_robust.tasks import PAPER
+from tests.nightly import at_night
 
 REPORTS = Path(__file__).parents[1] / "reports" / "paper_task"
 SMALL = PAPER.with_name("small.toml")
@@ -84,6 +85,7 @@ def test_a_task_may_lie_beside_results_of_other_names(own: Path) -> None:
     assert isinstance(done.exception, AssertionError)  # the work was begun
 
 
+@at_night
 def test_a_call_replaces_no_task_either(tmp_path: Path) -> None:
     shutil.copy(SMALL, tmp_path / "task.toml")
     found = mr.plan(tmp_path / "task.toml", model=MODEL, samples=1)

@@ -24,6 +24,7 @@ from meso_robust.campaigns.work import ATTEMPTS, Step, carry_out, missing
 from meso_robust.errors import InputError
 from tests.campaigns.faults import SIZE, do
 from tests.campaigns.faulty import campaign
+from tests.nightly import at_night
 
 Sums = dict[int, str]
 
@@ -150,6 +151,7 @@ def killed(folder: Path, chunks: int, rng: random.Random) -> tuple[list[int], bo
     return said, process.returncode == 0
 
 
+@at_night
 def test_killed_at_random_times_nothing_is_lost_and_nothing_counted_twice(tmp_path: Path) -> None:
     rng, chunks, kills = random.Random(11), 80, 0
     said: Counter[int] = Counter()

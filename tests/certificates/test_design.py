@@ -20,6 +20,7 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.task import load_task, with_spacing
 from meso_robust.tasks import PAPER
 from tests.conftest import paper_task as task_with
+from tests.nightly import at_night
 from tests.strategies import paper_chain, paper_task
 
 
@@ -108,6 +109,7 @@ def test_the_task_file_keeps_its_authors_text() -> None:
         with_spacing("probe = {tip_spacing_um = 580.0}\n", 557.5)
 
 
+@at_night
 def test_widest_writes_the_task_of_the_plan(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

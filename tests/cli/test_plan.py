@@ -15,6 +15,7 @@ from meso_robust.cli import app
 from meso_robust.laboratory.making import outline as original
 from meso_robust.pipeline import SimulatorContradictsProofError
 from meso_robust.tasks import PAPER
+from tests.nightly import at_night
 
 RUNNER = CliRunner()
 
@@ -184,6 +185,7 @@ def test_a_start_too_close_is_unknown_for_a_probe_on_one_side_and_proved_for_any
     assert "further from the goal" in refused.stderr
 
 
+@at_night
 def test_goal_that_is_too_tight_is_not_proved(tmp_path: Path) -> None:
     task = task_file(tmp_path, "position_tolerance_um = 76.0", "position_tolerance_um = 20.0")
     text = task.read_text(encoding="utf-8")

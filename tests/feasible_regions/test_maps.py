@@ -18,6 +18,7 @@ from meso_robust.feasible_regions.document import document
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.reporting.admissible import map_figure
 from tests.motion.sticking_reference import after
+from tests.nightly import at_night
 from tests.strategies import paper_chain, paper_task
 
 UM = 1e-6
@@ -88,6 +89,7 @@ ERRORS = tuple(
 )
 
 
+@at_night
 def test_a_certified_tilt_works_at_all_corners_and_inside(tilt: Map) -> None:
     rng = np.random.default_rng(1)
     for cell in cells(tilt, Region.CERTIFIED):
@@ -124,6 +126,7 @@ def straightens(middle: float, angle: float, error: tuple[float, ...]) -> bool:
     return 0.0 < press < SPACING and mu * math.cos(beta) > abs(math.sin(beta))
 
 
+@at_night
 def test_a_certified_straightening_works_at_all_corners_and_inside(straighten: Map) -> None:
     rng = np.random.default_rng(3)
     for cell in cells(straighten, Region.CERTIFIED):

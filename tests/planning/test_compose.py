@@ -18,6 +18,7 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import SLOT
 from tests.conftest import paper_task
+from tests.nightly import at_night
 from tests.strategies import paper_chain
 
 
@@ -84,6 +85,7 @@ def test_poses_that_no_primitive_handles(theta: float, words: str) -> None:
         compose(paper_task(start__theta_deg=theta))
 
 
+@at_night
 def test_what_would_settle_it_names_the_uncertainty_in_the_way() -> None:
     found = compose(paper_task(uncertainty__friction=[0.22, 0.46], probe__headings=["-x"]))
 
@@ -135,6 +137,7 @@ def near(one: object, other: object) -> bool:
     return one is other is None
 
 
+@at_night
 def test_a_plan_that_the_slot_forbids_says_so() -> None:
     slot = load_task(SLOT)
     assert slot.slot is not None

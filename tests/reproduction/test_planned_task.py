@@ -30,6 +30,7 @@ from meso_robust.reproduction.item import Setting
 from meso_robust.reproduction.planned_task import ITEM, sequence, with_separation
 from meso_robust.simulator import Outcome
 from tests.checker.test_check import checked
+from tests.nightly import at_night
 from tests.paper import paper_task
 from tests.polygons import certificate
 
@@ -119,6 +120,7 @@ def test_the_sequence_counts_a_tilt_and_its_straightening_once() -> None:
     )
 
 
+@at_night
 def test_the_item_says_that_the_printed_rotation_fails() -> None:
     found = ITEM.run(Setting(quick=True))
     assert found.data["in_goal"] == found.data["runs"] == 200
