@@ -71,6 +71,8 @@ def test_the_end_lies_between_its_corners_and_no_wider() -> None:
     assert found.upper["end"] == pytest.approx(most, abs=2e-5)
     assert found.end.lo <= least
     assert most <= found.end.hi
+    assert found.lower["total"] <= 0.5
+    assert found.upper["total"] >= 0.55
     assert (found.lower["total"], found.upper["total"]) == pytest.approx((0.5, 0.55), abs=2e-5)
     assert found.lower["scaled"] == pytest.approx(
         3.0 * end_of(1.0, 0.4, 0.0, 0.5, 1.05) - 0.5, abs=2e-5
@@ -158,6 +160,9 @@ def test_what_changes_between_two_integrals_moves_both() -> None:
 def test_slices_are_what_each_of_them_is_alone() -> None:
     slices = bound_slices(growth(), BOX, 0.6, "h", [(0.5, 0.525), (0.525, 0.55)], ("end",))
     assert len(slices) == 2
+    assert slices[0].lower["end"] <= end_of(1.0, 0.4, 0.0, 0.5, 1.05)
+    assert slices[0].upper["end"] >= end_of(1.2, 0.6, 0.1, 0.525, 0.95)
+    assert slices[1].upper["end"] >= end_of(1.2, 0.6, 0.1, 0.55, 0.95)
     assert slices[0].lower["end"] == pytest.approx(end_of(1.0, 0.4, 0.0, 0.5, 1.05), abs=2e-5)
     assert slices[0].upper["end"] == pytest.approx(end_of(1.2, 0.6, 0.1, 0.525, 0.95), abs=2e-5)
     assert slices[1].upper["end"] == pytest.approx(end_of(1.2, 0.6, 0.1, 0.55, 0.95), abs=2e-5)
