@@ -61,10 +61,16 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
         return chain.verdict is Verdict.PROVED
 
     names = list(setup_of(task).uncertainty.stated)
+    factor, refused = (
+        _bisect(lambda scale: proved(scale, None)) if proved(1.0, None) else (0.0, 1.0)
+    )
+
+    def alone(only: str) -> float:
+        # what is proved with all of them scaled is proved with one
+        return _bisect(lambda scale: proved(scale, only), factor)[0] if factor > 0.0 else 0.0
+
     with ThreadPoolExecutor() as pool:  # the kernels run without the interpreter's lock
-        found = list(pool.map(lambda only: _bisect(lambda f: proved(f, only)), (None, *names)))
-    factor, refused = found[0]
-    each = {name: bears for name, (bears, _) in zip(names, found[1:], strict=True)}
+        each = dict(zip(names, pool.map(alone, names), strict=True))
     binding = min(each, key=lambda name: each[name]) if factor > 0.0 else None
     return Margin(
         factor=factor,
@@ -75,11 +81,9 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
     )
 
 
-def _bisect(proved: Callable[[float], bool]) -> tuple[float, float | None]:
-    """Largest factor found at which ``proved`` holds, and the smallest at which it does not."""
-    if not proved(1.0):
-        return 0.0, 1.0
-    good, bad = 1.0, 1.25
+def _bisect(proved: Callable[[float], bool], good: float = 1.0) -> tuple[float, float | None]:
+    """Largest factor found at which ``proved`` holds, as at ``good``; the smallest at which it does not."""
+    bad = min(1.25 * good, LARGEST)
     while proved(bad):
         if bad >= LARGEST:
             return LARGEST, None

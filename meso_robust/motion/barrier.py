@@ -56,6 +56,8 @@ class Tube(NamedTuple):
 
     h: Floats
     centre: Floats
+    bend: Floats
+    """(K,) second derivative of the centre between two knots, 1/m; the parabola goes through both."""
     spread: Floats
     lower: Floats
     upper: Floats
@@ -63,12 +65,14 @@ class Tube(NamedTuple):
 
 
 class _Frame(NamedTuple):
-    """One stretch of the tube along a line."""
+    """One stretch of the tube: a parabola in the middle, lines in the parameters."""
 
     h_first: float
     h_last: float
     centre: float
     rate: float
+    """Of the chord."""
+    bend: float
     spread: Floats
     drift: Floats
 
@@ -78,6 +82,7 @@ def _hull(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> tuple[float,
     """All slides of a stretch whose s is in a range."""
     gone_hi = up(frame.h_first - frame.h_last)
     lo, hi = mul(frame.rate, frame.rate, 0.0, gone_hi)
+    lo, hi = add(lo, hi, *_sag(frame.bend, gone_hi))
     lo, hi = add(lo, hi, frame.centre, frame.centre)
     lo, hi = add(lo, hi, s_lo, s_hi)
     for i in range(frame.spread.size):
@@ -95,28 +100,50 @@ def _slope(frame: _Frame, i: int, gone_lo: float, gone_hi: float) -> tuple[float
 
 
 @njit
-def _along(frame: _Frame, dev_lo: Floats, dev_hi: Floats) -> tuple[float, float]:
-    """Rate of the line, c' + g' (p - middle), for deviations in a range."""
-    lo = hi = frame.rate
-    for i in range(frame.drift.size):
+def _sag(bend: float, reach: float) -> tuple[float, float]:
+    """Where a parabola lies beside its chord: -bend/2 x (reach - x), at most bend reach^2/8 off it."""
+    most = up(0.125 * up(reach * reach))
+    lo, hi = mul(-bend, -bend, 0.0, most)
+    return lo, hi
+
+
+@njit
+def _sag_at(frame: _Frame, gone_lo: float, gone_hi: float) -> tuple[float, float]:
+    """The same after ``gone`` of a stretch."""
+    left_lo, left_hi = down(frame.h_first - frame.h_last), up(frame.h_first - frame.h_last)
+    left_lo, left_hi = add(left_lo, left_hi, -gone_hi, -gone_lo)
+    lo, hi = mul(gone_lo, gone_hi, left_lo, left_hi)
+    return mul(lo, hi, -0.5 * frame.bend, -0.5 * frame.bend)
+
+
+@njit
+def _along(
+    frame: _Frame, gone_lo: float, gone_hi: float, dev_lo: Floats, dev_hi: Floats
+) -> tuple[float, float]:
+    """Rate of the curve, c' + g' (p - middle), after ``gone`` of a stretch, for deviations in a range."""
+    half_lo, half_hi = down(frame.h_last - frame.h_first), up(frame.h_last - frame.h_first)
+    off_lo, off_hi = add(gone_lo, gone_hi, 0.5 * half_lo, 0.5 * half_hi)
+    lo, hi = mul(off_lo, off_hi, frame.bend, frame.bend)
+    lo, hi = add(lo, hi, frame.rate, frame.rate)
+    for i in range(dev_lo.size):
         off_lo, off_hi = mul(frame.drift[i], frame.drift[i], dev_lo[i], dev_hi[i])
         lo, hi = add(lo, hi, off_lo, off_hi)
     return lo, hi
 
 
 @njit
-def _pick(d_lo: float, d_hi: float, a: float, b: float, side: int) -> tuple[float, float]:
+def _pick(d_lo: float, d_hi: float, off_lo: float, off_hi: float, side: int) -> tuple[int, float]:
     """Where a mean-value form is centred in one variable, and what the rest of its range can add.
 
-    At the end where the bound is attained, if the derivative has one sign.
+    At the end where the bound is attained, if the derivative has one sign: 0 at the lower, 2 at the
+    upper end; otherwise 1, in the middle, from which the range reaches from ``off_lo`` to ``off_hi``.
     """
     if (side == 1 and d_lo >= 0.0) or (side == 0 and d_hi <= 0.0):
-        return b, 0.0
+        return 2, 0.0
     if (side == 1 and d_hi <= 0.0) or (side == 0 and d_lo >= 0.0):
-        return a, 0.0
-    middle = 0.5 * (a + b)
-    p_lo, p_hi = mul(d_lo, d_hi, down(a - middle), up(b - middle))
-    return middle, p_hi if side == 1 else p_lo
+        return 0, 0.0
+    p_lo, p_hi = mul(d_lo, d_hi, off_lo, off_hi)
+    return 1, p_hi if side == 1 else p_lo
 
 
 @njit
@@ -124,64 +151,154 @@ def _more(total: float, part: float, side: int) -> float:
     return up(total + part) if side == 1 else down(total + part)
 
 
+class _Places(NamedTuple):
+    """Where the variables of a mean-value form may be centred: lower end, middle, upper end."""
+
+    at: Floats
+    """(inputs, 3)"""
+    off: Floats
+    """(inputs, 2): how far the range reaches from its middle."""
+    dev: Floats
+    """(P, 3, 2): constants and labels less their middles there."""
+    spread: Floats
+    """(3, P, 2): g where h is the lower end, the middle, the upper end of a stretch."""
+    spreads: Floats
+    """(P, 2): g anywhere on the stretch."""
+    centre: Floats
+    """(3, 2): c at those three."""
+    rate: Floats
+    """(3, 2): c' at those three."""
+
+
 @njit
-def _column(
+def _places(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> _Places:
+    """What all outputs have in common; the row of Q is that of s."""
+    inputs, count = known.lo.size, frame.spread.size
+    at, off = np.empty((inputs, 3)), np.empty((inputs, 2))
+    dev, spread = np.empty((count, 3, 2)), np.empty((3, count, 2))
+    spreads, centre, rate = np.empty((count, 2)), np.empty((3, 2)), np.empty((3, 2))
+    for i in range(inputs):
+        a, b = known.lo[i], known.hi[i]
+        if i == H:
+            a, b = frame.h_last, frame.h_first
+        elif i == Q:
+            a, b = s_lo, s_hi
+        middle = 0.5 * (a + b)
+        at[i, 0], at[i, 1], at[i, 2] = a, middle, b
+        off[i, 0], off[i, 1] = down(a - middle), up(b - middle)
+    for j in range(count):
+        if j < known.constants:
+            middle = at[2 + j, 1]
+            # exactly none in the middle: a denormal there would slow each product down
+            dev[j, 1] = 0.0
+            for k in (0, 2):
+                dev[j, k, 0], dev[j, k, 1] = down(at[2 + j, k] - middle), up(at[2 + j, k] - middle)
+        else:
+            lo, hi = known.dev_lo[j], known.dev_hi[j]
+            middle = 0.5 * (lo + hi)
+            dev[j, 0], dev[j, 1], dev[j, 2] = lo, middle, hi
+    whole = up(frame.h_first - frame.h_last)
+    none = np.empty(0)
+    for k in range(3):
+        gone_lo, gone_hi = down(frame.h_first - at[H, k]), up(frame.h_first - at[H, k])
+        for j in range(count):
+            spread[k, j] = _slope(frame, j, gone_lo, gone_hi)
+        lo, hi = mul(frame.rate, frame.rate, gone_lo, gone_hi)
+        lo, hi = add(lo, hi, *_sag_at(frame, gone_lo, gone_hi))
+        centre[k] = add(lo, hi, frame.centre, frame.centre)
+        rate[k] = _along(frame, gone_lo, gone_hi, none, none)
+    for j in range(count):
+        spreads[j] = _slope(frame, j, 0.0, whole)
+    return _Places(at, off, dev, spread, spreads, centre, rate)
+
+
+@njit
+def _centred(
     of: Program,
     frame: _Frame,
     known: Known,
-    s_lo: float,
-    s_hi: float,
+    places: _Places,
+    by: Floats,
     column: int,
     shifted: bool,
 ) -> tuple[float, float]:
     """Put the centre of a mean-value form into a column of the block.
 
-    Returns what the rest of the box can add, and the line's rate at the centre. The column tells the
-    output and the side. Derivatives are total ones, as the slide depends on h and on the constants.
+    ``by`` (inputs + labels, 2) are total derivatives: by h, s, the constants, what may change at every
+    instant, the labels. Returns what the rest of the box can add, and the curve's rate at the centre.
     """
-    i, side, inputs, outputs = column // 2, column % 2, known.lo.size, of.value.shape[0]
-    grad = of.slope[outputs + i * inputs : outputs + (i + 1) * inputs]
-    q_lo, q_hi = grad[Q, 0], grad[Q, 1]
-    # q falls by the line's rate where h grows
-    by_lo, by_hi = _along(frame, known.dev_lo, known.dev_hi)
-    by_lo, by_hi = mul(q_lo, q_hi, -by_hi, -by_lo)
-    by_lo, by_hi = add(grad[H, 0], grad[H, 1], by_lo, by_hi)
-    at_h, total = _pick(by_lo, by_hi, frame.h_last, frame.h_first, side)
-    at_s, part = _pick(q_lo, q_hi, s_lo, s_hi, side)
-    total = _more(total, part, side)
-    of.block_lo[H, column] = of.block_hi[H, column] = at_h
-    gone_lo, gone_hi = down(frame.h_first - at_h), up(frame.h_first - at_h)
-    here_lo, here_hi = mul(frame.rate, frame.rate, gone_lo, gone_hi)
-    here_lo, here_hi = add(here_lo, here_hi, frame.centre, frame.centre)
-    here_lo, here_hi = add(here_lo, here_hi, at_s, at_s)
-    dev_lo, dev_hi = np.empty(frame.spread.size), np.empty(frame.spread.size)
-    whole = up(frame.h_first - frame.h_last)
-    for j in range(frame.spread.size):
-        g_lo, g_hi = _slope(frame, j, 0.0, whole)
-        by_lo, by_hi = mul(q_lo, q_hi, g_lo, g_hi)
-        if shifted:
-            by_lo, by_hi = add(by_lo, by_hi, -frame.drift[j], -frame.drift[j])
-        if j < known.constants:
-            by_lo, by_hi = add(by_lo, by_hi, grad[2 + j, 0], grad[2 + j, 1])
-            a, b = known.lo[2 + j], known.hi[2 + j]
-            at, part = _pick(by_lo, by_hi, a, b, side)
-            of.block_lo[2 + j, column] = of.block_hi[2 + j, column] = at
-            middle = 0.5 * (a + b)
-            dev_lo[j], dev_hi[j] = down(at - middle), up(at - middle)
-        else:
-            at, part = _pick(by_lo, by_hi, known.dev_lo[j], known.dev_hi[j], side)
-            dev_lo[j] = dev_hi[j] = at
-        total = _more(total, part, side)
-        g_lo, g_hi = _slope(frame, j, gone_lo, gone_hi)
-        off_lo, off_hi = mul(g_lo, g_hi, dev_lo[j], dev_hi[j])
+    side, inputs, total = column % 2, known.lo.size, 0.0
+    # taken out once: a look into a tuple of arrays costs more than the sum does
+    block_lo, block_hi, drift = of.block_lo, of.block_hi, frame.drift
+    at, off, dev, spread = places.at, places.off, places.dev, places.spread
+    for i in range(inputs):
+        k, part = _pick(by[i, 0], by[i, 1], off[i, 0], off[i, 1], side)
+        if part != 0.0:
+            total = _more(total, part, side)
+        block_lo[i, column] = block_hi[i, column] = at[i, k]
+        if i == H:
+            at_h = k
+            here_lo, here_hi = places.centre[k, 0], places.centre[k, 1]
+            rate_lo, rate_hi = places.rate[k, 0], places.rate[k, 1]
+        elif i == Q:
+            here_lo, here_hi = add(here_lo, here_hi, at[i, k], at[i, k])
+        elif i < 2 + known.constants:
+            j = i - 2
+            dev_lo, dev_hi = dev[j, k, 0], dev[j, k, 1]
+            off_lo, off_hi = mul(spread[at_h, j, 0], spread[at_h, j, 1], dev_lo, dev_hi)
+            here_lo, here_hi = add(here_lo, here_hi, off_lo, off_hi)
+            if shifted:
+                off_lo, off_hi = mul(drift[j], drift[j], dev_lo, dev_hi)
+                rate_lo, rate_hi = add(rate_lo, rate_hi, off_lo, off_hi)
+    for j in range(known.constants, frame.spread.size):
+        i = inputs + j - known.constants
+        off_lo, off_hi = down(dev[j, 0, 0] - dev[j, 1, 0]), up(dev[j, 2, 0] - dev[j, 1, 0])
+        k, part = _pick(by[i, 0], by[i, 1], off_lo, off_hi, side)
+        if part != 0.0:
+            total = _more(total, part, side)
+        here = dev[j, k, 0]
+        off_lo, off_hi = mul(spread[at_h, j, 0], spread[at_h, j, 1], here, here)
         here_lo, here_hi = add(here_lo, here_hi, off_lo, off_hi)
-    for j in range(2 + known.constants, inputs):
-        at, part = _pick(grad[j, 0], grad[j, 1], known.lo[j], known.hi[j], side)
-        of.block_lo[j, column] = of.block_hi[j, column] = at
-        total = _more(total, part, side)
-    of.block_lo[Q, column], of.block_hi[Q, column] = here_lo, here_hi
-    rate_lo, rate_hi = _along(frame, dev_lo, dev_hi)
+        if shifted:
+            off_lo, off_hi = mul(drift[j], drift[j], here, here)
+            rate_lo, rate_hi = add(rate_lo, rate_hi, off_lo, off_hi)
+    block_lo[Q, column], block_hi[Q, column] = here_lo, here_hi
     return total, rate_lo if side == 1 else rate_hi
+
+
+@njit
+def _totals(
+    grad: Floats,
+    frame: _Frame,
+    known: Known,
+    places: _Places,
+    along_lo: float,
+    along_hi: float,
+    shifted: bool,
+    by: Floats,
+) -> None:
+    """Total derivatives of an output, as the slide depends on h, on the constants and on the labels."""
+    inputs = known.lo.size
+    q_lo, q_hi = grad[Q, 0], grad[Q, 1]
+    # q falls by the curve's rate where h grows, and so does that rate by its bend
+    lo, hi = mul(q_lo, q_hi, -along_hi, -along_lo)
+    lo, hi = add(grad[H, 0], grad[H, 1], lo, hi)
+    if shifted:
+        lo, hi = add(lo, hi, frame.bend, frame.bend)
+    by[H, 0], by[H, 1] = lo, hi
+    by[Q, 0], by[Q, 1] = q_lo, q_hi
+    for i in range(2 + known.constants, inputs):
+        by[i, 0], by[i, 1] = grad[i, 0], grad[i, 1]
+    for j in range(frame.spread.size):
+        lo, hi = mul(q_lo, q_hi, places.spreads[j, 0], places.spreads[j, 1])
+        if shifted:
+            lo, hi = add(lo, hi, -frame.drift[j], -frame.drift[j])
+        i = 2 + j
+        if j < known.constants:
+            lo, hi = add(lo, hi, grad[i, 0], grad[i, 1])
+        else:
+            i = inputs + j - known.constants
+        by[i, 0], by[i, 1] = lo, hi
 
 
 @njit
@@ -196,20 +313,25 @@ def _bound(
 ) -> None:
     """Bound all outputs over a stretch: fill ``bounds`` (2, outputs); a mean-value form.
 
-    The first ``shifted`` outputs are taken less the line's rate, which makes rates of q rates of s.
+    The first ``shifted`` outputs are taken less the curve's rate, which makes rates of q rates of s.
     """
+    inputs, outputs = known.lo.size, bounds.shape[1]
     box_lo, box_hi = known.lo.copy(), known.hi.copy()
     box_lo[H], box_hi[H] = frame.h_last, frame.h_first
     box_lo[Q], box_hi[Q] = _hull(frame, known, s_lo, s_hi)
     run(of.slope_code, of.slope_constant, box_lo, box_hi, of.work, of.slope)
-    all_lo, all_hi = _along(frame, known.dev_lo, known.dev_hi)
-    outputs = bounds.shape[1]
+    places = _places(frame, known, s_lo, s_hi)
+    whole = up(frame.h_first - frame.h_last)
+    all_lo, all_hi = _along(frame, 0.0, whole, known.dev_lo, known.dev_hi)
     rest, rate = np.empty(2 * outputs), np.zeros(2 * outputs)
+    by = np.empty((inputs + frame.spread.size - known.constants, 2))
     for i in range(outputs):
+        grad = of.slope[outputs + i * inputs : outputs + (i + 1) * inputs]
+        _totals(grad, frame, known, places, all_lo, all_hi, i < shifted, by)
         bounds[0, i], bounds[1, i] = of.slope[i, 0], of.slope[i, 1]
         for column in (2 * i, 2 * i + 1):
-            rest[column], by = _column(of, frame, known, s_lo, s_hi, column, i < shifted)
-            rate[column] = by if i < shifted else 0.0
+            rest[column], at = _centred(of, frame, known, places, by, column, i < shifted)
+            rate[column] = at if i < shifted else 0.0
         if i < shifted:
             bounds[0, i], bounds[1, i] = down(bounds[0, i] - all_hi), up(bounds[1, i] - all_lo)
     run_block(of.code, of.constant, of.block_lo, of.block_hi, 2 * outputs, of.block)
@@ -343,8 +465,13 @@ def _next_bound(
 
 
 @njit
-def _guess(rates: Program, at: Floats, constants: int, spread: Floats, drift: Floats) -> float:
-    """Rate of the motion with middle values, from its active mode; fills g'. Any guess is sound."""
+def _guess(
+    rates: Program, at: Floats, constants: int, spread: Floats, drift: Floats
+) -> tuple[float, float]:
+    """Rate of the motion with middle values, and what that changes by, from its active mode; fills g'.
+
+    Any guess is sound.
+    """
     run(rates.slope_code, rates.slope_constant, at, at, rates.work, rates.slope)
     value = 0.5 * (rates.slope[:ALL, 0] + rates.slope[:ALL, 1])
     high, low, between = S_STICKS, D_STICKS, DOWN_UP
@@ -365,7 +492,7 @@ def _guess(rates: Program, at: Floats, constants: int, spread: Floats, drift: Fl
         drift[j] = by_q * spread[j]
         if j < constants:
             drift[j] += 0.5 * (grad[2 + j, 0] + grad[2 + j, 1])
-    return value[mode]
+    return value[mode], by_q * value[mode] - 0.5 * (grad[H, 0] + grad[H, 1])
 
 
 @njit
@@ -391,13 +518,15 @@ def _offsets(
 
 @njit
 def _line(tube: Tube, first: int, last: int) -> _Frame:
-    """The straight line between two knots."""
+    """The curve between two knots; over more than one step, its chord."""
     reach = tube.h[first] - tube.h[last]
+    bend = tube.bend[first] if last == first + 1 else 0.0
     return _Frame(
         tube.h[first],
         tube.h[last],
         tube.centre[first],
         (tube.centre[last] - tube.centre[first]) / reach,
+        bend,
         tube.spread[first],
         (tube.spread[last] - tube.spread[first]) / reach,
     )
@@ -408,6 +537,16 @@ def _off(tube: Tube, frame: _Frame, known: Known, first: int, last: int) -> tupl
     """How far the knots from ``first`` to ``last`` can be off a line."""
     h, centre = tube.h[first : last + 1], tube.centre[first : last + 1]
     return _offsets(h, centre, tube.spread[first : last + 1], frame.rate, frame.drift, known)
+
+
+@njit
+def _most_sag(h: Floats, bend: Floats) -> tuple[float, float]:
+    """How far the centre lies off its chords between knots."""
+    low = high = 0.0
+    for k in range(bend.size):
+        lo, hi = _sag(bend[k], up(h[k] - h[k + 1]))
+        low, high = min(low, lo), max(high, hi)
+    return low, high
 
 
 @njit
@@ -428,7 +567,7 @@ def _piecewise(
     """Tighten the bounds of a state by cutting the range of q; the least of `_pressed`."""
     low, high = _hull(frame, known, s_lo, s_hi)
     none = np.zeros(frame.spread.size)
-    level = _Frame(frame.h_first, frame.h_last, 0.0, 0.0, none, none)
+    level = _Frame(frame.h_first, frame.h_last, 0.0, 0.0, 0.0, none, none)
     piece, hull = np.empty(bounds.shape), np.empty(bounds.shape)
     hull[0], hull[1] = np.inf, -np.inf
     least, start = np.inf, low
@@ -450,6 +589,9 @@ def _holds(state: Program, known: Known, ends: Floats, tube: Tube, first: int, l
     for k in range(first, last + 1):
         s_lo = min(s_lo, down(tube.lower[k] + off_lo[k - first]))
         s_hi = max(s_hi, up(tube.upper[k] + off_hi[k - first]))
+    if last > first + 1:
+        sag_lo, sag_hi = _most_sag(tube.h[first : last + 1], tube.bend[first:last])
+        s_lo, s_hi = down(s_lo + sag_lo), up(s_hi + sag_hi)
     bounds, margins = np.empty((2, STATES)), tube.margins
     _bound(state, frame, known, s_lo, s_hi, 0, bounds)
     lower, upper = bounds[0], bounds[1]
@@ -472,14 +614,15 @@ def _holds(state: Program, known: Known, ends: Floats, tube: Tube, first: int, l
 
 @njit
 def _predict(rates: Program, known: Known, tube: Tube, k: int, drift: Floats) -> bool:
-    """Fill the next knot of the line; whether that could be computed."""
+    """Fill the next knot of the curve; whether that could be computed."""
     dh, point = tube.h[k] - tube.h[k + 1], 0.5 * (known.lo + known.hi)
     point[H] = 0.5 * (tube.h[k] + tube.h[k + 1])
     point[Q] = tube.centre[k] + 0.5 * (tube.centre[k] - tube.centre[k - 1])
-    rate = _guess(rates, point, known.constants, tube.spread[k], drift)
+    rate, bend = _guess(rates, point, known.constants, tube.spread[k], drift)
+    tube.bend[k] = bend
     tube.centre[k + 1] = tube.centre[k] + rate * dh
     tube.spread[k + 1] = tube.spread[k] + drift * dh
-    return bool(np.isfinite(rate) and np.isfinite(drift).all())
+    return bool(np.isfinite(rate) and np.isfinite(bend) and np.isfinite(drift).all())
 
 
 @njit
@@ -521,7 +664,11 @@ def _bound_lines(
     return 0
 
 
-def _compiled() -> tuple[Callable[..., int], Callable[..., tuple[Floats, Floats]]]:
+def _compiled() -> tuple[
+    Callable[..., int],
+    Callable[..., tuple[Floats, Floats]],
+    Callable[..., tuple[float, float]],
+]:
     """The kernels that are called from Python, kept on disk; see ``kernels.fingerprint``."""
     key = fingerprint("bounds", "motion")
 
@@ -539,8 +686,13 @@ def _compiled() -> tuple[Callable[..., int], Callable[..., tuple[Floats, Floats]
             return centre, centre
         return _offsets(h, centre, spread, rate, drift, known)
 
-    return bound, off
+    @njit(cache=True, nogil=True)
+    def beside(h: Floats, bend: Floats) -> tuple[float, float]:
+        return _most_sag(h, bend) if key >= 0 else (-np.inf, np.inf)
+
+    return bound, off, beside
 
 
-grow, offsets = _compiled()
-"""Fill a tube, with a status of `two_sided.TubeStatus`; how far knots can be off one line."""
+grow, offsets, beside_chords = _compiled()
+"""Fill a tube, with a status of `two_sided.TubeStatus`; how far knots can be off one line; how far the
+centre can be off its chords."""

@@ -7,7 +7,7 @@ of the distance ``h`` of the tips along the push, of ``q``, of constants ``p`` (
 
     q = c(h) + sum g_i(h) (p_i - middle of p_i) + s,   lower(h) <= s <= upper(h)
 
-with ``c`` and ``g`` piecewise linear. Any ``c`` and ``g`` are sound; those of the linearised motion keep
+with ``c`` piecewise a parabola and ``g`` piecewise linear. Any ``c`` and ``g`` are sound; those of the linearised motion keep
 what is left, ``s``, narrow, although every constant is anywhere in its range. Let f+ (f-) be the supremum
 (infimum) of ds/d(travel) over all modes and parameters that are possible at (h, s). A line that rises at
 least as fast as f+ everywhere in a strip around itself cannot be crossed from below: if it were, the
@@ -42,13 +42,14 @@ from meso_robust.motion.barrier import (
     Known,
     Programs,
     Tube,
+    beside_chords,
     grow,
     offsets,
 )
 from meso_robust.types import Floats
 
-STEPS = 210  # per width of the part: about 4 um for the paper's part
-CHECKED = 4  # steps whose forces and edges are checked together: half as long, and hardly looser
+STEPS = 120  # per width of the part: about 7 um for the paper's part
+CHECKED = 3  # steps whose forces and edges are checked together: half as long, and hardly looser
 MODULE = "opposite_edges"
 CONSTANT = ("room", "d_D", "d_S", "r_D", "r_S", "kappa", "drag_a", "drag_n")
 INSTANT = ("rho", "stretch", "shear", "bend", "sway", "mu_D", "mu_S")
@@ -181,6 +182,8 @@ class Cell:
     """(K+1,) x of the moving tip minus x of the passive one, decreasing, m."""
     centre: Floats
     """(K+1,) c, m."""
+    bend: Floats
+    """(K,) c'' between two knots, 1/m."""
     spread: Floats
     """(K+1, P) g, by parameter."""
     lower: Floats
@@ -202,6 +205,7 @@ class Cell:
         off_lo, off_hi = offsets(
             self.h[used], self.centre[used], self.spread[used], rate, drift, known(self.parameters)
         )
+        sag_lo, sag_hi = beside_chords(self.h[first : last + 1], self.bend[first:last])
         return Line(
             first=float(self.h[first]),
             value=float(self.centre[first]),
@@ -211,7 +215,8 @@ class Cell:
             rest=Interval(
                 float(np.nextafter(self.lower[used] + off_lo, -np.inf).min()),
                 float(np.nextafter(self.upper[used] + off_hi, np.inf).max()),
-            ),
+            )
+            + Interval(sag_lo, sag_hi),
         )
 
 
@@ -514,6 +519,7 @@ def _cell(grip: Grip, start: Start, h_end: float, coarse: float) -> Cell:
     tube = Tube(
         h=h,
         centre=np.full(count + 1, np.nan),
+        bend=np.zeros(count),
         spread=np.full((count + 1, len(parameters)), np.nan),
         lower=np.full(count + 1, np.nan),
         upper=np.full(count + 1, np.nan),
@@ -538,6 +544,7 @@ def _cell(grip: Grip, start: Start, h_end: float, coarse: float) -> Cell:
     return Cell(
         h=h,
         centre=tube.centre,
+        bend=tube.bend,
         spread=tube.spread,
         lower=tube.lower,
         upper=tube.upper,

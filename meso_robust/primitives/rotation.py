@@ -45,7 +45,7 @@ from meso_robust.primitives.tips import comes_free, second_tip
 
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
-CELL = 1.0 / 70.0  # of the part's width: room of the tips followed together; more is looser
+CELL = 1.0 / 90.0  # of the part's width: room of the tips followed together; more is looser
 COARSE = 2.0  # longer steps where each tip has its own coefficient of friction: four times the work
 AT_END = 4096  # boxes for the pose at the end
 ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013

@@ -178,3 +178,13 @@ def test_constants_are_bracketed(ends: tuple[float, float], value: object) -> No
     exact = EXACT.pi / 2 if ends is ia.HALF_PI else EXACT.ln2
     assert EXACT.mpf(ends[0]) < exact < EXACT.mpf(ends[1])
     assert math.nextafter(ends[0], math.inf) == ends[1]
+
+
+@pytest.mark.parametrize("other", [(-3.0, 2.0), (5e-324, 1e300), (0.0, 0.0)])
+def test_a_product_with_exactly_zero_is_exactly_zero(other: tuple[float, float]) -> None:
+    assert ia.mul(0.0, 0.0, *other) == (0.0, 0.0)
+    assert ia.mul(*other, 0.0, 0.0) == (0.0, 0.0)
+    assert ia.mul(0.0, 0.0, other[0], math.inf) == (-math.inf, math.inf)
+    # a product that is lost is not one
+    low, high = ia.mul(5e-324, 5e-324, 5e-324, 5e-324)
+    assert low <= 0.0 < high
