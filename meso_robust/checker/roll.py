@@ -118,7 +118,8 @@ def _times(one: arb, other: arb) -> arb:
 
 def _rough(values: State, travel: arb, side: int) -> arb:
     """Some bounds of the turn: all rates up to them take no motion out of them."""
-    most = _steepness(values, arb(0)) * abs(travel).upper()
+    # not zero where nothing is travelled: what is found must lie inside
+    most = _steepness(values, arb(0)) * abs(travel).upper() + LEAST
     for _ in range(DOUBLINGS):
         turned = arb(0).union(most * side) if travel > 0 else most * arb(0, 1)
         rate = 1 / _integrand(*_at(values, turned))

@@ -234,3 +234,18 @@ def test_slopes_of_a_turn_hold_its_differences(side: int) -> None:
                 float(end) for end in (needed.slopes[str(k)].lower(), needed.slopes[str(k)].upper())
             )
             assert low - 1e-4 * abs(against) <= against <= high + 1e-4 * abs(against), k
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_tip_that_has_not_gone_on_has_not_turned_the_part(side: int) -> None:
+    """Whatever the state is within a box: the first pose of a turn is bounded as any other."""
+    state = [1.57, 418.5e-6, side * 335e-6, 12.5e-6, 0.377e-6, 0.0, 0.0, 0.0]
+    reach = [0.004, 0.0, 4e-6, 0.0, 2e-8, 0.0, 0.0, 0.0]
+    box = [
+        Dual(arb(middle, room), {str(k): arb(1)})
+        for k, (middle, room) in enumerate(zip(state, reach, strict=True))
+    ]
+    turned = turn_of(box, Dual(arb(0)), side)
+    assert turned.value.is_finite()
+    assert abs(float(turned.value)) < 1e-8
+    assert float(abs(turned.value).upper()) < 1e-8
