@@ -302,9 +302,7 @@ class Bench:
 
     def radii(self, order: Order) -> Floats:
         """(1|N, P) m."""
-        if self.draws.radii is None:
-            return np.zeros((1, order.names.shape[-1]))
-        return _of_names(self.draws.radii, order.names)
+        return drawn_radii(self.draws, order)
 
     def friction(self, k: int, order: Order) -> Floats:
         """(N, 1, 1) of all tips in the whole move, or (N, L, P) of each in each leg."""
@@ -328,6 +326,26 @@ class Bench:
             fixture=walls(self.setup),
         )
         return push_all(push, self.engine, record)
+
+
+def drawn_radii(draws: Draws, order: Order) -> Floats:
+    """Radii of the tips that make a move.
+
+    Parameters
+    ----------
+    draws
+        What was drawn.
+    order
+        The move.
+
+    Returns
+    -------
+    Floats
+        (1|N, P) m.
+    """
+    if draws.radii is None:
+        return np.zeros((1, order.names.shape[-1]))
+    return _of_names(draws.radii, order.names)
 
 
 def _of_names(values: Floats, names: npt.NDArray[np.int64]) -> Floats:

@@ -41,7 +41,7 @@ COLOURS = dict(zip(SUPPORTS, (CERTIFIED, MISS, OPEN), strict=True))
 
 @pictured(
     "task",
-    "The task of Fig. 1 to scale: the part from A into the slot (B), which is 137 µm wider.",
+    "The task of Fig. 1 to scale: the part from A into the slot (B), which is 139 µm wider.",
     "The part before and in the slot",
 )
 def task_figure() -> Drawing:
@@ -64,7 +64,7 @@ def task_figure() -> Drawing:
     _size(axes, (poses["A"][:2] / units.UM) + [500.0, -808.0], (0.0, 1616.0), "1616 µm")
     width = float(task.slot.width_um if task.slot else 0.0)
     _size(axes, np.array([380.0, -0.5 * width]), (0.0, width), f"{width:g} µm")
-    room = np.array([[4400.0, -1000.0]])  # for the sizes
+    room = np.array([[3060.0, -1000.0]])  # for the sizes
     points = [walls, room, *(corners(pose, body) for pose in poses.values())]
     fit_equal(axes, np.concatenate(points), 0.04)
     return picture

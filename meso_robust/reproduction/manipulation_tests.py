@@ -65,7 +65,7 @@ def run(setting: Setting) -> Found:
         rows=(*_set_up(pushes, turns), *_symmetry(turns), *_outcomes(turns), *_doubts(turns)),
         missing=(
             "Start and end of the part in Fig. 1 (configurations A and B): those of the planned task "
-            "of Section X-C, with the start 3400 um away so that the push into the slot is straight.",
+            "of Section X-C.",
             "Where at the corner the tip meets in A, E, F and H: 25 um inwards; the rows show "
             f"{MARGINS[0] / units.UM:g} to {MARGINS[-1] / units.UM:g} um.",
             "Shape of the tip: round, of the printed width of 25 um; a row shows a flat one.",

@@ -28,6 +28,7 @@ from meso_robust.laboratory.running import (
     Which,
     by_rules,
     carry_out,
+    drawn_radii,
     excess,
     rectangle,
     there_and_back,
@@ -36,7 +37,7 @@ from meso_robust.laboratory.running import (
 )
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.simulator import Outcome, Point, Push, Round, simulate
+from meso_robust.simulator import Outcome, Push, simulate
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.geometry import outlines, radii, tracked_of_reference
 from meso_robust.simulator.observation import observe
@@ -85,11 +86,12 @@ class _Laboratory:
     clock: float = 0.0
     """s since the start; drifting probes and cameras go by it from move to move."""
 
-    @property
-    def tip(self) -> Round | Point:
-        """The tips that the recordings state; a commanded place is that of a tip's centre."""
-        radius = 0.0 if self.document.probe is None else self.document.probe.tip_radius_um
-        return Round(units.UM * radius) if radius > 0.0 else Point()
+    def stated_radii(self, order: Order) -> Floats:
+        """(1|N, P) of tips as the recordings state them, else as the task does, m."""
+        if self.document.probe is not None and self.document.probe.tip_radius_um > 0.0:
+            radius = units.UM * self.document.probe.tip_radius_um
+            return np.full((1, order.names.shape[-1]), radius)
+        return drawn_radii(self.draws, order)
 
     def physics(self, runs: Which = slice(None)) -> Physics:
         """The physics of some."""
@@ -126,14 +128,14 @@ class _Laboratory:
 
     def radii(self, order: Order) -> Floats:
         """(1|N, P) of tips as the model has them, m."""
-        stated = np.full(order.names.shape[-1], self.tip.radius)
-        return radii(stated, self.physics().effects.table)
+        return radii(self.stated_radii(order), self.physics().effects.table)
 
     def push(
         self, k: int, order: Order, runs: Which, poses: Floats, ways: Floats, record: int
     ) -> Pushed:
         """The move, and what the stage does to the parts until the next one."""
-        push = _push(poses, ways, runs, self)
+        stated = self.stated_radii(order)
+        push = _push(poses, ways, runs, self, stated[runs] if len(stated) > 1 else stated)
         pushed = push_all(push, "stepper", record)
         self.clock += float(push.times[:, -1].max()) + HANDLING_S
         done = pushed.outcomes == Outcome.COMPLETED
@@ -228,7 +230,7 @@ def _start(lab: _Laboratory) -> Floats:
     return true
 
 
-def _push(poses: Floats, ways: Floats, runs: Which, lab: _Laboratory) -> Push:
+def _push(poses: Floats, ways: Floats, runs: Which, lab: _Laboratory, stated: Floats) -> Push:
     physics = lab.physics(runs)
     felt = physics.effects.without(_MECHANICS)
     pulled = felt.is_on(*PULL_SLOTS)
@@ -241,7 +243,7 @@ def _push(poses: Floats, ways: Floats, runs: Which, lab: _Laboratory) -> Push:
         friction=physics.friction,
         support=physics.support,
         effects=felt,
-        shapes=(lab.tip,) * ways.shape[2],
+        radii=stated,
         fixture=walls(lab.setup),
         step=_MENISCUS_STEP if pulled else STEP,
     )

@@ -37,9 +37,9 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
 from meso_robust.toml_files import toml_text
 from tests.checker.test_check import checked, objection, reclaimed
-from tests.checker.test_walls import slot_task
 from tests.checker.test_witness import witness
 from tests.conftest import paper_task
+from tests.slot import point_slot
 from tests.turned import FRAMES, turned_rules, turned_task
 
 Document = dict[str, Any]
@@ -210,8 +210,8 @@ def test_a_probe_that_starts_inside_the_part_is_found(frame: Frame) -> None:
 @pytest.mark.parametrize(("depth", "meets"), [(1130.0, False), (1095.0, True)])
 def test_a_part_that_runs_into_a_wall_is_found(depth: float, meets: bool) -> None:
     """The end of the slot is put 13 um before the place where the part's end comes to rest."""
-    task = slot_task(depth_um=depth)
-    rules, setup = compose(slot_task()).rules, setup_of(task)
+    task = point_slot(depth_um=depth)
+    rules, setup = compose(point_slot()).rules, setup_of(task)
     draws = nominal(setup, len(rules))
     told = fate(task, rules, draws, 0)
     player = Feedback(rules=rules, setup=setup)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -38,9 +37,9 @@ from meso_robust.checker.walls import apart
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import goal_document, plan_document
 from meso_robust.primitives.setup import setup_of
-from meso_robust.task import Slot, Task, parse_task
-from meso_robust.tasks import PAPER
+from meso_robust.task import Slot, Task, load_task
 from tests.checker.test_check import checked, relisted
+from tests.slot import SLOT, point_slot
 
 Document = dict[str, Any]
 
@@ -51,21 +50,14 @@ def _as_the_checker_computes() -> Iterator[None]:
         yield
 
 
-def slot_task(**changes: Any) -> Task:
-    """The task with the slot, which may be another one."""
-    values = tomllib.loads(PAPER.with_name("slot.toml").read_text(encoding="utf-8"))
-    values["slot"].update(changes)
-    return parse_task(values, "slot task")
-
-
 @cache
-def certificate() -> str:
-    """A certificate of the task with the slot; a margin of 1 saves the search of a wider one."""
-    task = slot_task()
+def certificate(task: Task) -> str:
+    """A certificate of a task with the slot; a margin of 1 saves the search of a wider one."""
     rules = compose(task).rules
     setup = setup_of(task)
     chain = certify(rules, setup)
-    margin = Margin(factor=1.0, refused=None, binding=ALWAYS_STATED[0], each=dict.fromkeys(ALWAYS_STATED, 1.0), limit=None)  # fmt: skip
+    each = dict.fromkeys(setup.uncertainty.stated, 1.0)
+    margin = Margin(factor=1.0, refused=None, binding=next(iter(each)), each=each, limit=None)
     none = (0.0, 0.0, 0.0)
     return CertificateDocument(
         verdict=chain.verdict.word,
@@ -90,13 +82,13 @@ def certificate() -> str:
 
 @pytest.fixture
 def slot_document() -> Document:
-    found: Document = json.loads(certificate())
+    found: Document = json.loads(certificate(point_slot()))
     return found
 
 
 def answer(document: Document, **changes: Any) -> Answer:
     """The answer for another slot, with all that names the task made to fit."""
-    task = slot_task(**changes)
+    task = point_slot(**changes)
     return checked(document, task)
 
 
@@ -117,6 +109,19 @@ def test_the_slot_tasks_certificate_is_verified(slot_document: Document) -> None
     found = answer(slot_document)
     assert found.verdict == "VERIFIED"
     assert found.claims.endswith("neither the part nor a tip touches the slot's walls.")
+
+
+def test_round_tips_bring_the_part_into_the_shipped_slot_from_close_by() -> None:
+    """It would lean in the mouth if it were straightened there: it is pushed back first."""
+    task = load_task(SLOT)
+    document = json.loads(certificate(task))
+    assert "+x" in {rule["heading"] for rule in document["policy"]}
+    found = checked(document, task)
+    assert found.verdict == "VERIFIED"
+    assert found.claims.endswith("neither the part nor a tip touches the slot's walls.")
+    narrow = task.slot.model_copy(update={"width_um": 850.0}) if task.slot else None
+    other = task.model_copy(update={"slot": narrow})
+    assert refusal(checked(document, other)) == "part_clear_of_walls"
 
 
 @pytest.mark.parametrize(
@@ -180,7 +185,7 @@ def test_a_distance_of_a_box_elsewhere_is_rejected(slot_document: Document) -> N
 
 @pytest.mark.parametrize("opens", ["+x", "-x", "+y", "-y"])
 def test_the_walls_are_those_of_the_task(opens: str) -> None:
-    task = slot_task(opens=opens, mouth_y_um=70.0)
+    task = point_slot(opens=opens, mouth_y_um=70.0)
     assert isinstance(task.slot, Slot)
     blocks = given(task).blocks
     ends = [[float(end) * 1e6 for side in block for end in side] for block in blocks]
@@ -198,7 +203,7 @@ def test_the_walls_are_those_of_the_task(opens: str) -> None:
 
 def test_what_is_apart_has_no_common_point() -> None:
     """Against points all over the part: none may lie in a wall, and few far parts stay undecided."""
-    known, rng = given(slot_task()), np.random.default_rng(1)
+    known, rng = given(point_slot()), np.random.default_rng(1)
     a, b = (float(side) for side in known.outline.hull[-1])
     own = np.array(np.meshgrid(np.linspace(-a, a, 41), np.linspace(-b, b, 41))).reshape(2, -1)
     decided = 0
@@ -221,7 +226,7 @@ def test_what_is_apart_has_no_common_point() -> None:
 
 
 def test_a_box_with_one_pose_in_a_wall_is_not_apart() -> None:
-    known = given(slot_task())
+    known = given(point_slot())
     inside: Box = {"x": (arb(0), arb(0)), "y": (arb(-1e-5), arb(1e-5)), "theta": (arb(-0.01), arb(0.01))}  # fmt: skip
     assert all(apart(inside, block, known) for block in known.blocks)
     wider = {**inside, "y": (arb(-1e-5), arb(7e-5))}
@@ -230,7 +235,7 @@ def test_a_box_with_one_pose_in_a_wall_is_not_apart() -> None:
 
 def sweeps(document: Document) -> Iterator[tuple[Scene, Sweep]]:
     """All stages of all moves."""
-    task = slot_task()
+    task = point_slot()
     certificate_ = CertificateDocument.model_validate(document)
     for rule, step in zip(certificate_.policy, certificate_.steps, strict=True):
         pre = numbers.box(step.pre_exact, place("pre"))  # type: ignore[arg-type]

@@ -149,18 +149,3 @@ def test_a_plan_that_the_slot_forbids_says_so() -> None:
     assert found.scale >= 1.0
     assert found.settled_by == about(Remedy.LEAVE_SLOT)
     assert certify(found.rules, setup_of(task)).verdict is Verdict.UNKNOWN
-
-
-def test_a_part_that_would_lean_in_the_mouth_is_pushed_back_first() -> None:
-    """From the paper's own start there is no room to straighten it in front of the slot."""
-    slot = load_task(SLOT)
-    assert slot.slot is not None
-    task = slot.model_copy(
-        update={
-            "start": slot.start.model_copy(update={"x_um": 2060.4}),
-            "slot": slot.slot.model_copy(update={"width_um": 976.0}),
-        }
-    )
-    found = compose(task)
-    assert certify(found.rules, setup_of(task)).verdict is Verdict.PROVED
-    assert "+x" in {rule.frame.heading for rule in found.rules}

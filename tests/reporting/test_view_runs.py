@@ -29,10 +29,10 @@ from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
 from tests.conftest import paper_task
 from tests.reporting.javascript import Script, draw_of, runs_script
+from tests.slot import point_slot
 from tests.test_task_real import values
 
 PLAN = Path(__file__).parents[2] / "reports" / "paper_task" / "plan.json"
-SLOT = PAPER.parent / "slot.toml"  # the planner finds the same policy for it
 AGREES_UM = 1e-5  # measured: 8e-7 um and 2e-10 rad
 AGREES_RAD = 1e-8
 UNITS = {"um": 1e6, "um²": 1e12, "": 1.0}
@@ -163,7 +163,7 @@ def test_a_page_carries_the_formulas_that_it_calls_and_no_others() -> None:
 
 
 @pytest.mark.parametrize(
-    ("task", "count"), [(load_task(PAPER), 50), (load_task(SLOT), 20)], ids=["paper", "slot"]
+    ("task", "count"), [(load_task(PAPER), 50), (point_slot(), 20)], ids=["paper", "slot"]
 )
 def test_runs_within_the_box_are_those_of_the_simulator(
     script: Script, plan: PlanDocument, task: Task, count: int
@@ -216,7 +216,7 @@ def test_what_the_closed_forms_leave_out_is_said_and_not_guessed(
 
 def test_a_wall_ends_the_run(script: Script, plan: PlanDocument) -> None:
     """From the paper's own start the peg still leans in the mouth of the slot and jams there."""
-    near = load_task(SLOT)
+    near = point_slot()
     task = near.model_copy(update={"start": near.start.model_copy(update={"x_um": 2060.4})})
     setup = setup_of(task)
     draws = nominal(setup, 4)
@@ -337,7 +337,7 @@ def test_real_probes_and_parts_move_as_in_the_simulator(
 # -- the margins -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("task", [load_task(PAPER), load_task(SLOT)], ids=["paper", "slot"])
+@pytest.mark.parametrize("task", [load_task(PAPER), point_slot()], ids=["paper", "slot"])
 def test_margins_are_above_what_the_certificate_proves(
     script: Script, plan: PlanDocument, task: Task
 ) -> None:

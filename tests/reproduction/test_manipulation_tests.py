@@ -74,6 +74,6 @@ def test_rows_stand_beside_the_print(found: Found) -> None:
 
 def test_the_pictures_name_sizes_and_tests(found: Found) -> None:
     task, tests = (figure.svg for figure in found.figures)
-    for words in ("974", "837", "1616"):
+    for words in ("976", "837", "1616"):
         assert words in task
     assert all(f">{name}<" in tests for name in TESTS)

@@ -93,7 +93,7 @@ def test_adhesion_is_unknown_with_its_premise_and_size_and_runs_as_evidence() ->
     assert told.verdict == certificate.verdict == "UNKNOWN"
     assert certificate.undecided is not None
     assert certificate.undecided.reason.about == {
-        "premise": Premise.COULOMB_FRICTION,
+        "premise": Premise.COULOMB_EACH_TIP,
         "effect": "tip_adhesion",
     }
     assert certificate.undecided.settled_by.about["effect"] == "tip_adhesion"
@@ -128,8 +128,9 @@ def test_two_tips_drag_the_part_along_until_both_menisci_break(pull: float) -> N
     travel = np.broadcast_to([-20.0 * UM, 0.0], tips.shape)
 
     ways = np.stack([tips, tips + travel], axis=1)
-    left = running._push(poses, ways, slice(None), laboratory(adhering(0.0)))
-    held = running._push(poses, ways, slice(None), lab)
+    points = np.zeros((1, 2))
+    left = running._push(poses, ways, slice(None), laboratory(adhering(0.0)), points)
+    held = running._push(poses, ways, slice(None), lab, points)
     free, drawn = simulate(left).poses[0], simulate(held).poses[0]
 
     # pushed by 20 um less the way to the edge, 90 - 155.4 / 2

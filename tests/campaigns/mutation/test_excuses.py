@@ -25,8 +25,8 @@ from meso_robust.laboratory.draws import nominal
 from meso_robust.laboratory.engines import NOT_RECORDED
 from meso_robust.laboratory.running import MoveRun
 from meso_robust.primitives.setup import setup_of
-from tests.checker.test_walls import slot_task
 from tests.conftest import paper_task
+from tests.slot import point_slot
 
 Change = Callable[[Document], None]
 
@@ -224,7 +224,7 @@ def test_what_is_left_of_a_travel() -> None:
 
 def test_distances_from_the_walls_of_a_slot() -> None:
     """A slot 1000 um wide along x, its mouth at the origin, 2500 um deep; a part of 1616 x 837 um."""
-    task = slot_task(
+    task = point_slot(
         mouth_x_um=0.0, mouth_y_um=0.0, opens="+x", width_um=1000.0, depth_um=2500.0, wall_um=300.0
     )
     setup = setup_of(task)
@@ -243,7 +243,7 @@ def test_distances_from_the_walls_of_a_slot() -> None:
 
 @pytest.mark.parametrize(("theta", "gap_um"), [(0.0, 1000.0 - 418.5), (np.pi / 2, 1000.0 - 808.0)])
 def test_the_distance_of_a_part_that_stands_or_lies(theta: float, gap_um: float) -> None:
-    task = slot_task(
+    task = point_slot(
         mouth_x_um=0.0, mouth_y_um=0.0, opens="+x", width_um=2000.0, depth_um=4000.0, wall_um=300.0
     )
     setup = setup_of(task)
