@@ -152,7 +152,7 @@ def test_the_radius_of_the_recordings_is_part_of_the_promise(
     command, done = result(walk, "--model diagnosis")
     told = tuple(line for line in command.shown if "round tips" in line)
 
-    assert len(told) == 3
+    assert len(told) == 2
     assert missing(told, done.stdout) == []
     assert "12.5 µm" in told[0]
     assert ": 50 of 50 runs end in the goal" in done.stdout
