@@ -22,6 +22,7 @@ from meso_robust.errors import InputError
 if TYPE_CHECKING:
     from meso_robust.live.journal import Header, Turn
     from meso_robust.live.lab_file import Lab
+    from meso_robust.live.page import View
     from meso_robust.live.run_document import RunDocument
     from meso_robust.task import Task
 
@@ -215,6 +216,24 @@ def run(  # what a user may choose
         task=stated,
         inputs=files_of(task, plan, *([] if lab == VIRTUAL else [lab])),
     )
+
+
+def view_of(task: Task | StrPath, plan: StrPath, lab: StrPath, seed: int) -> View:
+    """What the live page shows of a run, before it begins.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, or a value breaks a rule.
+    """
+    stated = task_of(task)
+    given, _, _ = lab_given(stated, Path(plan), lab, seed)
+    from meso_robust.laboratory.making import outline
+    from meso_robust.live.page import View
+    from meso_robust.live.preflight import trust_of
+    from meso_robust.primitives.setup import setup_of
+
+    return View(given, trust_of(stated), outline(setup_of(stated)))
 
 
 def lab_given(task: Task, plan: Path | None, lab: StrPath, seed: int) -> tuple[Lab, Path, str]:

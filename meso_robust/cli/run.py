@@ -5,12 +5,20 @@ from __future__ import annotations
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meso_robust.api.run import DRAFT, JOURNAL, Ran, Repeated, replay as replay_call, run as call
-from meso_robust.cli.console import negative
+from meso_robust.api.run import (
+    DRAFT,
+    JOURNAL,
+    Ran,
+    Repeated,
+    replay as replay_call,
+    run as call,
+    view_of,
+)
+from meso_robust.cli.console import negative, note
 from meso_robust.cli.verb import Run, verb
 from meso_robust.errors import NotApplicableError
 
@@ -23,6 +31,10 @@ def run(
     run: Run,
     yes: Annotated[
         bool, typer.Option("--yes", help="Make every move without asking first.")
+    ] = False,
+    page: Annotated[
+        bool,
+        typer.Option("--page", help="Show the run on a page of this machine, with a stop button."),
     ] = False,
     replay: Annotated[
         Path | None,
@@ -39,14 +51,28 @@ def run(
             task, plan = run.given["task"], run.given["plan"]
             return replay_call(task, plan, replay, progress=run.say)
         run.check_folder(["run.json", JOURNAL, DRAFT])
-        from meso_robust.live.session import Attendance
-
-        asked = not yes and not run.given["dry_run"]
-        attendance = Attendance(ask=_ask if asked else None)
-        result: Ran = run.result(folder=run.out, attendance=attendance)
+        given = {name: run.given[name] for name in ("task", "plan", "lab", "seed")}
+        result = _carried_out(run, None if yes or run.given["dry_run"] else _ask, page, given)
     except NotApplicableError as error:
         negative(error)
     result.save(run.out)
+    return result
+
+
+def _carried_out(run: Run, ask: Any, page: bool, given: dict[str, Any]) -> Ran:
+    from meso_robust.live.session import Attendance
+
+    result: Ran
+    if not page:
+        result = run.result(folder=run.out, attendance=Attendance(ask=ask))
+        return result
+    from meso_robust.live.page import served
+
+    view = view_of(**given)
+    attendance = Attendance(ask=ask, show=view.show)
+    with served(view.shown, attendance.words) as address:
+        note(f"the run is shown at {address}")
+        result = run.result(folder=run.out, attendance=attendance)
     return result
 
 

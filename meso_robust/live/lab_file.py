@@ -143,6 +143,8 @@ class VirtualSection(_Section):
     """What goes wrong, and when, s; see `meso_robust/live/virtual.py`."""
     part: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = None
     """x_um, y_um, theta_deg of the part; left out: drawn from the task's start."""
+    hidden: bool = False
+    """Whether axes and offsets truly differ from those that this file states, for `calibrate` to find."""
     frame_rate_hz: Positive = 30.0
     """Of the camera, Hz."""
     paced: bool = False

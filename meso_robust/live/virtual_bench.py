@@ -37,6 +37,8 @@ KEPT = 0.9
 little before it is."""
 UNPACED = 60_000.0
 """ms from a frame to its commands: unless it is paced, the laboratory's time stands still meanwhile."""
+AWAY = (1e5, 1e5, 0.0)
+"""Of the part while manipulators are calibrated: not on the slide."""
 _TURNS = {"-x": 0.0, "+x": 180.0, "-y": 90.0, "+y": 270.0}
 """deg by which a heading's probe is turned from that of -x."""
 
@@ -142,6 +144,63 @@ def _camera(task: Task) -> CameraSection:
     )
 
 
+def uncalibrated_lab(task: Task, seed: int) -> Lab:
+    """A virtual laboratory whose file is a little wrong about its manipulators, as one by hand is.
+
+    Parameters
+    ----------
+    task, seed
+        The task, and what is drawn.
+
+    Returns
+    -------
+    Lab
+        `hidden` makes what is true of it.
+    """
+    lab = lab_of(task, "-x", VirtualSection(seed=seed, part=AWAY))
+    return lab.model_copy(update={"virtual": lab.virtual.model_copy(update={"hidden": True})})
+
+
+def hidden(of: ManipulatorSection, rng: np.random.Generator) -> ManipulatorSection:
+    """A manipulator as it is where its file is a little wrong.
+
+    Parameters
+    ----------
+    of
+        As its file states it.
+    rng
+        Of what is drawn.
+
+    Returns
+    -------
+    ManipulatorSection
+        Turned by up to 0.3 deg, longer or shorter by up to 0.3 %, its axes not quite square, its tips up
+        to 10 um elsewhere.
+    """
+    turn, skew = rng.uniform(-0.3, 0.3) * DEG, rng.uniform(-0.1, 0.1) * DEG
+    scale = 1.0 + rng.uniform(-0.003, 0.003, 2)
+    c, s = math.cos(turn), math.sin(turn)
+    true = np.array([[c, -s], [s, c]]) @ np.array([[1.0, skew], [0.0, 1.0]]) @ np.diag(scale)
+    axes = true @ np.array(of.axes)
+    shift = rng.uniform(-10.0, 10.0, 2)
+    middle = 0.5 * (np.array(of.low_um) + np.array(of.high_um))
+    # the tips are where they are expected at the middle of the image, but for the shift
+    shift = shift - (axes - np.array(of.axes)) @ middle
+    tips = tuple(
+        tip.model_copy(
+            update={
+                "offset_um": (
+                    tip.offset_um[0] + float(shift[0]),
+                    tip.offset_um[1] + float(shift[1]),
+                )
+            }
+        )
+        for tip in of.tips
+    )
+    rows = ((float(axes[0, 0]), float(axes[0, 1])), (float(axes[1, 0]), float(axes[1, 1])))
+    return of.model_copy(update={"axes": rows, "tips": tips})
+
+
 def laboratory_of(task: Task, lab: Lab, corner: bool = False) -> VirtualLaboratory:
     """A virtual laboratory, everything uncertain in it drawn from what the task allows.
 
@@ -167,6 +226,10 @@ def laboratory_of(task: Task, lab: Lab, corner: bool = False) -> VirtualLaborato
         if stated is None
         else np.array([stated[0], stated[1], stated[2] * DEG])
     )
+
+    def true(one: ManipulatorSection) -> ManipulatorSection:
+        return hidden(one, rng) if lab.virtual.hidden else one
+
     friction = draws.tip_friction[0, 0, 0] if draws.tip_friction is not None else None
     mu = {
         tip.name: float(draws.friction[0] if friction is None else friction[_index(tip.name)])
@@ -178,7 +241,7 @@ def laboratory_of(task: Task, lab: Lab, corner: bool = False) -> VirtualLaborato
         pose=pose,
         film_ratio=float(draws.film_ratio[0]) / UM**2,
         friction=mu,
-        manipulators={one.name: _true(one, draws) for one in lab.manipulators},
+        manipulators={one.name: true(_true(one, draws)) for one in lab.manipulators},
         placing={one.name: _placing(one, draws) for one in lab.manipulators},
         turning={one.name: _turning(draws) for one in lab.manipulators},
         world=_world(draws, setup, world_of(lab.virtual.effects)),
