@@ -38,6 +38,7 @@ MAY_IMPORT = {
     "live": {
         *BELOW_PLANNING,
         "planning",
+        "identification",
         "laboratory",
         "microscope",
         "plant",

@@ -20,10 +20,12 @@ from meso_robust.api.result import Result
 from meso_robust.errors import InputError
 
 if TYPE_CHECKING:
+    from meso_robust.live.conductor import Decide
     from meso_robust.live.journal import Header, Turn
     from meso_robust.live.lab_file import Lab
     from meso_robust.live.page import View
     from meso_robust.live.run_document import RunDocument
+    from meso_robust.recordings import RecordingSet
     from meso_robust.task import Task
 
 VIRTUAL = "virtual"
@@ -43,12 +45,15 @@ class Ran(Result):
         Its journal.
     task
         What was carried out.
+    names
+        Files of the recordings, if an experiment names them.
     """
 
     document: RunDocument
     header: Header
     turns: list[Turn]
     task: Task
+    names: tuple[str, ...] = ()
 
     @property
     def positive(self) -> bool:
@@ -78,13 +83,19 @@ class Ran(Result):
             )
         return "\n".join(lines)
 
-    def files(self) -> dict[str, str]:
-        """The texts of all result files by name: ``run.json`` and the recordings of the pushes."""
+    def recordings(self) -> RecordingSet | None:
+        """The pushes as a recording set; None if nothing was pushed."""
         from meso_robust.laboratory.filming import recorded_part
         from meso_robust.live.recorder import recordings_of
+
+        part = recorded_part(self.task.part)
+        return recordings_of(self.header, self.turns, part, self.names)
+
+    def files(self) -> dict[str, str]:
+        """The texts of all result files by name: ``run.json`` and the recordings of the pushes."""
         from meso_robust.recordings.writing import set_files
 
-        made = recordings_of(self.header, self.turns, recorded_part(self.task.part))
+        made = self.recordings()
         pushes = {} if made is None else set_files(made)
         return {
             "run.json": self.text(),
@@ -150,7 +161,7 @@ def run(  # what a user may choose
     task
         The task, or the name of its file.
     plan
-        Plan (``plan.json``) or policy (``policy.json``) for it.
+        Plan (``plan.json``) or policy (``policy.json``) for it, or pushes (``experiment.json``).
     lab
         The laboratory (``lab.toml``), or ``virtual``: the built-in one.
     dry_run
@@ -182,7 +193,7 @@ def run(  # what a user may choose
     from meso_robust.live.preflight import check_lab, trust_of
 
     check_lab(stated, given, source)
-    driver = drive(stated, plan, progress=progress)
+    decide, names = _decider(stated, Path(plan), given, progress)
     from meso_robust.live.journal import Header
 
     header = Header(
@@ -201,7 +212,7 @@ def run(  # what a user may choose
         document, turns = carried_through(
             stated,
             header,
-            driver.answer,
+            decide,
             beside,
             None if folder is None else Path(folder) / DRAFT,
             attendance,
@@ -214,8 +225,20 @@ def run(  # what a user may choose
         header=header,
         turns=turns,
         task=stated,
+        names=tuple(names),
         inputs=files_of(task, plan, *([] if lab == VIRTUAL else [lab])),
     )
+
+
+def _decider(task: Task, plan: Path, lab: Lab, progress: Progress) -> tuple[Decide, list[str]]:
+    """What answers sensed poses, and the files of the recordings that it names meanwhile."""
+    from meso_robust.live.designed import SCHEMA, Designed, read_experiment
+    from meso_robust.planning.reading import read_text
+
+    if f'"{SCHEMA}' not in read_text(plan):
+        return drive(task, plan, progress=progress).answer, []
+    designed = Designed(read_experiment(plan), lab)
+    return designed.answer, designed.files
 
 
 def view_of(task: Task | StrPath, plan: StrPath, lab: StrPath, seed: int) -> View:
@@ -287,8 +310,8 @@ def replay(
     plan_hash = hashlib.sha256(Path(plan).read_bytes()).hexdigest()
     if (header.task_hash, header.plan_hash) != (stated.hash, plan_hash):
         raise InputError(f"{journal}: is of another task or plan; give those that the run had")
-    driver = drive(stated, plan, progress=progress)
-    differs = replayed(header, turns, driver.answer)
+    decide, _ = _decider(stated, Path(plan), header.lab, progress)
+    differs = replayed(header, turns, decide)
     if differs is not None:
         raise InputError(
             f"{journal}: line {differs + 1} was not decided so from its readings; the file was changed, "

@@ -20,15 +20,28 @@ from meso_robust.api.run import (
 )
 from meso_robust.cli.console import negative, note
 from meso_robust.cli.verb import Run, verb
-from meso_robust.errors import NotApplicableError
+from meso_robust.errors import InputError, NotApplicableError
 
 if TYPE_CHECKING:
+    from meso_robust.api.explore import Explored
     from meso_robust.live.loop import Words
 
 
 @verb(call, out="meso-robust-run", document="run.json")
 def run(
     run: Run,
+    plan: Annotated[
+        Path | None,
+        typer.Argument(
+            help="Plan (plan.json) or policy (policy.json) for it; none with --experiment."
+        ),
+    ] = None,
+    experiment: Annotated[
+        Path | None,
+        typer.Option(
+            help="Make these pushes (experiment.json), then identify, diagnose and plan again."
+        ),
+    ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", help="Make every move without asking first.")
     ] = False,
@@ -40,39 +53,47 @@ def run(
         Path | None,
         typer.Option(help="Decide again from the readings of this journal, and compare."),
     ] = None,
-) -> Ran | Repeated:
+) -> Ran | Repeated | Explored:
     """Carry out a certified plan at the microscope: see the part, make the next move, see again.
 
     Each move waits for a yes, unless --yes. Ctrl-C stops everything and lifts the probes. A pose that cannot
     be trusted, or from which nothing is proved, is never acted on.
     """
+    followed = experiment if plan is None else plan
+    if followed is None or (plan is not None and experiment is not None):
+        raise InputError("PLAN: give either a plan.json or policy.json, or --experiment FILE")
     try:
         if replay is not None:
-            task, plan = run.given["task"], run.given["plan"]
-            return replay_call(task, plan, replay, progress=run.say)
-        run.check_folder(["run.json", JOURNAL, DRAFT])
-        given = {name: run.given[name] for name in ("task", "plan", "lab", "seed")}
-        result = _carried_out(run, None if yes or run.given["dry_run"] else _ask, page, given)
+            return replay_call(run.given["task"], followed, replay, progress=run.say)
+        run.check_folder(["run.json", JOURNAL, DRAFT], [followed])
+        ask = None if yes or run.given["dry_run"] else _ask
+        ran = _carried_out(run, ask, page, followed)
+        result: Ran | Explored = ran
+        if experiment is not None and not run.given["dry_run"]:
+            from meso_robust.api.explore import explored
+
+            result = explored(run.given["task"], ran, run.out, run.given["seed"], run.say)
     except NotApplicableError as error:
         negative(error)
     result.save(run.out)
     return result
 
 
-def _carried_out(run: Run, ask: Any, page: bool, given: dict[str, Any]) -> Ran:
+def _carried_out(run: Run, ask: Any, page: bool, plan: Path) -> Ran:
     from meso_robust.live.session import Attendance
 
     result: Ran
     if not page:
-        result = run.result(folder=run.out, attendance=Attendance(ask=ask))
+        result = run.result(plan=plan, folder=run.out, attendance=Attendance(ask=ask))
         return result
     from meso_robust.live.page import served
 
-    view = view_of(**given)
+    given = {name: run.given[name] for name in ("task", "lab", "seed")}
+    view = view_of(plan=plan, **given)
     attendance = Attendance(ask=ask, show=view.show)
     with served(view.shown, attendance.words) as address:
         note(f"the run is shown at {address}")
-        result = run.result(folder=run.out, attendance=attendance)
+        result = run.result(plan=plan, folder=run.out, attendance=attendance)
     return result
 
 
