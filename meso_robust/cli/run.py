@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from meso_robust.api.result import Result
 from meso_robust.api.run import (
     DRAFT,
     JOURNAL,
     Ran,
-    Repeated,
     replay as replay_call,
     run as call,
     view_of,
@@ -23,7 +23,6 @@ from meso_robust.cli.verb import Run, verb
 from meso_robust.errors import InputError, NotApplicableError
 
 if TYPE_CHECKING:
-    from meso_robust.api.explore import Explored
     from meso_robust.live.loop import Words
 
 
@@ -53,7 +52,7 @@ def run(
         Path | None,
         typer.Option(help="Decide again from the readings of this journal, and compare."),
     ] = None,
-) -> Ran | Repeated | Explored:
+) -> Result:
     """Carry out a certified plan at the microscope: see the part, make the next move, see again.
 
     Each move waits for a yes, unless --yes. Ctrl-C stops everything and lifts the probes. A pose that cannot
@@ -68,7 +67,7 @@ def run(
         run.check_folder(["run.json", JOURNAL, DRAFT], [followed])
         ask = None if yes or run.given["dry_run"] else _ask
         ran = _carried_out(run, ask, page, followed)
-        result: Ran | Explored = ran
+        result: Result = ran
         if experiment is not None and not run.given["dry_run"]:
             from meso_robust.api.explore import explored
 

@@ -37,6 +37,9 @@ KEPT = 0.9
 little before it is."""
 UNPACED = 60_000.0
 """ms from a frame to its commands: unless it is paced, the laboratory's time stands still meanwhile."""
+LAID = 0.6
+"""Of the start's box in which the part is laid: a plan's certified starts are those of poses as they are
+sensed, and the camera errs too."""
 AWAY = (1e5, 1e5, 0.0)
 """Of the part while manipulators are calibrated: not on the slide."""
 _TURNS = {"-x": 0.0, "+x": 180.0, "-y": 90.0, "+y": 270.0}
@@ -221,11 +224,9 @@ def laboratory_of(task: Task, lab: Lab, corner: bool = False) -> VirtualLaborato
     two = draw(setup, MOVES, 2, rng)
     draws: Draws = some(two, np.array([1 if corner else 0]))
     stated = lab.virtual.part
-    pose = (
-        np.array([draws.start[0, 0] / UM, draws.start[0, 1] / UM, draws.start[0, 2]])
-        if stated is None
-        else np.array([stated[0], stated[1], stated[2] * DEG])
-    )
+    middle = np.array(setup.start.mid)
+    laid = (middle + LAID * (draws.start[0] - middle)) / np.array([UM, UM, 1.0])
+    pose = laid if stated is None else np.array([stated[0], stated[1], stated[2] * DEG])
 
     def true(one: ManipulatorSection) -> ManipulatorSection:
         return hidden(one, rng) if lab.virtual.hidden else one
