@@ -48,7 +48,8 @@ class Calibrated(Result):
         for name, one in self.document.manipulators.items():
             lines.append(
                 f"  {name}: {one.places} places, tips known to {one.tip_error_um:.2f} um "
-                f"(scatter {one.scatter_um:.2f} um)"
+                f"(scatter {one.scatter_um:.2f} um), travels to {one.direction_error_deg:.3f} deg and "
+                f"{one.scale_error_percent:.3f} %"
             )
         return "\n".join(lines)
 

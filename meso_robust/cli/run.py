@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -21,9 +19,6 @@ from meso_robust.api.run import (
 from meso_robust.cli.console import negative, note
 from meso_robust.cli.verb import Run, verb
 from meso_robust.errors import InputError, NotApplicableError
-
-if TYPE_CHECKING:
-    from meso_robust.live.loop import Words
 
 
 @verb(call, out="meso-robust-run", document="run.json")
@@ -55,8 +50,8 @@ def run(
 ) -> Result:
     """Carry out a certified plan at the microscope: see the part, make the next move, see again.
 
-    Each move waits for a yes, unless --yes. Ctrl-C stops everything and lifts the probes. A pose that cannot
-    be trusted, or from which nothing is proved, is never acted on.
+    Each move waits for a yes, unless --yes. Ctrl-C, or the Enter key, stops everything and lifts the probes. A
+    pose that cannot be trusted, or from which nothing is proved, is never acted on.
     """
     followed = experiment if plan is None else plan
     if followed is None or (plan is not None and experiment is not None):
@@ -65,8 +60,7 @@ def run(
         if replay is not None:
             return replay_call(run.given["task"], followed, replay, progress=run.say)
         run.check_folder(["run.json", JOURNAL, DRAFT], [followed])
-        ask = None if yes or run.given["dry_run"] else _ask
-        ran = _carried_out(run, ask, page, followed)
+        ran = _carried_out(run, not (yes or run.given["dry_run"]), page, followed)
         result: Result = ran
         if experiment is not None and not run.given["dry_run"]:
             from meso_robust.api.explore import explored
@@ -78,29 +72,23 @@ def run(
     return result
 
 
-def _carried_out(run: Run, ask: Any, page: bool, plan: Path) -> Ran:
+def _carried_out(run: Run, asks: bool, page: bool, plan: Path) -> Ran:
+    from meso_robust.cli.keys import Keys
     from meso_robust.live.session import Attendance
 
     result: Ran
-    if not page:
-        result = run.result(plan=plan, folder=run.out, attendance=Attendance(ask=ask))
+    with Keys(stops=not run.given["dry_run"]) as keys:
+        ask = keys.ask if asks else None
+        if not page:
+            attendance = Attendance(words=keys.words, ask=ask)
+            result = run.result(plan=plan, folder=run.out, attendance=attendance)
+            return result
+        from meso_robust.live.page import served
+
+        given = {name: run.given[name] for name in ("task", "lab", "seed")}
+        view = view_of(plan=plan, **given)
+        attendance = Attendance(words=keys.words, ask=ask, show=view.show)
+        with served(view.shown, attendance.words) as address:
+            note(f"the run is shown at {address}")
+            result = run.result(plan=plan, folder=run.out, attendance=attendance)
         return result
-    from meso_robust.live.page import served
-
-    given = {name: run.given[name] for name in ("task", "lab", "seed")}
-    view = view_of(plan=plan, **given)
-    attendance = Attendance(ask=ask, show=view.show)
-    with served(view.shown, attendance.words) as address:
-        note(f"the run is shown at {address}")
-        result = run.result(plan=plan, folder=run.out, attendance=attendance)
-    return result
-
-
-def _ask(move: str, words: Words) -> None:
-    """Ask, and take the answer meanwhile: the loop goes on watching."""
-    print(f"{move}\nmake this move? [y/N] ", end="", file=sys.stderr, flush=True)
-
-    def answer() -> None:
-        words.say("yes" if sys.stdin.readline().strip().lower() in ("y", "yes") else "no")
-
-    threading.Thread(target=answer, daemon=True).start()

@@ -224,6 +224,9 @@ def fitted(seen: Sequence[Seen], names: Sequence[str], lab: Lab) -> MeasuredMani
     wide = shown * scatter * np.sqrt(np.diag(spread))
     unseen = UNEVEN * lab.camera.pixel_size_um
     a = found[:2].T
+    # of a travel of unit length in the world, across it as well as along it
+    steepest = math.sqrt(float(np.linalg.eigvalsh(spread[:2, :2])[-1]))
+    slope = sure * scatter * steepest / float(np.linalg.svd(a, compute_uv=False)[-1])
     return MeasuredManipulator(
         axes=((float(a[0, 0]), float(a[0, 1])), (float(a[1, 0]), float(a[1, 1]))),
         axes_error=((float(wide[0]), float(wide[1])), (float(wide[0]), float(wide[1]))),
@@ -235,6 +238,8 @@ def fitted(seen: Sequence[Seen], names: Sequence[str], lab: Lab) -> MeasuredMani
             for k, name in enumerate(names)
         },
         tip_error_um=float(np.abs(off).max()) + sure * scatter * leverage + unseen,
+        direction_error_deg=math.degrees(math.atan(slope)),
+        scale_error_percent=100.0 * slope,
         scatter_um=math.sqrt(float(np.mean(off**2))),
         places=len(seen),
     )

@@ -42,6 +42,10 @@ class MeasuredManipulator(_Section):
     tip_error_um: NotNegative
     """Largest error of a tip's x or y anywhere among the places that were seen, um: the fit's, at 99.9 %,
     plus the largest that a place lay off the fit."""
+    direction_error_deg: NotNegative
+    """Largest error of a travel's direction by the axes, deg, at 99.9 %."""
+    scale_error_percent: NotNegative
+    """Largest error of a travel's length by the axes, %, at 99.9 %."""
     scatter_um: NotNegative
     """Root mean square of what the places lie off the fit, um."""
     places: int

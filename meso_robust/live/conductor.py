@@ -34,6 +34,9 @@ GRACE = 0.5
 LATE = 1.5
 """Of the time that a motion should take, after which, and `SLACK`, it counts as stuck."""
 SLACK = 2.0  # s
+AGAIN = 1.0
+"""s after which a probe that is still down and rests is told to lift once more, as long as it ends."""
+NO_FRAME = "no frame arrived"
 AHEAD = 1e-3
 """s by which a frame may be ahead of the clock that is read after it."""
 
@@ -104,7 +107,9 @@ class Conductor:
         self, lab: Lab, decide: Decide, trust: Trust, *, confirm: bool = False, dry: bool = False
     ) -> None:
         self._lab, self._decide, self._trust = lab, decide, trust
-        self._confirm, self._dry = confirm, dry
+        self._confirm = confirm
+        self.dry = dry
+        """Whether nothing is commanded."""
         self._all = {one.name: one for one in lab.manipulators}
         self.phase = Phase.SEEING if dry else Phase.LIFTING
         self._since: float | None = None
@@ -112,10 +117,11 @@ class Conductor:
         self._frame: tuple[int, float, int] | None = None
         self._stage: tuple[float, float] | None = None
         self._rest: list[Seen] = []
-        self._why_not_seen = "no frame arrived"
+        self._why_not_seen = NO_FRAME
         self._legs: tuple[Leg, ...] = ()
         self._deadline = 0.0
         self._end = Command(do="end")
+        self._failed, self._lifted_at = False, 0.0
         self.move: Mapping[str, Any] | None = None
         """The move that was decided last."""
         self.sensed: Pose | None = None
@@ -140,7 +146,9 @@ class Conductor:
             return ()
         if self._since is None:
             self._since, self._stage = reading.time, reading.stage_um
-            if not self._dry:
+            if reading.word == "stop":
+                return self._give_up(reading, "stopped", "stopped by the user")
+            if not self.dry:
                 # whatever was going on before, a killed run's push included, ends here
                 return (HALT, *self._lift_all())
         fault = self._amiss(reading)
@@ -183,7 +191,7 @@ class Conductor:
         if reading.stage_um is None:
             return "" if self._stage is None else "the stage does not say where it is"
         off = math.inf if self._stage is None else math.dist(self._stage, reading.stage_um)
-        if off > self._lab.watch.stage_error_um:
+        if not off <= self._lab.watch.stage_error_um:  # so that NaN is a fault too
             return f"the stage has moved by {off:.1f} um"
         return ""
 
@@ -191,9 +199,9 @@ class Conductor:
         watch, seen = self._lab.watch, reading.seen
         if seen is not None:
             now = (seen.number, seen.time, seen.digest)
-            if seen.time > reading.time + AHEAD:
+            if not seen.time <= reading.time + AHEAD:
                 return f"frame {seen.number} is from the future; set the camera's clock"
-            if self._frame is not None and seen.time <= self._frame[1]:
+            if self._frame is not None and not seen.time > self._frame[1]:
                 return f"frame {seen.number} is not newer than the one before"
             # the noise of a camera that works changes every image
             if self._frame is None or self._frame[2] != seen.digest:
@@ -202,10 +210,10 @@ class Conductor:
         if self.phase not in MOVING:
             return ""
         age = math.inf if self._fresh is None else 1e3 * (reading.time - self._fresh)
-        if age > watch.max_age_ms:
+        if not age <= watch.max_age_ms:
             return f"the newest frame is {age:.0f} ms old; at most {watch.max_age_ms:g} ms"
         late = 1e3 * reading.latency_s
-        if late > watch.max_latency_ms:
+        if not late <= watch.max_latency_ms:
             return (
                 f"{late:.0f} ms from a frame to its commands; at most {watch.max_latency_ms:g} ms"
             )
@@ -255,7 +263,7 @@ class Conductor:
         if pose is None:
             return ()
         answer = self._decide(*pose)
-        self.sensed, self._rest = pose, []
+        self.sensed, self._rest, self._why_not_seen = pose, [], NO_FRAME
         for key in ("refused", "error"):
             if key in answer:
                 return self._over("refused", str(answer[key]))
@@ -266,7 +274,7 @@ class Conductor:
             self._legs = self._planned(answer)
         except PlacingError as error:
             return self._over("refused", f"move {self.made + 1} cannot be made: {error}")
-        if self._dry:
+        if self.dry:
             return self._over("dry_run", told(answer))
         if self._confirm:
             self._enter(Phase.ASKING, reading)
@@ -413,12 +421,25 @@ class Conductor:
             or reading.places[name].busy
         ]
         if down and not late:
-            return ()
+            return self._lifted_again(reading, down)
         if down:
             text = f"{self._end.text}; {', '.join(down)} could not be lifted: lift by hand"
             self._end = Command(do="end", outcome="fault", text=text)
         self.phase = Phase.ENDED
         return (self._end,)
+
+    def _lifted_again(self, reading: Reading, down: Sequence[str]) -> tuple[Command, ...]:
+        """A device that failed when everything was halted and lifted may answer now."""
+        self._failed = self._failed or bool(reading.fault)
+        if reading.time - self._lifted_at <= AGAIN:
+            return ()
+        failed, self._failed, self._lifted_at = self._failed, False, reading.time
+        if failed:
+            return (HALT, *self._lift_all())
+        resting = [
+            name for name in down if name in reading.places and not reading.places[name].busy
+        ]
+        return tuple(_lift(self._all[name], self._all[name].lifted_um) for name in resting)
 
     # what several phases share
 
@@ -433,10 +454,11 @@ class Conductor:
 
     def _give_up(self, reading: Reading, outcome: Outcome, text: str) -> tuple[Command, ...]:
         """The end, everything halted and lifted first."""
-        if self._dry:
+        if self.dry:
             return self._over(outcome, text)
         self._end = Command(do="end", outcome=outcome, text=text)
         self._enter(Phase.ENDING, reading)
+        self._failed, self._lifted_at = False, reading.time
         return (HALT, *self._lift_all())
 
     def _waited(self, reading: Reading, why: str) -> tuple[Command, ...]:

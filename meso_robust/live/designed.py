@@ -1,7 +1,8 @@
 """The pushes of ``experiment.json`` one after another, each aimed at the part as it lies.
 
 The experiment states where the part is to be laid down for a push. Here nobody lays it down: the push is turned
-and shifted with the part, which is the same push on a film that is even. None of them is certified.
+and shifted with the part, which is the same push on a film that is even; and turned by half a turn where the
+outline then looks alike, so that the part can be pushed back. None of them is certified.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from meso_robust.live.lab_file import Lab
 from meso_robust.types import Floats
 
 SCHEMA = "meso-robust/experiment/"
+MOST = 0.75
+"""Of the way from the middle of the image to its border that the part's centre may go: more than half of it
+is then seen."""
 
 
 def read_experiment(path: Path) -> ExperimentDocument:
@@ -74,6 +78,7 @@ class Designed:
             )
         self._tip, self._camera = alone[0].name, lab.camera
         self._left = [(move, file) for move in document.moves for file in move.recordings]
+        self._turns = (0.0, math.pi) if _alike_by_half(document) else (0.0,)
         self.files: list[str] = []
         """Of the recordings of the pushes that were decided, in their order."""
 
@@ -83,14 +88,20 @@ class Designed:
             return {"done": True, "within": {}}
         pose = np.array([x_um, y_um])
         middle = np.array(self._camera.centre_um)
-        aimed = [_aimed(move, pose, math.radians(theta_deg)) for move, _ in self._left]
-        far = [float(np.hypot(*(pose + travel - middle))) for _, travel in aimed]
+        pixels = np.array([self._camera.width_px, self._camera.height_px])
+        room = 0.5 * self._camera.pixel_size_um * pixels
+        angle = math.radians(theta_deg)
+        ways = [
+            (k, *_aimed(move, pose, angle + turn))
+            for k, (move, _) in enumerate(self._left)
+            for turn in self._turns
+        ]
+        far = [float((np.abs(pose + travel - middle) / room).max()) for _, _, travel in ways]
         best = int(np.argmin(far))
-        start, travel = aimed[best]
-        room = 0.5 * self._camera.pixel_size_um * min(self._camera.width_px, self._camera.height_px)
-        if far[best] > room:
+        if far[best] > MOST:
             return {"refused": "every push that is left would take the part out of the image"}
-        move, file = self._left.pop(best)
+        index, start, travel = ways[best]
+        move, file = self._left.pop(index)
         self.files.append(file)
         return {
             "step": move.step,
@@ -101,6 +112,11 @@ class Designed:
             "expect": None,
             "test": move.test,
         }
+
+
+def _alike_by_half(document: ExperimentDocument) -> bool:
+    """Whether the outline is the same after half a turn, as a rectangle's is."""
+    return document.outline.length_um is not None
 
 
 def _aimed(move: TestDocument, place: Floats, angle: float) -> tuple[Floats, Floats]:

@@ -76,6 +76,10 @@ class ManipulatorSection(_Section):
     """Rows of the matrix from its own axes to the world's; `calibrate` measures it."""
     tip_error_um: NotNegative = 0.0
     """Largest error of a tip's x or y by the matrix and the offsets, um; `calibrate` measures it."""
+    direction_error_deg: NotNegative = 0.0
+    """Largest error of a travel's direction by the matrix, deg; `calibrate` measures it."""
+    scale_error_percent: NotNegative = 0.0
+    """Largest error of a travel's length by the matrix, %; `calibrate` measures it."""
     low_um: Pair
     """Least place on its own axes, um: no command goes beyond."""
     high_um: Pair
@@ -90,6 +94,10 @@ class ManipulatorSection(_Section):
     """Largest speed that it may be given, um/s."""
     place_speed_um_s: Positive
     """Speed at which it is placed, lifted, um/s."""
+    speed_property: str = "Speed"
+    """Property of its axes' device in µManager that holds their speed."""
+    speed_unit_um_s: Positive = 1000.0
+    """Unit of that property, um/s: 1000 where it is mm/s, as in most adapters."""
     arrival_um: Positive = 1.0
     """Largest distance from a target at which it counts as there, um."""
 

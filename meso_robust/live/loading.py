@@ -63,6 +63,12 @@ def calibrated(lab: Lab, measured: CalibrationDocument) -> Lab:
             tip.model_copy(update={"offset_um": found.tips[tip.name].offset_um}) for tip in one.tips
         )
         error = found.tip_error_um + measured.camera_um
-        changes = {"axes": found.axes, "tips": tips, "tip_error_um": error}
+        changes = {
+            "axes": found.axes,
+            "tips": tips,
+            "tip_error_um": error,
+            "direction_error_deg": found.direction_error_deg,
+            "scale_error_percent": found.scale_error_percent,
+        }
         manipulators.append(one.model_copy(update=changes))
     return lab.model_copy(update={"manipulators": tuple(manipulators)})

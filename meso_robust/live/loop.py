@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from queue import Empty, SimpleQueue
 from types import FrameType
 
 import numpy as np
@@ -25,26 +26,32 @@ from meso_robust.types import Floats
 UM = 1e-6
 WAIT = 0.1
 """s that are waited for a frame before the devices are asked again."""
+LIFT_WAIT = 5.0
+"""s that a program which fails waits for the lifts before it lets the devices go."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Words:
     """What the user says while the loop runs, from wherever: a key, a signal, the page."""
 
-    _word: Word = ""
-    _lock: threading.Lock = field(default_factory=threading.Lock)
+    _stopped: bool = False
+    _answers: SimpleQueue[Word] = field(default_factory=SimpleQueue)
 
     def say(self, word: Word) -> None:
         """Say something; a stop is never overruled."""
-        with self._lock:
-            if self._word != "stop":
-                self._word = word
+        # no lock: a signal may come while this very thread is within `take`
+        if word == "stop":
+            self._stopped = True
+        else:
+            self._answers.put(word)
 
     def take(self) -> Word:
-        """What was said since this was last asked."""
-        with self._lock:
-            word, self._word = self._word, ""
-            return word
+        """The last that was said since this was asked; from a stop on always that."""
+        word: Word = ""
+        with suppress(Empty):
+            while True:
+                word = self._answers.get_nowait()
+        return "stop" if self._stopped else word
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -95,6 +102,7 @@ def run_loop(
     """
     fault, latency = "", 0.0
     places: Mapping[str, Place] = {}
+    clock = _Time(devices)
     try:
         while conductor.outcome is None:
             frame, sight, received, problem = _seen(devices, lab, eye, conductor, places)
@@ -103,13 +111,14 @@ def run_loop(
                 stage = None if devices.stage is None else devices.stage.place()
             except DeviceError as error:
                 places, stage, fault = {}, None, fault or str(error)
+            now, silent = clock.now()
             reading = Reading(
-                time=devices.clock.now(),
+                time=now,
                 seen=None if frame is None or sight is None else _noted(frame, sight),
                 places=places,
                 stage_um=None if stage is None else (stage[0] / UM, stage[1] / UM),
                 word=words.take(),
-                fault=fault or problem,
+                fault=fault or problem or silent,
                 latency_s=latency,
             )
             turn, commands = turn_of(conductor, reading)
@@ -128,26 +137,51 @@ def run_loop(
                 )
             )
     except BaseException:
-        make_safe(devices, lab)
+        if not conductor.dry:
+            make_safe(devices, lab)
         raise
     return conductor.outcome
 
 
+class _Time:
+    """The laboratory's time, which goes on by this machine's clock where it is not told."""
+
+    def __init__(self, devices: Devices) -> None:
+        self._clock = devices.clock
+        self._last, self._machine = 0.0, time.monotonic()
+
+    def now(self) -> tuple[float, str]:
+        """The time, s, and why it is not the laboratory's."""
+        machine, problem = time.monotonic(), ""
+        try:
+            told = self._clock.now()
+        except DeviceError as error:
+            told, problem = self._last + machine - self._machine, str(error)
+        self._last, self._machine = told, machine
+        return told, problem
+
+
 def make_safe(devices: Devices, lab: Lab) -> None:
-    """Stop and lift everything that still answers.
+    """Stop and lift everything that still answers, and wait until it is lifted, but not for ever.
 
     Parameters
     ----------
     devices, lab
         The laboratory.
     """
+    lifted = []
     for one in lab.manipulators:
-        device = devices.manipulators.get(one.name)
-        if device is not None:
-            with suppress(DeviceError):
-                device.stop()
-            with suppress(DeviceError):
-                device.lift(one.lifted_um * UM)
+        device = devices.manipulators[one.name]
+        # whatever a device does instead of obeying, the others are still to be lifted
+        with suppress(Exception):
+            device.stop()
+        with suppress(Exception):
+            device.lift(one.lifted_um * UM)
+            lifted.append(device)
+    end = time.monotonic() + LIFT_WAIT
+    with suppress(Exception):
+        while time.monotonic() < end and any(device.status().busy for device in lifted):
+            time.sleep(0.01)
 
 
 def _seen(
@@ -238,12 +272,22 @@ def _do(devices: Devices, command: Command) -> None:
 
 @contextmanager
 def stopped_by_signals(words: Words) -> Iterator[None]:
-    """Let Ctrl-C and ``kill`` stop the loop, which then lifts the probes, instead of ending the program."""
+    """Let Ctrl-C and ``kill`` stop the loop, which then lifts the probes, instead of ending the program.
+
+    A second one interrupts whatever the loop waits for, such as a device that does not answer; then the
+    probes are lifted without it.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
+    asked = False
+
     def stop(_: int, __: FrameType | None) -> None:
+        nonlocal asked
+        if asked:
+            raise KeyboardInterrupt
+        asked = True
         words.say("stop")
 
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}

@@ -16,13 +16,11 @@ import numpy as np
 
 from meso_robust.errors import InputError
 from meso_robust.live.devices import Clock, DeviceError, Devices, Frame, Status, WallClock
-from meso_robust.live.lab_file import Lab
+from meso_robust.live.lab_file import Lab, ManipulatorSection
 from meso_robust.types import Image
 
 _Answer = TypeVar("_Answer")
 UM = 1e-6
-SPEED = "Speed"
-"""Property of an XY stage's adapter that holds its speed; mm/s in most."""
 MM = 1e-3
 POLL = 0.002  # s between two questions for a frame
 
@@ -45,9 +43,11 @@ class CoreCamera:
         _asked(label, core.startContinuousSequenceAcquisition, 0.0)
 
     def frame(self, patience: float) -> Frame | None:
-        """The newest image of the sequence; older ones are dropped."""
+        """The next image of the sequence; those that wait already are dropped, as none knows how old they are."""
         end = time.monotonic() + patience
         core = self._core
+        while _asked(self._label, core.getRemainingImageCount) > 0:
+            _asked(self._label, core.popNextImage)
         while _asked(self._label, core.getRemainingImageCount) == 0:
             if not _asked(self._label, core.isSequenceRunning):
                 raise DeviceError(f"{self._label}: the camera has stopped by itself")
@@ -57,7 +57,7 @@ class CoreCamera:
         image = None
         while _asked(self._label, core.getRemainingImageCount) > 0:
             image = _asked(self._label, core.popNextImage)
-        # few adapters stamp the exposure: it began no earlier than this
+        # few adapters stamp the exposure: it began no earlier than this, as the image arrived just now
         exposed = self._clock.now() - self._exposure() - self._delay
         self._number += 1
         return Frame(number=self._number, time=exposed, image=grey(np.asarray(image)))
@@ -100,8 +100,9 @@ def grey(image: np.ndarray[Any, np.dtype[Any]]) -> Image:
 class CoreManipulator:
     """An XY stage that carries a probe, and the stage that lifts it."""
 
-    def __init__(self, core: Any, label: str, lift: str) -> None:
-        self._core, self._label, self._lift = core, label, lift
+    def __init__(self, core: Any, of: ManipulatorSection) -> None:
+        self._core, self._label, self._lift = core, of.label or of.name, of.lift_label
+        self._speed, self._unit = of.speed_property, of.speed_unit_um_s * UM
 
     def status(self) -> Status:
         """Where it says that it is."""
@@ -114,11 +115,12 @@ class CoreManipulator:
     def go(self, x: float, y: float, speed: float) -> None:
         """Set the speed, and begin a motion."""
         core = self._core
-        if not _asked(self._label, core.hasProperty, self._label, SPEED):
+        if not _asked(self._label, core.hasProperty, self._label, self._speed):
             raise DeviceError(
-                f"{self._label}: has no property {SPEED}; the loop does not move what it cannot slow"
+                f"{self._label}: has no property {self._speed}; name the one that holds its speed by "
+                "speed_property: the loop does not move what it cannot slow"
             )
-        _asked(self._label, core.setProperty, self._label, SPEED, speed / MM)
+        _asked(self._label, core.setProperty, self._label, self._speed, speed / self._unit)
         _asked(self._label, core.setXYPosition, self._label, x / UM, y / UM)
 
     def lift(self, height: float) -> None:
@@ -187,10 +189,7 @@ def devices_on(core: Any, lab: Lab, clock: Clock | None = None) -> Devices:
     times = WallClock() if clock is None else clock
     return Devices(
         camera=CoreCamera(core, lab.camera.label, 1e-3 * lab.camera.delay_ms, times),
-        manipulators={
-            one.name: CoreManipulator(core, one.label or one.name, one.lift_label)
-            for one in lab.manipulators
-        },
+        manipulators={one.name: CoreManipulator(core, one) for one in lab.manipulators},
         stage=CoreStage(core, lab.stage_label) if lab.stage_label else None,
         clock=times,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -24,6 +25,7 @@ HOST = "127.0.0.1"
 PAGE = Path(__file__).parent / "page.html"
 QUALITY = 80  # of the JPEG that is shown
 NOTHING = "–"
+LINGER = 0.5  # s, in which a page that asks every 0.15 s is told how the run ended
 
 
 @dataclass(slots=True, eq=False)
@@ -162,8 +164,12 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _own(self) -> bool:
         """Whether this machine is meant: a name of elsewhere that leads here is another page's."""
-        host = (self.headers.get("Host") or "").rsplit(":", 1)[0]
-        if host in (HOST, "localhost"):
+        host = self.headers.get("Host") or ""
+        origin = self.headers.get(
+            "Origin"
+        )  # of the page that asks; a browser always says it of a POST
+        here = host.rsplit(":", 1)[0] in (HOST, "localhost")
+        if here and origin in (None, f"http://{host}"):
             return True
         self.send_error(403)
         return False
@@ -179,6 +185,13 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - its name there
         """Nothing."""
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Nothing: a browser may close a connection whenever it likes."""
 
 
 @contextmanager
@@ -200,13 +213,14 @@ def served(shown: Shown, words: Words, port: int = 0) -> Iterator[str]:
         Its address.
     """
     handler = type("Handler", (_Handler,), {"shown": shown, "words": words})
-    server = ThreadingHTTPServer((HOST, port), handler)
-    server.daemon_threads = True
+    server = _Server((HOST, port), handler)
     thread = threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True)
     thread.start()
     try:
         yield f"http://{HOST}:{server.server_address[1]}/"
     finally:
+        if shown.state.get("ended"):
+            time.sleep(LINGER)
         server.shutdown()
         server.server_close()
         thread.join()

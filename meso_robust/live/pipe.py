@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import base64
 import json
+import select
+import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import IO, Any
@@ -21,18 +23,30 @@ from meso_robust.errors import InputError
 from meso_robust.live.devices import DeviceError, Devices, Frame, Status
 from meso_robust.live.lab_file import Lab
 
+PATIENCE = 10.0
+"""s within which the program at the other end must answer."""
+
 
 class Line:
     """Asks and is answered."""
 
     def __init__(self, to: IO[str], answers: IO[str]) -> None:
         self._to, self._answers = to, answers
+        self._broken = ""
 
     def ask(self, **question: Any) -> Any:
-        """The answer to a question; an error that it tells is raised."""
+        """The answer to a question; an error that it tells is raised.
+
+        Once an answer has not come in time, questions are still written, so that a stop or a lift may be
+        obeyed, but no answer is read: it could be another question's.
+        """
         try:
             self._to.write(json.dumps(question, allow_nan=False) + "\n")
             self._to.flush()
+            if not self._broken and not self._answered(question.get("patience_s", 0.0)):
+                self._broken = f"{question['do']}: no answer within {PATIENCE:g} s"
+            if self._broken:
+                raise DeviceError(f"pipe: {self._broken}")
             line = self._answers.readline()
             values = json.loads(line) if line else {"error": "the pipe is closed"}
         except (OSError, ValueError) as error:
@@ -40,6 +54,14 @@ class Line:
         if not isinstance(values, dict) or "error" in values:
             raise DeviceError(f"pipe: {question['do']}: {values}")
         return values.get("answer")
+
+    def _answered(self, asked: float) -> bool:
+        """Whether an answer begins to arrive in time; one that is at hand has."""
+        try:
+            source = self._answers.fileno()
+        except OSError:  # a text in memory
+            return True
+        return bool(select.select([source], [], [], PATIENCE + asked)[0])
 
 
 class PipedCamera:
@@ -104,8 +126,12 @@ class PipedStage:
 
     def place(self) -> tuple[float, float]:
         """Of the stage, m."""
-        x, y = self._line.ask(do="place")
-        return float(x), float(y)
+        values = self._line.ask(do="place")
+        try:
+            x, y = values
+            return float(x), float(y)
+        except (TypeError, ValueError) as error:
+            raise DeviceError(f"pipe: place: {values}: {error}") from error
 
     def stop(self) -> None:
         """Stop it."""
@@ -120,7 +146,11 @@ class PipedClock:
 
     def now(self) -> float:
         """Seconds."""
-        return float(self._line.ask(do="now"))
+        value = self._line.ask(do="now")
+        try:
+            return float(value)
+        except (TypeError, ValueError) as error:
+            raise DeviceError(f"pipe: now: {value}: {error}") from error
 
 
 def devices_at(line: Line, lab: Lab) -> Devices:
@@ -164,14 +194,19 @@ def piped(lab: Lab, folder: Path) -> Iterator[Devices]:
         A pipe cannot be opened.
     """
     to, answers = (folder / name for name in lab.pipes)
-    try:
-        with to.open("w", encoding="utf-8") as out, answers.open(encoding="utf-8") as into:
-            yield devices_at(Line(out, into), lab)
-    except OSError as error:
-        raise InputError(
-            f"pipes = {list(lab.pipes)}: {error.filename} cannot be opened ({error.strerror}); start the "
-            "program that answers, which makes them"
-        ) from error
+    with ExitStack() as open_files:
+        try:
+            for path in (to, answers):
+                if not stat.S_ISFIFO(path.stat().st_mode):
+                    raise OSError(0, "is no named pipe", str(path))
+            out = open_files.enter_context(to.open("w", encoding="utf-8"))
+            into = open_files.enter_context(answers.open(encoding="utf-8"))
+        except OSError as error:
+            raise InputError(
+                f"pipes = {list(lab.pipes)}: {error.filename} cannot be opened ({error.strerror}); start "
+                "the program that answers, which makes them with mkfifo"
+            ) from error
+        yield devices_at(Line(out, into), lab)
 
 
 def serve(devices: Devices, questions: IO[str], answers: IO[str]) -> None:

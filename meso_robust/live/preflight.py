@@ -55,9 +55,27 @@ def check_lab(task: Task, lab: Lab, source: str) -> None:
                 f"{reached:.3g} um; the task states probe_position_um = {stated:g}; state at least "
                 f"{reached:.3g} in the task and plan again, or calibrate better"
             )
+        _check_travel(task, one, source)
         for tip in one.tips:
             _check_radius(task, tip, source)
         _check_pair(task, one, source)
+
+
+def _check_travel(task: Task, of: ManipulatorSection, source: str) -> None:
+    low, high = task.uncertainty.travel_direction_deg or (0.0, 0.0)
+    turn, most = of.direction_error_deg, task.uncertainty.travel_scale_percent or 0.0
+    if not low <= -turn <= turn <= high:
+        raise InputError(
+            f"{source}: manipulator {of.name}: direction_error_deg = {turn:.3g}; the task states "
+            f"travel_direction_deg = [{low:g}, {high:g}]; state at least [{-turn:.3g}, {turn:.3g}] in the "
+            "task and plan again, or calibrate better"
+        )
+    if not of.scale_error_percent <= most:
+        raise InputError(
+            f"{source}: manipulator {of.name}: scale_error_percent = {of.scale_error_percent:.3g}; the task "
+            f"states travel_scale_percent = {most:g}; state at least {of.scale_error_percent:.3g} in the "
+            "task and plan again, or calibrate better"
+        )
 
 
 def _check_radius(task: Task, tip: TipSection, source: str) -> None:

@@ -96,8 +96,11 @@ def carried_through(
             if command.do == "ask" and there.ask is not None:
                 there.ask(command.text, there.words)
         if conductor.phase is not Phase.ENDED:
-            number = conductor.made + (conductor.phase is not Phase.SEEING)
-            told(f"move {number}: {conductor.phase.value}", conductor.made, conductor.made + 1)
+            seeks = conductor.phase is Phase.SEEING
+            what = (
+                "looking at the part" if seeks else f"move {conductor.made + 1}: {conductor.phase}"
+            )
+            told(what, conductor.made, conductor.made + 1)
         if there.show is not None:
             there.show(glimpse)
 

@@ -34,6 +34,8 @@ CHUNK = 1.0 / 60.0  # s in which tips are taken to go straight
 LIFT_SPEED = 1000.0  # um/s
 IN_PLANE = 20.0  # um of height below which a tip touches what is there
 LEAST_DRAWN = 2.0  # um; radius of a tip that is taken as a point, as it is drawn
+DRAWN_STEP = 0.5
+"""um to which a tip's radius is drawn, a tenth of a usual pixel: drawings are kept from run to run."""
 _PLAIN = World()
 HISTORY = 600  # instants that a late camera can look back
 
@@ -390,11 +392,15 @@ def _drawn(
         k1=camera.k1,
     )
     needles = tuple(
-        Probe(tip_radius=max(radius, LEAST_DRAWN) * UM, direction=math.radians(angle))
+        Probe(tip_radius=_radius_drawn(radius) * UM, direction=math.radians(angle))
         for radius, angle in probes
     )
     scene = reflected(outline=np.array(corners) * UM, probes=needles, optics=optics)
     return replace(scene, exposure=replace(scene.exposure, jpeg_quality=None))
+
+
+def _radius_drawn(radius: float) -> float:
+    return max(DRAWN_STEP * round(radius / DRAWN_STEP), LEAST_DRAWN)
 
 
 def _seen_through(camera: CameraSection, world: World) -> CameraSection:

@@ -35,6 +35,8 @@ MOVES = 64  # for which errors are drawn
 KEPT = 0.9
 """Of the probe's stated error that is drawn: the rest is the loop's, which takes a place for reached a
 little before it is."""
+REPEATS = 0.2
+"""um within which a virtual manipulator that is to be calibrated comes back to a place, as good ones do."""
 UNPACED = 60_000.0
 """ms from a frame to its commands: unless it is paced, the laboratory's time stands still meanwhile."""
 LAID = 0.6
@@ -223,10 +225,10 @@ def laboratory_of(task: Task, lab: Lab, corner: bool = False) -> VirtualLaborato
     rng = np.random.default_rng([lab.virtual.seed, 0])
     two = draw(setup, MOVES, 2, rng)
     draws: Draws = some(two, np.array([1 if corner else 0]))
-    stated = lab.virtual.part
+    part, stated = lab.virtual.part, task.uncertainty.probe_position_um
     middle = np.array(setup.start.mid)
     laid = (middle + LAID * (draws.start[0] - middle)) / np.array([UM, UM, 1.0])
-    pose = laid if stated is None else np.array([stated[0], stated[1], stated[2] * DEG])
+    pose = laid if part is None else np.array([part[0], part[1], part[2] * DEG])
 
     def true(one: ManipulatorSection) -> ManipulatorSection:
         return hidden(one, rng) if lab.virtual.hidden else one
@@ -243,7 +245,10 @@ def laboratory_of(task: Task, lab: Lab, corner: bool = False) -> VirtualLaborato
         film_ratio=float(draws.film_ratio[0]) / UM**2,
         friction=mu,
         manipulators={one.name: true(_true(one, draws)) for one in lab.manipulators},
-        placing={one.name: _placing(one, draws) for one in lab.manipulators},
+        placing={
+            one.name: (REPEATS / stated if lab.virtual.hidden else KEPT) * _placing(one, draws)
+            for one in lab.manipulators
+        },
         turning={one.name: _turning(draws) for one in lab.manipulators},
         world=_world(draws, setup, world_of(lab.virtual.effects)),
         faults=faults_of(lab.virtual.faults),
@@ -257,7 +262,7 @@ def _index(name: str) -> int:
 
 def _placing(of: ManipulatorSection, draws: Draws) -> Floats:
     passive = all(tip.name == NAMES[2] for tip in of.tips)
-    return KEPT * (draws.single if passive else draws.dual)[0] / UM
+    return (draws.single if passive else draws.dual)[0] / UM
 
 
 def _turning(draws: Draws) -> Floats:

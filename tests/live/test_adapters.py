@@ -7,14 +7,16 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from meso_robust.errors import InputError
 from meso_robust.live.devices import DeviceError, Devices, Frame, Status
 from meso_robust.live.lab_file import Lab, VirtualSection
-from meso_robust.live.pipe import Line, devices_at, serve
+from meso_robust.live.pipe import Line, devices_at, piped as pipes_of, serve
 from meso_robust.live.ros import (
     devices_by,
     image_message,
@@ -173,7 +175,6 @@ def test_devices_of_topics() -> None:
 
 def test_the_calls_of_micromanager_reach_the_virtual_devices() -> None:
     pytest.importorskip("pymmcore_plus")
-    from meso_robust.errors import InputError
     from meso_robust.live.micromanager import devices_on
     from meso_robust.live.unicore import virtual_core
 
@@ -212,3 +213,31 @@ def test_images_of_more_bits_are_shown_by_their_brightest() -> None:
     assert grey(np.full((2, 2, 3), 7, np.uint8)).tolist() == [[7, 7], [7, 7]]
     with pytest.raises(DeviceError, match="must be grey"):
         grey(np.zeros((2, 2)))
+
+
+def test_a_program_that_does_not_answer_is_still_told_to_lift(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from meso_robust.live import pipe
+
+    monkeypatch.setattr(pipe, "PATIENCE", 0.05)
+    lab, _ = bench()
+    (their_in, to), (answers, _their_out) = os.pipe(), os.pipe()
+    with os.fdopen(to, "w") as out, os.fdopen(answers) as into, os.fdopen(their_in) as heard:
+        devices = devices_at(Line(out, into), lab)
+        for call in (devices.clock.now, lambda: devices.manipulators["dual"].lift(3e-4)):
+            with pytest.raises(DeviceError, match="no answer within"):
+                call()
+        assert '"now"' in heard.readline()
+        assert '"lift"' in heard.readline()
+    os.close(_their_out)
+
+
+def test_pipes_that_nobody_made_are_not_made(tmp_path: Path) -> None:
+    lab, _ = bench()
+    with pytest.raises(InputError, match="to_lab cannot be opened"), pipes_of(lab, tmp_path):
+        pass
+    (tmp_path / "to_lab").write_text("", encoding="utf-8")
+    with pytest.raises(InputError, match="is no named pipe"), pipes_of(lab, tmp_path):
+        pass
+    assert [path.name for path in tmp_path.iterdir()] == ["to_lab"]

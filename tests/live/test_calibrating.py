@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,20 +16,19 @@ from meso_robust.live.loading import calibrated
 from meso_robust.live.placing import tip_places
 from meso_robust.live.preflight import check_lab
 from meso_robust.live.virtual import VirtualLaboratory
-from meso_robust.live.virtual_bench import lab_of, laboratory_of, uncalibrated_lab
+from meso_robust.live.virtual_bench import REPEATS, lab_of, laboratory_of, uncalibrated_lab
 from meso_robust.task import load_task
 from meso_robust.tasks import MICROSCOPE
 
 
-@pytest.fixture(scope="module", params=[0, 1])
+@pytest.fixture(scope="module")
 def measured() -> tuple[Lab, VirtualLaboratory, CalibrationDocument]:
+    """One manipulator, which is what a change can break; `reports/live/calibrations.py` measures many."""
     task = load_task(MICROSCOPE)
     lab = uncalibrated_lab(task, 1)
-    slow = lab.virtual.model_copy(update={"frame_rate_hz": 5.0})
-    lab = lab.model_copy(update={"virtual": slow})
+    slow = lab.virtual.model_copy(update={"frame_rate_hz": 2.0})
+    lab = lab.model_copy(update={"virtual": slow, "manipulators": lab.manipulators[1:]})
     laboratory = laboratory_of(task, lab)
-    # each lowering errs by its own: what the manipulator cannot repeat is not of its transform
-    laboratory.truth = replace(laboratory.truth, placing={}, turning={})
     return lab, laboratory, calibrate(laboratory.devices(), lab)
 
 
@@ -45,12 +43,12 @@ def test_tips_are_where_the_calibration_says_within_its_error(
         for place in grid(lab, stated):
             where = tip_places(true, place)
             for name, tip in tip_places(one, place).items():
-                assert np.abs(tip - where[name]).max() <= one.tip_error_um
+                assert np.abs(tip - where[name]).max() + REPEATS <= one.tip_error_um
                 before = max(
                     before, float(np.abs(tip_places(stated, place)[name] - where[name]).max())
                 )
         assert before > 3.0 * one.tip_error_um  # the file was far worse
-        assert one.tip_error_um < 3.0
+        assert one.tip_error_um < 2.7  # with arrival_um what the task states
 
 
 def test_the_axes_lie_within_their_intervals_and_the_probes_are_lifted(
@@ -61,7 +59,7 @@ def test_the_axes_lie_within_their_intervals_and_the_probes_are_lifted(
     for name, found in document.manipulators.items():
         off = np.abs(np.array(found.axes) - np.array(laboratory.truth.manipulators[name].axes))
         outside += int((off > np.array(found.axes_error)).sum())
-    assert outside <= 2  # of 8 intervals of 95 %
+    assert outside <= 1  # of 4 intervals of 95 %
     for one in laboratory.manipulators.values():
         assert one.status().height == pytest.approx(lab.manipulators[0].lifted_um * 1e-6)
 
@@ -103,9 +101,14 @@ def test_a_task_that_states_less_than_was_measured_is_refused() -> None:
     task = load_task(MICROSCOPE)
     lab = lab_of(task)
     check_lab(task, lab, "lab")
-    dual = lab.manipulators[0].model_copy(update={"tip_error_um": 2.5})
-    with pytest.raises(InputError, match=r"2\.7 um; the task states probe_position_um = 2"):
-        check_lab(task, lab.model_copy(update={"manipulators": (dual,)}), "lab")
+    for change, why in (
+        ({"tip_error_um": 3.5}, r"3\.8 um; the task states probe_position_um = 3"),
+        ({"direction_error_deg": 0.03}, r"states travel_direction_deg = \[-0.02, 0.02\]"),
+        ({"scale_error_percent": 0.06}, r"states travel_scale_percent = 0.05"),
+    ):
+        dual = lab.manipulators[0].model_copy(update=change)
+        with pytest.raises(InputError, match=why):
+            check_lab(task, lab.model_copy(update={"manipulators": (dual,)}), "lab")
 
 
 @pytest.mark.parametrize(

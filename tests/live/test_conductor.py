@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from meso_robust.live.exchange import Seen
 from meso_robust.live.lab_file import WatchSection
 from tests.live.rig import DONE, HOLDING, LOST, MOVE, Rig, lab, sight
 
@@ -314,3 +316,39 @@ def test_a_move_takes_no_longer_than_it_should() -> None:
     assert any("did not arrive in time" in c.text for c in [rig.conductor.outcome] if c) or (
         rig.conductor.phase == "ending"
     )
+
+
+def test_a_stop_that_was_said_before_the_first_turn_is_obeyed() -> None:
+    rig = Rig(Plan(MOVE, DONE))
+    first = rig.turn(word="stop")
+    assert [c.do for c in first] == ["halt", "lift", "lift"]
+    assert rig.end().outcome == "stopped"
+    assert rig.went == []
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf])
+def test_a_time_or_place_that_is_no_number_ends_it(time: float) -> None:
+    rig = Rig(Plan(MOVE, DONE))
+    rig.until("pushing")
+    seen = Seen(number=10**6, time=time, digest=1, sight=sight())
+    rig.turn(seen=seen)
+    assert rig.end().outcome == "fault"
+    rig = Rig(Plan(MOVE, DONE))
+    rig.turn(stage_um=(0.0, 0.0))
+    rig.turn(stage_um=(time, 0.0))
+    while rig.conductor.outcome is None:
+        rig.turn(stage_um=(0.0, 0.0))
+    assert rig.conductor.outcome.outcome == "fault"
+
+
+def test_a_probe_that_was_not_lifted_because_a_device_failed_is_lifted_once_it_answers() -> None:
+    rig = Rig(Plan(MOVE, DONE))
+    rig.until("pushing")
+    rig.obey = False
+    rig.turn(word="stop")
+    rig.turn(fault="dual: does not answer")
+    rig.obey = True
+    rig.turn()
+    assert not rig.lifted
+    assert rig.end().outcome == "stopped"
+    assert rig.lifted
