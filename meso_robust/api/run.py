@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from meso_robust.task import Task
 
 VIRTUAL = "virtual"
+COARSER = 4.0
+"""Times the task's error of sensing within which a pose must be known for a designed push."""
 JOURNAL, DRAFT = "journal.jsonl", "journal.jsonl.part"
 """The journal of a run, and while it grows."""
 
@@ -194,13 +196,17 @@ def run(  # what a user may choose
 
     check_lab(stated, given, source)
     decide, names = _decider(stated, Path(plan), given, progress)
+    trust = trust_of(stated)
+    if names is not None:  # nothing is proved of a designed push: it only has to meet the part
+        position, turn = COARSER * trust.position_um, COARSER * trust.orientation_deg
+        trust = replace(trust, position_um=position, orientation_deg=turn)
     from meso_robust.live.journal import Header
 
     header = Header(
         task_hash=stated.hash,
         plan_hash=hashlib.sha256(Path(plan).read_bytes()).hexdigest(),
         lab=given,
-        trust=trust_of(stated),
+        trust=trust,
         confirm=attendance is not None and attendance.ask is not None,
         dry=dry_run,
         version=__version__,
@@ -225,18 +231,20 @@ def run(  # what a user may choose
         header=header,
         turns=turns,
         task=stated,
-        names=tuple(names),
+        names=() if names is None else tuple(names),
         inputs=files_of(task, plan, *([] if lab == VIRTUAL else [lab])),
     )
 
 
-def _decider(task: Task, plan: Path, lab: Lab, progress: Progress) -> tuple[Decide, list[str]]:
-    """What answers sensed poses, and the files of the recordings that it names meanwhile."""
+def _decider(
+    task: Task, plan: Path, lab: Lab, progress: Progress
+) -> tuple[Decide, list[str] | None]:
+    """What answers sensed poses, and the files of the recordings that an experiment names meanwhile."""
     from meso_robust.live.designed import SCHEMA, Designed, read_experiment
     from meso_robust.planning.reading import read_text
 
     if f'"{SCHEMA}' not in read_text(plan):
-        return drive(task, plan, progress=progress).answer, []
+        return drive(task, plan, progress=progress).answer, None
     designed = Designed(read_experiment(plan), lab)
     return designed.answer, designed.files
 

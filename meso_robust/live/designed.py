@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from meso_robust.errors import InputError
 from meso_robust.identification.experiment_document import ExperimentDocument, TestDocument
 from meso_robust.live.lab_file import Lab
+from meso_robust.reading import text_of
 from meso_robust.types import Floats
 
 SCHEMA = "meso-robust/experiment/"
@@ -44,13 +45,13 @@ def read_experiment(path: Path) -> ExperimentDocument:
     InputError
         It cannot be read, or a value breaks its rule.
     """
+    advice = "give what meso-robust identify --plan wrote"
+    text = text_of(path, advice, "an experiment")
     try:
-        document = ExperimentDocument.model_validate_json(path.read_text(encoding="utf-8"))
-    except (OSError, ValidationError) as error:
+        document = ExperimentDocument.model_validate_json(text)
+    except ValidationError as error:
         line = str(error).split("\n")[0]
-        raise InputError(
-            f"{path}: is no experiment ({line}); give what meso-robust identify --plan wrote"
-        ) from error
+        raise InputError(f"{path}: is no experiment ({line}); {advice}") from error
     if not document.moves:
         raise InputError(f"{path}: moves: are none; give an experiment with pushes")
     return document

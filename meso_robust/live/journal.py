@@ -17,6 +17,7 @@ from meso_robust.live.conductor import Conductor, Decide, Phase
 from meso_robust.live.exchange import Command, Reading, reading_of
 from meso_robust.live.lab_file import Lab, parse_lab
 from meso_robust.live.sight import Trust
+from meso_robust.reading import text_of
 
 SCHEMA = "meso-robust/journal/1"
 
@@ -141,8 +142,9 @@ def read_journal(path: Path) -> tuple[Header, list[Turn]]:
     InputError
         It cannot be read, or is no journal.
     """
+    advice = "give its journal.jsonl"
+    lines = text_of(path, advice, "a journal").split("\n")
     try:
-        lines = path.read_text(encoding="utf-8").split("\n")
         first = json.loads(lines[0])
         if first.get("schema") != SCHEMA:
             raise ValueError(f"schema = {first.get('schema')!r}")
@@ -153,10 +155,8 @@ def read_journal(path: Path) -> tuple[Header, list[Turn]]:
             trust=Trust(**first["trust"]),
         )
         return header, list(_turns(lines[1:-1]))  # what follows the last newline is no whole line
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(
-            f"{path}: is no journal of meso-robust run ({error}); give its journal.jsonl"
-        ) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{path}: is no journal of meso-robust run ({error}); {advice}") from error
 
 
 def _turns(lines: Sequence[str]) -> Iterator[Turn]:

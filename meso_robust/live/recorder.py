@@ -39,8 +39,8 @@ def recordings_of(
     Returns
     -------
     RecordingSet or None
-        None if nothing was pushed. Poses have the instants of their frames; places of the tips those at
-        which the manipulators were asked, in rows of their own.
+        None if nothing was pushed. Rows have the instants of the frames; places of the tips are interpolated
+        between those at which the manipulators were asked.
     """
     recordings = [
         _recording(header, push, names[k] if k < len(names) else f"move_{k + 1:02d}.csv")
@@ -87,17 +87,25 @@ def _recording(header: Header, push: Sequence[Turn], file: str) -> Recording:
         places = _tips(header, turn, down)
         if places is not None:
             asked[round(turn.reading.time, _CLOCK)] = np.array([places[name] for name in names])
-    times = np.array(sorted({*frames, *asked}))
+    # a frame is exposed before the manipulators are asked: between two answers they went straight
+    first, last = min(asked, default=math.inf), max(asked, default=-math.inf)
+    times = np.array([time for time in sorted(frames) if first <= time <= last])
     poses = np.full((len(times), 3), math.nan)
-    tips = np.full((len(times), len(names), 2), math.nan)
     for k, time in enumerate(times.tolist()):
-        pose = frames.get(time)
+        pose = frames[time]
         if pose is not None:
             poses[k] = pose[0] * UM, pose[1] * UM, pose[2] * DEG
-        if time in asked:
-            tips[k] = asked[time] * UM
+    instants = np.array(sorted(asked))
+    answers = np.array([asked[time] for time in instants.tolist()]).reshape(-1, len(names), 2)
+    tips = np.empty((len(times), len(names), 2))
+    for k, axis in np.ndindex(len(names), 2):
+        tips[:, k, axis] = np.interp(times, instants, answers[:, k, axis]) * UM
     return Recording(
-        file=file, probe_names=tuple(names), times=times - times[0], poses=poses, probes=tips
+        file=file,
+        probe_names=tuple(names),
+        times=times - times[:1],
+        poses=poses,
+        probes=tips,
     )
 
 

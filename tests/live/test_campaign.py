@@ -9,6 +9,7 @@ import numpy as np
 
 from meso_robust.live.conductor import Phase
 from reports.live.campaign import FAULTY, Result, _moved, _outside, _worst, one_run, page
+from tests.nightly import at_night
 
 GOOD = Result(
     seed=0, outcome="done", why="", in_goal=True, moved_unpushed_um=0.0, outside_um=0.0, landed=False,
@@ -17,6 +18,7 @@ GOOD = Result(
 BOX = {"x_um": [0.0, 10.0], "y_um": [0.0, 10.0], "theta_deg": [80.0, 100.0]}
 
 
+@at_night
 def test_runs_within_and_at_a_corner_of_the_box_succeed() -> None:
     for seed in (100, 101):
         found = one_run(seed)
@@ -24,6 +26,7 @@ def test_runs_within_and_at_a_corner_of_the_box_succeed() -> None:
         assert not found.unsound, found
 
 
+@at_night
 def test_an_effect_that_the_task_does_not_know_is_not_called_a_success() -> None:
     """In a flow of 40 um/s the part is never at rest."""
     found = one_run(102, effects={"film_flow": {"x_um_s": 40.0}})

@@ -71,5 +71,5 @@ def test_what_does_not_fit_the_laboratory_is_refused(experiment: Path, tmp_path:
     empty.write_text(json.dumps({**values, "moves": []}), encoding="utf-8")
     with pytest.raises(InputError, match="moves: are none"):
         read_experiment(empty)
-    with pytest.raises(InputError, match="is no experiment"):
+    with pytest.raises(InputError, match="nowhere"):
         read_experiment(tmp_path / "nowhere.json")

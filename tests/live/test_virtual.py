@@ -31,6 +31,7 @@ from meso_robust.planning.document import plan_document
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import MICROSCOPE
+from tests.nightly import at_night
 
 UM = 1e-6
 
@@ -242,6 +243,7 @@ def test_a_stop_at_any_time_lifts_the_probes(turns: int, driver: Driver) -> None
     assert run.lifted
 
 
+@at_night
 def test_a_killed_run_leaves_a_journal_and_the_next_one_begins_with_lifting(
     plan: Path, driver: Driver, tmp_path: Path
 ) -> None:
