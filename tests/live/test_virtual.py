@@ -199,7 +199,8 @@ def test_the_pushes_are_a_recording_set(good: Run, tmp_path: Path) -> None:
     assert again.recordings[2].probe_names == ("dtp_top", "dtp_bottom", "stp")
     tips = again.recordings[0].probes[:, 0]
     way = tips[np.isfinite(tips[:, 0])]
-    assert way[-1, 0] - way[0, 0] == pytest.approx(-185.2e-6, abs=3e-6)
+    # the last frame before the tips are lifted may be 0.2 s old, at 75 um/s
+    assert way[-1, 0] - way[0, 0] == pytest.approx(-185.2e-6, abs=16e-6)
 
 
 FAULTS: Mapping[str, tuple[Mapping[str, float], str]] = {
