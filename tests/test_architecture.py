@@ -34,6 +34,18 @@ MAY_IMPORT = {
     "policy": {*BELOW_PLANNING, "planning", "certificates"},
     "checker": {"errors", "reading", "task"},
     "simulator": {"errors", "kernels", "types"},
+    "plant": set(),
+    "live": {
+        *BELOW_PLANNING,
+        "planning",
+        "identification",
+        "laboratory",
+        "microscope",
+        "plant",
+        "recordings",
+        "toml_files",
+        "tracking",
+    },
     "recordings": {"errors", "types", "wording", "reading", "toml_files", "files"},
     "microscope": {"errors", "types", "wording", "files", "kernels"},
     "tracking": {

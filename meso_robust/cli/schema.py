@@ -24,6 +24,9 @@ _MODELS = {
     "model": "identification.document:ModelDocument",
     "experiment": "identification.experiment_document:ExperimentDocument",
     "diagnosis": "diagnosis.document:DiagnosisDocument",
+    "lab": "live.lab_file:Lab",
+    "manipulators": "live.calibration_file:CalibrationDocument",
+    "run": "live.run_document:RunDocument",
     "premises": "transfer.document:PremisesDocument",
 }
 """Where the model of each document is; only the one asked for is imported."""

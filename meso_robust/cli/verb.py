@@ -22,7 +22,7 @@ from meso_robust.cli.console import NEGATIVE, Reporter, negative, note
 from meso_robust.cli.running import UNWRITTEN, guarded
 from meso_robust.files import check_folder
 
-_OF_CALLS_ONLY = {"self", "folder", "store", "progress"}
+_OF_CALLS_ONLY = {"self", "folder", "store", "attendance", "progress"}
 """Arguments that the command line gives by itself."""
 _KEYWORD = inspect.Parameter.KEYWORD_ONLY
 

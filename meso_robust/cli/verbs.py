@@ -14,6 +14,7 @@ from meso_robust.cli.running import guarded
 VERBS: Mapping[str, tuple[str, ...]] = {
     "Getting started": ("example",),
     "From a task to a certified plan": ("plan", "certify", "check", "simulate", "drive"),
+    "At the microscope": ("calibrate", "run"),
     "From video to an identified model": ("track", "recordings", "identify", "diagnose"),
     "Evidence": ("campaign", "reproduce", "derive"),
     "Formats": ("schema",),

@@ -226,6 +226,19 @@ RANGES: dict[str, Callable[[Setup], tuple[Floats, Floats]]] = {
 
 
 def some(values: _Runs, rows: Ints) -> _Runs:
-    """Some of N runs: of a dataclass all of whose fields are arrays with a row for each, or None."""
+    """Some of N runs.
+
+    Parameters
+    ----------
+    values
+        A dataclass all of whose fields are arrays with a row for each run, or None.
+    rows
+        Which.
+
+    Returns
+    -------
+    Any
+        Another of its kind.
+    """
     given = {f.name: getattr(values, f.name) for f in fields(values)}
     return replace(values, **{name: a[rows] for name, a in given.items() if a is not None})

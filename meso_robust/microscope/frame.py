@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from meso_robust.microscope.layer import Layer, grid, part_layer, plate_layer, probe_layer
-from meso_robust.microscope.looks import Fixture, Oil, Scene
+from meso_robust.microscope.looks import Fixture, Oil, Probe, Scene
+from meso_robust.microscope.optics import Optics
 from meso_robust.microscope.outline import signed_distance
 from meso_robust.microscope.sensor import (
     Exposure,
@@ -105,23 +107,39 @@ def irradiance(scene: Scene, pose: Floats, tips: Floats, time: float = 0.0) -> I
 
 @lru_cache(maxsize=3)
 def _ready(scene: Scene) -> _Ready:
-    optics, pixels = scene.optics, PixelMap(scene.optics)
+    optics, pixels = scene.optics, _pixels(scene.optics)
     pitch = optics.pixel_size / _FINE
     # a tip in the image and a shaft across all of it, whatever the distortion
     length = 2.4 * optics.half_diagonal * optics.pixel_size
     return _Ready(
         pixels,
-        _background(scene.oil, scene.fixture, scene.exposure, pixels),
+        _background(scene.oil, scene.fixture, scene.exposure, scene.optics),
         light_field(optics, scene.exposure),
         None if scene.part is None else part_layer(scene.part, scene.oil, pitch),
-        tuple(probe_layer(probe, scene.oil, pitch, length) for probe in scene.probes),
+        tuple(
+            _probe(dataclasses.replace(probe, direction=0.0), scene.oil, pitch, length)
+            for probe in scene.probes
+        ),
     )
 
 
+@lru_cache(maxsize=4)
+def _probe(probe: Probe, oil: Oil, pitch: float, length: float) -> Layer:
+    """The same for all probes that differ in their direction alone, and for scene after scene."""
+    return probe_layer(probe, oil, pitch, length)
+
+
+@lru_cache(maxsize=3)
+def _pixels(optics: Optics) -> PixelMap:
+    return PixelMap(optics)
+
+
+@lru_cache(maxsize=3)
 def _background(
-    oil: Oil, fixture: Fixture | None, exposure: Exposure, pixels: PixelMap
+    oil: Oil, fixture: Fixture | None, exposure: Exposure, optics: Optics
 ) -> Irradiance:
     """(height, width) brightness of everything that stays, sharp."""
+    pixels = _pixels(optics)
     shape, size = pixels.world.shape[:2], pixels.optics.pixel_size
     length = oil.texture_length / size
     shading = 1.0 + oil.texture * smooth_noise(shape, (length, length), oil.seed)

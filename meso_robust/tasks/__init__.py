@@ -11,6 +11,8 @@ TWO_PROBES = _HERE / "two_probes.toml"
 HEXAGON = _HERE / "hexagon.toml"
 L_SHAPE = _HERE / "l_shape.toml"
 SMALL = _HERE / "small.toml"
+MICROSCOPE = _HERE / "microscope.toml"
+"""For `meso-robust run`: schema 2, as a laboratory can be."""
 SMALL_MODEL = _HERE / "small_model.toml"
 """What a diagnosis of recordings of the small part would have written: its tips adhere."""
 TASKS = (PAPER, SLOT, TWO_PROBES, HEXAGON, L_SHAPE, SMALL)

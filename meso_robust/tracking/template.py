@@ -23,9 +23,20 @@ _SATURATION = 12.0  # grey steps a (reduced) px at which an edge counts half
 
 
 def symmetry(corners: Floats, tolerance: float = 1.0) -> int:
-    """In how many orientations the outline (V, 2) px looks alike, its corners within ``tolerance``.
+    """In how many orientations an outline looks alike.
 
-    Only turns about the frame's origin count: the reference point must stay where it is.
+    Parameters
+    ----------
+    corners
+        (V, 2) px.
+    tolerance
+        Largest distance of a corner from the one that it comes to lie on, px.
+
+    Returns
+    -------
+    int
+        1 if none but its own. Only turns about the frame's origin count: the reference point must stay
+        where it is.
     """
     best = 1
     for n in range(2, len(corners) + 1):

@@ -27,13 +27,13 @@ from meso_robust.files import write_all
 from meso_robust.laboratory.draws import Draws, draw, some
 from meso_robust.laboratory.running import PlanRun, excess
 from meso_robust.planning.compose import compose
+from meso_robust.plant.kernel import COARSE, FINE
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task, load_task
 from meso_robust.tasks import TASKS
 from meso_robust.types import Flags, Floats, Indices
 from meso_robust.units import DEG, UM
-from reports.foreign_plant.plant import COARSE, FINE
 from reports.foreign_plant.running import run_foreign
 
 OUT = Path(__file__).parent

@@ -13,12 +13,13 @@ from meso_robust.kernels import threads
 from meso_robust.laboratory.draws import Draws
 from meso_robust.laboratory.engines import NOT_RECORDED, Pushed
 from meso_robust.laboratory.running import Bench, Order, PlanRun, Which, by_rules, carry_out
+from meso_robust.plant.kernel import COARSE, DONE, Grain, push_all
+from meso_robust.plant.laws import Laws
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 from meso_robust.units import UM
-from reports.foreign_plant.plant import COARSE, DONE, Grain, push_all
 
 SCALE = np.array([UM, UM, 1.0])
 CROSS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
@@ -45,7 +46,7 @@ class ForeignBench(Bench):
         after, endings = poses / SCALE, np.zeros(count, dtype=np.int64)
         arrays = (
             np.ascontiguousarray(np.broadcast_to(outlines, (count, *outlines.shape[1:])) / UM),
-            (nodes[which], lays[which]),
+            (nodes[which], lays[which], Laws()),
             np.ascontiguousarray(ways / UM),
             np.ascontiguousarray(np.broadcast_to(radii, (count, probes)) / UM),
             np.ascontiguousarray(np.broadcast_to(friction, (count, ways.shape[1] - 1, probes))),
@@ -65,11 +66,12 @@ class ForeignBench(Bench):
 
 
 def film_of(setup: Setup, draws: Draws) -> tuple[Floats, Floats]:
-    """(N, 4, 2) nodes of the films, um, and (N, 4) their lays; see ``plant.quadrature``."""
+    """(N, 4, 3) nodes of the films, um, and (N, 4) their lays; see ``plant.kernel.film``."""
     count, u = len(draws.start), setup.uncertainty
     nodes = np.sqrt(0.5 * draws.film_ratio)[:, None, None] / UM * CROSS
     if draws.drag_centre is not None:
         nodes = nodes + _cut(draws.drag_centre, u.drag_centre.hi)[:, None] / UM
+    nodes = np.concatenate([nodes, np.ones((count, 4, 1))], axis=2)
     lays = np.zeros((count, 4))
     if draws.lay is not None:
         whole, stage = _cut(draws.lay[:, :2], u.drag_anisotropy.hi), draws.lay[:, 2:]

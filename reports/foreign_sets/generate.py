@@ -1,6 +1,6 @@
 """Recordings of pushes in the foreign plant, seen by a camera of its own.
 
-The plant is `reports.foreign_plant.plant`: a part with mass, pushed by a compliant round tip on a film
+The plant is `meso_robust.plant`: a part with mass, pushed by a compliant round tip on a film
 that is a quadrature over nodes. Nothing is shared with the package's simulator but the format of the
 recordings. `Wrongs` are small things that no catalogue lists together: contact compliance, stamps that
 jitter, noise of the tip's log, an uneven film, rounded corners; `Concealed` is what is to be found.
@@ -13,9 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from meso_robust.plant.kernel import TIP, Grain, advance
+from meso_robust.plant.laws import Laws
 from meso_robust.recordings import Recording, RecordingSet, Rectangle, SensorInfo
 from meso_robust.types import Floats
-from reports.foreign_plant.plant import Grain, go
 
 UM = 1e-6
 LENGTH, WIDTH, RADIUS = 1616.0, 837.0, 12.5
@@ -169,13 +170,17 @@ def _moved(
     nodes = nodes + np.array(concealed.centre_um)
     angle = 2.0 * np.radians(concealed.anisotropy_deg)
     whole = concealed.anisotropy * np.array([np.cos(angle), np.sin(angle)])
-    film = (nodes, np.array([0.0, wrongs.anisotropy, *whole]))
-    body = np.zeros((1, 6))
+    nodes = np.column_stack([nodes, np.ones(4)])
+    film = (nodes, np.array([0.0, wrongs.anisotropy, *whole]), Laws())
+    body = np.zeros((1, TIP))
     body[0, :2], body[0, 4] = tips[0], radius
-    state = (pose.copy(), np.zeros(3))
+    state = (pose.copy(), np.zeros(3), np.zeros(1), np.zeros(1))
     path = [pose.copy()]
     for before, after in pairwise(tips):
-        go(outline, film, before[None], (after - before)[None], body, np.array([mu]), grain, state)
+        way = (after - before)[None]
+        if way.any():
+            duration = float(np.hypot(*way[0])) / speed
+            advance(outline, film, body, way, np.array([mu]), grain, state, duration)
         path.append(state[0].copy())
     return np.array(path)
 

@@ -16,7 +16,7 @@ import pydantic
 import pytest
 
 ROOT = Path(__file__).parents[2]
-DATA = (".j2", ".css", ".js", ".toml", ".md", ".typed", ".png", ".mp4", ".csv")
+DATA = (".j2", ".css", ".js", ".html", ".toml", ".md", ".typed", ".png", ".mp4", ".csv")
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,7 @@ def test_the_metadata_say_what_the_project_says(built: Path) -> None:
     assert told["Version"] == project["version"]
     assert told["License-Expression"] == "Apache-2.0"
     assert told["Requires-Python"] == ">=3.11"
-    assert sorted(told.get_all("Provides-Extra", [])) == ["cluster", "derive", "dev"]
+    assert sorted(told.get_all("Provides-Extra", [])) == ["cluster", "derive", "dev", "lab"]
     plain = [line for line in told.get_all("Requires-Dist", []) if "extra ==" not in line]
     assert sorted(plain) == sorted(project["dependencies"])
     assert not told.get_all("Project-URL")  # none is known

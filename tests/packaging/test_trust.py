@@ -39,6 +39,8 @@ ALLOWED = {
     ("meso_robust/campaigns/chunk.py", "imports socket"),
     # git, to say which commit a certificate was made with
     ("meso_robust/provenance.py", "imports subprocess"),
+    # the page of a live run, for this machine alone, which a user asks for with --page
+    ("meso_robust/live/page.py", "imports http"),
     # the one connection that a user can ask for, --scheduler
     ("meso_robust/campaigns/cluster.py", "imports distributed"),
 }

@@ -1,0 +1,111 @@
+"""``run --experiment``: designed pushes made, then identified, diagnosed, and the task planned again."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from meso_robust.api.diagnose import Diagnosed, diagnose
+from meso_robust.api.identify import Identified, identify
+from meso_robust.api.inputs import task_of
+from meso_robust.api.options import StrPath
+from meso_robust.api.plan import Planned, plan
+from meso_robust.api.progress import SILENT, Progress
+from meso_robust.api.result import Result
+from meso_robust.api.run import Ran
+from meso_robust.errors import InputError, NotApplicableError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Explored(Result):
+    """What an experiment came to.
+
+    Attributes
+    ----------
+    ran
+        The pushes.
+    identified, diagnosed, planned
+        What followed; None from where it could not go on.
+    why
+        Why it could not; empty if it ended with a plan.
+    """
+
+    ran: Ran
+    identified: Identified | None = None
+    diagnosed: Diagnosed | None = None
+    planned: Planned | None = None
+    why: str = ""
+
+    @property
+    def positive(self) -> bool:
+        """Whether the task is proved with what was measured."""
+        return self.planned is not None and self.planned.positive
+
+    @property
+    def shown(self) -> dict[str, str]:
+        """The reports."""
+        parts = {
+            "identification": self.identified, "diagnosis": self.diagnosed, "plan": self.planned,
+        }  # fmt: skip
+        return {name: f"{name}/report.html" for name, one in parts.items() if one is not None}
+
+    def __str__(self) -> str:
+        parts = (self.ran, self.identified, self.diagnosed, self.planned)
+        said = [str(one) for one in parts if one is not None]
+        return "\n".join([*said, *([f"ended there: {self.why}"] if self.why else [])])
+
+    def text(self) -> str:
+        """The text of ``run.json``."""
+        return self.ran.text()
+
+    def files(self) -> dict[str, str]:
+        """The texts of all result files by name, those of each step in a folder of its own."""
+        found = dict(self.ran.files())
+        parts: dict[str, Result | None] = {
+            "identification": self.identified, "diagnosis": self.diagnosed, "plan": self.planned,
+        }  # fmt: skip
+        for folder, one in parts.items():
+            if one is not None:
+                found |= {f"{folder}/{name}": text for name, text in one.files().items()}
+        return found
+
+
+def explored(
+    task: Any, ran: Ran, folder: StrPath, seed: int, progress: Progress = SILENT
+) -> Explored:
+    """Identify, diagnose and plan again from the recordings of a run.
+
+    Parameters
+    ----------
+    task
+        The task that was stated.
+    ran
+        The pushes.
+    folder
+        Where the model is put meanwhile, under a temporary name.
+    seed, progress
+        As of the calls that are made.
+
+    Returns
+    -------
+    Explored
+        However far it came.
+    """
+    made = ran.recordings()
+    if made is None or ran.document.outcome != "done":
+        return Explored(ran=ran, why="not all pushes were made")
+    identified = diagnosed = None
+    try:
+        identified = identify(made, starts=4, seed=seed, progress=progress)
+        diagnosed = diagnose(made, quick=True, seed=seed, progress=progress)
+        model = Path(folder) / ".model.toml"
+        model.write_text(diagnosed.model_toml, encoding="utf-8")
+        try:
+            planned = plan(task_of(task), model=model, seed=seed, progress=progress)
+        finally:
+            os.unlink(model)
+    except (InputError, NotApplicableError) as error:
+        return Explored(ran=ran, identified=identified, diagnosed=diagnosed, why=str(error))
+    return Explored(ran=ran, identified=identified, diagnosed=diagnosed, planned=planned)

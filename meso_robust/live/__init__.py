@@ -1,0 +1,1 @@
+"""The loop on hardware: see, decide, move, see again; devices, calibration, journal, live page."""

@@ -1,0 +1,1 @@
+"""The live loop in the virtual laboratory, run after run."""
