@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TypeVar
 
 from meso_robust import units
@@ -22,6 +22,7 @@ from meso_robust.primitives.tilt import Turn
 T = TypeVar("T")
 
 FAR_UM = -1e5  # an end far beyond any travel that a turn can need
+COARSE = 0.01  # of the edge: how closely a push is looked for whose first tip may slip
 SPARE_UM = 2.0  # travel on top of what the bounds demand
 
 
@@ -35,9 +36,9 @@ def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
     end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
     number = 3 if past_um else 4
 
-    def attempt(middle: float) -> tuple[float, Step] | None:
+    def attempt(middle: float, slipping: bool) -> tuple[float, Step] | None:
         rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
-        return _worth(certify_straighten(rule, pre, setup, whole=False))
+        return _worth(certify_straighten(rule, pre, setup, whole=False, slipping=slipping))
 
     return _sample(pre, setup, attempt)
 
@@ -70,32 +71,45 @@ def upright(
         The move, certified; None if none is found.
     """
 
-    def attempt(middle: float) -> tuple[float, MoveRule] | None:
+    def attempt(middle: float, slipping: bool) -> tuple[float, MoveRule] | None:
         far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
-        found = _worth(certify_straighten(far, pre, setup, tilt, whole=False))
+        found = _worth(certify_straighten(far, pre, setup, tilt, whole=False, slipping=slipping))
         if found is None:
             return None
         left, trial = found
         end = from_part(FAR_UM + units.to_um(left) - SPARE_UM)
         return left, replace(trial.rule, dual_end=end)
 
-    rule = _sample(pre, setup, attempt, refined)
+    rule = _sample(pre, setup, attempt, refined, alone=tilt is None)
     return None if rule is None else certify_straighten(rule, pre, setup, tilt, whole=False)
 
 
 def _sample(
     pre: PoseBox,
     setup: Setup,
-    attempt: Callable[[float], tuple[float, T] | None],
+    attempt: Callable[[float, bool], tuple[float, T] | None],
     refined: int = REFINED,
+    *,
+    alone: bool = True,
 ) -> T | None:
-    def if_nominal(middle: float) -> tuple[float, T] | None:
-        return attempt(middle) if nominal.straightens(middle, pre, setup) else None
+    """The best height of the pair for a push whose tips stick, or else for one that may slip.
 
+    The second is looked for in a push by itself only: there are many tilts before one to choose from.
+    """
     edge = setup.edge(pre.theta.mid)
     low, high = edge.first.mid, edge.last.mid
     smallest = max(setup.uncertainty.probe_position.hi, 1e-6)
-    return best_robust(low, high, smallest, if_nominal, refined)
+
+    def if_nominal(slipping: bool, middle: float) -> tuple[float, T] | None:
+        nominally = nominal.straightens(middle, pre, setup, slipping=slipping)
+        return attempt(middle, slipping) if nominally else None
+
+    coarse = max(smallest, COARSE * (high - low))
+    tried = (
+        best_robust(low, high, finest, partial(if_nominal, slipping), refined)
+        for slipping, finest in ((False, smallest), (True, coarse))[: 1 + alone]
+    )
+    return next((found for found in tried if found is not None), None)
 
 
 def _worth(candidate: Step) -> tuple[float, Step] | None:
