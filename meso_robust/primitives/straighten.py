@@ -131,7 +131,7 @@ def _first_contacts(theta: Interval, aligned: Interval) -> list[tuple[int, Inter
     return cases or [(1, theta)]
 
 
-SMALLEST, LARGER, MOST_TRIALS = 0.5, 1.4, 14
+SMALLEST, LARGER, MOST_TRIALS = 0.5, 1.25, 20
 """Bounds of the creep that are tried: depths of the edge, growing by a factor. Effort only."""
 
 
