@@ -24,7 +24,7 @@ MIDDLE, END_UM = -130 * UM, -6000.0
 PRE = PoseBox(
     x=Interval(1000 * UM, 1140 * UM),
     y=Interval(-76 * UM, 76 * UM),
-    theta=Interval(165.2 * DEG, 171.8 * DEG),
+    theta=Interval(165.2 * DEG, 166.2 * DEG),
 )
 
 
@@ -144,6 +144,7 @@ def test_every_run_ends_where_it_is_promised_although_the_first_tip_slips() -> N
     assert step.verdict.word == "PROVED"
     assert step.post is not None
     end, slipped = runs(setup, step)
+    # so far that the ends would not be in a box for a contact that sticks
     assert np.max(slipped) > 40 * UM
     low, high = step.post.ends
     room = np.array([1 * UM, 1 * UM, 0.001])  # a step: the second tip is met only to its length
