@@ -189,6 +189,8 @@ REACHES = _plain("travel", lambda at: (at["travel"],))
 ON_EDGE = _plain("within_edge", _on_edge)
 BETWEEN_ENDS = _plain("between_corners", _on_edge)
 ARRIVES = _plain("travel_to_spare", _arrives)
+ARRIVES_SLIPPING = _plain("travel_to_spare", lambda at: (at["spare"],))
+"""The same of a first tip that may slip."""
 RESTS = _plain("touch_before_end", lambda at: (at["h_start"] - at["h_end"],))
 COMES_FREE = _plain("faces_back", _faces_back)
 PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR, FORCE = (

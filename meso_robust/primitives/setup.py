@@ -189,6 +189,16 @@ class Setup:
         return self.stated_spacing + self.uncertainty.tip_spacing
 
     @property
+    def may_slip(self) -> bool:
+        """Whether a straightening may begin with a tip that slips.
+
+        Forces and the poses on the way are not bounded closely then, so neither a cap nor a wall may be
+        there; and it is looked for only where tips may differ, as an edge on both leans then.
+        """
+        radius = self.uncertainty.tip_radius
+        return radius.lo < radius.hi and self.largest_force is None and not self.blocks
+
+    @property
     def tolerance(self) -> Tolerance:
         """How far the part may be from its outline as stated."""
         u = self.uncertainty

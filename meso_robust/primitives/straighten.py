@@ -14,7 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose, prove_positive
+from meso_robust.bounds import HALF_PI, Interval, Proof, Verdict, enclose, prove_positive
 from meso_robust.bounds.implicit import Ends, bound
 from meso_robust.bounds.interval import arcsin, cos
 from meso_robust.motion import one_tip
@@ -81,8 +81,7 @@ def certify_straighten(
     knots = [Knot(stage="at rest", box=pre)]
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
         case = _case(side, {**box, "theta": theta}, edge, aligned, whole=whole)
-        # no bound of the force at a tip that slips is at hand
-        if slipping and not case.proved and setup.largest_force is None:
+        if slipping and setup.may_slip and not case.proved:
             slip = _slip(side, case.box, edge, aligned)
             if slip is not None:
                 slips = _case(side, slip.box, edge, aligned, slip, whole=whole)
@@ -131,8 +130,11 @@ def _first_contacts(theta: Interval, aligned: Interval) -> list[tuple[int, Inter
     return cases or [(1, theta)]
 
 
-SMALLEST, LARGER, MOST_TRIALS = 0.5, 1.25, 20
-"""Bounds of the creep that are tried: depths of the edge, growing by a factor. Effort only."""
+SMALLEST, LARGER, MOST_TRIALS, HALVINGS = 0.5, 1.25, 20, 2
+"""Bounds of the creep that are tried: depths of the edge, growing by a factor, and how closely the least
+is looked for. Effort only."""
+FOR_OTHERS = 1.05
+"""By which the least one found is enlarged, so that a checker whose enclosures differ stays below it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,29 +149,44 @@ class _Slip:
 
 
 def _slip(side: int, box: Mapping[str, Interval], edge: Edge, aligned: Interval) -> _Slip | None:
-    """A bound of how far the first contact slips, the smallest that is tried with success."""
+    """A bound of how far the first contact slips, about the least that is proved."""
     turned = _turn(side, box, aligned)
-    for k in range(MOST_TRIALS):
-        most = SMALLEST * LARGER**k * edge.depth.hi
-        there = {
+
+    def at(most: float) -> dict[str, Interval]:
+        return {
             **box,
             one_tip.CREEP: Interval(0.0, most),
             one_tip.CREEP_MOST: Interval.point(most),
             one_tip.TURNED: turned,
         }
+
+    def proof(most: float) -> Proof:
+        there = at(most)
         of = one_tip.creeping(side, one_tip.zeros(there))
-        proof = prove_positive(of, {name: there[name] for name in of.inputs})
-        if proof.verdict is Verdict.PROVED:
-            return _Slip(
-                box=there,
-                spare=_spare(side, there, aligned),
-                bounded=Obligation(
-                    name=about(ObligationId.SLIP_BOUNDED, tip=SIDES[side]),
-                    inequality=Inequality.CREEPS_LESS,
-                    proof=replace(proof, box=stated(proof.box)),
-                ),
-            )
-    return None
+        return prove_positive(of, {name: there[name] for name in of.inputs})
+
+    grown = (SMALLEST * LARGER**k * edge.depth.hi for k in range(MOST_TRIALS))
+    most = next((m for m in grown if proof(m).verdict is Verdict.PROVED), None)
+    if most is None:
+        return None
+    less = most / LARGER
+    for _ in range(HALVINGS):
+        middle = 0.5 * (less + most)
+        less, most = (less, middle) if proof(middle).verdict is Verdict.PROVED else (middle, most)
+    most *= FOR_OTHERS
+    bounded = proof(most)
+    if bounded.verdict is not Verdict.PROVED:
+        return None
+    there = at(most)
+    return _Slip(
+        box=there,
+        spare=_spare(side, there, aligned),
+        bounded=Obligation(
+            name=about(ObligationId.SLIP_BOUNDED, tip=SIDES[side]),
+            inequality=Inequality.CREEPS_LESS,
+            proof=replace(bounded, box=stated(bounded.box)),
+        ),
+    )
 
 
 PIECE, STAGE, BOXES = 0.02, 0.02, 64
