@@ -70,7 +70,12 @@ def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
 
 
 def rotate_and_finish(
-    pre: PoseBox, setup: Setup, finish: Finish[E], close_um: float = CLOSE_ENOUGH_UM
+    pre: PoseBox,
+    setup: Setup,
+    finish: Finish[E],
+    close_um: float = CLOSE_ENOUGH_UM,
+    *,
+    slipping: bool = False,
 ) -> tuple[Step, E] | None:
     """The robust rotation after which ``finish`` leads to the goal, and what that is.
 
@@ -82,11 +87,13 @@ def rotate_and_finish(
         What follows the rotation.
     close_um
         How close to the goal in y the middle of what is left must be, for a part of full size.
+    slipping
+        Whether ``finish`` knows pushes whose first tip may slip.
     """
     for extra in SEPARATION_STEPS_UM:
         separation = _least_separation_um(setup) + fine(setup) * extra
         # a larger separation leaves a larger tilt, so what fails now would fail with it too
-        if not _straightens(_at_best(separation, pre, setup), setup):
+        if not _straightens(_at_best(separation, pre, setup), setup, slipping=slipping):
             return None
         turned = _turn(separation, pre, setup)
         if turned is not None:
@@ -94,11 +101,17 @@ def rotate_and_finish(
     return None
 
 
-def _straightens(state: PoseBox, setup: Setup) -> bool:
+def _straightens(state: PoseBox, setup: Setup, *, slipping: bool) -> bool:
     """Whether a push in some heading straightens the part, wherever it is."""
     frames = (Frame(heading=heading) for heading in HEADINGS)
     pushes = (
-        upright(frame.from_world(state), frame.setup(setup), step=3, primitive="x_translation")
+        upright(
+            frame.from_world(state),
+            frame.setup(setup),
+            step=3,
+            primitive="x_translation",
+            slipping=slipping,
+        )
         for frame in frames
     )
     return any(push is not None for push in pushes)
@@ -141,7 +154,9 @@ def _least_separation_um(setup: Setup) -> float:
 
 def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice] | None:
     """The robust rotation with the longest push at this separation, if any."""
-    choice = _scout(separation, pre, setup) or _farthest(separation, pre, setup)
+    choice = _scout(separation, pre, setup)
+    if choice is None and setup.may_slip:  # a later push sets the height
+        choice = _farthest(separation, pre, setup)
     for _ in range(MOST_TRIALS):
         if choice is None:
             return None

@@ -27,10 +27,13 @@ SPARE_UM = 2.0  # travel on top of what the bounds demand
 
 
 @lru_cache(maxsize=256)  # several ways to the goal begin alike
-def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
+def to_goal(
+    pre: PoseBox, setup: Setup, past_um: float = 0.0, *, slipping: bool = False
+) -> Step | None:
     """The robust t^2 push from ``pre`` that ends with the part's x at the goal, or ``past_um`` past it.
 
-    Of the samples of one level the one is taken that leaves most of the travel in reserve.
+    Of the samples of one level the one is taken that leaves most of the travel in reserve. If there is
+    none, the first tip may slip where ``slipping``; that leaves the other coordinate less well known.
     """
     depth = setup.edge(pre.theta.mid).depth.mid + setup.uncertainty.tip_radius.mid
     end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
@@ -40,7 +43,7 @@ def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
         rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
         return _worth(certify_straighten(rule, pre, setup, whole=False, slipping=slipping))
 
-    return _sample(pre, setup, attempt)
+    return _sample(pre, setup, attempt, slipping=slipping)
 
 
 def upright(
@@ -51,6 +54,7 @@ def upright(
     primitive: str,
     tilt: Turn | None = None,
     refined: int = REFINED,
+    slipping: bool = False,
 ) -> Step | None:
     """The robust t^2 push that travels no further than both tips need to touch.
 
@@ -64,6 +68,8 @@ def upright(
         The turn just before it, if there is one: what it leaves of y hangs on the orientation.
     refined
         How far the search goes on beyond the first robust push; see `best_robust`.
+    slipping
+        Whether the first tip may slip if no push is found in which it sticks.
 
     Returns
     -------
@@ -80,7 +86,7 @@ def upright(
         end = from_part(FAR_UM + units.to_um(left) - SPARE_UM)
         return left, replace(trial.rule, dual_end=end)
 
-    rule = _sample(pre, setup, attempt, refined, alone=tilt is None)
+    rule = _sample(pre, setup, attempt, refined, slipping=slipping)
     return None if rule is None else certify_straighten(rule, pre, setup, tilt, whole=False)
 
 
@@ -90,24 +96,21 @@ def _sample(
     attempt: Callable[[float, bool], tuple[float, T] | None],
     refined: int = REFINED,
     *,
-    alone: bool = True,
+    slipping: bool,
 ) -> T | None:
-    """The best height of the pair for a push whose tips stick, or else for one that may slip.
-
-    The second is looked for in a push by itself only: there are many tilts before one to choose from.
-    """
+    """The best height of the pair for a push whose tips stick, or else for one that may slip."""
     edge = setup.edge(pre.theta.mid)
     low, high = edge.first.mid, edge.last.mid
     smallest = max(setup.uncertainty.probe_position.hi, 1e-6)
 
-    def if_nominal(slipping: bool, middle: float) -> tuple[float, T] | None:
-        nominally = nominal.straightens(middle, pre, setup, slipping=slipping)
-        return attempt(middle, slipping) if nominally else None
+    def if_nominal(slips: bool, middle: float) -> tuple[float, T] | None:
+        nominally = nominal.straightens(middle, pre, setup, slipping=slips)
+        return attempt(middle, slips) if nominally else None
 
     coarse = max(smallest, COARSE * (high - low))
     tried = (
-        best_robust(low, high, finest, partial(if_nominal, slipping), refined)
-        for slipping, finest in ((False, smallest), (True, coarse))[: 1 + alone]
+        best_robust(low, high, finest, partial(if_nominal, slips), refined)
+        for slips, finest in ((False, smallest), (True, coarse))[: 1 + slipping]
     )
     return next((found for found in tried if found is not None), None)
 
