@@ -46,6 +46,13 @@ C_CENTRED = rho * (1 + stretch) + FLAT * d2**2
 """The hats of `CENTRED`, ``d1`` and ``d2`` from the centre of drag; without differences of products,
 so that intervals stay narrow."""
 LEVER = P_CENTRED * INWARD - Q_CENTRED * ALONG
+slide = sp.Symbol("slide", real=True)
+"""How fast the part slides along a over the tip, per progress of the tip."""
+start = sp.Symbol("theta_start", real=True)
+creep = sp.Symbol("creep", positive=True)
+SLIPPED = creep * (sp.cos(start) ** 3 - c**3)
+"""How far a contact may have slipped since the touch. What makes it slip is that the edge leans: the
+slip per turn vanishes some way before the edge is upright, and grows from there about in proportion."""
 PRESSING = A_CENTRED * ALONG + B_CENTRED * INWARD
 TANGENTIAL = -(C_CENTRED * ALONG + A_CENTRED * INWARD)
 PAIR_ALONG = -((1 + stretch) * ALONG + shear * INWARD)
@@ -72,7 +79,16 @@ def derive() -> Derivation:
     return Derivation(
         name="drag_tensor",
         summary="One-point sticking on any drag fixed in the part.",
-        claims=(_sticking(), _motion(), _centred(), _unique(), _any_way(), _pair()),
+        claims=(
+            _sticking(),
+            _motion(),
+            _centred(),
+            _unique(),
+            _slipping(),
+            _any_way(),
+            _back(),
+            _pair(),
+        ),
         functions=_functions(),
     )
 
@@ -114,12 +130,46 @@ def _functions() -> dict[str, Function]:
             unit="m^2",
             meaning="m^2: both positive where a sticking solution excludes every slipping one",
         ),
+        "slips_one_way": Function(
+            arguments=(theta, d1, d2, *tensor, bend, mu, side),
+            results=(
+                INWARD * (C_CENTRED + mu * A_CENTRED),
+                INWARD * (C_CENTRED - mu * A_CENTRED),
+                mu * PRESSING - side * TANGENTIAL,
+            ),
+            unit="m^2",
+            meaning="m^2: all positive where a contact has one motion, in which it presses and, unless it "
+            "sticks, the part slides towards a (side = 1) or -a (-1) over the tip",
+        ),
+        "creeps_less": Function(
+            arguments=(theta, d1, d2, *tensor, bend, mu, side, creep),
+            results=(
+                sp.diff(SLIPPED, theta) * FLAT * INWARD * (side * d2 - mu * d1) - _excess(mu, side),
+            ),
+            unit="m^2",
+            meaning="m^2: positive where a contact that turns the part any way slips that way by less per "
+            "turn than `slipped` grows, if at all",
+        ),
+        "slipped": Function(
+            arguments=(theta, start, creep),
+            results=(SLIPPED,),
+            unit="m",
+            meaning="m: how far along a a contact has slipped at most since the edge was at theta_start, "
+            "both from the push",
+        ),
         "turns_any_way": Function(
             arguments=(d1, d2, mu, side),
             results=(side * d2 - mu * d1,),
             unit="m",
             meaning="m: where positive, one contact alone turns the part counter-clockwise (side = 1) or "
             "clockwise (-1), whether it sticks or slips",
+        ),
+        "turns_back": Function(
+            arguments=(theta, d1, d2, stretch, shear, bend, mu, side),
+            results=(side * LEVER, side * d2 + mu * d1, Q_CENTRED),
+            unit="m",
+            meaning="m: where all are positive, one contact alone turns the part counter-clockwise "
+            "(side = 1) or clockwise (-1), whether it sticks or slips",
         ),
         "pair_friction": Function(
             arguments=(theta, stretch, shear, bend, mu),
@@ -325,6 +375,102 @@ def _unique() -> Claim:
     )
 
 
+def _excess(ratio: sp.Expr, side: sp.Expr) -> sp.Expr:
+    """What is missing at this ratio of friction for the contact not to slip towards side a."""
+    return -(ratio * PRESSING + side * TANGENTIAL)
+
+
+def _stiff(ratio: sp.Expr, side: sp.Expr) -> sp.Expr:
+    return C_CENTRED - side * ratio * A_CENTRED
+
+
+def _sliding(ratio: sp.Expr, side: sp.Expr) -> sp.Expr:
+    """How fast the part slides towards side a while friction, at this ratio, holds it back."""
+    return _excess(ratio, side) / _stiff(ratio, side)
+
+
+def _slipping() -> Claim:
+    """The motion of one contact that sticks or slips."""
+    tau = sp.Symbol("tau", real=True)
+    turn, pressing, along = solve_sticking(ALONG - slide, INWARD)
+    here = (tuple(CENTRED), tuple(CENTRED.values()))
+    at_ratio = {slide: _sliding(-tau, sp.Integer(1))}
+    room = INWARD * FLAT * rho * ROD
+    a_hat, c_hat, inward = sp.symbols("A C v_n", real=True)
+    grows, other, excess = sp.symbols("m w X", real=True)
+    return Claim(
+        key="drag-tensor-slipping",
+        title="One contact that sticks or slips, on any drag",
+        place="new; Section IX-C takes contacts that stick",
+        derived=r"While the part slides by $u$ along $a$ over the tip, per progress of the tip, the turn is "
+        r"$(\ell + q u)/\hat F$ with $\ell$ that of a contact that sticks. With the ratio $\tau$ of the "
+        r"force along the edge to the pressing one, $u$ grows with $\tau$. So if $\hat C \pm \mu\hat A > 0$ "
+        r"and the tip comes from outside there is one motion, and the contact presses in it: it sticks, or "
+        r"slips towards $+a$ with $\tau = -\mu$ where $u(-\mu) > 0$, or towards $-a$ with $\tau = \mu$ where "
+        r"$u(\mu) < 0$. It slides the farther, per travel, the smaller $\mu$ is. Per turn it slips by $u' = "
+        r"\hat F u/(\ell + q u) = X/(\Delta (\sin\theta - e\cos\theta)(d_2 - \mu d_1))$ with $X = -(\mu\hat "
+        r"N + \hat T)$ of a contact that sticks. If $m'\Delta(\sin\theta - e\cos\theta)(d_2 - \mu d_1) > X$ "
+        r"for $m = k(\cos^3\theta_0 - \cos^3\theta)$, wherever it has slipped by $m$, it never slips by more.",
+        steps=(
+            r"The tip moves by less along $-a$ than the part's point under it: $u$ is taken off "
+            r"that velocity in the balance of a contact that sticks.",
+            r"$u(\tau)$ is continuous and grows, so that exactly one of $u(-\mu) > 0$, $u(\mu) < 0$ and "
+            r"$u(\tau) = 0$ for one $|\tau| \le \mu$ is the case.",
+            r"$m$ grows along the turn. Where $X < 0$ the contact sticks; where $X \ge 0$, $d_2 - \mu d_1$ is "
+            r"positive and it slips by less per turn than $m$ grows: the slip cannot come to pass $m$.",
+        ),
+        hypotheses=("one contact, Coulomb friction", "the drag at this instant, about its centre"),
+        checks=(
+            identity(
+                r"turn, times $\hat F$",
+                sp.Subs(turn, *here),
+                LEVER + Q_CENTRED * slide,
+            ),
+            identity(
+                r"the ratio of both forces is $\tau$",
+                sp.Subs(along - tau * pressing, *here).doit().subs(at_ratio),
+                sp.Integer(0),
+            ),
+            identity(
+                r"pressing force, times $\hat F$",
+                sp.Subs(pressing, *here).doit().subs(at_ratio) * (C_CENTRED + tau * A_CENTRED),
+                room,
+            ),
+            identity(
+                r"change of $u$ with $\tau$",
+                sp.diff(at_ratio[slide], tau) * (C_CENTRED + tau * A_CENTRED) ** 2,
+                room,
+            ),
+            for_all(
+                r"$\hat C + \tau\hat A$ is positive for all $|\tau| \le \mu$, and the tip comes from outside",
+                [
+                    c_hat > 0,
+                    inward * (c_hat + mu * a_hat) > 0,
+                    inward * (c_hat - mu * a_hat) > 0,
+                    tau <= mu,
+                    tau >= -mu,
+                ],
+                sp.And(inward > 0, c_hat + tau * a_hat > 0),
+            ),
+            identity(
+                r"turn of a contact that slips, times $\hat F$ and what its pressing force is divided by",
+                LEVER * _stiff(mu, sp.Integer(1)) + Q_CENTRED * _excess(mu, sp.Integer(1)),
+                ROD * FLAT * INWARD * (d2 - mu * d1),
+            ),
+            for_all(
+                "slip per turn",
+                [grows >= 0, excess >= 0, grows * other > excess],
+                sp.And(other > 0, excess < grows * other),
+            ),
+            identity(
+                "change of the bound along the turn",
+                sp.Derivative(SLIPPED, theta),
+                3 * creep * c**2 * s,
+            ),
+        ),
+    )
+
+
 def _any_way() -> Claim:
     """Which way a contact turns the part, sticking or slipping."""
     tau, normal = sp.symbols("tau N", real=True)
@@ -351,6 +497,43 @@ def _any_way() -> Claim:
                 "clockwise",
                 [normal > 0, tau <= mu, tau >= -mu, -d2 - mu * d1 > 0],
                 normal * (d2 + tau * d1) < 0,
+            ),
+        ),
+    )
+
+
+def _back() -> Claim:
+    """Which way a contact turns the part, sticking or slipping."""
+    tau, normal, lever, q = sp.symbols("tau N l q", real=True)
+    moment = cross(d2 * a + d1 * n, normal * (tau * a - n))
+    return Claim(
+        key="drag-tensor-turns-back",
+        title="One contact that slips turns the part as one that sticks",
+        place="new; the sense of the turn in Section IX-C1 is that of a contact that sticks",
+        derived=r"If a contact that sticks turns the part counter-clockwise, $\ell > 0$, and $q > 0$, $d_2 + "
+        r"\mu d_1 > 0$, then one that slips does so, too: towards $+a$ it turns the part even faster per "
+        r"travel, and towards $-a$ its force has a moment of that sense. Clockwise the same with $-\ell$, "
+        r"$-d_2$.",
+        steps=(
+            r"A single contact whose force along the edge is $\tau$ times the pressing force $N$ has the "
+            r"moment $N (d_2 + \tau d_1)$ about the centre of drag, and the turn has its sign.",
+            r"Slipping towards $+a$ at $u > 0$ the turn is $(\ell + q u)/\hat F$; towards $-a$, $\tau = \mu$.",
+        ),
+        hypotheses=(
+            "one contact",
+            "the drag has no coupling of turn and translation about its centre",
+        ),
+        checks=(
+            identity("moment about the centre of drag", moment, normal * (d2 + tau * d1)),
+            for_all(
+                "counter-clockwise, towards $+a$ and $-a$",
+                [lever > 0, q > 0, slide >= 0, normal > 0, d2 + mu * d1 > 0],
+                sp.And(lever + q * slide > 0, normal * (d2 + mu * d1) > 0),
+            ),
+            for_all(
+                "clockwise, towards $-a$ and $+a$",
+                [-lever > 0, q > 0, slide <= 0, normal > 0, -d2 + mu * d1 > 0],
+                sp.And(lever + q * slide < 0, normal * (d2 - mu * d1) < 0),
             ),
         ),
     )

@@ -67,10 +67,59 @@ def only_solution(ops: Any, d1: Any, d2: Any, rho: Any, stretch: Any, shear: Any
     )
 
 
+def slips_one_way(ops: Any, theta: Any, d1: Any, d2: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu: Any, side: Any) -> tuple[Any, ...]:
+    """Return m^2: all positive where a contact has one motion, in which it presses and, unless it sticks, the part slides towards a (side = 1) or -a (-1) over the tip."""
+    x0 = ops.cos(theta)
+    x1 = ops.sin(theta)
+    x2 = -bend*x0 + x1
+    x3 = -shear**2 - stretch**2 + 1
+    x4 = d1*d2*x3 + rho*shear
+    x5 = mu*x4
+    x6 = d2**2*x3 + rho*(stretch + 1)
+    x7 = bend*x1 + x0
+    return (
+        x2*(x5 + x6),
+        x2*(-x5 + x6),
+        mu*(x2*(d1**2*x3 + rho*(1 - stretch)) + x4*x7) - side*(-x2*x4 - x6*x7),
+    )
+
+
+def creeps_less(ops: Any, theta: Any, d1: Any, d2: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu: Any, side: Any, creep: Any) -> tuple[Any, ...]:
+    """Return m^2: positive where a contact that turns the part any way slips that way by less per turn than `slipped` grows, if at all."""
+    x0 = ops.sin(theta)
+    x1 = ops.cos(theta)
+    x2 = -bend*x1 + x0
+    x3 = -shear**2 - stretch**2 + 1
+    x4 = bend*x0 + x1
+    x5 = d1*d2*x3 + rho*shear
+    return (
+        3*creep*x0*x1**2*x2*x3*(-d1*mu + d2*side) + mu*(x2*(d1**2*x3 + rho*(1 - stretch)) + x4*x5) + side*(-x2*x5 - x4*(d2**2*x3 + rho*(stretch + 1))),
+    )
+
+
+def slipped(ops: Any, theta: Any, theta_start: Any, creep: Any) -> tuple[Any, ...]:
+    """Return m: how far along a a contact has slipped at most since the edge was at theta_start, both from the push."""
+    return (
+        creep*(-ops.cos(theta)**3 + ops.cos(theta_start)**3),
+    )
+
+
 def turns_any_way(ops: Any, d1: Any, d2: Any, mu: Any, side: Any) -> tuple[Any, ...]:
     """Return m: where positive, one contact alone turns the part counter-clockwise (side = 1) or clockwise (-1), whether it sticks or slips."""
     return (
         -d1*mu + d2*side,
+    )
+
+
+def turns_back(ops: Any, theta: Any, d1: Any, d2: Any, stretch: Any, shear: Any, bend: Any, mu: Any, side: Any) -> tuple[Any, ...]:
+    """Return m: where all are positive, one contact alone turns the part counter-clockwise (side = 1) or clockwise (-1), whether it sticks or slips."""
+    x0 = ops.cos(theta)
+    x1 = ops.sin(theta)
+    x2 = d1*(stretch + 1) - d2*shear
+    return (
+        side*(-x2*(bend*x1 + x0) + (-bend*x0 + x1)*(-d1*shear + d2*(1 - stretch))),
+        d1*mu + d2*side,
+        x2,
     )
 
 

@@ -507,9 +507,42 @@ const formulas = {
       const x2 = Math.pow(d2, 2)*x0 + rho*(stretch + 1);
       return [x1 + x2, -x1 + x2];
     },
+    // m^2: all positive where a contact has one motion, in which it presses and, unless it sticks, the part slides towards a (side = 1) or -a (-1) over the tip
+    slips_one_way(theta, d1, d2, rho, stretch, shear, bend, mu, side) {
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      const x2 = -bend*x0 + x1;
+      const x3 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x4 = d1*d2*x3 + rho*shear;
+      const x5 = mu*x4;
+      const x6 = Math.pow(d2, 2)*x3 + rho*(stretch + 1);
+      const x7 = bend*x1 + x0;
+      return [x2*(x5 + x6), x2*(-x5 + x6), mu*(x2*(Math.pow(d1, 2)*x3 + rho*(1 - stretch)) + x4*x7) - side*(-x2*x4 - x6*x7)];
+    },
+    // m^2: positive where a contact that turns the part any way slips that way by less per turn than `slipped` grows, if at all
+    creeps_less(theta, d1, d2, rho, stretch, shear, bend, mu, side, creep) {
+      const x0 = Math.sin(theta);
+      const x1 = Math.cos(theta);
+      const x2 = -bend*x1 + x0;
+      const x3 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
+      const x4 = bend*x0 + x1;
+      const x5 = d1*d2*x3 + rho*shear;
+      return [3*creep*x0*Math.pow(x1, 2)*x2*x3*(-d1*mu + d2*side) + mu*(x2*(Math.pow(d1, 2)*x3 + rho*(1 - stretch)) + x4*x5) + side*(-x2*x5 - x4*(Math.pow(d2, 2)*x3 + rho*(stretch + 1)))];
+    },
+    // m: how far along a a contact has slipped at most since the edge was at theta_start, both from the push
+    slipped(theta, theta_start, creep) {
+      return [creep*(-Math.pow(Math.cos(theta), 3) + Math.pow(Math.cos(theta_start), 3))];
+    },
     // m: where positive, one contact alone turns the part counter-clockwise (side = 1) or clockwise (-1), whether it sticks or slips
     turns_any_way(d1, d2, mu, side) {
       return [-d1*mu + d2*side];
+    },
+    // m: where all are positive, one contact alone turns the part counter-clockwise (side = 1) or clockwise (-1), whether it sticks or slips
+    turns_back(theta, d1, d2, stretch, shear, bend, mu, side) {
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      const x2 = d1*(stretch + 1) - d2*shear;
+      return [side*(-x2*(bend*x1 + x0) + (-bend*x0 + x1)*(-d1*shear + d2*(1 - stretch))), d1*mu + d2*side, x2];
     },
     // the first two positive: two tips on one edge stick; the others: no motion slips
     pair_friction(theta, stretch, shear, bend, mu) {

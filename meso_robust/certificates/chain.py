@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import Verdict
-from meso_robust.certificates.grid import roomy
 from meso_robust.primitives.certify import Before, certify_move
+from meso_robust.primitives.grid import roomy
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, Reason, about
 from meso_robust.primitives.obligation import Obligation, Step

@@ -70,6 +70,7 @@ _OBLIGATIONS: Mapping[StrEnum, str] = {
     Id.TIP_PUSHES: "the {tip} tip pushes",
     Id.TIP_STICKS: "the {tip} tip sticks",
     Id.TIP_TURNS_PART: "the {tip} tip turns the part {turn}",
+    Id.SLIP_BOUNDED: "the {tip} tip slips no farther than it may",
     Id.NO_SLIPPING: "no slipping motion is possible beside the sticking one ({tip} tip)",
     Id.IDLE_TIP_PASSES: "the other tip passes the part ({when})",
     Id.WITHDRAWS_FREE: "{tips} free of contact on withdrawal",

@@ -7,22 +7,24 @@ normal force ``L`` the film gives, ``D`` being the determinant of the drag of tr
     D v = L (B a - A n),   rho omega = L m       A = 1 + stretch + shear k,  B = (1 - stretch) k + shear
     L (rho A + D m p) = rho D g                  m = p + e k
 
-The centre of the passive tip is at ``b a - E n`` from there; the far edge, turned by an angle with the
-tangent ``t`` and the cosine ``1/q``, closes on it with the speed ``(L/(rho D)) K``,
+What happens to the part does not hang on the passive tip yet, so **the turn since the first touch is the
+clock**. Per turn the contact creeps along its edge (the tip's speed along ``a`` less that of the part under
+it), besides the rolling of a round tip, by
+
+    -((f/g)(rho A + D m p) + rho B + D m e)/(D m)
+
+and has crept the turn times a mean of these rates. Stage by stage of the turn they lie between their
+bounds over the states that can be visited: those in which the mean is one of rates between such bounds.
+The bounds are guessed, and confirmed by recomputing them on the states that follow from the guess: the
+motion cannot be the first to leave them.
+
+The centre of the passive tip is at ``b a - E n`` from the centre of drag; the far edge, turned by an angle
+with the tangent ``t`` and the cosine ``1/q``, closes on it with the speed ``(L/(rho D)) K``,
 
     q K = rho A + D m b - t (rho B - D m E)
 
-Against the closed gap, not time, the part therefore turns by ``D m/K`` per metre, and the contact creeps
-along its edge (the tip's speed along ``a`` less that of the part under it) by
-
-    -((f/g)(rho A + D m p) + rho B + D m e)/K
-
-besides the rolling of a round tip, its radius times the turn.
-
-Until the gap is closed, turn and creep are the first gap times a mean of these rates, which lies between
-their bounds over the states that can be visited: those in which turn and creep are the gap closed so far
-times rates between such bounds. The bounds are guessed, and confirmed by recomputing them on the states
-that follow from the guess: the motion cannot be the first to leave them.
+so that per turn the gap closes by ``K/(D m)``. What a stage leaves of it tells in which stages the part can
+come to rest on both tips, and how long the clock runs at most.
 """
 
 from __future__ import annotations
@@ -41,27 +43,32 @@ from meso_robust.checker.grip import tight
 from meso_robust.checker.ids import Must, Objection, named
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Pose, Sweep
-from meso_robust.checker.pushing import UNIT, on_edge
-from meso_robust.checker.ranges import ZERO, Box, Side, halved, positive, span, whole
+from meso_robust.checker.pushing import on_edge
+from meso_robust.checker.ranges import (
+    ZERO,
+    Box,
+    Side,
+    halved,
+    positive,
+    side_of,
+    span,
+    whole,
+)
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
 from meso_robust.checker.scene import Scene, direction
 
-NEAR_TURN, NEAR_CREEP, NEAR_RATIO = 30.0, 2e-2, 1e-2
-"""How closely the rates are bounded: 1/m, 1 and 1."""
-CLOSE_CREEP = 5e-3
-"""The same once they are confirmed: what creeps in the gap is how wide the start of the slide is."""
+STAGE, MOST_STAGES = arb("0.02"), 25
+"""Of the turn, rad, and how many may pass before the checker gives up."""
+NEAR_CLOSING, NEAR_CREEP, NEAR_RATIO = 1e-2, 4e-3, 1e-2
+"""How closely are bounded: what the gap closes, and the contact creeps, per turn, of the width; friction."""
 HALVED = 3
 """How often parts of the orientations are tried, twice as many each time."""
 SLIGHT = arb("0.01")
 """Share of a rate by which it must change with a variable for the trend to know."""
-TRENDS = 2
-"""How often the trends are worked out, each time from states that follow them."""
 GUESSES = 12
-"""How often the guess is enlarged before the checker gives up."""
+"""How often a guess is enlarged before the checker gives up."""
 START = (arb(0), arb(0))
-EARLIER = "stray earlier"
-"""The path's distance from its line while the gap closes; ``stray`` is that when it is closed."""
 Barrier = Callable[[Dual], tuple[Dual, Dual]]
 """By h, how far ahead of S a part on a barrier is, and the barrier's slope per travel."""
 
@@ -127,16 +134,25 @@ class State:
         return self.film.rho * self.arm.room * g / self.pressing
 
     @property
-    def turn(self) -> Dual:
-        """Turn per closed gap, 1/m."""
-        return tight(self.lever) / tight(self.closing)
+    def closes(self) -> Dual:
+        """By how much the gap closes per turn, m."""
+        return self.closing / self.lever
 
     @property
     def creep(self) -> Dual:
-        """Way of the tip along its edge per closed gap, without the rolling."""
+        """Way of the tip along its edge per turn, without the rolling."""
         f, g = self.film.along(self.c, self.s)
-        under = self.lever * self.arm.d1 + self.film.rho * self._drag[1]
-        return -tight(tight(f / g) * tight(self.pressing) + under) / tight(self.closing)
+        across = self.film.rho * self._drag[1]
+        return -(f / g * self.pressing + across) / self.lever - self.arm.d1
+
+    @property
+    def ahead(self) -> Dual:
+        """How far the reference point is ahead of the passive tip."""
+        return -self.b
+
+    def h(self, across: Dual) -> Dual:
+        """Active minus passive tip, x; ``across`` the pushed edge the former is so far out."""
+        return (self.place - self.b) * self.c + (across + self.out) * self.s
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -150,42 +166,46 @@ class Trend:
     slopes: Mapping[str, arb]
     middle: Mapping[str, arb]
     along: arb
-    """Change per share of the gap that is left."""
+    """Change per turn since ``half`` of the longest one."""
+    half: arb
 
     def rate(self, at: Point) -> Dual:
         """The rate at an instant."""
-        return self._constant(at) + (at["left"] - HALF) * self.along
+        return self._constant(at) + (at["turned"] - self.half) * self.along
 
-    def mean(self, at: Point, left: Number) -> Dual:
-        """Its mean until a share of the gap is ``left``."""
-        return self._constant(at) + left * HALF * self.along
+    def mean(self, at: Point) -> Dual:
+        """Its mean until the part has turned so far."""
+        return self._constant(at) + (at["turned"] / 2 - self.half) * self.along
 
     def _constant(self, at: Point) -> Dual:
-        found = at["gap"] * 0 + self.value
+        found = at["turned"] * 0 + self.value
         for name, slope in self.slopes.items():
             found = found + (at[name] - self.middle[name]) * slope
         return found
 
 
-NO_TREND = Trend(ZERO, {}, {}, ZERO)
+NO_TREND = Trend(ZERO, {}, {}, ZERO, ZERO)
 HALF = arb(0.5)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Approach:
-    """All that can happen until both tips touch."""
+    """All that can happen in a stage of the turn, until both tips touch."""
 
     pair: Pair
     free: Box
-    """The variables of the move, and the first gap as one of them."""
-    turn: Side
-    """Bounds of the turn per closed gap less its trend, 1/m."""
-    creep: Side
-    """Bounds of the way of the tip along its edge per closed gap less its trend."""
-    ratio: Side
+    """The variables of the move."""
+    turned: Side
+    """From the first touch to this stage, and to its end, rad."""
+    open: arb
+    """Largest gap."""
+    creep: Side = START
+    """Bounds of the way of the tip along its edge per turn so far, less its trend, m."""
+    ratio: Side = START
     """Bounds of the friction ratio k."""
-    turn_trend: Trend = NO_TREND
-    creep_trend: Trend = NO_TREND
+    trend: Trend = NO_TREND
+    rests: Side | None = None
+    """The turn at which the part can come to rest on both tips; None: it cannot yet."""
 
     @property
     def scene(self) -> Scene:
@@ -195,47 +215,30 @@ class Approach:
     @property
     def lasting(self) -> frozenset[str]:
         """Variables that are constant during the run and not exact."""
-        own = {"left", "turn", "creep", "k", "stray", EARLIER, *self.pair.instants()}
+        own = {"open", "turned", "creep", "k", "stray", *self.pair.instants()}
         return frozenset(
             n for n, (low, high) in self.free.items() if low is not high and n not in own
         )
 
     def box(self) -> Box:
-        """The variables: those above, the share of the gap that is left, k and the mean rates."""
-        own = {"left": UNIT, "turn": self.turn, "creep": self.creep, "k": self.ratio}
-        return {**self.free, **own}
+        """The variables: those above, the gap, the turn so far, k and the creep."""
+        own = {"open": (ZERO, self.open), "turned": self.turned}
+        return {**self.free, **own, "creep": self.creep, "k": self.ratio}
 
     def box_at_touch(self) -> Box:
         """The same when it is closed."""
-        box = {**self.box(), "part": UNIT, "whole": self.turn}
-        if "stray" in box:
-            box[EARLIER] = box["stray"]
-        if not self.pair.parallel:
-            # S is farther out where the far edge leans towards it
-            box["lift"] = span(self._lift, self.box(), within=1e-9)
-        return box
-
-    def _lift(self, at: Point) -> Dual:
-        now = self.state(at)
-        out = self.pair.depth_far(at) + at["radius_passive"]
-        return now.out - out - at["left"] * at["gap"] / now.cosine
+        return {**self.box(), "open": side_of(ZERO), "turned": self.rests or self.turned}
 
     def angle(self, at: Point) -> Dual:
         """Direction of the edge."""
-        return self.scene.angle(at) + self._turned(at)
-
-    def _turned(self, at: Point) -> Dual:
-        """Turn since the first touch."""
-        mean = self.turn_trend.mean(at, at["left"]) + at["turn"]
-        return mean * (1 - at["left"]) * at["gap"]
+        return self.scene.angle(at) + at["turned"]
 
     def place(self, at: Point) -> Dual:
         """The active tip on its edge."""
-        mean = self.creep_trend.mean(at, at["left"]) + at["creep"]
-        place = self.first(at) + mean * (1 - at["left"]) * at["gap"]
+        place = self.first(at) + (self.trend.mean(at) + at["creep"]) * at["turned"]
         if self.pair.exact("radius_lower"):
             return place
-        return place - at["radius_lower"] * self._turned(at)
+        return place - at["radius_lower"] * at["turned"]
 
     def first(self, at: Point) -> Dual:
         """That place at the first touch."""
@@ -247,7 +250,7 @@ class Approach:
         c, s = direction(self.angle(at))
         place, turned = self.place(at), self.pair.turned(at)
         near = at["depth"] + at["radius_lower"]
-        out = self.pair.depth_far(at) + at["radius_passive"] + at["left"] * at["gap"]
+        out = self.pair.depth_far(at) + at["radius_passive"] + at["open"]
         apart = self.pair.V(at) + at["stray"] if "stray" in at else self.pair.V(at)
         tilt: Number = EVEN
         cosine: Number = EVEN
@@ -282,42 +285,16 @@ class Approach:
 
     def swept(self) -> Sweep:
         """All poses until the gap is closed."""
-        return Sweep(self.pose, self.box(), "left")
+        return Sweep(self.pose, self.box(), "turned")
 
     def h(self, at: Point) -> Dual:
-        """The tips' distance in x when the gap is closed: the mean turn is that of some state before."""
-        turned = self._earlier(at).turn * at["gap"]
-        return self._level(at, self.scene.angle(at) + turned)[0]
-
-    def _earlier(self, at: Point) -> State:
-        return self.state({**at, "stray": at[EARLIER]} if EARLIER in at else at)
-
-    def _level(self, at: Point, angle: Dual) -> tuple[Dual, Dual, Dual]:
-        """h, T and the sine of the angle, the gap being closed."""
-        c, s = direction(angle)
-        apart = self.pair.V(at) + at["stray"] if "stray" in at else self.pair.V(at)
-        across = at["depth"] + at["radius_lower"] + self.pair.depth_far(at) + at["radius_passive"]
-        if "lift" in at:
-            across = across + at["lift"]
-        return (apart * c + across) / s, (across * c + apart) / s, s
+        """The tips' distance in x when the gap is closed."""
+        return self.state(at).h(at["depth"] + at["radius_lower"])
 
     def lead(self, at: Point, barrier: Barrier) -> Dual:
-        """How far a part on a barrier is ahead of this one when the gap is closed.
-
-        S is at ``place - T`` along the edge, ``T = (V + W c)/s``. The part's way ahead is thus linear
-        in how far the contact crept, and has the slope ``h/s`` over the turn, a barrier ``T/s`` times
-        its own. With that slope at some angle on the way the lead is linear in turn and creep, which are
-        the gap times mean rates: those of one state before, as the mean is that of one function.
-        """
-        start, now = self.scene.angle(at), self._earlier(at)
-        h, T, *_ = map(tight, self._level(at, start))
-        first = barrier(h)[0] + self.first(at) - T
-        whole = self.turn_trend.mean(at, 0) + at["whole"]
-        h, T, s = map(tight, self._level(at, start + at["part"] * whole * at["gap"]))
-        steep = (tight(barrier(h)[1]) * T + h) / s
-        if not self.pair.exact("radius_lower"):
-            steep = steep - at["radius_lower"]
-        return first + at["gap"] * tight(tight(now.creep) + tight(steep) * tight(now.turn))
+        """How far a part on a barrier is ahead of this one then."""
+        now = self.state(at)
+        return barrier(tight(now.h(at["depth"] + at["radius_lower"])))[0] - now.ahead
 
     def requirements(self) -> list[Requirement]:
         """What is asked of every visited state."""
@@ -359,11 +336,11 @@ def pose_from(pair: Pair, at: Point, c: Dual, s: Dual, b: Dual, out: Dual) -> Po
 
 def _at_first(part: Part) -> Part:
     """The states of a part at the first touch."""
-    return Part(part.variables, {**part.box, "left": (arb(1), arb(1))})
+    return Part(part.variables, {**part.box, "turned": side_of(ZERO)})
 
 
 def approaches(pair: Pair) -> tuple[Approach, ...]:
-    """Confirm bounds of the rates until the part rests on the passive tip.
+    """Confirm bounds of the rates, stage by stage, until the part rests on the passive tip.
 
     Where they cannot be for all parts at once they are for parts of the orientations.
 
@@ -375,7 +352,7 @@ def approaches(pair: Pair) -> tuple[Approach, ...]:
     pairs = [pair]
     for _ in range(HALVED):
         try:
-            return tuple(map(_approach, pairs))
+            return tuple(stage for one in pairs for stage in _stages(one))
         except Refused as refused:
             last = refused
         pairs = [
@@ -386,80 +363,109 @@ def approaches(pair: Pair) -> tuple[Approach, ...]:
     raise last
 
 
-def _approach(pair: Pair) -> Approach:
-    free = {**pair.box, "gap": span(pair.first_gap, pair.box, within=1e-9)}
+def _stages(pair: Pair) -> list[Approach]:
+    """From the first touch until the gap is closed."""
+    least, most = span(pair.first_gap, pair.box, within=1e-9)
+    free = {**pair.box}
     free |= {name: side for name, side in pair.instants().items() if name == "stray"}
-    trial = Approach(pair, free, START, START, START)
-    for _ in range(TRENDS):
-        trial = _with_trend(trial)
+    trend = _trend(Approach(pair, free, (ZERO, STAGE), most))
+    stages: list[Approach] = []
+    crept, start = START, ZERO
+    for _ in range(MOST_STAGES):
+        stage = Approach(pair, free, (start, start + STAGE), most, trend=trend)
+        stage, crept = _confirmed(stage, crept)
+        slow, fast = _closes(stage)
+        soonest, latest = start + (least / fast).max(ZERO), start + most / slow
+        end = start + STAGE
+        rests = (start.max(soonest), end.min(latest)) if soonest <= end else None
+        stages.append(dataclasses.replace(stage, rests=rests))
+        if latest <= end:
+            return stages
+        least, most, start = least - fast * STAGE, (most - slow * STAGE).upper(), end
+    raise Refused(named(Objection.COMES_TO_REST), "a closed gap", "a gap that stays open")
+
+
+def _confirmed(stage: Approach, before: Side) -> tuple[Approach, Side]:
+    """With bounds of the mean creep; and those of it at the end. ``before``: those at the start."""
+    start, end = stage.turned
+    guess = before
     for _ in range(GUESSES):
-        found = _follows(trial)
-        if _inside(found.turn, trial.turn) and _inside(found.creep, trial.creep):
-            # what is confirmed holds, and so does what follows from it
-            return _follows(found, CLOSE_CREEP)
-        trial = dataclasses.replace(found, turn=_enlarged(found.turn), creep=_enlarged(found.creep))
+        after = tuple(
+            (a * start + b * (end - start)) / end for a, b in zip(before, guess, strict=True)
+        )
+        mean = after if start == 0 else (before[0].min(after[0]), before[1].max(after[1]))
+        trial = dataclasses.replace(stage, creep=(mean[0].lower(), mean[1].upper()))
+        trial = dataclasses.replace(trial, ratio=_ratio(trial))
+        for rate in ("lever", "pressing", "closing"):
+            if not positive(functools.partial(_rate, trial, rate), trial.box()):
+                raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", rate)
+        found = _creep(trial)
+        if _inside(found, guess):
+            return trial, (after[0].lower(), after[1].upper())
+        guess = _enlarged(found)
     raise Refused(named(Objection.COMES_TO_REST), "bounded rates", "no bound")
 
 
-def _with_trend(trial: Approach) -> Approach:
-    """With the trends of the rates at the middle of all variables."""
+def _closes(stage: Approach) -> Side:
+    """By how much the gap closes per turn."""
+    near = NEAR_CLOSING * 2.0 * float(stage.scene.d1)
+    slow, fast = span(functools.partial(_rate, stage, "closes"), stage.box(), within=near)
+    if not slow > 0:
+        raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", "closes")
+    return slow, fast
+
+
+def _trend(trial: Approach) -> Trend:
+    """That of the creep at the middle of all variables."""
     point = {name: whole(side).mid() for name, side in trial.box().items()}
     ratio = _ratio_at(trial, point)
+    if abs(ratio) < trial.scene.box[trial.scene.mu(ACTIVE)][0]:
+        return NO_TREND  # a tip that sticks does not creep
     at = {name: Dual(value, {name: arb(1)}) for name, value in {**point, "k": ratio}.items()}
-    state = trial.state({**at, "left": Dual(HALF, {"left": arb(1)})})
-    least_mu = trial.scene.box[trial.scene.mu(ACTIVE)][0]
-
-    def trend(rate: Dual) -> Trend:
-        own = {
-            name: slope.mid()
-            for name, slope in rate.slopes.items()
-            if name in trial.lasting
-            and abs(slope) * whole(trial.free[name]).rad() > abs(rate.value) * SLIGHT
-        }
-        middle = {name: point[name] for name in own}
-        return Trend(rate.value.mid(), own, middle, rate.slopes["left"].mid())
-
-    slides = not abs(ratio) < least_mu  # a tip that sticks does not creep
-    return dataclasses.replace(
-        trial,
-        turn_trend=trend(state.turn),
-        creep_trend=trend(state.creep) if slides else NO_TREND,
-    )
+    creep = trial.state(at).creep
+    own = {
+        name: slope.mid()
+        for name, slope in creep.slopes.items()
+        if name in trial.lasting
+        and abs(slope) * whole(trial.free[name]).rad() > abs(creep.value) * SLIGHT
+    }
+    middle = {name: point[name] for name in own}
+    return Trend(creep.value.mid(), own, middle, creep.slopes["turned"].mid(), point["turned"])
 
 
 def _ratio_at(trial: Approach, point: Mapping[str, arb]) -> arb:
     """The friction ratio at the middle of all variables."""
-    now = trial.state(
-        {**{n: Dual(v) for n, v in point.items()}, "left": Dual(HALF), "k": Dual(ZERO)}
-    )
+    now = trial.state({**{n: Dual(v) for n, v in point.items()}, "k": Dual(ZERO)})
     sticking = (now.arm.shear(now.c, now.s) / now.arm.press(now.c, now.s)).value.mid()
     mu = point[trial.scene.mu(ACTIVE)]
     return sticking.max(-mu).min(mu)
 
 
-def _follows(trial: Approach, near_creep: float = NEAR_CREEP) -> Approach:
-    """Bounds of the friction ratio and the rates on the states that follow from a guess."""
-    ratio = _ratio(trial)
-    trial = dataclasses.replace(trial, ratio=ratio)
-    box = trial.box()
-    for rate in ("pressing", "closing"):
-        if not positive(functools.partial(_rate, trial, rate), box):
-            raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", rate)
+def _creep(trial: Approach) -> Side:
+    """Bounds of the creep less its trend.
 
-    def off_trend(rate: str, trend: Trend, at: Point) -> Dual:
-        return _rate(trial, rate, at) - trend.rate(at)
+    Where the contact never slides towards ``a`` it creeps by the smaller of what it does at the ratio
+    ``-mu`` and nothing: the former is negative where it slides, positive where it sticks. The other way
+    round likewise.
+    """
+    box, mu = trial.box(), trial.scene.box[trial.scene.mu(ACTIVE)]
+    near = NEAR_CREEP * 2.0 * float(trial.scene.d1)
+    rests = span(lambda at: -trial.trend.rate(at), box, within=near)
+    one_way = [sign for sign, most in ((-1, trial.ratio[1]), (1, -trial.ratio[0])) if most < mu[0]]
+    if len(one_way) == 2:
+        return rests
+    sign = one_way[0] if one_way else 0
+    ratios = {-1: (-mu[1], -mu[0]), 1: mu, 0: trial.ratio}
 
-    of = functools.partial(off_trend, "turn", trial.turn_trend)
-    turn = span(of, box, within=NEAR_TURN)
-    of = functools.partial(off_trend, "creep", trial.creep_trend)
-    low, high = span(of, box, within=near_creep)
-    least_mu = trial.scene.box[trial.scene.mu(ACTIVE)][0]
-    if trial.creep_trend is NO_TREND:
-        if ratio[1] < least_mu:  # it never slides towards +a
-            high = high.min(ZERO)
-        if ratio[0] > -least_mu:
-            low = low.max(ZERO)
-    return dataclasses.replace(trial, turn=turn, creep=(low, high))
+    def off_trend(at: Point) -> Dual:
+        return _rate(trial, "creep", at) - trial.trend.rate(at)
+
+    slides = span(off_trend, {**box, "k": ratios[sign]}, within=near)
+    if sign == 0:
+        return slides
+    if sign < 0:
+        return slides[0].min(rests[0]), slides[1].min(rests[1])
+    return slides[0].max(rests[0]), slides[1].max(rests[1])
 
 
 def _rate(trial: Approach, rate: str, at: Point) -> Dual:

@@ -112,6 +112,14 @@ class Arm:
         return p * s - q * c
 
     @property
+    def stiffness(self) -> Dual:
+        """F."""
+        p = self.d2 * (1 - self.film.stretch) - self.film.shear * self.d1
+        q = self.d1 * (self.film.stretch + 1) - self.film.shear * self.d2
+        found: Dual = p * self.d2 + q * self.d1 + self.film.rho
+        return found
+
+    @property
     def room(self) -> Number:
         """Determinant of the drag of translations."""
         if self.film.even:

@@ -35,6 +35,8 @@ def force_below_cap(scene: Scene, given: Given, passage: Passage) -> tuple[Requi
     """
     if given.largest_force is None or given.drag is None or scene.rule.action == "regrasp":
         return ()
+    if passage.slips:
+        raise Refused(named(Must.FORCE_BELOW_CAP), "proved", "not of a tip that may slip")
     if passage.largest_force is not None:
         force = passage.largest_force() * (_largest(scene.box["scale"]) + 1)
     elif scene.rule.action in PUSHES:

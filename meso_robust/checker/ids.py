@@ -22,6 +22,7 @@ class Must(StrEnum):
     TIP_STICKS = "tip_sticks"
     TIP_TURNS_PART = "tip_turns_part"
     NO_SLIPPING = "no_slipping"
+    SLIP_BOUNDED = "slip_bounded"
     IDLE_TIP_PASSES = "idle_tip_passes"
     WITHDRAWS_FREE = "withdraws_free"
     PAIR_STICKS = "pair_sticks"

@@ -20,6 +20,7 @@ from meso_robust.checker.numbers import double, side
 from meso_robust.checker.ranges import ZERO, Box, Formula, Side, either, least, shift
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, formulas
+from meso_robust.checker.slip import MOST, SLIPPED, TURNED
 from meso_robust.checker.statement import Statement
 from meso_robust.checker.words import sentence
 
@@ -27,6 +28,8 @@ NINE_DIGITS = arb(1e-9)
 """To what a stated box is compared with the states that are found reachable. Nothing rests on this:
 the checker's own proof is over those states, and the stated bound is verified over the stated box."""
 
+OWN_BOUNDS = frozenset({SLIPPED, TURNED})
+"""Ranges that each enclosure bounds as closely as it can."""
 CASES = arb("0.05")
 """By which share of it a range of angles may be wider than the checker's own: a matter of form."""
 
@@ -118,13 +121,19 @@ def _over_move(stated: ObligationDocument, requirement: Requirement) -> None:
             if own == "theta":  # stated is the part's orientation
                 low, high = shift((low, high), -part.box["turn"][0])
             known = part.box[own]
+            if own == MOST:  # another bound of the slip: what is stated of it is looked at there
+                if not (low == high and known[1] <= high):
+                    told = f"{float(low):.9g} to {float(high):.9g}"
+                    raise Refused(requirement.name.value(key), told, "more can be reached")
+                box[own] = (low, high)
+                continue
             room = (abs(low) + abs(high)) * NINE_DIGITS
             told = f"{float(low):.9g} to {float(high):.9g}"
             if not (low - room <= known[0] and known[1] <= high + room):
                 raise Refused(requirement.name.value(key), told, "more can be reached")
             # angles of a case end where each side encloses the other case's beginning
             wide = room + (known[1] - known[0]) * CASES if own == "theta" else room
-            if not (known[0] - wide <= low and high <= known[1] + wide):
+            if own not in OWN_BOUNDS and not (known[0] - wide <= low and high <= known[1] + wide):
                 raise Refused(requirement.name.value(key), told, "less can be reached")
             # two names may be one variable here: it has all values of both
             box[own] = (low.min(box[own][0]), high.max(box[own][1]))

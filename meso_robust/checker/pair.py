@@ -27,12 +27,17 @@ class Pair:
     """
 
     scene: Scene
+    until_rest: Side | None = None
+    """How far the part turns until it rests on both, rad; None: not known yet."""
 
     @property
     def box(self) -> Box:
         """The variables of the move."""
         box = self.scene.box
-        return {**box, "size_far": box["size_other"], "kappa_far": box["kappa_other"]}
+        far = {"size_far": box["size_other"], "kappa_far": box["kappa_other"]}
+        return (
+            {**box, **far} if self.until_rest is None else {**box, **far, "turned": self.until_rest}
+        )
 
     @property
     def parallel(self) -> bool:
@@ -86,8 +91,6 @@ class Pair:
 
     def first_gap(self, at: Point) -> Dual:
         """Distance of the passive tip from the far edge before the move."""
-        if "gap" in at:
-            return at["gap"]
         angle, turned = self.scene.angle(at), self.turned(at)
         c, s = direction(angle if turned is None else angle + turned)
         return -off_line(c, s, *self.passive(at)) - self.depth_far(at) - at["radius_passive"]
@@ -104,7 +107,9 @@ class Pair:
         }
         if not self.parallel:
             found["tilt"] = lambda at: (at["kappa_far"] - at["kappa"]).tan()
-        found |= {"begun": self.scene.angle, "gap": self.first_gap}
+        found["begun"] = self.scene.angle
+        if self.until_rest is not None:
+            found["turned"] = lambda at: at["turned"]
         for name in ("drag_a", "drag_n"):
             if not self.exact(name):
                 found[name] = lambda at, name=name: at[name]  # type: ignore[misc]

@@ -60,3 +60,5 @@ class Passage:
     """Every pose of the move but those at rest before it."""
     largest_force: Callable[[], arb] | None = None
     """Bound of all contact forces over drag and commanded speed, if it depends on the motion."""
+    slips: bool = False
+    """Whether a tip that pushes alone may slip: poses on the way and forces are not bounded then."""

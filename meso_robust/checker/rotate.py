@@ -29,7 +29,7 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.approach import Approach, approaches, pose_from
 from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.grip import Forces, Grip
+from meso_robust.checker.grip import Forces, Grip, S
 from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Rectangle
@@ -60,7 +60,7 @@ from meso_robust.checker.ranges import (
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables, prove
 from meso_robust.checker.scene import Scene
-from meso_robust.checker.slide import Piece, Start, drag_of, enclose, ratios_of
+from meso_robust.checker.slide import Piece, Start, drag_of, enclose, grip_of, ratios_of
 
 IDLE = 1
 """The upper tip of the active probe touches nothing; the lower one pushes."""
@@ -69,7 +69,9 @@ NEAR = 2e-7
 NEAR_FORCE = 0.05
 """How closely forces are bounded, over drag and speed."""
 SIGNS = (-1, 1)
-LABELS = {"begun": "theta", "gap": "gap"}
+AHEAD = "ahead"
+"""A variable: how far the part is ahead of the passive tip."""
+LABELS = {"begun": "theta", "turned": "turned"}
 """What tells how a part came to both tips: its barriers have slopes along it."""
 
 
@@ -88,21 +90,23 @@ def check_rotate(scene: Scene) -> Passage:
     pair = Pair(scene)
     before = [*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(pair), _no_jam(pair)]
     _prove(before)
-    touching = approaches(pair)
+    stages = approaches(pair)
+    touching = tuple(one for one in stages if one.rests is not None)
     spans = (span(one.h, one.box_at_touch(), within=NEAR) for one in touching)
     h = functools.reduce(hull, spans)
     h_end = span(pair.h_end, pair.box)
-    every = zip(*(one.requirements() for one in touching), strict=True)
+    every = zip(*(one.requirements() for one in stages), strict=True)
     arrival = [*(_of_all(same) for same in every), _rests(touching, h_end)]
     _prove(arrival)
-    turn = _Turn(pair, touching, h, h_end)
+    rests = functools.reduce(hull, (one.rests for one in touching if one.rests is not None))
+    turn = _Turn(Pair(scene, rests), stages, h, h_end)
     after = turn.requirements()
     _prove(after)
     return Passage(
         does=named(Property.TURNS_BETWEEN_TIPS),
         post=turn.post(),
         requirements=(*before, *arrival, *after),
-        swept=(*(one.swept() for one in touching), *turn.swept()),
+        swept=(*(one.swept() for one in stages), *turn.swept()),
         largest_force=turn.largest_force,
     )
 
@@ -175,11 +179,13 @@ Spare = Callable[[Piece, arb, Point], tuple[Dual, ...]]
 class _Turn:
     """The turn between both tips."""
 
-    def __init__(self, pair: Pair, touching: tuple[Approach, ...], h: Side, h_end: Side) -> None:
-        self.scene, self.pair, self.touching = pair.scene, pair, touching
+    def __init__(self, pair: Pair, stages: tuple[Approach, ...], h: Side, h_end: Side) -> None:
+        self.scene, self.pair, self.before = pair.scene, pair, stages
         self.box, self.h, self.h_end = pair.ranges(), h, h_end
         starts = [
-            Start(one.box_at_touch(), one.lead, self.at_touch, "left", LABELS) for one in touching
+            Start(one.box_at_touch(), one.lead, self.at_touch, LABELS)
+            for one in stages
+            if one.rests is not None
         ]
         self.pieces = enclose(self.box, starts, h, h_end)
         self.near, self.far = self._straight("depth"), self._straight("depth_far")
@@ -254,7 +260,7 @@ class _Turn:
         The rate of travel along the line is at most the probe's speed.
         """
         first = ZERO
-        for one in self.touching:
+        for one in self.before:
             first = first.max(span(one.force, one.box(), within=NEAR_FORCE)[1])
         states = self.states()
 
@@ -302,7 +308,7 @@ class _Turn:
             shown(Must.BOTH_TIPS_TOUCH, st.PASSIVE_FORCE, self._forces, self._forces_back),
             shown(Must.BOTH_TIPS_ON_EDGES, st.TIPS_ON_EDGES, self._on_edges),
             passes("before_touch", (self.flight(),)),
-            passes("early_in_turn", tuple(map(self.early, self.touching))),
+            passes("early_in_turn", tuple(map(self.early, self.before))),
             passes("late_in_turn", while_turning, cover=(self.at_end(),)),
             passes("on_withdrawal", (self.withdrawal(),)),
             comes_free("both", self.end_angle, self.scene, self.end_box()),
@@ -372,10 +378,10 @@ class _Turn:
         y = variables["dy"]
         return {**variables, "dy": lambda at: y(at) + pair.stray(at, "_now") - pair.stray(at)}
 
-    def early(self, touching: Approach) -> Part:
+    def early(self, stage: Approach) -> Part:
         """Until the part rests on the passive tip."""
-        variables = self.beside(touching.angle, touching.place, constant(ZERO))
-        return Part(variables, touching.box())
+        variables = self.beside(stage.angle, stage.place, constant(ZERO))
+        return Part(variables, stage.box())
 
     def end_box(self) -> Box:
         return {**self.pair.box, "share": UNIT, "back": UNIT}
@@ -424,8 +430,20 @@ class _Turn:
         def at_end(k: int, at: Point) -> Dual:
             return self._pose(at, self.end_grip(at))[k]
 
-        x, y, theta = (span(functools.partial(at_end, k), box, within=1e-9) for k in range(3))
+        x, y = (span(functools.partial(at_end, k), box, within=1e-9) for k in range(2))
+        theta = span(self._end_theta, {**box, AHEAD: self._end_ahead(box)}, within=1e-9)
         return PoseBox(x=x, y=y, theta=shift(theta, self.scene.turn))
+
+    def _end_ahead(self, box: Box) -> Side:
+        """How far the part is ahead of the passive tip at the end."""
+        return span(lambda at: -self.end_grip(at).b, box, within=1e-9)
+
+    def _end_theta(self, at: Point) -> Dual:
+        """Its orientation then, which hangs on that only as far as the edges are out of parallel."""
+        strays = "stray" in self.box
+        known = self._known(at, {"stray": self.pair.stray(at, "_now")} if strays else {})
+        grip = grip_of(known, self.pair.h_end(at), S, at[AHEAD])
+        return self.scene.stated(at, _angle(grip))
 
 
 def _angle(grip: Grip) -> Dual:

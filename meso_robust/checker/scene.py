@@ -187,12 +187,17 @@ class Scene:
 
     def lean(self, at: Point) -> Dual | None:
         """An edge on both tips minus the line through their centres; None: their radii are one."""
-        low, high = self.box["radius_upper"]
-        if low is high:
+        if self.equal_tips:
             return None
         c, _ = direction(at["beta"])
         differ = at["radius_upper"] - at["radius_lower"]
         return (differ * c / at["spacing"]).asin()
+
+    @property
+    def equal_tips(self) -> bool:
+        """Whether the radii of both tips of the active probe are one."""
+        low, high = self.box["radius_upper"]
+        return low is high
 
     def gap(self, at: Point) -> Dual:
         """Distance of the contacts of both tips on an edge, m."""

@@ -83,7 +83,7 @@ ROOM = 1e-12
 NEAR = 1e-4
 """Of the width; how closely the slides at which a turn can begin are bounded."""
 CONSTANT = (
-    "V", "Z", "begun", "gap", "depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n",
+    "V", "Z", "begun", "turned", "depth", "depth_far", "radius", "radius_far", "tilt", "drag_a", "drag_n",
     "stray",
 )  # fmt: skip
 """What a barrier is linear in; the stray is not constant, its rate is the bend of the path."""
@@ -298,8 +298,6 @@ class Start:
     """How far a barrier is ahead, from how far ahead of S it is by h and its slope."""
     constants: Callable[[Point], Point]
     """What the barriers are linear in."""
-    averaged: str | None = None
-    """The variable from 0 to 1 of which the lead is the mean."""
     labels: Mapping[str, str] = dataclasses.field(default_factory=dict)
     """Constants on which only the start depends, and the variables that they grow with."""
 
@@ -502,10 +500,8 @@ class _Barrier:
     def _start(self, start: Start, ahead: Callable[[Mapping[str, Any]], Any]) -> arb:
         """A lower bound of how far a curve is beyond the places at which a turn can begin."""
         boxes, exact = boxes_of(start.box, 1)
-        mean = start.averaged
-        place = None if mean is None else boxes.names.index(mean)
         near = NEAR * self.flow.width
-        found = lowest(lambda at, _: ahead({**exact, **at}), boxes, near, STARTS, mean=place)
+        found = lowest(lambda at, _: ahead({**exact, **at}), boxes, near, STARTS)
         return arb(float(found[0]))
 
     def _curve(self, leg: _Leg) -> Curve:

@@ -81,6 +81,31 @@ def _turns_any_way(at: Point) -> Values:
     return (arm.d2 * at["side"] - at["mu"] * arm.d1,)
 
 
+def _turns_back(at: Point) -> Values:
+    # while it slips that way it turns the part faster, and the other way by its own moment
+    s, c = at["theta"].sin_cos()
+    arm = _arm(at)
+    across = arm.d1 * (arm.film.stretch + 1) - arm.d2 * arm.film.shear
+    return arm.turn(c, s) * at["side"], arm.d2 * at["side"] + at["mu"] * arm.d1, across
+
+
+def _slips_one_way(at: Point) -> Values:
+    s, c = at["theta"].sin_cos()
+    arm = _arm(at)
+    inward, across = arm.film.along(c, s)[1], at["mu"] * arm.mixed
+    other_way = arm.press(c, s) * at["mu"] - arm.shear(c, s) * at["side"]
+    return inward * (arm.straight + across), inward * (arm.straight - across), other_way
+
+
+def _creeps_less(at: Point) -> Values:
+    # slip per turn is what friction lacks over the turn's own factor; allowed is creep d(-cos^3)
+    s, c = at["theta"].sin_cos()
+    arm, side = _arm(at), at["side"]
+    turned = arm.film.along(c, s)[1] * (arm.d2 * side - at["mu"] * arm.d1) * arm.room
+    lacking = -(arm.press(c, s) * at["mu"] + arm.shear(c, s) * side)
+    return (at["creep"] * c.squared() * s * turned * 3 - lacking,)
+
+
 def _pair_sticks(at: Point) -> Values:
     """Both tips together hold the part against the drag of its translation, and nothing else can be.
 
@@ -149,6 +174,9 @@ BESIDE = _plain("sticking_motion.beside", _beside, any_value=True)
 BESIDE_ONE = _plain("sticking_motion.beside", _clearance)
 """The same of a tip that is off one and the same of these lines all the time."""
 ANY_WAY = _plain("drag_tensor.turns_any_way", _turns_any_way)
+TURNS_BACK = _plain("drag_tensor.turns_back", _turns_back)
+SLIPS_ONE_WAY = _plain("drag_tensor.slips_one_way", _slips_one_way)
+CREEPS_LESS = _plain("drag_tensor.creeps_less", _creeps_less)
 PRESSES = _plain("one_point_sticking.normal_force", _press)
 STICKS = _plain("one_point_sticking.friction_margin", _friction)
 TURNS = _plain("one_point_sticking.turning", _turns)
@@ -161,6 +189,8 @@ REACHES = _plain("travel", lambda at: (at["travel"],))
 ON_EDGE = _plain("within_edge", _on_edge)
 BETWEEN_ENDS = _plain("between_corners", _on_edge)
 ARRIVES = _plain("travel_to_spare", _arrives)
+ARRIVES_SLIPPING = _plain("travel_to_spare", lambda at: (at["spare"],))
+"""The same of a first tip that may slip."""
 RESTS = _plain("touch_before_end", lambda at: (at["h_start"] - at["h_end"],))
 COMES_FREE = _plain("faces_back", _faces_back)
 PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR, FORCE = (
@@ -174,7 +204,7 @@ PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR, FORCE = (
 STATEMENTS: Mapping[str, Statement] = {
     one.id: one
     for one in (
-        CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
+        CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, TURNS_BACK, SLIPS_ONE_WAY, CREEPS_LESS, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
         NO_JAM_POINTS, REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
         TIPS_CLEAR, FORCE,
     )

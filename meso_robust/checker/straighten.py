@@ -1,6 +1,6 @@
-"""A straightening (t^2): one tip sticks until the other touches, then the part moves with both.
+"""A straightening (t^2): one tip turns the part until the other touches, then it moves with both.
 
-Once both touch, the line through them keeps its direction ``pi/2 + beta`` and so does the edge.
+The first tip sticks, or it slips a little (``slip.py``): then how far is one more variable. Once both touch, the line through them keeps its direction ``pi/2 + beta`` and so does the edge.
 Nothing but the translation can follow: a motion that both tips keep in contact does not turn and
 differs from it by a slide along the edge only, against which the friction of both tips together
 stands (``statement.py``); one that leaves a tip is a motion of the other tip alone, which turns the
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Sequence
 
 from flint import arb
 
@@ -24,6 +25,7 @@ from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     NEAR,
+    TURNS,
     UNIT,
     comes_free,
     constant,
@@ -35,8 +37,10 @@ from meso_robust.checker.pushing import (
     turns_back,
 )
 from meso_robust.checker.ranges import Box, Formula, Side, common, hull, shift, span
+from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables, holds, prove
 from meso_robust.checker.scene import NAMES, Scene, direction
+from meso_robust.checker.slip import SLIPPED, Slip, slip_of, slipped, spare
 
 
 def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
@@ -58,11 +62,12 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
         *free_at_start(scene, (1, -1)),
         comes_free("pair", functools.partial(_aligned, scene), scene, scene.box),
     ]
-    cases = [_Case(scene, side, box) for side, box in _first_contacts(scene)]
-    for case in cases:
-        requirements += case.requirements()
-    for requirement in requirements:
-        prove(requirement)
+    _prove(requirements)
+    cases = []
+    for side, box in _first_contacts(scene):
+        case, more = _proved(_Case(scene, side, box))
+        cases.append(case)
+        requirements += more
     theta = span(functools.partial(_aligned_as_stated, scene), scene.box)
     return Passage(
         does=named(Property.STRAIGHTENS),
@@ -73,7 +78,37 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
         ),
         requirements=tuple(requirements),
         swept=tuple(sweep for case in cases for sweep in case.swept(exact=len(cases) == 1)),
+        slips=any(case.slip is not None for case in cases),
     )
+
+
+def _prove(requirements: list[Requirement]) -> None:
+    for requirement in requirements:
+        prove(requirement)
+
+
+def _proved(case: _Case) -> tuple[_Case, list[Requirement]]:
+    """A case whose first tip sticks or, where that does not follow, slips little.
+
+    Raises
+    ------
+    Refused
+        Neither follows; said is what a tip that sticks lacks.
+    """
+    try:
+        requirements = case.requirements()
+        _prove(requirements)
+    except Refused:
+        if case.scene.equal_tips:
+            raise
+        aligned = functools.partial(_aligned, case.scene)
+        slip = slip_of(case.scene, case.side, case.box, aligned, case.place_at)
+        if slip is None:
+            raise
+        case = dataclasses.replace(case, box=slip.box, slip=slip)
+        requirements = case.requirements()
+        _prove(requirements)
+    return case, requirements
 
 
 def _aligned(scene: Scene, at: Point) -> Dual:
@@ -110,6 +145,8 @@ class _Case:
     scene: Scene
     side: int
     box: Box
+    slip: Slip | None = None
+    """How far it may slip; None: it sticks."""
 
     def first(self, at: Point) -> Contact:
         return touch(self.scene, at, self.side)
@@ -120,12 +157,17 @@ class _Case:
 
     def end(self, at: Point) -> Contact:
         """The first contact when the other tip touches."""
-        first = self.first(at)
         c, s = direction(self.scene.aligned(at))
-        if first.radius is EVEN:
-            return dataclasses.replace(first, c=-s, s=c)
-        rolled = (_aligned(self.scene, at) - self.scene.angle(at)) * first.radius
-        return dataclasses.replace(first, c=-s, s=c, d2=first.d2 - rolled)
+        place = self.place_at(at, _aligned(self.scene, at), at.get(SLIPPED))
+        return dataclasses.replace(self.first(at), c=-s, s=c, d2=place)
+
+    def place_at(self, at: Point, angle: Dual, creep: Dual | None) -> Dual:
+        """``d2`` of the first contact, which rolls and may slip, when the edge has come to ``angle``."""
+        first, start = self.first(at), self.scene.angle(at)
+        place = first.d2
+        if first.radius is not EVEN:
+            place = place - (angle - start) * first.radius
+        return place if creep is None else place - slipped(creep, start, angle)
 
     def other(self, at: Point) -> Dual:
         """``d2`` of the tip that touches second."""
@@ -154,10 +196,9 @@ class _Case:
 
     def offset(self, at: Point) -> Dual:
         """``d2`` of the first tip then."""
-        first = self.first(at)
-        if first.radius is EVEN:
-            return first.d2
-        return first.d2 - (self.path(at) - self.scene.angle(at)) * first.radius
+        if not (self.first_rolls or self.slip):
+            return self.first(at).d2
+        return self.place_at(at, self.path(at), at.get(SLIPPED))
 
     def turning(self, at: Point) -> Pose:
         """The part when a share of the first tip's turn is done."""
@@ -225,21 +266,35 @@ class _Case:
             for angle in (scene.angle, aligned)
         )
         turned = {**box, "share": UNIT}
+        alone: Sequence[Requirement] = (
+            sticks(first, scene, self.path, self.offset, side, side, turned, (scene.angle, aligned))
+            if self.slip is None
+            else self.slip.requirements
+        )
+        arrives = Requirement(
+            name=named(Must.SECOND_TIP_TOUCHES),
+            statement=st.ARRIVES,
+            parts=(Part(turn, box),),
+            cover=ends,
+            stated_box=self.longest,
+        )
+        if self.slip is not None:
+            left = functools.partial(spare, scene, side, aligned, self.place_at, self.travel)
+            arrives = dataclasses.replace(
+                arrives,
+                statement=st.ARRIVES_SLIPPING,
+                parts=(Part({"spare": left}, box),),
+                cover=None,
+                stated_box=None,
+            )
+        moves = self.first_rolls or self.slip is not None
         return [
-            on_edge(first, scene, self.offset, turned if self.first_rolls else box),
-            *sticks(
-                first, scene, self.path, self.offset, side, side, turned, (scene.angle, aligned)
-            ),
+            on_edge(first, scene, self.offset, turned if moves else box),
+            *alone,
             on_edge(second, scene, self.other, box),
             *self.requirements_of_pair(),
             *self.second_alone(second, aligned),
-            Requirement(
-                name=named(Must.SECOND_TIP_TOUCHES),
-                statement=st.ARRIVES,
-                parts=(Part(turn, box),),
-                cover=ends,
-                stated_box=self.longest,
-            ),
+            arrives,
         ]
 
     def requirements_of_pair(self) -> list[Requirement]:
@@ -274,12 +329,15 @@ class _Case:
         ]
 
     def second_alone(self, which: str, aligned: Formula) -> list[Requirement]:
-        """The second tip alone would turn the part back onto the first one: proved in one of two ways."""
+        """The second tip alone would turn the part back onto the first one: proved in one of three ways."""
         back = turns_back(which, self.scene, self.other, -self.side, self.box)
         sticking = sticks(which, self.scene, aligned, self.other, -self.side, -self.side, self.box)
-        if not all(holds(back.statement, part) for part in back.parts):
-            for requirement in sticking:
-                prove(requirement)
+        if self.slip is not None:
+            slipping = self.slips_back(which, aligned)
+            back = dataclasses.replace(back, instead=(slipping,))
+        ways = (back, *back.instead)
+        if not any(all(holds(way.statement, part) for part in way.parts) for way in ways):
+            _prove(sticking)
         return [
             dataclasses.replace(
                 one,
@@ -289,6 +347,24 @@ class _Case:
             )
             for one in sticking
         ]
+
+    def slips_back(self, which: str, aligned: Formula) -> Requirement:
+        """The second tip alone turns the part back if it sticks, and no less if it slips."""
+        scene, mu = self.scene, self.scene.mu(-self.side)
+        film = {key: of for key, of in scene.film_variables("_now").items() if key != "rho"}
+        variables: Variables = {
+            "theta": aligned,
+            "d1": lambda at: at["depth"],
+            "d2": self.other,
+            "mu": lambda at: at[mu],
+            "side": constant(arb(-self.side)),
+            **film,
+        }
+        return Requirement(
+            name=named(Must.TIP_TURNS_PART, tip=which, turn=TURNS[-self.side]),
+            statement=st.TURNS_BACK,
+            parts=(Part(variables, self.box),),
+        )
 
     @property
     def first_rolls(self) -> bool:

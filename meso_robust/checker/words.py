@@ -51,6 +51,7 @@ _SENTENCES: Mapping[StrEnum, str] = {
     Must.TIP_PUSHES: "the {tip} tip pushes",
     Must.TIP_STICKS: "the {tip} tip sticks",
     Must.TIP_TURNS_PART: "the {tip} tip turns the part {turn}",
+    Must.SLIP_BOUNDED: "the {tip} tip slips no farther than it may",
     Must.NO_SLIPPING: "the {tip} tip can only stick, not slip",
     Must.IDLE_TIP_PASSES: "the idle tip passes the part ({when})",
     Must.WITHDRAWS_FREE: "on withdrawal contact is lost at once ({tips})",

@@ -24,12 +24,20 @@ Symbols = dict[str, ca.SX]
 
 POSE = ("x", "y", "theta")
 PLACE = ("sensed_x", "sensed_y", "probe_x", "probe_y")
-PATH = ("direction", "scale", "wander_x", "wander_y", "wander_x_now", "wander_y_now")
+CREEP, CREEP_MOST = "creep_now", "creep_most"
+"""How far the contact has slipped, over that of derivations/drag_tensor.py per unit of its ``creep``, and
+the most that can be, m."""
+TURNED, PROGRESS = "turned", "progress"
+"""How far the part has been turned since the touch, rad; the share of the travel in contact."""
+PATH = (
+    *("direction", "scale", "wander_x", "wander_y", "wander_x_now", "wander_y_now"),
+    CREEP,
+)
 TIPS = ("beta", "spacing", "radius_upper", "radius_lower")
 PART = ("depth", "kappa", "drag_a", "drag_n")
 HISTORY = ("rho", "stretch", "shear", "bend")
 NOW = ("rho_now", "stretch_now", "shear_now", "bend_now", "mu_upper_now", "mu_lower_now", "share")
-PARAMETERS = (*POSE, *PLACE, *PATH, *TIPS, *PART, *HISTORY, *NOW)
+PARAMETERS = (*POSE, *PLACE, *PATH, *TIPS, *PART, *HISTORY, CREEP_MOST, TURNED, PROGRESS, *NOW)
 
 AIM = ("turn", "part_x", "part_y", "part_end", "offset_x", "offset_y", "offset_end")
 """The direction of the edge in the part, and the commands; ``part_x`` is 1 if that coordinate is
@@ -148,10 +156,15 @@ class _Push:
         astray = [self.own(f"wander_{axis}_now") - self.own(f"wander_{axis}") for axis in "xy"]
         return self.travel - self.touch[0] - astray[0] * c - astray[1] * s
 
-    def offset(self, angle: ca.SX) -> ca.SX:
-        """Of the contact, which rolls, when the edge has come to ``angle``."""
+    def offset(self, angle: ca.SX, creep: str = CREEP) -> ca.SX:
+        """Of the contact, which rolls and may have slipped, when the edge has come to ``angle``."""
         rolled = angle, self.angle, self.touch[1], self.radius(self.tip)
-        return _call("round_tips", "rolled", *rolled)[0]
+        return _call("round_tips", "rolled", *rolled)[0] - self.slipped(angle, creep)
+
+    def slipped(self, angle: ca.SX, creep: str) -> ca.SX:
+        """How far the contact has slipped since the touch."""
+        angles = angle - self.own("direction"), self.angle - self.own("direction")
+        return _call("drag_tensor", "slipped", *angles, self.own(creep))[0]
 
     def arm(self, angle: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Centre of the touching tip from the reference point when the edge has come to ``angle``."""
@@ -193,13 +206,32 @@ def _margins(push: _Push, tip: int, side: int, angle: ca.SX, offset: ca.SX) -> l
     ]
 
 
+def _numbered(name: str, values: Iterable[ca.SX]) -> Symbols:
+    return {f"{name}_{k}": value for k, value in enumerate(values)}
+
+
+def _about(push: _Push, tip: int, angle: ca.SX, offset: ca.SX) -> tuple[ca.SX, ...]:
+    """Arguments of the formulas of a contact that may slip towards its own side."""
+    mu = push.v["mu_upper_now" if tip > 0 else "mu_lower_now"]
+    return *push.state(angle, offset), mu, ca.SX(tip)
+
+
 def _turns_any_way(push: _Push, tip: int, angle: ca.SX, offset: ca.SX) -> ca.SX:
     _, d1, d2, *_ = push.state(angle, offset)
     mu = push.v["mu_upper_now" if tip > 0 else "mu_lower_now"]
     return _call("drag_tensor", "turns_any_way", d1, d2, mu, ca.SX(tip))[0]
 
 
+def _turns_back(name: str, push: _Push, tip: int, angle: ca.SX, offset: ca.SX) -> Symbols:
+    """One contact turns the part towards its own side, whether it sticks or slips."""
+    direction, d1, d2, _, *rest = _about(push, tip, angle, offset)
+    values = _call("drag_tensor", "turns_back", direction, d1, d2, *rest)
+    return _numbered(f"{name}_turns_back", values)
+
+
 MARGINS = ("pushes", "sticks_up", "sticks_down", "turns", "only_up", "only_down")
+TURNS_BACK = tuple(f"turns_back_{k}" for k in range(3))
+SLIPS_ONE_WAY = tuple(f"first_slips_one_way_{k}" for k in range(3))
 
 
 def _sticks(name: str, margins: list[ca.SX]) -> Symbols:
@@ -271,10 +303,10 @@ def _faces_back(push: _Push, end: ca.SX) -> ca.SX:
 
 
 def _needed(push: _Push, stop: ca.SX) -> Quadrature:
-    """Travel that turns the edge from where it is touched to ``stop``."""
+    """Travel that turns the edge from where it is touched to ``stop`` while the tip sticks."""
     angle = ca.SX.sym("angle")
-    state = push.state(angle, push.offset(angle), "")
-    (rate,) = _call("drag_tensor", "travel_rate", *state)
+    offset = push.offset(angle) + push.slipped(angle, CREEP)
+    (rate,) = _call("drag_tensor", "travel_rate", *push.state(angle, offset, ""))
     return Quadrature(rate=rate, clock=angle, start=push.angle, stop=stop)
 
 
@@ -342,15 +374,66 @@ def straighten(side: int, zero: frozenset[str] = NONE) -> Implicit:
         "withdraws": _faces_back(push, end),
         **_on_edge("first", push, push.offset(angle)),
         **_sticks("first", _margins(push, side, side, angle, push.offset(angle))),
+        **_turns_back("first", push, side, angle, push.offset(angle)),
+        **_numbered(
+            "first_slips_one_way",
+            _call("drag_tensor", "slips_one_way", *_about(push, side, angle, push.offset(angle))),
+        ),
         **_on_edge("second", push, second),
         **{f"pair_sticks_{k}": value for k, value in enumerate(friction)},
         **{f"pair_pushes_{k}": value for k, value in enumerate(forces)},
         **_sticks("second", _margins(push, -side, -side, end, second)),
         "second_turns_any_way": _turns_any_way(push, -side, end, second),
+        **_turns_back("second", push, -side, end, second),
         "spare": push.in_contact - total,
     }
     needed = [(total, _needed(push, end))]
     return _prepared("straighten", v, end, needed, _flush(push, end), outputs)
+
+
+@cache
+def creeping(side: int, zero: frozenset[str] = NONE) -> Bounded:
+    """Whether the first contact of a straightening that has slipped by its bound slips by less per turn.
+
+    Parameters
+    ----------
+    side
+        As for `straighten`.
+
+    Returns
+    -------
+    Bounded
+        One output, m^2, positive if so; of the base parameters and of how far the part is ``turned``.
+    """
+    v = _named((*PARAMETERS, *AIM), zero)
+    push = _Push(v, side)
+    angle = push.angle + side * v[TURNED]
+    about = _about(push, side, angle, push.offset(angle, CREEP_MOST))
+    (less,) = _call("drag_tensor", "creeps_less", *about, v[CREEP_MOST])
+    return _bounded("creeping", v, less)
+
+
+@cache
+def slowness(side: int, zero: frozenset[str] = NONE) -> Bounded:
+    """How much travel a straightening needs while its first contact may slip.
+
+    Parameters
+    ----------
+    side
+        As for `straighten`.
+
+    Returns
+    -------
+    Bounded
+        Travel per radian, m, at most, when the part is ``turned`` so far; all travel in contact, m.
+    """
+    v = _named((*PARAMETERS, *AIM), zero)
+    push = _Push(v, side)
+    angle = push.angle + side * v[TURNED]
+    # a contact that slips turns the part faster
+    state = push.state(angle, push.offset(angle), "")
+    (rate,) = _call("drag_tensor", "travel_rate", *state)
+    return _bounded("slowness", v, ca.vertcat(side * rate, push.in_contact))
 
 
 @cache
@@ -403,13 +486,15 @@ def tilt_tube(side: int, zero: frozenset[str] = NONE) -> Implicit:
 
 
 @cache
-def straighten_tube(side: int, zero: frozenset[str] = NONE) -> Implicit:
+def straighten_tube(side: int, zero: frozenset[str] = NONE, *, slips: bool = False) -> Implicit:
     """The pose when ``share`` of a straightening's turn is done.
 
     Parameters
     ----------
     side
         As for `straighten`.
+    slips
+        Whether the first contact may slip: the travel until then is ``PROGRESS``, whatever it is.
 
     Returns
     -------
@@ -418,7 +503,8 @@ def straighten_tube(side: int, zero: frozenset[str] = NONE) -> Implicit:
     """
     v, end, _ = _symbols(zero)
     push = _Push(v, side)
-    return _tube(push, v, end, [], _flush(push, end))
+    passed = v[PROGRESS] * push.in_contact if slips else None  # anywhere on its way
+    return _tube(push, v, end, [], _flush(push, end), passed)
 
 
 @cache
@@ -441,10 +527,14 @@ def passing(tip: int, zero: frozenset[str] = NONE) -> Bounded:
     start, travelled, unit = push.start(tip), v["share"] * push.travel, push.unit
     place = start[0] - travelled * unit[0], start[1] - travelled * unit[1]
     clear = push.clear(tip, v["theta"] - v["line_turn"], v["line_depth"], place)
-    used = {str(symbol) for symbol in ca.symvar(clear)}
-    names = tuple(name for name in v if name in used)
-    x = ca.vertcat(*(v[name] for name in names))
-    return bounded("passing", names, ca.Function("passing", [x], [clear]))
+    return _bounded("passing", v, clear)
+
+
+def _bounded(name: str, v: Symbols, output: ca.SX) -> Bounded:
+    used = {str(symbol) for symbol in ca.symvar(output)}
+    names = tuple(key for key in v if key in used)
+    x = ca.vertcat(*(v[key] for key in names))
+    return bounded(name, names, ca.Function(name, [x], [output]))
 
 
 def _tube(
@@ -453,10 +543,12 @@ def _tube(
     end: ca.SX,
     integrals: Sequence[tuple[ca.SX, Quadrature]],
     residual: ca.SX,
+    passed: ca.SX | None = None,
 ) -> Implicit:
     so_far = ca.SX.sym("so_far")
     angle = push.angle + v["share"] * (end - push.angle)
-    start, arm, travelled = push.start(push.tip), push.arm(angle), push.touch[0] + so_far
+    start, arm = push.start(push.tip), push.arm(angle)
+    travelled = push.touch[0] + (so_far if passed is None else passed)
     pose = {
         axis: v[axis] + start[k] - travelled * push.unit[k] + v[f"stray_{axis}"] - arm[k]
         for k, axis in enumerate("xy")

@@ -18,6 +18,7 @@ from meso_robust.planning.clearance import fine
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.frame import Frame, Heading
+from meso_robust.primitives.grid import roomy
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
@@ -51,6 +52,7 @@ def arrive(
         Whether the y axes of the pushes are mirrored, as in a plan for the mirrored task.
     """
     frames = [Frame(heading=heading, mirrored=mirrored) for heading in headings]
+    state = _given(state, setup)
     for length in range(1, MOST_PUSHES + 1):
         for way in itertools.permutations(frames, length):
             found = _along(state, setup, way)
@@ -81,15 +83,21 @@ def _along(state: PoseBox, setup: Setup, way: tuple[Frame, ...]) -> Arrival | No
     for step in _steps(own, there, back=any(_opposite(frame, one) for one in rest)):
         if step.verdict is not Verdict.PROVED or step.post is None:
             continue
-        rule, after = replace(step.rule, frame=frame), frame.box_to_world(step.post)
+        rule, post = replace(step.rule, frame=frame), _given(step.post, setup)
+        after = frame.box_to_world(post)
         if setup.blocks and not _clear_of_walls(rule, state, setup):
             continue
-        if not rest and step.post.within(there.goal):
+        if not rest and post.within(there.goal):
             return Arrival(rules=(rule,), post=after)
         found = _along(after, setup, rest) if rest else None
         if found is not None:
             return replace(found, rules=(rule, *found.rules))
     return None
+
+
+def _given(box: PoseBox, setup: Setup) -> PoseBox:
+    """Poses that the next push must start from: where little is to spare, with room as certificates have."""
+    return roomy(box) if setup.may_slip else box
 
 
 @lru_cache(maxsize=256)  # several ways to the goal begin alike
@@ -103,17 +111,17 @@ def _steps(own: PoseBox, there: Setup, *, back: bool) -> Iterator[Step]:
     ahead = own.x.mid - there.goal.x.mid
     if not back:
         if ahead > 0.0:
-            yield from _some(to_goal(own, there))
+            yield from _some(to_goal(own, there, slipping=there.may_slip))
         return
     past_um = fine(there) * ROOM_UM
     if ahead + units.UM * past_um > 0.0:
-        yield from _some(to_goal(own, there, past_um=past_um))
+        yield from _some(to_goal(own, there, past_um=past_um, slipping=there.may_slip))
     yield from _some(_straightened(own, there))
 
 
 @lru_cache(maxsize=256)
 def _straightened(own: PoseBox, there: Setup) -> Step | None:
-    return upright(own, there, step=3, primitive="x_translation")
+    return upright(own, there, step=3, primitive="x_translation", slipping=there.may_slip)
 
 
 def _some(step: Step | None) -> tuple[Step, ...]:

@@ -26,6 +26,8 @@ SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs le
 SMALL_FIRST = SHARES[::-1]  # where the gain is not what leads to the goal
 LARGEST_GAIN = 11e-6  # m, of one Y-translation (Table III)
 SMALLEST_GAIN = 2e-6  # m; effort of the search, no proof rests on it
+LEAST_SHARE = 0.05  # of the wanted gain: where room in x is scarce
+PER_SHARE = 10e-6  # m; a small share may be of a gain smaller than that
 MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
@@ -363,8 +365,10 @@ def _turn(
     With ``onward`` no push that follows comes back.
     """
     tried = set()
+    # an edge on two unequal tips leans, so that to straighten it takes a long way after any tilt
+    shares = (LEAST_SHARE, *SMALL_FIRST) if setup.may_slip else SMALL_FIRST
     for count in counts:
-        for share in SMALL_FIRST if count else (0.0,):
+        for share in shares if count else (0.0,):
             first = _step_1(setup, count, share)
             if first is None:
                 continue
@@ -372,7 +376,9 @@ def _turn(
             if pre in tried or (onward and not _is_ahead(pre, setup)):
                 continue
             tried.add(pre)
-            found = rotate_and_finish(pre, setup, finish, close_um)
+            found = rotate_and_finish(
+                pre, setup, finish, close_um, slipping=not onward and setup.may_slip
+            )
             if found is not None:
                 return [*first, found[0]], found[1]
     return None
@@ -432,7 +438,8 @@ def _step_3(state: PoseBox, setup: Setup, share: float) -> list[Step] | None:
 def _closer(state: PoseBox, setup: Setup, share: float, step: int) -> list[Step] | None:
     """One Y-translation towards the goal's y."""
     away = setup.goal.y.mid - state.y.mid
-    gain = math.copysign(max(share * min(abs(away), LARGEST_GAIN), SMALLEST_GAIN), away)
+    smallest = min(SMALLEST_GAIN, share * PER_SHARE)
+    gain = math.copysign(max(share * min(abs(away), LARGEST_GAIN), smallest), away)
     found = y_translation(state, setup, gain, step)
     return None if found is None else list(found)
 

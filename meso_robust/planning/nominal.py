@@ -39,7 +39,7 @@ def sticks(start: float, end: float, offset: float, depth: float, setup: Setup) 
     return bool(np.min(values) > 0.0)
 
 
-def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
+def straightens(middle: float, pre: PoseBox, setup: Setup, *, slipping: bool = False) -> bool:
     """Whether a t^2 push would work, at the middle of all ranges.
 
     Parameters
@@ -48,6 +48,8 @@ def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
         Height of the pair's middle above the centre, m.
     pre, setup
         All poses before the push, and the task, in its axes.
+    slipping
+        Whether the first tip may slip.
 
     Returns
     -------
@@ -58,6 +60,8 @@ def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
     depth = edge.depth.mid
     start, end = edge.angle(pre.theta).mid, HALF_PI.mid + setup.uncertainty.misalignment.mid
     side = 1.0 if start < end else -1.0
+    if slipping and not _slips(middle, pre, setup):
+        return False
     rise = middle + 0.5 * side * setup.spacing.mid
     touch = condition("sticking_motion", "contact_offset").function
     first = float(touch([start, depth + setup.uncertainty.tip_radius.mid, rise]))
@@ -68,7 +72,7 @@ def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
         edge.first.mid < min(first, second)
         and max(first, second) < edge.last.mid
         and float(turning([start, depth, first, side])) > 0.0
-        and sticks(start, end, first, depth, setup)
+        and (slipping or sticks(start, end, first, depth, setup))
         and (
             away
             or (
@@ -77,3 +81,16 @@ def straightens(middle: float, pre: PoseBox, setup: Setup) -> bool:
             )
         )
     )
+
+
+def _slips(middle: float, pre: PoseBox, setup: Setup) -> bool:
+    """Whether the first tip touches the edge wherever it is, and lifts it."""
+    edge, end = setup.edge(pre.theta.mid), HALF_PI.mid + setup.uncertainty.misalignment.mid
+    angles = edge.angle(pre.theta)
+    side = 1.0 if angles.mid < end else -1.0
+    rise = side * middle + 0.5 * setup.spacing.mid
+    touch = condition("sticking_motion", "contact_offset").function
+    out = edge.depth.mid + setup.uncertainty.tip_radius.mid
+    firsts = [float(touch([a, out, side * rise])) for a in (angles.lo, angles.hi)]
+    within = all(edge.first.mid < first < edge.last.mid for first in firsts)
+    return within and rise > setup.uncertainty.drag_centre.hi

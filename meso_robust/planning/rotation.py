@@ -26,6 +26,7 @@ SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation 
 SCOUT = 2.0  # how much coarser than the certificate the scouting tube is
 LONGEST = 0.6  # widths of the part by which the active tip may pass the passive one
 SHORTER_UM = 15.0  # from one push that is tried to the next
+HEIGHTS = (0.0, 0.025, 0.05)  # of half the length, where the pair may be if not where the goal asks
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
 MOST_TRIALS = 6  # ends of the push; effort of the search, no proof rests on it
 
@@ -69,7 +70,12 @@ def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
 
 
 def rotate_and_finish(
-    pre: PoseBox, setup: Setup, finish: Finish[E], close_um: float = CLOSE_ENOUGH_UM
+    pre: PoseBox,
+    setup: Setup,
+    finish: Finish[E],
+    close_um: float = CLOSE_ENOUGH_UM,
+    *,
+    slipping: bool = False,
 ) -> tuple[Step, E] | None:
     """The robust rotation after which ``finish`` leads to the goal, and what that is.
 
@@ -81,11 +87,13 @@ def rotate_and_finish(
         What follows the rotation.
     close_um
         How close to the goal in y the middle of what is left must be, for a part of full size.
+    slipping
+        Whether ``finish`` knows pushes whose first tip may slip.
     """
     for extra in SEPARATION_STEPS_UM:
         separation = _least_separation_um(setup) + fine(setup) * extra
         # a larger separation leaves a larger tilt, so what fails now would fail with it too
-        if not _straightens(_at_best(separation, pre, setup), setup):
+        if not _straightens(_at_best(separation, pre, setup), setup, slipping=slipping):
             return None
         turned = _turn(separation, pre, setup)
         if turned is not None:
@@ -93,11 +101,17 @@ def rotate_and_finish(
     return None
 
 
-def _straightens(state: PoseBox, setup: Setup) -> bool:
+def _straightens(state: PoseBox, setup: Setup, *, slipping: bool) -> bool:
     """Whether a push in some heading straightens the part, wherever it is."""
     frames = (Frame(heading=heading) for heading in HEADINGS)
     pushes = (
-        upright(frame.from_world(state), frame.setup(setup), step=3, primitive="x_translation")
+        upright(
+            frame.from_world(state),
+            frame.setup(setup),
+            step=3,
+            primitive="x_translation",
+            slipping=slipping,
+        )
         for frame in frames
     )
     return any(push is not None for push in pushes)
@@ -141,6 +155,8 @@ def _least_separation_um(setup: Setup) -> float:
 def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice] | None:
     """The robust rotation with the longest push at this separation, if any."""
     choice = _scout(separation, pre, setup)
+    if choice is None and setup.may_slip:  # a later push sets the height
+        choice = _farthest(separation, pre, setup)
     for _ in range(MOST_TRIALS):
         if choice is None:
             return None
@@ -203,6 +219,20 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
         found = replace(choice, h_end=h_end, middle=middle)
         choice = replace(choice, middle=middle)
     return found
+
+
+def _farthest(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
+    """The height of the pair at which the push can be longest, wherever the part ends (coarse)."""
+    half_length, width = (units.to_um(side.mid) for side in (setup.half_length, setup.half_width))
+    found: list[_Choice] = []
+    for share in HEIGHTS:
+        tried = _Choice(
+            separation=separation, h_end=-LONGEST * 2.0 * width, middle=share * half_length
+        )
+        ends = reach(_rule(tried, pre, setup), pre, setup, SCOUT)
+        if ends is not None:
+            found.append(replace(tried, h_end=units.to_um(ends.h)))
+    return min(found, key=lambda one: one.h_end, default=None)
 
 
 def _direction(h: float, separation: float, width: float) -> tuple[float, float]:

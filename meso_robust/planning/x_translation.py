@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TypeVar
 
 from meso_robust import units
@@ -22,24 +22,28 @@ from meso_robust.primitives.tilt import Turn
 T = TypeVar("T")
 
 FAR_UM = -1e5  # an end far beyond any travel that a turn can need
+COARSE = 0.01  # of the edge: how closely a push is looked for whose first tip may slip
 SPARE_UM = 2.0  # travel on top of what the bounds demand
 
 
 @lru_cache(maxsize=256)  # several ways to the goal begin alike
-def to_goal(pre: PoseBox, setup: Setup, past_um: float = 0.0) -> Step | None:
+def to_goal(
+    pre: PoseBox, setup: Setup, past_um: float = 0.0, *, slipping: bool = False
+) -> Step | None:
     """The robust t^2 push from ``pre`` that ends with the part's x at the goal, or ``past_um`` past it.
 
-    Of the samples of one level the one is taken that leaves most of the travel in reserve.
+    Of the samples of one level the one is taken that leaves most of the travel in reserve. If there is
+    none, the first tip may slip where ``slipping``; that leaves the other coordinate less well known.
     """
     depth = setup.edge(pre.theta.mid).depth.mid + setup.uncertainty.tip_radius.mid
     end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
     number = 3 if past_um else 4
 
-    def attempt(middle: float) -> tuple[float, Step] | None:
+    def attempt(middle: float, slipping: bool) -> tuple[float, Step] | None:
         rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
-        return _worth(certify_straighten(rule, pre, setup, whole=False))
+        return _worth(certify_straighten(rule, pre, setup, whole=False, slipping=slipping))
 
-    return _sample(pre, setup, attempt)
+    return _sample(pre, setup, attempt, slipping=slipping)
 
 
 def upright(
@@ -50,6 +54,7 @@ def upright(
     primitive: str,
     tilt: Turn | None = None,
     refined: int = REFINED,
+    slipping: bool = False,
 ) -> Step | None:
     """The robust t^2 push that travels no further than both tips need to touch.
 
@@ -63,6 +68,8 @@ def upright(
         The turn just before it, if there is one: what it leaves of y hangs on the orientation.
     refined
         How far the search goes on beyond the first robust push; see `best_robust`.
+    slipping
+        Whether the first tip may slip if no push is found in which it sticks.
 
     Returns
     -------
@@ -70,32 +77,42 @@ def upright(
         The move, certified; None if none is found.
     """
 
-    def attempt(middle: float) -> tuple[float, MoveRule] | None:
+    def attempt(middle: float, slipping: bool) -> tuple[float, MoveRule] | None:
         far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
-        found = _worth(certify_straighten(far, pre, setup, tilt, whole=False))
+        found = _worth(certify_straighten(far, pre, setup, tilt, whole=False, slipping=slipping))
         if found is None:
             return None
         left, trial = found
         end = from_part(FAR_UM + units.to_um(left) - SPARE_UM)
         return left, replace(trial.rule, dual_end=end)
 
-    rule = _sample(pre, setup, attempt, refined)
+    rule = _sample(pre, setup, attempt, refined, slipping=slipping)
     return None if rule is None else certify_straighten(rule, pre, setup, tilt, whole=False)
 
 
 def _sample(
     pre: PoseBox,
     setup: Setup,
-    attempt: Callable[[float], tuple[float, T] | None],
+    attempt: Callable[[float, bool], tuple[float, T] | None],
     refined: int = REFINED,
+    *,
+    slipping: bool,
 ) -> T | None:
-    def if_nominal(middle: float) -> tuple[float, T] | None:
-        return attempt(middle) if nominal.straightens(middle, pre, setup) else None
-
+    """The best height of the pair for a push whose tips stick, or else for one that may slip."""
     edge = setup.edge(pre.theta.mid)
     low, high = edge.first.mid, edge.last.mid
     smallest = max(setup.uncertainty.probe_position.hi, 1e-6)
-    return best_robust(low, high, smallest, if_nominal, refined)
+
+    def if_nominal(slips: bool, middle: float) -> tuple[float, T] | None:
+        nominally = nominal.straightens(middle, pre, setup, slipping=slips)
+        return attempt(middle, slips) if nominally else None
+
+    coarse = max(smallest, COARSE * (high - low))
+    tried = (
+        best_robust(low, high, finest, partial(if_nominal, slips), refined)
+        for slips, finest in ((False, smallest), (True, coarse))[: 1 + slipping]
+    )
+    return next((found for found in tried if found is not None), None)
 
 
 def _worth(candidate: Step) -> tuple[float, Step] | None:

@@ -77,6 +77,8 @@ def base_box(rule: MoveRule, pre: PoseBox, setup: Setup, edge: Edge) -> dict[str
         **{f"{name}_now": range_ for name, range_ in drag.items()},
         "mu_upper_now": u.friction,
         "mu_lower_now": u.friction,
+        **dict.fromkeys((one_tip.CREEP, one_tip.CREEP_MOST, one_tip.TURNED), NOTHING),
+        one_tip.PROGRESS: UNIT,
         "share": UNIT,
         "turn": edge.turn,
         "part_x": _from_part(rule.dual.x),

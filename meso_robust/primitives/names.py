@@ -66,6 +66,7 @@ class ObligationId(StrEnum):
     TIP_STICKS = "tip_sticks"
     TIP_TURNS_PART = "tip_turns_part"
     NO_SLIPPING = "no_slipping"
+    SLIP_BOUNDED = "slip_bounded"
     IDLE_TIP_PASSES = "idle_tip_passes"
     WITHDRAWS_FREE = "withdraws_free"
     PAIR_STICKS = "pair_sticks"
@@ -97,6 +98,9 @@ class Inequality(StrEnum):
     FRICTION_MARGIN = "one_point_sticking.friction_margin"
     TURNING = "one_point_sticking.turning"
     TURNS_ANY_WAY = "drag_tensor.turns_any_way"
+    TURNS_BACK = "drag_tensor.turns_back"
+    SLIPS_ONE_WAY = "drag_tensor.slips_one_way"
+    CREEPS_LESS = "drag_tensor.creeps_less"
     ONLY_SOLUTION = "one_point_sticking.only_solution"
     PAIR_FRICTION = "two_point_sticking.friction_margin"
     PAIR_FORCES = "two_point_sticking.normal_forces"
@@ -155,6 +159,7 @@ DATA: Mapping[ObligationId, Mapping[str, tuple[StrEnum, ...]]] = {
     ObligationId.TIP_STICKS: {"tip": _PUSHING},
     ObligationId.TIP_TURNS_PART: {"tip": _PUSHING, "turn": tuple(Turning)},
     ObligationId.NO_SLIPPING: {"tip": _PUSHING},
+    ObligationId.SLIP_BOUNDED: {"tip": (Which.UPPER, Which.LOWER)},
     ObligationId.IDLE_TIP_PASSES: {"when": tuple(When)},
     ObligationId.WITHDRAWS_FREE: {"tips": (Which.PUSHING, Which.PAIR, Which.BOTH)},
     ObligationId.TIP_CLEAR_OF_PART: {"tip": (Which.UPPER, Which.LOWER)},

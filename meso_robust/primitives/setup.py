@@ -63,6 +63,10 @@ class PoseBox:
         return np.array([[side.lo for side in sides], [side.hi for side in sides]])
 
 
+LEANS = 0.005
+"""rad; the lean of an edge on two unequal tips, about as much as orientations are sensed to, below which
+plans are found whose tips stick."""
+
 ALWAYS_STATED = (
     "sensed_position",
     "sensed_orientation",
@@ -187,6 +191,16 @@ class Setup:
     def spacing(self) -> Interval:
         """Distance of the centres of the two tips across the push (d4), m."""
         return self.stated_spacing + self.uncertainty.tip_spacing
+
+    @property
+    def may_slip(self) -> bool:
+        """Whether a straightening may begin with a tip that slips.
+
+        Forces and the poses on the way are not bounded closely then, so neither a cap nor a wall may be
+        there; and it is looked for only where tips may differ so much that an edge on both leans.
+        """
+        leans = self.uncertainty.tip_radius.width > LEANS * self.spacing.mid
+        return leans and self.largest_force is None and not self.blocks
 
     @property
     def tolerance(self) -> Tolerance:

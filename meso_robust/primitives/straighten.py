@@ -1,16 +1,20 @@
 """Straighten (t^2): one-point sticking until both tips touch, then translation with the probe.
 
 Paper, Section IX-E and Fig. 12. Whichever tip touches first turns the edge until both touch; from
-then on the part travels with the probe.
+then on the part travels with the probe. Where the first tip is not proved to stick it may slip as long
+as it turns the part back in any case: how far it has slipped is a parameter then, and adds to where
+the part ends.
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
-from dataclasses import replace
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.bounds import HALF_PI, Interval, Proof, Verdict, enclose, prove_positive
 from meso_robust.bounds.implicit import Ends, bound
 from meso_robust.bounds.interval import arcsin, cos
 from meso_robust.motion import one_tip
@@ -21,6 +25,7 @@ from meso_robust.primitives.base import (
     holds,
     pose_of,
     positive,
+    stated,
 )
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import (
@@ -32,7 +37,7 @@ from meso_robust.primitives.names import (
     Which,
     about,
 )
-from meso_robust.primitives.obligation import Knot, Step
+from meso_robust.primitives.obligation import Knot, Obligation, Step
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tilt import Turn
@@ -40,7 +45,13 @@ from meso_robust.primitives.tube import turn_tube
 
 
 def certify_straighten(
-    rule: MoveRule, pre: PoseBox, setup: Setup, tilt: Turn | None = None, *, whole: bool = True
+    rule: MoveRule,
+    pre: PoseBox,
+    setup: Setup,
+    tilt: Turn | None = None,
+    *,
+    whole: bool = True,
+    slipping: bool = True,
 ) -> Step:
     """Certify a t^2 motion from every pose in ``pre``.
 
@@ -53,6 +64,8 @@ def certify_straighten(
         angle then, which is used if it is the same edge that is pushed.
     whole
         False: nothing but the verdict and the box of poses after a proved move is wanted.
+    slipping
+        Where the first tip is not proved to stick, try whether the part is turned back however it slips.
 
     Returns
     -------
@@ -62,31 +75,20 @@ def certify_straighten(
     edge = setup.edge(pre.theta.mid)
     tilt = tilt if tilt is not None and tilt.edge == edge else None
     box, aligned = base_box(rule, pre, setup, edge), _aligned(setup)
-    zero = one_tip.zeros(box)
     obligations = [*free_at_start((1, -1), box, edge)]
     alike = len(obligations)
     posts: list[PoseBox | None] = []
     knots = [Knot(stage="at rest", box=pre)]
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
-        of, part = one_tip.straighten(side, zero), {**box, "theta": theta}
-        ends = bound(
-            of,
-            part,
-            aligned.mid,
-            both=one_tip.POSE,
-            lower=[name for name in of.outputs if name not in (*one_tip.POSE, *_EITHER)],
-            spare=_EITHER,
-            proofs_only=not whole,
-        )
-        lighter = ends is not None and any(not ends.lower[name] > 0.0 for name in _STICKS)
-        wanted = _wanted(side, edge, lighter)[0 if len(obligations) == alike else 1 :]
-        # that one of two inequalities fails, of which either is enough, refutes nothing
-        guess = aligned.mid if whole else None
-        proofs = [
-            positive(one, of, part, ends, None if one[2][0] in _EITHER else guess) for one in wanted
-        ]
-        obligations += proofs
-        if ends is None or any(one.proof.verdict is not Verdict.PROVED for one in proofs):
+        case = _case(side, {**box, "theta": theta}, edge, aligned, whole=whole)
+        if slipping and setup.may_slip and not case.proved:
+            slip = _slip(side, case.box, edge, aligned)
+            if slip is not None:
+                slips = _case(side, slip.box, edge, aligned, slip, whole=whole)
+                case = slips if slips.proved else case
+        obligations += case.obligations[0 if len(obligations) == alike else 1 :]
+        part, ends = case.box, case.ends
+        if ends is None or not case.proved:
             posts.append(None)
             continue
         post = pose_of(ends)
@@ -128,23 +130,195 @@ def _first_contacts(theta: Interval, aligned: Interval) -> list[tuple[int, Inter
     return cases or [(1, theta)]
 
 
-_STICKS = tuple(f"second_{name}" for name in one_tip.MARGINS)
-_EITHER = (*_STICKS, "second_turns_any_way")
+SMALLEST, LARGER, MOST_TRIALS, HALVINGS = 0.5, 1.25, 20, 2
+"""Bounds of the creep that are tried: depths of the edge, growing by a factor, and how closely the least
+is looked for. Effort only."""
+FOR_OTHERS = 1.05
+"""By which the least one found is enlarged, so that a checker whose enclosures differ stays below it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Slip:
+    """That the first contact slips little."""
+
+    box: Mapping[str, Interval]
+    """The base parameters, those of the slip among them."""
+    bounded: Obligation
+    spare: float
+    """Travel left when both tips touch, m."""
+
+
+def _slip(side: int, box: Mapping[str, Interval], edge: Edge, aligned: Interval) -> _Slip | None:
+    """A bound of how far the first contact slips, about the least that is proved."""
+    turned = _turn(side, box, aligned)
+
+    def at(most: float) -> dict[str, Interval]:
+        return {
+            **box,
+            one_tip.CREEP: Interval(0.0, most),
+            one_tip.CREEP_MOST: Interval.point(most),
+            one_tip.TURNED: turned,
+        }
+
+    def proof(most: float) -> Proof:
+        there = at(most)
+        of = one_tip.creeping(side, one_tip.zeros(there))
+        return prove_positive(of, {name: there[name] for name in of.inputs})
+
+    grown = (SMALLEST * LARGER**k * edge.depth.hi for k in range(MOST_TRIALS))
+    most = next((m for m in grown if proof(m).verdict is Verdict.PROVED), None)
+    if most is None:
+        return None
+    less = most / LARGER
+    for _ in range(HALVINGS):
+        middle = 0.5 * (less + most)
+        less, most = (less, middle) if proof(middle).verdict is Verdict.PROVED else (middle, most)
+    most *= FOR_OTHERS
+    bounded = proof(most)
+    if bounded.verdict is not Verdict.PROVED:
+        return None
+    there = at(most)
+    return _Slip(
+        box=there,
+        spare=_spare(side, there, aligned),
+        bounded=Obligation(
+            name=about(ObligationId.SLIP_BOUNDED, tip=SIDES[side]),
+            inequality=Inequality.CREEPS_LESS,
+            proof=replace(bounded, box=stated(bounded.box)),
+        ),
+    )
+
+
+PIECE, STAGE, BOXES = 0.02, 0.02, 64
+"""rad of the orientation before and of the turn, and boxes, of each of which travel is bounded: effort."""
+
+
+def _turn(side: int, box: Mapping[str, Interval], aligned: Interval) -> Interval:
+    """From no turn at all to the longest one."""
+    turn = Interval.point(float(side)) * (aligned - (box["theta"] - box["turn"] + box["kappa"]))
+    return Interval(0.0, max(turn.hi, 0.0))
+
+
+def _spare(side: int, box: Mapping[str, Interval], aligned: Interval) -> float:
+    """A lower bound of the travel that is left when both tips touch."""
+    of = one_tip.slowness(side, one_tip.zeros(box))
+    least = math.inf
+    for theta in _parts(box["theta"], PIECE):
+        part, needed = {**box, "theta": theta}, Interval.point(0.0)
+        for turned in _parts(_turn(side, part, aligned), STAGE):
+            rate, left = enclose(of, {**part, one_tip.TURNED: turned}, boxes=BOXES)
+            length = Interval.point(turned.hi) - Interval.point(turned.lo)
+            needed = needed + length * Interval.point(rate.hi)
+        least = min(least, (left - needed).lo)
+    return least
+
+
+def _parts(side: Interval, length: float) -> list[Interval]:
+    """A range in parts of about this length, which together hold it."""
+    count = max(1, round((side.hi - side.lo) / length))
+    cuts = [side.lo + (side.hi - side.lo) * k / count for k in range(count)]
+    return [Interval(*ends) for ends in itertools.pairwise((*cuts, side.hi))]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Case:
+    """What was proved if one tip touches first."""
+
+    box: Mapping[str, Interval]
+    """The base parameters, and how far that tip may slip."""
+    ends: Ends | None
+    obligations: tuple[Obligation, ...]
+
+    @property
+    def proved(self) -> bool:
+        """Whether all of them are."""
+        return all(one.proof.verdict is Verdict.PROVED for one in self.obligations)
+
+
+def _case(
+    side: int,
+    box: Mapping[str, Interval],
+    edge: Edge,
+    aligned: Interval,
+    slip: _Slip | None = None,
+    *,
+    whole: bool,
+) -> _Case:
+    """Prove what must hold if the upper tip (``side`` = 1) or the lower one (-1) touches first."""
+    box = box if slip is None else slip.box
+    of = one_tip.straighten(side, one_tip.zeros(box))
+    left_out = (*_BACK["first"], *_SLIPS) if slip is None else (*_STICKS["first"], _SPARE)
+    ends = bound(
+        of,
+        box,
+        aligned.mid,
+        both=one_tip.POSE,
+        lower=[name for name in of.outputs if name not in (*one_tip.POSE, *left_out, *_EITHER)],
+        spare=_EITHER,
+        proofs_only=not whole,
+    )
+    wanted = _wanted(side, edge, slips=slip is not None, second=_second(ends, slip is not None))
+    if slip is not None and ends is not None:
+        ends = replace(ends, lower={**ends.lower, _SPARE: slip.spare})
+    # that one of two inequalities fails, of which either is enough, refutes nothing
+    guess = aligned.mid if whole and slip is None else None
+    proofs = [
+        positive(one, of, box, ends, None if one[2][0] in _EITHER else guess) for one in wanted
+    ]
+    if slip is not None:
+        after = next(
+            k for k, one in enumerate(proofs) if one.inequality is Inequality.SLIPS_ONE_WAY
+        )
+        proofs.insert(after + 1, slip.bounded)
+    return _Case(box=box, ends=ends, obligations=tuple(proofs))
+
+
+_STICKS, _BACK = (
+    {which: tuple(f"{which}_{name}" for name in names) for which in ("first", "second")}
+    for names in (one_tip.MARGINS, one_tip.TURNS_BACK)
+)
+_SLIPS, _SPARE = one_tip.SLIPS_ONE_WAY, "spare"
+_ANY_WAY = ("second_turns_any_way",)
+_EITHER = (*_STICKS["second"], *_ANY_WAY, *_BACK["second"])
 """Of the second tip alone it is enough that it would stick and turn the part back, or that it would
 turn it back however it slips."""
 
 
-def _wanted(side: int, edge: Edge, lighter: bool) -> list[Wanted]:
+def _second(ends: Ends | None, slips: bool) -> Inequality | None:
+    """What is proved of the second tip alone; None: that it sticks, or nothing."""
+    tried: dict[Inequality | None, Sequence[str]] = {
+        None: _STICKS["second"],
+        Inequality.TURNS_ANY_WAY: _ANY_WAY,
+    }
+    if slips:
+        tried[Inequality.TURNS_BACK] = _BACK["second"]
+    if ends is None:
+        return None
+    proved = (key for key, names in tried.items() if all(ends.lower[n] > 0.0 for n in names))
+    return next(proved, Inequality.TURNS_ANY_WAY)
+
+
+def _wanted(
+    side: int, edge: Edge, *, slips: bool = False, second: Inequality | None = None
+) -> list[Wanted]:
     """What must hold if the upper tip (``side`` = 1) or the lower one (-1) touches first.
 
-    Two tips on one edge stick, and no other motion is possible: one along the edge is excluded by
-    `PAIR_FRICTION`; one of a single contact turns the part towards the tip that it would leave. Of the
-    second tip that is proved for a contact that sticks, or (``lighter``) for any.
+    The first tip sticks, or (``slips``) turns the part back however it slips. Two tips on one edge
+    stick, and no other motion is possible: one along the edge is excluded by `PAIR_FRICTION`; one of a
+    single contact turns the part towards the tip that it would leave. Of the second tip that is proved
+    for a contact that sticks, or by the inequality ``second`` for any.
     """
-    on_edge, *sticks = holds(SIDES[-side], -side, "second", edge)
-    if lighter:
-        turns = about(ObligationId.TIP_TURNS_PART, tip=SIDES[-side], turn=TURNS[-side])
-        sticks = [(turns, Inequality.TURNS_ANY_WAY, ["second_turns_any_way"])]
+    first_on_edge, *first_alone = holds(SIDES[side], side, "first", edge)
+    second_on_edge, *second_alone = holds(SIDES[-side], -side, "second", edge)
+    if slips:
+        pushes = about(ObligationId.TIP_PUSHES, tip=SIDES[side])
+        first_alone = [
+            (pushes, Inequality.SLIPS_ONE_WAY, [*_SLIPS]),
+            _turns(side, Inequality.TURNS_BACK, _BACK["first"]),
+        ]
+    if second is not None:
+        names = _BACK["second"] if second is Inequality.TURNS_BACK else _ANY_WAY
+        second_alone = [_turns(-side, second, names)]
     pair = (
         (ObligationId.PAIR_STICKS, Inequality.PAIR_FRICTION, "pair_sticks"),
         (ObligationId.PAIR_PUSHES, Inequality.PAIR_FORCES, "pair_pushes"),
@@ -153,15 +327,21 @@ def _wanted(side: int, edge: Edge, lighter: bool) -> list[Wanted]:
     return [
         # the same for either tip
         (about(ObligationId.WITHDRAWS_FREE, tips=Which.PAIR), Inequality.FACES_BACK, ["withdraws"]),
-        *holds(SIDES[side], side, "first", edge),
-        on_edge,
+        first_on_edge,
+        *first_alone,
+        second_on_edge,
         *(
             (about(id_), inequality, [name for name in outputs if name.startswith(start)])
             for id_, inequality, start in pair
         ),
-        *sticks,
-        (about(ObligationId.SECOND_TIP_TOUCHES), Inequality.TRAVEL_TO_SPARE, ["spare"]),
+        *second_alone,
+        (about(ObligationId.SECOND_TIP_TOUCHES), Inequality.TRAVEL_TO_SPARE, [_SPARE]),
     ]
+
+
+def _turns(side: int, inequality: Inequality, outputs: Sequence[str]) -> Wanted:
+    name = about(ObligationId.TIP_TURNS_PART, tip=SIDES[side], turn=TURNS[side])
+    return name, inequality, [*outputs]
 
 
 def _height(side: int, box: Mapping[str, Interval], tilt: Turn, guess: float) -> Interval | None:
@@ -179,7 +359,8 @@ def _nearer(one: Interval, other: Interval | None) -> Interval:
 
 
 def _passage(side: int, box: Mapping[str, Interval], ends: Ends, post: PoseBox) -> list[Knot]:
-    of = one_tip.straighten_tube(side, one_tip.zeros(box))
+    slips = box[one_tip.CREEP_MOST].hi > 0.0
+    of = one_tip.straighten_tube(side, one_tip.zeros(box), slips=slips)
     *turning, met = turn_tube(of, box, ends.end.mid) or (None,)
     if met is None:
         return []

@@ -21,6 +21,7 @@ from meso_robust.bounds import Interval
 from meso_robust.certificates.document import MarginDocument, StepDocument, name_of
 from meso_robust.certificates.words import words
 from meso_robust.corners import hull
+from meso_robust.motion.one_tip import CREEP_MOST
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import BoxDocument, names_of
 from meso_robust.primitives.names import Inequality, every_obligation
@@ -86,7 +87,7 @@ def data(result: Planned) -> Json:
         },
         "task": told,
         "rules": [
-            {**rule.model_dump(mode="json"), "any_way": any_way(step)}
+            {**rule.model_dump(mode="json"), **_shown_otherwise(step)}
             for rule, step in itertools.zip_longest(certificate.policy, certificate.steps)
         ],
         "start": [*map(units.to_um, setup.start.mid[:2]), setup.start.mid[2]],
@@ -100,10 +101,19 @@ def data(result: Planned) -> Json:
     }
 
 
-def any_way(step: StepDocument | None) -> list[str]:
-    """Obligations of a move that are proved of a contact whether it sticks or slips."""
+def _shown_otherwise(step: StepDocument | None) -> Json:
+    """What of a move is not proved as of a contact that sticks.
+
+    The obligations that are proved whichever way a contact slips, and of each tip that may slip while
+    it turns the part how far, by its ``creep`` in um.
+    """
     listed = () if step is None else step.obligations
-    return [name_of(one).key for one in listed if one.inequality == Inequality.TURNS_ANY_WAY]
+    slips = [one for one in listed if one.inequality == Inequality.CREEPS_LESS]
+    any_way = [name_of(one).key for one in listed if one.inequality == Inequality.TURNS_ANY_WAY]
+    creeps = {
+        one.about["tip"]: units.to_um(float.fromhex(one.over[CREEP_MOST][1])) for one in slips
+    }
+    return {"any_way": any_way, "creep": creeps}
 
 
 def _margin(margin: MarginDocument) -> Json:

@@ -59,6 +59,20 @@ function sticks({ part, found, anyWay }, which, now, edge, tip, side) {
     Math.min(...tensor.only_solution(d1, d2, rho, stretch, shear, tip.mu)), "um²");
 }
 
+// The same of a tip that may slip while it turns the part to its own side; it touched at `first`. What
+// it may have slipped by grows with the turn, and must grow faster than the slip does there.
+function slips({ part, found, creep }, which, now, edge, tip, side, first) {
+  const { angle, d1, d2, rho, stretch, shear } = ofContact(part, tip, edge, now);
+  const name = `tip_turns_part/${which}/${side > 0 ? "counter_clockwise" : "clockwise"}`;
+  const film = [rho, stretch, shear, 0, tip.mu, side];
+  found.low(`tip_pushes/${which}`, Math.min(...tensor.slips_one_way(angle, d1, d2, ...film)), "um²");
+  found.low(name, Math.min(...tensor.turns_back(angle, d1, d2, ...film.slice(1))), "um");
+  const rolled = first.d2 - tip.r * (angle - first.angle);
+  const farthest = rolled - tensor.slipped(angle, first.angle, creep[which])[0];
+  found.low(`slip_bounded/${which}`,
+    tensor.creeps_less(angle, d1, farthest, ...film, creep[which])[0], "um²");
+}
+
 const onEdge = ({ found }, which, edge, offset) =>
   found.low(`tip_on_edge/${which}`, room(edge, offset), "um");
 
@@ -105,14 +119,16 @@ function tiltWatch(move) {
 
 function straightenWatch(move) {
   const { part, tips, length, start, found } = move, edge = facing(part, start.theta);
-  let first = null, both = false;
+  let first = null, both = false, touch = null;
   const sideOf = (i) => (i === 0 ? 1 : -1);
   return {
     during(now, mode) {
       if (mode.kind === "single") {
         first ??= mode.pusher;
-        const which = NAMES[mode.pusher];
-        sticks(move, which, now, edge, tips[mode.pusher], sideOf(mode.pusher));
+        const which = NAMES[mode.pusher], tip = tips[mode.pusher], side = sideOf(mode.pusher);
+        touch ??= ofContact(part, tip, edge, now);
+        if (move.creep[which] && mode.pusher === first) slips(move, which, now, edge, tip, side, touch);
+        else sticks(move, which, now, edge, tip, side);
         onEdge(move, which, edge, mode.offset(now));
       }
       if (mode.kind === "pair" && !both) {

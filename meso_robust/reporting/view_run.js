@@ -181,8 +181,8 @@ function oneMove(task, rule, pose, sensed, draw, k) {
   const [x, y] = frame.toOwn(pose), start = { x, y, theta: frame.angleToOwn(pose[2]) };
   const part = partOf(task, draw, frame.sign < 0);
   const walls = wallsOf(task, draw, frame), path = [], found = conditions();
-  const anyWay = new Set(rule.any_way || []);
-  const watch = watcher({ rule, part, tips, length, walls, start, found, anyWay });
+  const anyWay = new Set(rule.any_way || []), creep = rule.creep || {};
+  const watch = watcher({ rule, part, tips, length, walls, start, found, anyWay, creep });
   const hindered = hindrance(part, tips, length, start);
   const done = hindered ? { now: { s: 0, ...start }, mode: rest(), ...hindered }
     : runMove(part, tips, length, walls, start, (now, mode) => {

@@ -94,7 +94,7 @@ def test_a_rectangle_out_of_true_is_held_by_a_larger_one() -> None:
         assert y <= body.half_width.hi
 
 
-def real(factor: float) -> Setup:
+def real(factor: float, spacing: float = 600 * UM) -> Setup:
     """The paper's task with real probes and parts, all ranges times ``factor``."""
     setup = setup_of(load_task(TASKS / "paper.toml"))
 
@@ -110,8 +110,8 @@ def real(factor: float) -> Setup:
         drag_centre=both(20 * UM),
         drag_anisotropy=both(0.025),
     )
-    spacing = Interval.point(600 * UM)
-    return replace(setup, uncertainty=u, stated_spacing=spacing, friction_common=False)
+    apart = Interval.point(spacing)
+    return replace(setup, uncertainty=u, stated_spacing=apart, friction_common=False)
 
 
 def test_a_tilt_and_a_straightening_are_proved_for_real_probes_and_parts() -> None:

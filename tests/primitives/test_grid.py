@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given, strategies as st
 
 from meso_robust.bounds import Interval
-from meso_robust.certificates.grid import on_grid
+from meso_robust.primitives.grid import on_grid
 from meso_robust.primitives.setup import PoseBox
 
 LENGTH = st.floats(-1e-2, 1e-2)
