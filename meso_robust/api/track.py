@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from meso_robust.api.call import call
 from meso_robust.api.inputs import path_of
@@ -143,6 +143,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     commands: StrPath | Sequence[StrPath] | None = None,
     frame_rate_hz: float | None = None,
     allow_truncated: bool = False,
+    interlaced: Literal["top", "bottom"] | None = None,
     most_lost: Share = 0.1,
     progress: Progress = SILENT,
 ) -> Tracked:
@@ -181,6 +182,8 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
         Overrides the file's frame rate.
     allow_truncated
         Accept a truncated video and use the frames before the break.
+    interlaced
+        Field of an interlaced camera that was exposed first; frames are split.
     most_lost
         Largest share of frames that may be lost.
     progress
@@ -247,6 +250,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
         commands=() if commands is None else _paths(commands),
         frame_rate_hz=frame_rate_hz,
         allow_truncated=allow_truncated,
+        interlaced=interlaced,
         most_lost=most_lost,
     )
     return tracked(job, progress=progress)

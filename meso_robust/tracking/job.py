@@ -22,7 +22,7 @@ from meso_robust.recordings.writing import set_files
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
-from meso_robust.tracking.frames import Frames, open_frames
+from meso_robust.tracking.frames import FirstField, Frames, open_frames
 from meso_robust.tracking.inputs import stated_camera, stated_part, stated_pose, stated_probes
 from meso_robust.tracking.overlay import drawn_overlay
 from meso_robust.tracking.scene import Scene
@@ -58,6 +58,7 @@ class Job:
     commands: tuple[Path, ...] = ()
     frame_rate_hz: float | None = None
     allow_truncated: bool = False
+    interlaced: FirstField | None = None
     most_lost: float = 0.1
     seed: int = 0
 
@@ -124,7 +125,10 @@ def prepared(job: Job) -> Ready:
             "the tips' radius must be known and positive; give --tip-radius-um (12.5 for a tip of "
             "25 um diameter)"
         )
-    videos = tuple(open_frames(path, job.frame_rate_hz, job.allow_truncated) for path in job.videos)
+    videos = tuple(
+        open_frames(path, job.frame_rate_hz, job.allow_truncated, job.interlaced)
+        for path in job.videos
+    )
     for video in videos[1:]:
         if video.size != videos[0].size:
             raise InputError(
