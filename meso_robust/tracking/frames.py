@@ -567,7 +567,8 @@ def _named_time(stem: str) -> Fraction | None:
     if date is None:
         return None
     try:
-        day = datetime(*(int(text) for text in date.groups()[:6]), tzinfo=UTC)  # type: ignore[arg-type]
+        year, month, *clock = (int(text) for text in date.groups()[:6])
+        day = datetime(year, month, clock[0], clock[1], clock[2], clock[3], tzinfo=UTC)
     except ValueError:
         return None
     return int(day.timestamp()) + Fraction(f"0.{date[7] or 0}")

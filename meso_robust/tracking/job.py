@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import shutil
@@ -10,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, TypeAlias
+from typing import IO, TYPE_CHECKING, Any, Literal, TypeAlias
 
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
@@ -286,7 +287,11 @@ def texts(found: Found, report: str) -> dict[str, str]:
 
 
 def write(
-    folder: Path, found: Found, contents: Mapping[str, str], counting: Counting | None
+    folder: Path,
+    found: Found,
+    contents: Mapping[str, str],
+    counting: Counting | None,
+    tables: Literal["parquet", "hdf5"] | None = None,
 ) -> None:
     """Write the results with overlay videos.
 
@@ -300,6 +305,8 @@ def write(
         See :func:`texts`.
     counting
         Shows the progress of the overlays; None: no overlays.
+    tables
+        Kind of a file that holds everything in one table; None: none.
 
     Raises
     ------
@@ -307,6 +314,11 @@ def write(
         Something cannot be written; nothing is left half written.
     """
     with ExitStack() as opened, _Drafts(folder) as drafts:
+        if tables is not None:
+            from meso_robust.tracking.tables import FILES, columns, packed
+
+            table = columns(found.tracks, found.ready.files)
+            drafts.add(FILES[tables], io.BytesIO(packed(table, tables)))
         if counting is not None:
             for name, film in _overlays(folder, found, counting):
                 drafts.add(name, opened.enter_context(film))

@@ -109,7 +109,7 @@ class Grey:
             )
         if kind == "uint8":
             return cls(kind=kind, channels=channels, bits=8)
-        if stated_bits in range(9, 17):
+        if stated_bits is not None and 8 < stated_bits <= 16:
             return cls(kind=kind, channels=channels, bits=stated_bits, stated=True)
         return cls(
             kind=kind,
