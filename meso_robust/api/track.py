@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from meso_robust.api.call import call
 from meso_robust.api.inputs import path_of
@@ -85,8 +85,21 @@ class Tracked(Result):
         from meso_robust.reporting.tracking import tracking_report
         from meso_robust.tracking.job import texts
 
-        page = tracking_report(self.document, self.found.tracks, self.recordings)
+        scene = self.found.ready.scene
+        page = tracking_report(self.document, self.found.tracks, self.recordings, scene)
         return texts(self.found, page)
+
+    def to_frame(self) -> Any:
+        """A ``pandas.DataFrame`` with a row for every frame: pose, tips, standard deviations, state.
+
+        Raises
+        ------
+        InputError
+            Pandas is not installed: it comes with the extra ``tables``.
+        """
+        from meso_robust.tracking.tables import columns, frame
+
+        return frame(columns(self.found.tracks, self.found.ready.files))
 
     def check_folder(self, folder: Path) -> None:
         """Refuse a folder in which a result could overwrite a video.
@@ -99,7 +112,14 @@ class Tracked(Result):
         keep_videos(folder, self.found.ready.job)
 
     @call
-    def save(self, folder: Folder, *, overlay: bool = True, progress: Progress = SILENT) -> None:
+    def save(
+        self,
+        folder: Folder,
+        *,
+        overlay: bool = True,
+        tables: Literal["parquet", "hdf5"] | None = None,
+        progress: Progress = SILENT,
+    ) -> None:
         """Write the recording set, covariances, camera, report, and overlay videos.
 
         Parameters
@@ -108,6 +128,8 @@ class Tracked(Result):
             Made if needed.
         overlay
             Write a video with the tracked poses drawn in.
+        tables
+            Also write one table of everything: track.parquet or track.h5.
         progress
             Shows what is being done.
 
@@ -119,7 +141,8 @@ class Tracked(Result):
         from meso_robust.tracking.job import write
 
         self.check_folder(Path(folder))
-        write(Path(folder), self.found, self.files(), progress.counting if overlay else None)
+        counting = progress.counting if overlay else None
+        write(Path(folder), self.found, self.files(), counting, tables)
 
 
 @call
@@ -143,6 +166,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
     commands: StrPath | Sequence[StrPath] | None = None,
     frame_rate_hz: float | None = None,
     allow_truncated: bool = False,
+    interlaced: Literal["top", "bottom"] | None = None,
     most_lost: Share = 0.1,
     progress: Progress = SILENT,
 ) -> Tracked:
@@ -181,6 +205,8 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
         Overrides the file's frame rate.
     allow_truncated
         Accept a truncated video and use the frames before the break.
+    interlaced
+        Field of an interlaced camera that was exposed first; frames are split.
     most_lost
         Largest share of frames that may be lost.
     progress
@@ -247,6 +273,7 @@ def track(  # noqa: PLR0913  # everything that can be stated about videos is an 
         commands=() if commands is None else _paths(commands),
         frame_rate_hz=frame_rate_hz,
         allow_truncated=allow_truncated,
+        interlaced=interlaced,
         most_lost=most_lost,
     )
     return tracked(job, progress=progress)
@@ -298,6 +325,25 @@ def keep_videos(folder: Path, job: Job) -> None:
                 f"--out {folder}: holds {video.name}, which must not be overwritten; give another "
                 "folder"
             )
+
+
+def check_tables(form: Literal["parquet", "hdf5"] | None) -> None:
+    """Refuse a table that could not be written, before the work is begun.
+
+    Parameters
+    ----------
+    form
+        As for :meth:`Tracked.save`.
+
+    Raises
+    ------
+    InputError
+        What writes it is not installed.
+    """
+    if form is not None:
+        from meso_robust.tracking.tables import WRITERS, needed
+
+        needed(WRITERS[form], f"--tables {form}")
 
 
 def _listed(name: str, values: Any, count: int) -> str:

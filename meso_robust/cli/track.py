@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from meso_robust.api.track import Tracked, keep_videos, track as call, tracked
+from meso_robust.api.track import Tracked, check_tables, keep_videos, track as call, tracked
 from meso_robust.cli.verb import Run, verb
 
 RESULTS = ("set.toml", "calibration.toml", "track.json", "report.html", "overlay.avi")
@@ -48,6 +48,8 @@ def track(
     logs = [folder / table for folder in job.commands for table in tables if folder.is_dir()]
     run.check_folder([*RESULTS, *tables], logs)
     keep_videos(run.out, job)
+    check_tables(run.given["tables"])
     seen = tracked(job, progress=run.say)
-    seen.save(run.out, overlay=run.given["overlay"], progress=run.say)
+    given = {name: run.given[name] for name in ("overlay", "tables")}
+    seen.save(run.out, **given, progress=run.say)
     return seen

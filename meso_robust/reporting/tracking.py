@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from base64 import b64encode
 from collections.abc import Sequence
 from shlex import quote
 from typing import Any
@@ -11,12 +12,15 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from meso_robust.errors import InputError
 from meso_robust.provenance import commit
 from meso_robust.recordings import RecordingSet
 from meso_robust.reporting import pages
 from meso_robust.reporting.canvas import CERTIFIED, OPEN, TIP
 from meso_robust.reporting.recording_figures import recording_svg
 from meso_robust.reporting.svg import style, to_svg
+from meso_robust.tracking.overlay import MAGNIFIED, stills
+from meso_robust.tracking.scene import Scene
 from meso_robust.tracking.track import Track
 from meso_robust.tracking.track_document import TrackDocument, VideoDocument, lost_in_words
 from meso_robust.wording import counted
@@ -29,7 +33,10 @@ UM, DEG = 1e-6, math.pi / 180.0
 
 
 def tracking_report(
-    answer: TrackDocument, tracks: Sequence[Track], recordings: RecordingSet | None
+    answer: TrackDocument,
+    tracks: Sequence[Track],
+    recordings: RecordingSet | None,
+    scene: Scene | None = None,
 ) -> str:
     """One self-contained HTML page: whether the part was tracked, how well, and where it was lost.
 
@@ -41,6 +48,8 @@ def tracking_report(
         What was seen, in the order of the document.
     recordings
         The set made of those in which the part was found, or None if there is none.
+    scene
+        What was known of the videos; None: no frames are shown.
 
     Returns
     -------
@@ -73,6 +82,11 @@ def tracking_report(
                     )
                     if lost
                     else (pages.html("<p>None: the part has a pose in every frame.</p>"),),
+                ),
+                *(
+                    []
+                    if scene is None
+                    else [pages.Section("frames", "Frames", _frames(tracks, scene))]
                 ),
                 pages.Section("camera", "Camera", (pages.facts(_camera(answer)),)),
                 pages.Section("pictures", "Pictures", (pages.figure(*pictures),)),
@@ -175,6 +189,36 @@ def _lost(video: VideoDocument) -> list[tuple[str, ...]]:
         )
         for run in video.lost
     ]
+
+
+def _frames(tracks: Sequence[Track], scene: Scene) -> tuple[Markup, ...]:
+    """Frames with what was seen in them: the first, the last, the least certain, and refused ones."""
+    shown: list[Markup] = [
+        pages.html(
+            "<p>Outline and tips as tracked; ellipses are standard deviations, {} times as large.</p>",
+            f"{MAGNIFIED:g}",
+        )
+    ]
+    for track in tracks[:MOST_PICTURES]:
+        try:
+            seen = stills(track, scene.outline, scene.tip_radius, scene.calibration)
+        except InputError as error:  # the video is no longer there
+            shown.append(
+                pages.html("<p>{}: no frames to show: {}</p>", track.frames.path.name, error)
+            )
+            continue
+        for still in seen:
+            words = f"{track.frames.path.name}, frame {still.frame}: {still.why}"
+            shown.append(
+                pages.html(
+                    '<figure><img alt="{}" style="max-width:100%" src="data:image/jpeg;base64,{}">'
+                    "<figcaption>{}</figcaption></figure>",
+                    words,
+                    b64encode(still.jpeg).decode(),
+                    words,
+                )
+            )
+    return tuple(shown)
 
 
 def _camera(answer: TrackDocument) -> list[tuple[str, str]]:

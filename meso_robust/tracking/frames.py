@@ -12,9 +12,12 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal, TypeAlias
 
 import cv2
 import numpy as np
@@ -27,11 +30,19 @@ from meso_robust.tracking.pixels import MOST_PIXELS, Grey, decoded, quiet_opencv
 from meso_robust.tracking.stack import Stack, open_stack, page_count, read_pages
 from meso_robust.types import Image
 
+FirstField: TypeAlias = Literal["top", "bottom"]
 SUFFIXES = {".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm"}
 """Endings of the files that count as images of a folder."""
 TIMES_FILE = "times.csv"
 """Beside the images: ``file,time_s``, one line an image."""
 _MOST_RATE = 1e6  # Hz; of the recording format
+_HEAD = 4096  # bytes, in which a Matroska file's segment begins
+_EBML, _SEGMENT = b"\x1a\x45\xdf\xa3", b"\x18\x53\x80\x67"  # its element identifiers
+_STAMP = re.compile(r"(?<![0-9.])([0-9]+(?:\.[0-9]+)?)(s|ms|us|µs|ns)(?![A-Za-z0-9])")
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+_DATE = re.compile(
+    r"(?<![0-9])(\d{4})-?(\d\d)-?(\d\d)[T_ -]?(\d\d)[-:.]?(\d\d)[-:.]?(\d\d)(?:[._,-](\d{1,9}))?(?![0-9])"
+)
 _SIXTEEN_BIT = b"Y1\x00\x10"  # OpenCV's code of 16-bit grey video
 
 
@@ -96,7 +107,12 @@ class Frames:
         return self._read()
 
 
-def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = False) -> Frames:
+def open_frames(
+    path: Path,
+    rate: float | None = None,
+    allow_truncated: bool = False,
+    interlaced: FirstField | None = None,
+) -> Frames:
     """Open a video file, a TIFF stack, or a folder of images or stacks in their natural order.
 
     Parameters
@@ -109,6 +125,9 @@ def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = F
     allow_truncated
         Use the frames before the break of a truncated video. The last one read is left out: it may
         be damaged.
+    interlaced
+        Which lines of an interlaced camera's frame were exposed first, "top" (the first line and every
+        second one from it) or "bottom"; each frame then gives two, half a period apart.
 
     Raises
     ------
@@ -119,6 +138,11 @@ def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = F
         raise InputError(f"frame rate {rate} Hz: must be positive; give the camera's frame rate")
     if not path.exists():
         raise InputError(f"{path}: no such file; give a video or a folder of images")
+    frames = _opened(path, rate, allow_truncated)
+    return frames if interlaced is None else _split(frames, interlaced)
+
+
+def _opened(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
     if path.is_dir():
         return _folder(path, rate, allow_truncated)
     if not path.is_file():  # of a pipe or a device nobody knows the end
@@ -126,6 +150,58 @@ def open_frames(path: Path, rate: float | None = None, allow_truncated: bool = F
     if path.suffix.lower() in stack.SUFFIXES and _several(path):
         return _stacks(path, [path], rate, allow_truncated)
     return _video(path, rate, allow_truncated)
+
+
+# ------------------------------------------------------------------------------- interlacing
+
+
+def _split(frames: Frames, first: FirstField) -> Frames:
+    """The two fields of every frame as frames of full height, one after the other."""
+    if frames.size[1] % 2:
+        raise InputError(
+            f"{frames.path}: frames of {frames.size[1]} lines; must be an even number to be interlaced; "
+            "leave out --interlaced"
+        )
+    half = 0.5 / frames.rate
+    order = (0, 1) if first == "top" else (1, 0)
+
+    def read() -> Iterator[Frame]:
+        before = -math.inf
+        for frame in frames:
+            if not frame.time > before:
+                raise InputError(
+                    f"{frames.path}: frame {frame.index} at {frame.time:g} s comes before the second field "
+                    f"of the frame before, at {before:g} s; give --frame-rate-hz"
+                )
+            for k, parity in enumerate(order):
+                before = frame.time + k * half
+                image = _whole_field(frame.image, parity)
+                yield Frame(index=2 * frame.index + k, time=before, image=image)
+
+    note = f"interlaced, {first} field first: every frame is taken as two, half a period apart"
+    return replace(
+        frames,
+        rate=2.0 * frames.rate,
+        promised=None if frames.promised is None else 2 * frames.promised,
+        notes=(*frames.notes, note),
+        _read=read,
+    )
+
+
+def _whole_field(image: Image, parity: int) -> Image:
+    """A field where its lines are in the frame, those between them interpolated by cubics.
+
+    A line keeps its place: the fields are half a line of theirs apart, and so they stay.
+    """
+    lines = np.pad(image[parity::2].astype(np.int32), ((2, 2), (0, 0)), "edge")
+    count = image.shape[0] // 2
+    # of the middle between two lines; the first of them is the one before line 0
+    between = (9 * (lines[1:-2] + lines[2:-1]) - lines[:-3] - lines[3:] + 8) >> 4
+    whole = np.empty_like(image)
+    whole[parity::2] = image[parity::2]
+    start = 1 - parity
+    whole[1 - parity :: 2] = np.clip(between[start : start + count], 0, 255).astype(np.uint8)
+    return whole
 
 
 # ------------------------------------------------------------------------------ video files
@@ -149,7 +225,9 @@ def _video(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
         if rate is None:
             raise InputError(f"{path}: states no frame rate; give --frame-rate-hz")
         stated = rate
-    promised = int(count) if math.isfinite(count) and count > 0 else None
+    _check_segment(path, allow_truncated)
+    counts = math.isfinite(count) and count > 0 and _counts_frames(path)
+    promised = int(count) if counts else None
     notes = ["16-bit grey values are scaled to 8 bits"] if deep else []
     if rate is not None and rate != stated:
         notes.append(f"the clock runs at the given {rate:g} Hz, not at the file's {stated:g} Hz")
@@ -166,6 +244,37 @@ def _video(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
         allow_truncated=allow_truncated,
         _read=read,
     )
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(_HEAD)
+
+
+def _counts_frames(path: Path) -> bool:
+    """Whether the container says how many frames it has; of others FFmpeg guesses by rate and duration."""
+    head = _head(path)
+    return head[:4] == b"RIFF" or head[4:8] == b"ftyp"
+
+
+def _check_segment(path: Path, allow_truncated: bool) -> None:
+    """Refuse a Matroska file that is shorter than its one segment (RFC 9559, section 5.1)."""
+    head = _head(path)
+    at = head.find(_SEGMENT)
+    if not head.startswith(_EBML) or at < 0 or at + 12 > len(head):
+        return
+    start = at + len(_SEGMENT)
+    length = 9 - head[start].bit_length()  # of the size: the first bit that is set tells it
+    if not 1 <= length <= 8:
+        return
+    size = int.from_bytes(head[start : start + length], "big") & ((1 << 7 * length) - 1)
+    unknown = size == (1 << 7 * length) - 1  # of a stream
+    there = path.stat().st_size - start - length
+    if not unknown and there < size and not allow_truncated:
+        raise InputError(
+            f"{path}: truncated, {there} of {size} declared bytes are there; copy it again, or use the "
+            "frames before the break with --allow-truncated"
+        )
 
 
 def _capture(path: Path) -> cv2.VideoCapture:
@@ -257,6 +366,9 @@ def _folder(path: Path, rate: float | None, allow_truncated: bool) -> Frames:
             f"{path}: {several} has several pages, beside images of other kinds; must be stacks only "
             "or images only; put them into folders of their own"
         )
+    if rate is None and not (path / TIMES_FILE).exists():
+        stamps = {file: _named_time(file.stem) for file in files}
+        files = sorted(files, key=lambda file: (stamps[file] or 0, _natural(file)))
     first = decoded(files[0])
     grey = Grey.of(files[0], first)
     height, width = first.shape[:2]
@@ -313,7 +425,7 @@ def _stacks(path: Path, files: list[Path], rate: float | None, allow_truncated: 
             f"{path / TIMES_FILE}: has one time per file, but the files here have several pages; give "
             "--frame-rate-hz, or time stamps in OME-TIFF"
         )
-    grey = Grey.of(files[0], next(read_pages(stacks[0])))
+    grey = Grey.of(files[0], next(read_pages(stacks[0])), stacks[0].metadata.bits)
     times, found, clock_notes = _stack_clock(path, stacks, rate)
 
     def read() -> Iterator[Frame]:
@@ -407,12 +519,9 @@ def _clock(path: Path, files: list[Path], rate: float | None) -> tuple[list[floa
     """Instants of the images and frames a second."""
     table = path / TIMES_FILE
     if not table.exists():
-        if rate is None:
-            raise InputError(
-                f"{path}: images have no clock; give --frame-rate-hz, or add {TIMES_FILE} "
-                "(file,time_s)"
-            )
-        return [k / rate for k in range(len(files))], rate
+        if rate is not None:
+            return [k / rate for k in range(len(files))], rate
+        return _named_times(path, files)
     stated = _read_times(table)
     missing = [file.name for file in files if file.name not in stated]
     if missing:
@@ -428,6 +537,41 @@ def _clock(path: Path, files: list[Path], rate: float | None) -> tuple[list[floa
     if rate is None and not steps.size:
         raise InputError(f"{table}: one image gives no frame rate; give --frame-rate-hz")
     return times, rate or float(1.0 / np.median(steps))
+
+
+def _named_times(path: Path, files: list[Path]) -> tuple[list[float], float]:
+    """Instants that the names of the images state, from the first, and frames a second."""
+    known = [stamp for file in files if (stamp := _named_time(file.stem)) is not None]
+    if len(known) < len(files) or len(files) < 2:
+        raise InputError(
+            f"{path}: images have no clock; give --frame-rate-hz, add {TIMES_FILE} (file,time_s), or put "
+            "the instant into every name, as in image_0012.5ms.png or 20260131_120000.125.png"
+        )
+    twice = next((k for k, (a, b) in enumerate(pairwise(known), 1) if a == b), None)
+    if twice is not None:
+        raise InputError(
+            f"{files[twice]}: its name states the instant of {files[twice - 1].name}; rename the images, or "
+            f"add {TIMES_FILE}"
+        )
+    times = [float(stamp - known[0]) for stamp in known]
+    return times, float(1.0 / np.median(np.diff(times)))
+
+
+def _named_time(stem: str) -> Fraction | None:
+    """Instant in s in the name of an image; None if it has none."""
+    found = _STAMP.findall(stem)
+    if found:
+        number, unit = found[-1]
+        return Fraction(number) * Fraction(str(_SECONDS[unit]))
+    date = _DATE.search(stem)
+    if date is None:
+        return None
+    try:
+        year, month, *clock = (int(text) for text in date.groups()[:6])
+        day = datetime(year, month, clock[0], clock[1], clock[2], clock[3], tzinfo=UTC)
+    except ValueError:
+        return None
+    return int(day.timestamp()) + Fraction(f"0.{date[7] or 0}")
 
 
 def _read_times(table: Path) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import shutil
@@ -10,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, TypeAlias
+from typing import IO, TYPE_CHECKING, Any, Literal, TypeAlias
 
 from meso_robust.errors import InputError
 from meso_robust.files import write_all
@@ -22,7 +23,7 @@ from meso_robust.recordings.writing import set_files
 from meso_robust.tracking.calibration import Calibration
 from meso_robust.tracking.calibration_document import calibration_text
 from meso_robust.tracking.commands import Commands, read_commands
-from meso_robust.tracking.frames import Frames, open_frames
+from meso_robust.tracking.frames import FirstField, Frames, open_frames
 from meso_robust.tracking.inputs import stated_camera, stated_part, stated_pose, stated_probes
 from meso_robust.tracking.overlay import drawn_overlay
 from meso_robust.tracking.scene import Scene
@@ -58,6 +59,7 @@ class Job:
     commands: tuple[Path, ...] = ()
     frame_rate_hz: float | None = None
     allow_truncated: bool = False
+    interlaced: FirstField | None = None
     most_lost: float = 0.1
     seed: int = 0
 
@@ -124,7 +126,10 @@ def prepared(job: Job) -> Ready:
             "the tips' radius must be known and positive; give --tip-radius-um (12.5 for a tip of "
             "25 um diameter)"
         )
-    videos = tuple(open_frames(path, job.frame_rate_hz, job.allow_truncated) for path in job.videos)
+    videos = tuple(
+        open_frames(path, job.frame_rate_hz, job.allow_truncated, job.interlaced)
+        for path in job.videos
+    )
     for video in videos[1:]:
         if video.size != videos[0].size:
             raise InputError(
@@ -282,7 +287,11 @@ def texts(found: Found, report: str) -> dict[str, str]:
 
 
 def write(
-    folder: Path, found: Found, contents: Mapping[str, str], counting: Counting | None
+    folder: Path,
+    found: Found,
+    contents: Mapping[str, str],
+    counting: Counting | None,
+    tables: Literal["parquet", "hdf5"] | None = None,
 ) -> None:
     """Write the results with overlay videos.
 
@@ -296,6 +305,8 @@ def write(
         See :func:`texts`.
     counting
         Shows the progress of the overlays; None: no overlays.
+    tables
+        Kind of a file that holds everything in one table; None: none.
 
     Raises
     ------
@@ -303,6 +314,11 @@ def write(
         Something cannot be written; nothing is left half written.
     """
     with ExitStack() as opened, _Drafts(folder) as drafts:
+        if tables is not None:
+            from meso_robust.tracking.tables import FILES, columns, packed
+
+            table = columns(found.tracks, found.ready.files)
+            drafts.add(FILES[tables], io.BytesIO(packed(table, tables)))
         if counting is not None:
             for name, film in _overlays(folder, found, counting):
                 drafts.add(name, opened.enter_context(film))

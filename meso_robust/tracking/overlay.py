@@ -6,7 +6,7 @@ import math
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, NamedTuple
 
 import cv2
 import numpy as np
@@ -23,6 +23,8 @@ Colours = npt.NDArray[np.uint8]
 
 MAGNIFIED = 50.0
 """Factor of the drawn ellipses on one standard deviation: without it they would be invisible."""
+_WIDEST = 800  # px of a still
+_MOST_REFUSED = 4  # runs of lost frames of which the first is shown
 _FINE = 4  # bits of a pixel in OpenCV's drawing
 _GREEN, _ORANGE, _RED, _BLUE = (80, 200, 60), (30, 150, 240), (60, 60, 230), (235, 160, 40)
 
@@ -80,6 +82,65 @@ def drawn_overlay(
     finally:
         writer.release()
     return film
+
+
+class Still(NamedTuple):
+    """A frame with what was seen in it, and why it is shown."""
+
+    frame: int
+    why: str
+    jpeg: bytes
+
+
+def stills(
+    track: Track, outline: Floats, tip_radius: float, calibration: Calibration
+) -> list[Still]:
+    """The frames of a track that are worth a look: first, last, least certain, and refused ones.
+
+    Parameters
+    ----------
+    track, outline, tip_radius, calibration
+        As for :func:`drawn_overlay`.
+
+    Returns
+    -------
+    list of Still
+        In the order of the frames.
+
+    Raises
+    ------
+    InputError
+        The video cannot be read again.
+    """
+    wanted = _worth_a_look(track)
+    found = []
+    for k, frame in enumerate(track.frames):
+        if k in wanted:
+            picture = np.asarray(cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR), np.uint8)
+            _draw(picture, track, k, outline, tip_radius, calibration)
+            wide = picture.shape[1]
+            if wide > _WIDEST:
+                size = (_WIDEST, round(picture.shape[0] * _WIDEST / wide))
+                picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
+            jpeg = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, 80))[1]
+            found.append(Still(k, wanted[k], jpeg.tobytes()))
+        if k >= max(wanted):
+            break
+    return found
+
+
+def _worth_a_look(track: Track) -> dict[int, str]:
+    """Frames with the reason why each is shown; the first that applies counts."""
+    count = len(track.times)
+    wanted = {0: "first", count - 1: "last"}
+    seen = np.flatnonzero(track.found)
+    if seen.size:
+        spread = np.trace(track.covariances[seen, :2, :2], axis1=1, axis2=2)
+        wanted.setdefault(int(seen[np.argmax(spread)]), "least certain")
+    begun = [k for k in range(count) if not track.found[k] and (k == 0 or track.found[k - 1])]
+    for k in begun[:_MOST_REFUSED]:
+        wanted[k] = f"{wanted[k]}, refused" if k in wanted else "refused"
+    return dict(sorted(wanted.items()))
 
 
 def _draw(

@@ -27,6 +27,7 @@ MOST_PIXELS = 2**26
 _ENDS = {b"\x89PNG": b"IEND", b"\xff\xd8\xff": b"\xff\xd9"}
 _PADDING = 64
 _DEPTHS = (10, 12, 14, 16)
+_HOT = 1e-4  # share of an image's pixels that may be hot: brighter than the camera's depth allows
 
 
 @contextmanager
@@ -82,15 +83,18 @@ class Grey:
         1 or 3.
     bits
         Depth that is scaled to 8 bits.
+    stated
+        Whether the file states it.
     """
 
     kind: str
     channels: int
     bits: int
+    stated: bool = False
 
     @classmethod
-    def of(cls, path: Path, image: Pixels) -> Grey:
-        """What the first image of a folder demands.
+    def of(cls, path: Path, image: Pixels, stated_bits: int | None = None) -> Grey:
+        """What the first image of a folder demands, and the depth that the file states, if it does.
 
         Raises
         ------
@@ -103,17 +107,25 @@ class Grey:
                 f"{path}: pixels of type {kind} with {channels} channel(s); must be 8-bit grey, "
                 "16-bit grey or 8-bit colour without transparency; convert the images"
             )
-        largest = int(image.max()) if kind == "uint16" else 0
-        bits = next(d for d in _DEPTHS if largest < 2**d) if kind == "uint16" else 8
-        return cls(kind=kind, channels=channels, bits=bits)
+        if kind == "uint8":
+            return cls(kind=kind, channels=channels, bits=8)
+        if stated_bits is not None and 8 < stated_bits <= 16:
+            return cls(kind=kind, channels=channels, bits=stated_bits, stated=True)
+        return cls(
+            kind=kind,
+            channels=channels,
+            bits=next(depth for depth in _DEPTHS if _share_beyond(image, depth) <= _HOT),
+        )
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What a user should know of the conversion."""
         if self.bits > 8:
+            source = (
+                "as the file states" if self.stated else "from the first image without hot pixels"
+            )
             return (
-                f"16-bit grey values are taken as {self.bits}-bit ones, from the brightest pixel of "
-                "the first image, and scaled to 8 bits",
+                f"16-bit grey values are taken as {self.bits}-bit ones, {source}, and scaled to 8 bits",
             )
         return ("colours are converted to grey",) if self.channels == 3 else ()
 
@@ -135,11 +147,18 @@ class Grey:
             return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
         if self.bits == 8:
             return np.ascontiguousarray(image, dtype=np.uint8)
-        if int(image.max()) >= 2**self.bits:
+        beyond = _share_beyond(image, self.bits)
+        if beyond > _HOT:
             raise InputError(
-                f"{path}: grey value {int(image.max())}, but the first image was taken to be "
-                f"{self.bits}-bit; convert the images to 8 bits"
+                f"{path}: grey values up to {int(image.max())} in {100 * beyond:.2g} % of the pixels, but "
+                f"the first image was taken to be {self.bits}-bit; convert the images to 8 bits"
             )
         # rounding, not cutting: half a grey value of bias would be left otherwise
         scaled = image.astype(np.float32) * (255.0 / (2**self.bits - 1))
-        return np.rint(scaled).astype(np.uint8)
+        return np.minimum(np.rint(scaled), 255.0).astype(np.uint8)
+
+
+def _share_beyond(image: Pixels, bits: int) -> float:
+    """Share of the pixels that a camera of so many bits cannot mean, one being always allowed."""
+    count = int(np.count_nonzero(image >= 2**bits)) if bits < 16 else 0
+    return 0.0 if count <= 1 else count / image.size

@@ -37,12 +37,15 @@ class Metadata:
         Side of a pixel in m; None if it does not say, or its sides differ.
     notes
         What a user should know.
+    bits
+        Depth of its grey values; None if it does not say.
     """
 
     promised: int | None = None
     times: tuple[float, ...] = ()
     pixel: float | None = None
     notes: tuple[str, ...] = ()
+    bits: int | None = None
 
 
 def ome(path: Path, xml: str, pages: int) -> Metadata:
@@ -65,7 +68,22 @@ def ome(path: Path, xml: str, pages: int) -> Metadata:
     sides = [_scaled(path, pixels, f"PhysicalSize{axis}", _METRES, "µm") for axis in "XY"]
     side, notes = _one_side(sides)
     times = _times(path, pixels, at, pages)
-    return Metadata(promised=listed or frames, times=times, pixel=side, notes=notes)
+    exposures = [
+        exposure
+        for plane in _named(pixels, "Plane")
+        if (exposure := _scaled(path, plane, "ExposureTime", _SECONDS, "s"))
+    ]
+    if exposures:
+        low, high = 1e3 * min(exposures), 1e3 * max(exposures)
+        span = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+        notes += (f"the file states exposures of {span} ms; instants are its stamps, as they are",)
+    return Metadata(
+        promised=listed or frames,
+        times=times,
+        pixel=side,
+        notes=notes,
+        bits=_count(path, pixels, "SignificantBits", 0) or None,
+    )
 
 
 def imagej(path: Path, values: Mapping[str, object], per_unit: tuple[float, float]) -> Metadata:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.errors import InputError
-from meso_robust.tracking.frames import Frames, open_frames
+from meso_robust.tracking.frames import FirstField, Frames, open_frames
 
 RNG = np.random.default_rng(0)
 IMAGES = [
@@ -50,7 +50,11 @@ def refused(frames: Frames) -> str:
 def test_lossless_video_is_read_back_exactly_with_its_clock(tmp_path: Path) -> None:
     frames = open_frames(video(tmp_path / "push_07.mkv"))  # digits: not a numbered sequence
 
-    assert (frames.size, frames.rate, frames.promised) == ((64, 48), 25.0, 12)
+    assert (frames.size, frames.rate, frames.promised) == (
+        (64, 48),
+        25.0,
+        None,
+    )  # not counted in Matroska
     assert np.array_equal(grey(frames), np.stack(IMAGES))
     assert [frame.time for frame in frames] == pytest.approx(np.arange(12) / 25.0, abs=6e-4)
 
@@ -105,7 +109,9 @@ def test_folder_without_a_clock_asks_for_the_rate(tmp_path: Path) -> None:
 
 
 def test_sixteen_bits_are_scaled_by_their_depth_with_a_note(tmp_path: Path) -> None:
-    deep = [(image.astype(np.uint16) * 4095 + 127) // 255 for image in IMAGES[:2]]
+    deep = [
+        ((image.astype(np.uint32) * 4095 + 127) // 255).astype(np.uint16) for image in IMAGES[:2]
+    ]
     deep[0][0, 0] = 4095
     frames = open_frames(folder(tmp_path / "f", list(deep)), rate=10.0)
 
@@ -201,3 +207,134 @@ def test_missing_file_empty_folder_and_no_rate_are_refused(tmp_path: Path) -> No
             open_frames(path)
     with pytest.raises(InputError, match="must be positive"):
         open_frames(tmp_path, rate=-1.0)
+
+
+def test_hot_pixels_do_not_say_how_deep_a_camera_is(tmp_path: Path) -> None:
+    deep = [
+        ((image.astype(np.uint32) * 4095 + 127) // 255).astype(np.uint16) for image in IMAGES[:2]
+    ]
+    for image in deep:
+        image[7, 9] = 65535
+    frames = open_frames(folder(tmp_path / "f", list(deep)), rate=10.0)
+
+    images = grey(frames)
+
+    assert "12-bit" in frames.notes[0]
+    cold = np.ones((48, 64), bool)
+    cold[7, 9] = False
+    assert np.abs(images[1].astype(int) - IMAGES[1])[cold].max() <= 1
+    assert images[1][7, 9] == 255
+
+
+@pytest.mark.parametrize(
+    ("names", "times"),
+    [
+        (["a_0ms.png", "a_40.5ms.png", "a_90ms.png"], [0.0, 0.0405, 0.09]),
+        (["cam2_t1.5s.png", "cam2_t2s.png", "cam2_t2.25s.png"], [0.0, 0.5, 0.75]),
+        (
+            ["20260131_235959.500.png", "20260131_235959.750.png", "20260201_000000.png"],
+            [0.0, 0.25, 0.5],
+        ),
+    ],
+)
+def test_instants_in_the_names_of_images_are_their_clock(
+    tmp_path: Path, names: list[str], times: list[float]
+) -> None:
+    for name, image in zip(names, IMAGES, strict=False):
+        assert cv2.imwrite(str(tmp_path / name), image)
+
+    frames = open_frames(tmp_path)
+
+    assert [frame.time for frame in frames] == pytest.approx(times)
+
+
+def test_an_instant_that_two_names_state_is_refused(tmp_path: Path) -> None:
+    for k, name in enumerate(("a1_20ms.png", "a2_20ms.png")):
+        assert cv2.imwrite(str(tmp_path / name), IMAGES[k])
+
+    with pytest.raises(InputError, match=r"a2_20ms\.png: its name states the instant of a1_20ms"):
+        open_frames(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "code"), [("v.avi", "MJPG"), ("v.mp4", "mp4v"), ("v.mkv", "MJPG")]
+)
+def test_usual_codecs_are_read_whole(tmp_path: Path, name: str, code: str) -> None:
+    frames = open_frames(video(tmp_path / name, code))
+
+    assert np.abs(grey(frames).astype(float) - np.stack(IMAGES)).mean() < 6.0
+    assert frames.promised == (None if name.endswith("mkv") else 12)
+
+
+def test_uncompressed_avi_is_read_exactly(tmp_path: Path) -> None:
+    path = tmp_path / "raw.avi"
+    path.write_bytes(uncompressed([np.asarray(image) for image in IMAGES], 20))
+
+    frames = open_frames(path)
+
+    assert np.array_equal(grey(frames), np.stack(IMAGES))
+    assert [frame.time for frame in frames] == pytest.approx(np.arange(12) / 20.0)
+
+
+def uncompressed(images: list[npt.NDArray[np.uint8]], rate: int) -> bytes:
+    """An AVI file (RIFF) of 8-bit grey bitmaps, rows from the bottom, written by hand."""
+
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return name + len(data).to_bytes(4, "little") + data + b"\0" * (len(data) % 2)
+
+    def words(*values: int) -> bytes:
+        return b"".join(value.to_bytes(4, "little") for value in values)
+
+    height, width = images[0].shape
+    count, size = len(images), width * height
+    main = words(10**6 // rate, size * rate, 0, 0x10, count, 0, 1, size, width, height, 0, 0, 0, 0)
+    stream = b"vidsDIB " + words(0, 0, 0, 1, rate, 0, count, size, 2**32 - 1, 0) + bytes(8)
+    palette = b"".join(bytes([k, k, k, 0]) for k in range(256))
+    shape = words(40, width, height) + b"\x01\x00\x08\x00" + words(0, size, 0, 0, 256, 0) + palette
+    header = b"hdrl" + chunk(b"avih", main)
+    header += chunk(b"LIST", b"strl" + chunk(b"strh", stream) + chunk(b"strf", shape))
+    film = b"movi" + b"".join(chunk(b"00db", image[::-1].tobytes()) for image in images)
+    return chunk(b"RIFF", b"AVI " + chunk(b"LIST", header) + chunk(b"LIST", film))
+
+
+def test_matroska_at_a_varying_rate_is_whole_and_a_torn_one_is_refused(tmp_path: Path) -> None:
+    whole = video(tmp_path / "v.mkv")
+    data = bytearray(whole.read_bytes())
+    # the duration (RFC 9559, section 5.1.2.10, an 8-byte float) as of a film with long gaps
+    at = data.index(b"\x44\x89\x88") + 3
+    data[at : at + 8] = np.array([9000.0], ">f8").tobytes()
+    slow = tmp_path / "slow.mkv"
+    slow.write_bytes(data)
+    torn = tmp_path / "torn.mkv"
+    torn.write_bytes(whole.read_bytes()[: int(0.6 * whole.stat().st_size)])
+
+    assert np.array_equal(grey(open_frames(slow)), np.stack(IMAGES))
+    with pytest.raises(InputError, match=r"torn\.mkv: truncated"):
+        open_frames(torn)
+    kept = list(open_frames(torn, allow_truncated=True))
+    assert 3 <= len(kept) < 12
+
+
+@pytest.mark.parametrize("first", ["top", "bottom"])
+def test_fields_keep_their_lines_and_come_half_a_period_apart(
+    tmp_path: Path, first: FirstField
+) -> None:
+    # brightness that says where and when: it grows along v and with time
+    v, instants = np.arange(48.0)[:, None], np.arange(6) / 20.0
+    fields = [np.rint(40.0 + 2.0 * v + 200.0 * t + np.zeros((1, 64))) for t in instants]
+    woven = []
+    for early, late in zip(fields[::2], fields[1::2], strict=True):
+        frame = np.where(v % 2 == (0 if first == "top" else 1), early, late)
+        woven.append(frame.astype(np.uint8))
+
+    frames = open_frames(folder(tmp_path / "f", list(woven)), rate=10.0, interlaced=first)
+
+    assert (frames.rate, frames.promised) == (20.0, 6)
+    assert [frame.time for frame in frames] == pytest.approx(instants)
+    inside = slice(4, -4)  # beyond the first and the last line nothing is known
+    assert np.abs(grey(frames)[:, inside] - np.stack(fields)[:, inside]).max() <= 1.0
+
+
+def test_an_odd_number_of_lines_is_not_interlaced(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="47 lines; must be an even number"):
+        open_frames(folder(tmp_path / "f", [IMAGES[0][:47]]), rate=10.0, interlaced="top")
