@@ -377,7 +377,8 @@ def _stages(pair: Pair) -> list[Approach]:
         slow, fast = _closes(stage)
         soonest, latest = start + (least / fast).max(ZERO), start + most / slow
         end = start + STAGE
-        rests = (start.max(soonest), end.min(latest)) if soonest <= end else None
+        # undecided, it may rest here
+        rests = None if soonest > end else (start.max(soonest), end.min(latest))
         stages.append(dataclasses.replace(stage, rests=rests))
         if latest <= end:
             return stages
