@@ -18,13 +18,17 @@ from meso_robust.laboratory.claim_ids import CARRIED_OUT, REACHES_GOAL, Claim, C
 from meso_robust.laboratory.geometry import gaps_to, in_part
 from meso_robust.laboratory.meetings import CORNER, Meetings, crosses, meets
 from meso_robust.laboratory.running import STARTS_INSIDE, MoveRun, PlanRun
+from meso_robust.motion.one_tip import CREEP_MOST
 from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.names import ObligationId
+from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import Setup
 from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats
 
 UPPER, LOWER, PASSIVE = 0, 1, 2  # tips of a move
 PHASES = {"regrasp": 1, "tilt": 2, "straighten": 3}  # free, one tip sticks, both stick
+ALIGNED = 0.05  # rad: an edge on both tips leans less than this, as they and their radii differ
 CONTACT = 1e-9  # m: a gap that counts as contact; both engines keep it to less
 
 
@@ -38,6 +42,8 @@ class Claims:
     """Per move (2, 3) lower and upper ends of the certified box after it (m, m, rad)."""
     tubes: tuple[Floats | None, ...]
     """Per move (K, 2, 3) slices; during the move every pose lies in one of them."""
+    creeps: tuple[float, ...]
+    """Per move, m: how far its first contact may slip, over the cube of the sine of the lean; 0: it sticks."""
 
 
 def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
@@ -68,7 +74,18 @@ def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
         setup=chain.setup,
         posts=(*posts, *rest),
         tubes=(*tubes, *rest),
+        creeps=(*(_creep(step) for step in chain.steps[: len(posts)]), *(0.0 for _ in rest)),
     )
+
+
+def _creep(step: Step) -> float:
+    """The largest that a step states."""
+    stated = [
+        one.proof.box[CREEP_MOST].hi
+        for one in step.obligations
+        if one.name.id is ObligationId.SLIP_BOUNDED
+    ]
+    return max(stated, default=0.0)
 
 
 def only_motions(rules: tuple[MoveRule, ...], setup: Setup) -> Claims:
@@ -85,7 +102,7 @@ def only_motions(rules: tuple[MoveRule, ...], setup: Setup) -> Claims:
         Of the contacts and the goal only, without boxes.
     """
     none = (None,) * len(rules)
-    return Claims(rules=rules, setup=setup, posts=none, tubes=none)
+    return Claims(rules=rules, setup=setup, posts=none, tubes=none, creeps=(0.0,) * len(rules))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -163,7 +180,7 @@ def _of_a_move(
     at_start = gaps_to(move.tips, move.before, move.outlines, move.radii)
     found = {
         ClaimId.STARTS_FREE: np.asarray((at_start <= 0.0).any(axis=1)),
-        ClaimId.CONTACTS: ~_contacts(rule, move, accuracy.slip),
+        ClaimId.CONTACTS: ~_contacts(rule, move, accuracy.slip, claims.creeps[k]),
         ClaimId.RETRACTS: _hits_on_withdrawal(move),
     }
     if post is not None:
@@ -173,7 +190,7 @@ def _of_a_move(
     return found
 
 
-def _contacts(rule: MoveRule, move: MoveRun, slip: float) -> Flags:
+def _contacts(rule: MoveRule, move: MoveRun, slip: float, creep: float) -> Flags:
     """(N,) whether the tips touch, stick and stay clear as the primitive claims."""
     gaps = gaps_to(move.ends, move.after, move.outlines, move.radii)
     touching = np.abs(gaps) <= CONTACT
@@ -189,6 +206,9 @@ def _contacts(rule: MoveRule, move: MoveRun, slip: float) -> Flags:
         held = touching[:, pusher] & alone & (first_tip(move) == pusher)
     else:
         held = touching[:, UPPER] & touching[:, LOWER]
+    if creep > 0.0:
+        lean = np.abs(move.after[:, 2] - move.before[:, 2]) + ALIGNED
+        return np.asarray(held & (slips(move) <= slip + creep * np.sin(lean) ** 3))
     few = move.phases <= PHASES[rule.action]  # of the stepper, which counts none, always
     return np.asarray(held & few & (slips(move) <= slip))
 

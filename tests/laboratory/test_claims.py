@@ -44,9 +44,11 @@ def at_end(**changes: Any) -> PlanRun:
     return replace(runs, moves=tuple(moves))
 
 
-def judged_by_hand(runs: PlanRun) -> set[Claim]:
+def judged_by_hand(runs: PlanRun, creep: float = 0.0) -> set[Claim]:
     accuracy = Accuracy(slip=1e-9, pose=(np.full((1, 3), 1e-12),) * 4)
-    found = broken(runs, only_motions(paper_player().rules, paper_player().setup), accuracy)
+    claims = only_motions(paper_player().rules, paper_player().setup)
+    claims = replace(claims, creeps=(0.0, creep, 0.0, 0.0))
+    found = broken(runs, claims, accuracy)
     return {claim for claim, flags in found.items() if flags.any()}
 
 
@@ -68,6 +70,11 @@ def test_every_contact_claim_is_judged() -> None:
         [0.0, 1e-7, 0.0]
     )  # along the upright edge, both tips still on it
     assert judged_by_hand(at_end(after=slipped)) == {Claim(ClaimId.CONTACTS, 2)}
+    # unless it may slip so far at this lean
+    lean = abs(float(move.after[0, 2] - move.before[0, 2])) + 0.05
+    enough = 1e-7 / math.sin(lean) ** 3
+    assert judged_by_hand(at_end(after=slipped), 1.01 * enough) == set()
+    assert judged_by_hand(at_end(after=slipped), 0.9 * enough) == {Claim(ClaimId.CONTACTS, 2)}
     one_more = np.array([4])
     assert judged_by_hand(at_end(phases=one_more)) == {Claim(ClaimId.CONTACTS, 2)}
     inside = move.ways + np.array([-70e-6, 0.0])
