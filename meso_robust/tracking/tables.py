@@ -69,6 +69,16 @@ def columns(tracks: Sequence[Track], names: Sequence[str]) -> dict[str, npt.NDAr
 def frame(table: dict[str, npt.NDArray[Any]]) -> Any:
     """The table as a ``pandas.DataFrame``.
 
+    Parameters
+    ----------
+    table
+        Of `columns`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        With the same columns.
+
     Raises
     ------
     InputError
@@ -98,6 +108,18 @@ def packed(table: dict[str, npt.NDArray[Any]], form: Format) -> bytes:
 
 def needed(module: str, what: str) -> Any:
     """A module of the extra ``tables``.
+
+    Parameters
+    ----------
+    module
+        Its name.
+    what
+        What asks for it, for the message.
+
+    Returns
+    -------
+    module
+        Imported.
 
     Raises
     ------
