@@ -252,6 +252,18 @@ def _decider(
 def view_of(task: Task | StrPath, plan: StrPath, lab: StrPath, seed: int) -> View:
     """What the live page shows of a run, before it begins.
 
+    Parameters
+    ----------
+    task, plan, lab
+        Files of the run.
+    seed
+        Of a virtual laboratory.
+
+    Returns
+    -------
+    View
+        Outline, boxes and tips to draw.
+
     Raises
     ------
     InputError

@@ -187,7 +187,10 @@ def _stated_bound(stated: ObligationDocument, requirement: Requirement) -> arb:
     what = requirement.name.value("lower_bound")
     if stated.lower_bound is None:
         raise Refused(what, "null", "a number")
-    return arb(double(stated.lower_bound, what))
+    bound = arb(double(stated.lower_bound, what))
+    if not bound > 0:  # it says that an inequality holds
+        raise Refused(what, float(bound), "more than 0")
+    return bound
 
 
 def _spares(stated: ObligationDocument, requirement: Requirement, bound: arb) -> bool:

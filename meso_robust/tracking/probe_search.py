@@ -40,6 +40,11 @@ def needle_at(frame: Image, tip: Floats, radius: float, direction: float | None 
     direction
         Of the shaft away from the tip, from +u to +v, if it is known.
 
+    Returns
+    -------
+    Needle
+        Tip and shaft as fitted.
+
     Raises
     ------
     InputError

@@ -211,6 +211,19 @@ def test_a_dropped_inequality_is_rejected(document: Document) -> None:
     assert objection(found) == "obligations_listed"
 
 
+@pytest.mark.parametrize("bound", [0.0, -1e-6])
+def test_a_bound_that_proves_nothing_is_rejected(document: Document, bound: float) -> None:
+    """Where another inequality is enough, this one need not hold: it must not be listed as proved."""
+    changed = copy.deepcopy(document)
+    changed["steps"][0]["obligations"][0]["lower_bound"] = bound.hex()
+
+    found = checked(changed, paper_task())
+
+    assert found.refused is not None
+    assert found.refused.name.key.endswith("lower_bound")
+    assert found.refused.found == "more than 0"
+
+
 def test_a_refuted_certificate_must_keep_within_the_bounds(wide_friction_plan: Planned) -> None:
     task = paper_task(uncertainty__friction=[0.05, 0.9])
     text = wide_friction_plan.certificate.model_dump_json(by_alias=True)

@@ -125,9 +125,9 @@ def test_moves_last_as_long_as_the_travel_at_the_plan_s_speed(found: Simulated) 
     moves = data(found)["moves"]
     shown = data(found)["runs"][0]["moves"]
 
-    # the shipped plan travels 199.3, 398.2 and 1338.9 um at 75 um/s; the last travel is our own
+    # the shipped plan travels 199.3, 398.2 and 1340.9 um at 75 um/s; the last travel is our own
     assert [move["seconds"] for move in moves[:3]] == pytest.approx(
-        [199.3 / 75, 398.2 / 75, 1338.9 / 75], abs=1e-3
+        [199.3 / 75, 398.2 / 75, 1340.9 / 75], abs=1e-3
     )
     assert moves[3]["seconds"] == pytest.approx(-shown[3]["travel"][-1][0] / 75, abs=1e-3)
     assert [move["passive"] for move in moves][2] == [False, False, True]
