@@ -37,7 +37,7 @@ class Margin:
     binding: str | None
     """The uncertainty that bears the least when it is scaled alone."""
     each: dict[str, float]
-    """Factor at which the plan was certified when one uncertainty alone was scaled."""
+    """Factor at which the plan was certified when one uncertainty alone was scaled, or all of them."""
     limit: Limit | None
     """What fails first at ``refused``."""
 
@@ -53,7 +53,8 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
     Returns
     -------
     Margin
-        Factors that were themselves certified: each is a lower bound of what the plan bears.
+        Lower bounds of what the plan bears: factors at which it was certified, for one uncertainty with
+        that one or all of them scaled.
     """
 
     def proved(factor: float, only: str | None) -> bool:
