@@ -396,7 +396,7 @@ def _slipping() -> Claim:
     here = (tuple(CENTRED), tuple(CENTRED.values()))
     at_ratio = {slide: _sliding(-tau, sp.Integer(1))}
     room = INWARD * FLAT * rho * ROD
-    a_hat, c_hat, inward = sp.symbols("A C v_n", real=True)
+    a_hat, c_hat, n_hat, t_hat, inward = sp.symbols("A C N T v_n", real=True)
     grows, other, excess = sp.symbols("m w X", real=True)
     return Claim(
         key="drag-tensor-slipping",
@@ -427,12 +427,25 @@ def _slipping() -> Claim:
                 LEVER + Q_CENTRED * slide,
             ),
             identity(
-                r"the ratio of both forces is $\tau$",
-                sp.Subs(along - tau * pressing, *here).doit().subs(at_ratio),
-                sp.Integer(0),
+                r"force along the edge, times $\hat F$",
+                sp.Subs(along, *here),
+                TANGENTIAL + C_CENTRED * slide,
             ),
             identity(
                 r"pressing force, times $\hat F$",
+                sp.Subs(pressing, *here),
+                PRESSING - A_CENTRED * slide,
+            ),
+            for_all(
+                r"their ratio is $\tau$ at $u(\tau)$",
+                [
+                    sp.Eq(slide * (c_hat + tau * a_hat), tau * n_hat - t_hat),
+                    sp.Ne(n_hat - a_hat * slide, 0),
+                ],
+                sp.Eq(t_hat + c_hat * slide, tau * (n_hat - a_hat * slide)),
+            ),
+            identity(
+                r"pressing force at $u(\tau)$, times $\hat F$ and what $u$ is divided by",
                 sp.Subs(pressing, *here).doit().subs(at_ratio) * (C_CENTRED + tau * A_CENTRED),
                 room,
             ),

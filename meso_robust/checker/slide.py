@@ -74,7 +74,9 @@ MOST = 0.3
 MOST_PARTS = 8
 """Into which a piece is cut at a time."""
 FINER, TRIES = 2, 24
-"""How often pieces are cut, and made steeper."""
+"""How often pieces are cut, and cut or made steeper."""
+STEP = 2e-3
+"""Of the width; a piece that would have to rise by more is cut later, too: the path comes near a slide."""
 STARTS = 5
 """How often the box of all places at which a turn can begin is cut in two."""
 BOTH = (-1, 1)
@@ -384,24 +386,26 @@ class _Barrier:
         inner = [landed + (near - landed) * k / count for k in range(count)]
         knots = [top, *inner, near, bottom]
         labels = self._labelled(knots)
-        for _ in range(FINER):
-            legs = self._path(knots, labels)
-            spare = np.full(len(legs), LEAST)
+        legs = self._path(knots, labels)
+        spare = np.full(len(legs), LEAST)
+        for tried in range(TRIES):
             curves = self._curves(legs, spare)
             lead, missing = self._leads(curves)
-            pieces = [
-                _parts(leg, more, SHORT * self.flow.width)
-                for leg, more in zip(legs, _wanted(lead, missing), strict=True)
-            ]
-            if not any(inner for inner in pieces):
-                break
-            knots = sorted([*knots, *itertools.chain(*pieces)], reverse=True)
-        for _ in range(TRIES):
             if (lead > 0).all():
                 return curves
-            spare = spare + _wanted(lead, missing)
-            curves = self._curves(legs, spare)
-            lead, missing = self._leads(curves)
+            more = _wanted(lead, missing)
+            inner = [
+                _parts(leg, by, SHORT * self.flow.width)
+                if tried < FINER or by * leg.length > STEP * self.flow.width
+                else []
+                for leg, by in zip(legs, more, strict=True)
+            ]
+            if any(inner):
+                knots = sorted([*knots, *itertools.chain(*inner)], reverse=True)
+                legs = self._path(knots, labels)
+                spare = np.repeat(spare, [len(cuts) + 1 for cuts in inner])
+            else:
+                spare = spare + more
         first = legs[int(np.argmin(lead > 0))].first
         raise Refused(
             CLAIM, "a barrier", f"none at h = {first:.6g} m: the tips may close on the part"

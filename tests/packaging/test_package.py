@@ -99,7 +99,13 @@ def test_the_metadata_say_what_the_project_says(built: Path) -> None:
     assert told["Version"] == project["version"]
     assert told["License-Expression"] == "Apache-2.0"
     assert told["Requires-Python"] == ">=3.11"
-    assert sorted(told.get_all("Provides-Extra", [])) == ["cluster", "derive", "dev", "lab"]
+    assert sorted(told.get_all("Provides-Extra", [])) == [
+        "cluster",
+        "derive",
+        "dev",
+        "lab",
+        "tables",
+    ]
     plain = [line for line in told.get_all("Requires-Dist", []) if "extra ==" not in line]
     assert sorted(plain) == sorted(project["dependencies"])
     assert not told.get_all("Project-URL")  # none is known

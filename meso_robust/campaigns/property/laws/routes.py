@@ -44,7 +44,7 @@ _RANGES = {
     (-0.1, 0.1): "stretch shear kappa total",
     (0.05, 1.0): "mu mu_D mu_S",
     (-1.0, 1.0): "tau tau_D tau_S side f_x f_y c s",
-    (0.0, 3e-5): "r r_upper r_lower r_D r_S rounding radii",
+    (0.0, 3e-5): "r r_upper r_lower r_D r_S rounding radii creep",
     (-3e-5, 3e-5): "drag_a drag_n",
     (1e-4, 4e-4): "d1 d1_next d_D d_S",
     (-8e-4, 8e-4): "d2 d2_back sigma p_S p_D q rise dx dy x0 y0 x1 y1 x y x_f y_f",

@@ -1,0 +1,12 @@
+; their ratio is $\tau$ at $u(\tau)$
+(set-logic QF_NRA)
+(declare-const A Real)
+(declare-const C Real)
+(declare-const N Real)
+(declare-const T Real)
+(declare-const slide Real)
+(declare-const tau Real)
+(assert (= (* slide (+ (* A tau) C)) (+ (* N tau) (* (- 1) T))))
+(assert (distinct (+ (* (- 1) A slide) N) 0))
+(assert (distinct (+ (* C slide) T) (* tau (+ (* (- 1) A slide) N))))
+(check-sat)

@@ -1,0 +1,10 @@
+; slip per turn
+(set-logic QF_NRA)
+(declare-const X Real)
+(declare-const m Real)
+(declare-const w Real)
+(assert (>= m 0))
+(assert (>= X 0))
+(assert (> (* m w) X))
+(assert (not (and (> w 0) (< X (* m w)))))
+(check-sat)
