@@ -16,6 +16,7 @@ from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.rejection import Rejection
+from meso_robust.diagnosis.residual import ResidualLaw
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, intervals
 from meso_robust.diagnosis.trials import tried
 from meso_robust.diagnosis.validation import Errors, improvement
@@ -30,6 +31,7 @@ from meso_robust.identification.document import (
 from meso_robust.identification.verdict import verdict
 from meso_robust.recordings import read_set
 from meso_robust.recordings.usable import usable_set
+from meso_robust.simulator import Outcome
 from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
 from meso_robust.toml_files import toml_of
 from meso_robust.types import Floats
@@ -78,6 +80,7 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             "mismatch": _mismatch(found),
             "explained": asdict(found.grade.explained) if found.grade.explained else None,
             "remainder": _remainder(found),
+            "residual": _residual(found),
             "budget": tuple(
                 {**asdict(one), "stage": one.stage or None} for one in found.grade.cells
             ),
@@ -268,6 +271,30 @@ def _remainder(found: Diagnosis) -> dict[str, object]:
     }
 
 
+def _residual(found: Diagnosis) -> dict[str, object] | None:
+    law, grade = found.residual, found.grade
+    if law is None:
+        return None
+    fall, low, high = law.fall
+    return {
+        "added_to": grade.chosen.effects if grade.chosen else (),
+        "bases": {
+            key: {**_value(one), "meaning": one.parameter.meaning, "chosen": law.chosen[key]}
+            for one in law.bases
+            for key in (one.key.partition(".")[2],)
+        },
+        "before_um": UM * law.metres[0],
+        "after_um": UM * law.metres[1],
+        "before_deg": DEG * law.radians[0],
+        "after_deg": DEG * law.radians[1],
+        "fall": fall,
+        "fall_low": low,
+        "fall_high": high,
+        "folds": grade.bench.count,
+        "offered": law.offered,
+    }
+
+
 def _effects(
     found: Diagnosis, best: Candidate, answers: tuple[Candidate, ...]
 ) -> tuple[dict[str, object], ...]:
@@ -392,16 +419,13 @@ def model_toml(found: Diagnosis, version: str) -> str:
 def _model_document(found: Diagnosis, version: str) -> ModelDocument:
     plain, best = sections(found.split.training, found.baseline.found, version), found.best
     plain["diagnosis"] = found.verdict
+    if found.residual is not None and found.residual.offered:
+        return _with_residual(plain, found, found.residual)
     if best is None or found.extended is None:
         made = ModelDocument.model_validate(plain)
         return made.model_copy(update={"verdict": verdict(made)})
     known = intervals_of(best)
     shown = {one.key: one.shown["value"] for one in known}
-    held = {
-        f"{trial.effect}.{key}": value
-        for trial in best.refit.trials
-        for key, value in trial.held.items()
-    }
     # the quality is of the plain fit and goes with it
     return ModelDocument.model_validate(
         plain
@@ -410,11 +434,63 @@ def _model_document(found: Diagnosis, version: str) -> ModelDocument:
             "interval": "curvature and jackknife",
             "confidence": CONFIDENCE,
             "parameters": {one.key: _section(one) for one in known},
-            "held": {**plain["held"], **held},
+            "held": {**plain["held"], **_held(best)},
             "not_identifiable": _unknown(known),
             "quality": None,
             "minima": (_minimum(found.extended.training, float(best.refit.fits.chi2[0]), shown),),
             "recording": _recordings(found.extended.training),
+        }
+    )
+
+
+def _held(best: Candidate) -> dict[str, float]:
+    """Numbers of the effects that were not fitted."""
+    return {
+        f"{trial.effect}.{key}": value
+        for trial in best.refit.trials
+        for key, value in trial.held.items()
+    }
+
+
+def _with_residual(plain: dict[str, Any], found: Diagnosis, law: ResidualLaw) -> ModelDocument:
+    """The model with the residual law; its errors are those of roll-outs out of fold."""
+    bench, known = found.grade.bench, law.intervals
+    seen = bench.prepared.seen
+    rms = np.sqrt(np.nanmean((seen - law.poses) ** 2, axis=1)).tolist()
+    x, y, theta = np.sqrt(np.nanmean((seen - law.poses) ** 2, axis=(0, 1))).tolist()
+    away = np.nan_to_num((seen - law.poses) / found.baseline.settings.sigma)
+    frames = bench.prepared.counts.max(axis=1)
+    return ModelDocument.model_validate(
+        plain
+        | {
+            "model": law.model.name,
+            "interval": "jackknife",
+            "confidence": CONFIDENCE,
+            "parameters": {one.key: _section(one) for one in known},
+            "held": {**plain["held"], **(_held(found.best) if found.best else {})},
+            "not_identifiable": _unknown(known),
+            "quality": None,
+            "minima": (
+                MinimumSection(
+                    cost=float(np.sum(away**2)),
+                    x_um=UM * x,
+                    y_um=UM * y,
+                    theta_deg=DEG * theta,
+                    found=0,
+                    parameters={one.key: one.shown["value"] for one in known},
+                ),
+            ),
+            "recording": tuple(
+                RecordingSection(
+                    file=file,
+                    frames=int(frames[k]),
+                    x_um=UM * rms[k][0],
+                    y_um=UM * rms[k][1],
+                    theta_deg=DEG * rms[k][2],
+                    outcome=Outcome(int(law.outcomes[k])).word,
+                )
+                for k, file in enumerate(bench.prepared.files)
+            ),
         }
     )
 

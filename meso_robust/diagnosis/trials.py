@@ -258,8 +258,8 @@ TRIALS: Mapping[str, Try] = {
 """What to try of each effect, and the push that would show it; without a line, see `tried`."""
 
 
-TOLD_DIRECTLY = frozenset({"registration_shift"})
-"""Effects that the search leaves out. On most sets a reference offset of the part moves the tips as this
+NOT_SEARCHED = frozenset({"registration_shift", "residual"})
+"""Effects that the search leaves out. A residual is no name for anything. Registration: on most sets a reference offset of the part moves the tips as this
 does, and an answer would have to name both; the gap between tip and face tells them apart without a
 simulator (`recordings.direct`), and the page shows that."""
 
@@ -271,7 +271,7 @@ def trials(prepared: Prepared) -> list[Trial]:
     return [
         _scaled(one, length, speed)
         for name in CATALOGUE
-        if name not in TOLD_DIRECTLY
+        if name not in NOT_SEARCHED
         for one in tried(name).forms(name, prepared)
     ]
 

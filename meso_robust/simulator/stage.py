@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SLOTS = 96
+SLOTS = 128
 """Columns of the table of effects."""
 REFERENCE_SPEED = 75e-6
 """m/s, the middle one of the three speeds of the paper's Section V; drag ratios refer to it."""
