@@ -15,10 +15,11 @@ from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.next_push import next_experiment
+from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection
 from meso_robust.diagnosis.residual import ResidualLaw
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, intervals
-from meso_robust.diagnosis.trials import tried
+from meso_robust.diagnosis.trials import Trial, tried
 from meso_robust.diagnosis.validation import Errors, improvement
 from meso_robust.identification.answer import sections
 from meso_robust.identification.document import (
@@ -33,12 +34,16 @@ from meso_robust.recordings import read_set
 from meso_robust.recordings.usable import usable_set
 from meso_robust.simulator import Outcome
 from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
+from meso_robust.simulator.stage import FORM
 from meso_robust.toml_files import toml_of
 from meso_robust.types import Floats
 
 UM, DEG = 1e6, 180.0 / np.pi
 VISCOSITY = "film_viscosity"
 """The scale of the drag: no motion depends on it."""
+FORM_NATS = 5.0
+"""Lead of a form of a law from which on it is told, times what is left of the data over the noise: where
+everything is a little wrong, a likelihood is overconfident."""
 _PAIRS = 24  # that are listed
 _LISTED = 12  # tests and candidates that are listed
 
@@ -313,10 +318,21 @@ def _effects(
             "stage": stage_of(trial.effect).name,
             "equation": CATALOGUE[trial.effect].equation,
             "share": found.grade.shares.get(trial.effect),
-            "form": ", ".join(f"{key} {value:g}" for key, value in trial.held.items()),
+            "form": _form(trial, best.refit),
         }
         for trial in best.refit.trials
     )
+
+
+def _form(trial: Trial, refit: Refit) -> str:
+    """What was held, and the form of the law: it is told only if the recordings tell it."""
+    held = [f"{key} {value:g}" for key, value in trial.held.items() if key != FORM]
+    forms = CATALOGUE[trial.effect].forms
+    if forms:
+        lead = refit.lead
+        told = lead is not None and lead > FORM_NATS * max(1.0, refit.chi2 / len(refit.evidence))
+        held.append(forms[int(trial.law)] if told else "form not told by these recordings")
+    return ", ".join(held)
 
 
 def _fixed(effect: str, key: str, value: float) -> dict[str, object]:

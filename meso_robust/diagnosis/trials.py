@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.simulator.catalogue import CATALOGUE
-from meso_robust.simulator.stage import REFERENCE_SPEED
+from meso_robust.simulator.stage import FORM, REFERENCE_SPEED
 from meso_robust.types import Floats
 
 REFERENCE_LENGTH = 910e-6
@@ -50,6 +50,11 @@ class Trial:
     def scales(self) -> dict[str, float]:
         """Fitted numbers with their typical changes."""
         return {**self.sizes, **self.free}
+
+    @property
+    def law(self) -> float:
+        """Number of the form of the effect's law."""
+        return self.shape.get(FORM, 0.0)
 
     @property
     def held(self) -> dict[str, float]:
@@ -269,11 +274,20 @@ def trials(prepared: Prepared) -> list[Trial]:
     length = prepared.length / REFERENCE_LENGTH
     speed = typical_speed(prepared) / REFERENCE_SPEED
     return [
-        _scaled(one, length, speed)
+        law
         for name in CATALOGUE
         if name not in NOT_SEARCHED
         for one in tried(name).forms(name, prepared)
+        for law in _laws(_scaled(one, length, speed))
     ]
+
+
+def _laws(trial: Trial) -> list[Trial]:
+    """The trial with every form of the effect's law."""
+    forms = CATALOGUE[trial.effect].forms
+    if not forms:
+        return [trial]
+    return [replace(trial, shape={**trial.shape, FORM: float(k)}) for k in range(len(forms))]
 
 
 def tried(effect: str) -> Try:
