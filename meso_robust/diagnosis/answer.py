@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from meso_robust.diagnosis.controls import SAME
 from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
+from meso_robust.diagnosis.folds import RollOut
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection
@@ -374,6 +375,10 @@ def _held_out(found: Diagnosis) -> dict[str, Any]:
     before = found.plain.judged
     later = found.extended.judged if found.extended else before
     unseen = found.plain.held_out is not None
+    if unseen:
+        before = _from_rest(found, before, found.grade.plain)
+        rolled = found.grade.extended or found.grade.plain
+        later = _from_rest(found, later, rolled) if found.extended else before
     low, high = improvement(before, later, found.seed)
     section: dict[str, Any] = {
         "recordings": before.prepared.files if unseen else (),
@@ -398,6 +403,19 @@ def _held_out(found: Diagnosis) -> dict[str, Any]:
         "extrapolation_extended_sigma": beyond.after.whole,
         "each": (*section["each"], *_each(beyond.before, beyond.after, "extrapolation")),
     }
+
+
+def _from_rest(found: Diagnosis, errors: Errors, rolled: RollOut) -> Errors:
+    """Errors of roll-outs from the pose at rest: a start that is fitted takes up what is wrong."""
+    bench = found.grade.bench
+    rows = [bench.prepared.files.index(file) for file in errors.prepared.files]
+    counts = bench.seen[rows].sum(axis=(1, 2))
+    away = (bench.prepared.seen - rolled.poses)[rows]
+    return replace(
+        errors,
+        sigma=found.baseline.noise.floor * np.sqrt(rolled.squares[rows].sum(axis=(1, 2)) / counts),
+        metres=np.sqrt(np.nanmean(np.sum(away[..., :2] ** 2, axis=2), axis=1)),
+    )
 
 
 def _each(before: Errors, after: Errors, which: str) -> tuple[dict[str, object], ...]:

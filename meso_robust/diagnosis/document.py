@@ -300,7 +300,7 @@ class HeldOutRecording(_Section):
 
 
 class HeldOutSection(_Section):
-    """Errors on recordings that no fit has seen, before and after."""
+    """Errors on recordings that no fit has seen, before and after, from the pose seen at rest."""
 
     recordings: tuple[Key, ...]
     """CSV files that were held out."""
