@@ -143,3 +143,16 @@ def test_an_older_document_has_none(null: Diagnosis) -> None:
     text = json.loads(document(null, "1.2.3").model_dump_json(by_alias=True))
     del text["residual"]
     assert DiagnosisDocument.model_validate_json(json.dumps(text)).residual is None
+
+
+def test_a_base_counts_by_what_the_model_and_other_bases_cannot_do() -> None:
+    """Of three bases: one mostly like a parameter, one all its own, one that is the parameter."""
+    from meso_robust.diagnosis.residual import _pursued, _System
+
+    parameter, other, own, rest = np.eye(4)
+    hidden = parameter + 0.1 * own  # its own part is a hundredth of its square
+    columns = np.stack([parameter, hidden, other, parameter, rest, rest + other])
+    data = 3.0 * parameter + 0.5 * own + 0.2 * other
+    system = _System(columns @ columns.T[None], (columns @ data)[None], 1)
+    chosen = _pursued(system, np.array([0]))
+    assert chosen[:2] == [0, 1]
