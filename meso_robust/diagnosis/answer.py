@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,13 @@ from meso_robust.diagnosis.controls import SAME
 from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
+from meso_robust.diagnosis.folds import RollOut
 from meso_robust.diagnosis.next_push import next_experiment
+from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection
+from meso_robust.diagnosis.residual import ResidualLaw
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, intervals
-from meso_robust.diagnosis.trials import tried
+from meso_robust.diagnosis.trials import Trial, tried
 from meso_robust.diagnosis.validation import Errors, improvement
 from meso_robust.identification.answer import sections
 from meso_robust.identification.document import (
@@ -30,13 +33,18 @@ from meso_robust.identification.document import (
 from meso_robust.identification.verdict import verdict
 from meso_robust.recordings import read_set
 from meso_robust.recordings.usable import usable_set
+from meso_robust.simulator import Outcome
 from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
+from meso_robust.simulator.stage import FORM
 from meso_robust.toml_files import toml_of
 from meso_robust.types import Floats
 
 UM, DEG = 1e6, 180.0 / np.pi
 VISCOSITY = "film_viscosity"
 """The scale of the drag: no motion depends on it."""
+FORM_NATS = 5.0
+"""Lead of a form of a law from which on it is told, times what is left of the data over the noise: where
+everything is a little wrong, a likelihood is overconfident."""
 _PAIRS = 24  # that are listed
 _LISTED = 12  # tests and candidates that are listed
 
@@ -78,6 +86,7 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             "mismatch": _mismatch(found),
             "explained": asdict(found.grade.explained) if found.grade.explained else None,
             "remainder": _remainder(found),
+            "residual": _residual(found),
             "budget": tuple(
                 {**asdict(one), "stage": one.stage or None} for one in found.grade.cells
             ),
@@ -268,6 +277,30 @@ def _remainder(found: Diagnosis) -> dict[str, object]:
     }
 
 
+def _residual(found: Diagnosis) -> dict[str, object] | None:
+    law, grade = found.residual, found.grade
+    if law is None:
+        return None
+    fall, low, high = law.fall
+    return {
+        "added_to": grade.chosen.effects if grade.chosen else (),
+        "bases": {
+            key: {**_value(one), "meaning": one.parameter.meaning, "chosen": law.chosen[key]}
+            for one in law.bases
+            for key in (one.key.partition(".")[2],)
+        },
+        "before_um": UM * law.metres[0],
+        "after_um": UM * law.metres[1],
+        "before_deg": DEG * law.radians[0],
+        "after_deg": DEG * law.radians[1],
+        "fall": fall,
+        "fall_low": low,
+        "fall_high": high,
+        "folds": grade.bench.count,
+        "offered": law.offered,
+    }
+
+
 def _effects(
     found: Diagnosis, best: Candidate, answers: tuple[Candidate, ...]
 ) -> tuple[dict[str, object], ...]:
@@ -286,10 +319,21 @@ def _effects(
             "stage": stage_of(trial.effect).name,
             "equation": CATALOGUE[trial.effect].equation,
             "share": found.grade.shares.get(trial.effect),
-            "form": ", ".join(f"{key} {value:g}" for key, value in trial.held.items()),
+            "form": _form(trial, best.refit),
         }
         for trial in best.refit.trials
     )
+
+
+def _form(trial: Trial, refit: Refit) -> str:
+    """What was held, and the form of the law: it is told only if the recordings tell it."""
+    held = [f"{key} {value:g}" for key, value in trial.held.items() if key != FORM]
+    forms = CATALOGUE[trial.effect].forms
+    if forms:
+        lead = refit.lead
+        told = lead is not None and lead > FORM_NATS * max(1.0, refit.chi2 / len(refit.evidence))
+        held.append(forms[int(trial.law)] if told else "form not told by these recordings")
+    return ", ".join(held)
 
 
 def _fixed(effect: str, key: str, value: float) -> dict[str, object]:
@@ -331,6 +375,10 @@ def _held_out(found: Diagnosis) -> dict[str, Any]:
     before = found.plain.judged
     later = found.extended.judged if found.extended else before
     unseen = found.plain.held_out is not None
+    if unseen:
+        before = _from_rest(found, before, found.grade.plain)
+        rolled = found.grade.extended or found.grade.plain
+        later = _from_rest(found, later, rolled) if found.extended else before
     low, high = improvement(before, later, found.seed)
     section: dict[str, Any] = {
         "recordings": before.prepared.files if unseen else (),
@@ -355,6 +403,19 @@ def _held_out(found: Diagnosis) -> dict[str, Any]:
         "extrapolation_extended_sigma": beyond.after.whole,
         "each": (*section["each"], *_each(beyond.before, beyond.after, "extrapolation")),
     }
+
+
+def _from_rest(found: Diagnosis, errors: Errors, rolled: RollOut) -> Errors:
+    """Errors of roll-outs from the pose at rest: a start that is fitted takes up what is wrong."""
+    bench = found.grade.bench
+    rows = [bench.prepared.files.index(file) for file in errors.prepared.files]
+    counts = bench.seen[rows].sum(axis=(1, 2))
+    away = (bench.prepared.seen - rolled.poses)[rows]
+    return replace(
+        errors,
+        sigma=found.baseline.noise.floor * np.sqrt(rolled.squares[rows].sum(axis=(1, 2)) / counts),
+        metres=np.sqrt(np.nanmean(np.sum(away[..., :2] ** 2, axis=2), axis=1)),
+    )
 
 
 def _each(before: Errors, after: Errors, which: str) -> tuple[dict[str, object], ...]:
@@ -392,16 +453,13 @@ def model_toml(found: Diagnosis, version: str) -> str:
 def _model_document(found: Diagnosis, version: str) -> ModelDocument:
     plain, best = sections(found.split.training, found.baseline.found, version), found.best
     plain["diagnosis"] = found.verdict
+    if found.residual is not None and found.residual.offered:
+        return _with_residual(plain, found, found.residual)
     if best is None or found.extended is None:
         made = ModelDocument.model_validate(plain)
         return made.model_copy(update={"verdict": verdict(made)})
     known = intervals_of(best)
     shown = {one.key: one.shown["value"] for one in known}
-    held = {
-        f"{trial.effect}.{key}": value
-        for trial in best.refit.trials
-        for key, value in trial.held.items()
-    }
     # the quality is of the plain fit and goes with it
     return ModelDocument.model_validate(
         plain
@@ -410,11 +468,63 @@ def _model_document(found: Diagnosis, version: str) -> ModelDocument:
             "interval": "curvature and jackknife",
             "confidence": CONFIDENCE,
             "parameters": {one.key: _section(one) for one in known},
-            "held": {**plain["held"], **held},
+            "held": {**plain["held"], **_held(best)},
             "not_identifiable": _unknown(known),
             "quality": None,
             "minima": (_minimum(found.extended.training, float(best.refit.fits.chi2[0]), shown),),
             "recording": _recordings(found.extended.training),
+        }
+    )
+
+
+def _held(best: Candidate) -> dict[str, float]:
+    """Numbers of the effects that were not fitted."""
+    return {
+        f"{trial.effect}.{key}": value
+        for trial in best.refit.trials
+        for key, value in trial.held.items()
+    }
+
+
+def _with_residual(plain: dict[str, Any], found: Diagnosis, law: ResidualLaw) -> ModelDocument:
+    """The model with the residual law; its errors are those of roll-outs out of fold."""
+    bench, known = found.grade.bench, law.intervals
+    seen = bench.prepared.seen
+    rms = np.sqrt(np.nanmean((seen - law.poses) ** 2, axis=1)).tolist()
+    x, y, theta = np.sqrt(np.nanmean((seen - law.poses) ** 2, axis=(0, 1))).tolist()
+    away = np.nan_to_num((seen - law.poses) / found.baseline.settings.sigma)
+    frames = bench.prepared.counts.max(axis=1)
+    return ModelDocument.model_validate(
+        plain
+        | {
+            "model": law.model.name,
+            "interval": "jackknife",
+            "confidence": CONFIDENCE,
+            "parameters": {one.key: _section(one) for one in known},
+            "held": {**plain["held"], **(_held(found.best) if found.best else {})},
+            "not_identifiable": _unknown(known),
+            "quality": None,
+            "minima": (
+                MinimumSection(
+                    cost=float(np.sum(away**2)),
+                    x_um=UM * x,
+                    y_um=UM * y,
+                    theta_deg=DEG * theta,
+                    found=0,
+                    parameters={one.key: one.shown["value"] for one in known},
+                ),
+            ),
+            "recording": tuple(
+                RecordingSection(
+                    file=file,
+                    frames=int(frames[k]),
+                    x_um=UM * rms[k][0],
+                    y_um=UM * rms[k][1],
+                    theta_deg=DEG * rms[k][2],
+                    outcome=Outcome(int(law.outcomes[k])).word,
+                )
+                for k, file in enumerate(bench.prepared.files)
+            ),
         }
     )
 

@@ -126,12 +126,18 @@ def supported(one: Candidate, field: list[Candidate]) -> Candidate:
 
 
 def best_of_each(fits: list[Refit]) -> list[Refit]:
-    """The best form of every set."""
-    best: dict[tuple[str, ...], Refit] = {}
-    for one in fits:
-        if one.effects not in best or one.gain > best[one.effects].gain:
-            best[one.effects] = one
-    return list(best.values())
+    """The best form of every set, with its lead over the best with another form of a law."""
+    sets: dict[tuple[str, ...], list[Refit]] = {}
+    for one in sorted(fits, key=lambda one: -one.gain):
+        sets.setdefault(one.effects, []).append(one)
+    return [_leading(own) for own in sets.values()]
+
+
+def _leading(own: list[Refit]) -> Refit:
+    best, *rest = own
+    laws = [trial.law for trial in best.trials]
+    other = next((one for one in rest if [trial.law for trial in one.trials] != laws), None)
+    return best if other is None else replace(best, lead=best.gain - other.gain)
 
 
 def ranked(field: list[Candidate]) -> list[Candidate]:

@@ -25,6 +25,7 @@ from meso_robust.diagnosis.localisation import Located, located, predicted_pairs
 from meso_robust.diagnosis.model_selection import Contest
 from meso_robust.diagnosis.noise import noise_of, with_noise
 from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.residual import ResidualLaw, residual_law
 from meso_robust.diagnosis.store import Store
 from meso_robust.diagnosis.validation import (
     Extrapolation,
@@ -93,6 +94,8 @@ class Diagnosis:
         Errors of the plain model, and of the best extended one; None where nothing was added.
     checked
         What would speak against the extended model.
+    residual
+        A law of what has no name, where the verdict is partial or unknown; None where none was found.
     """
 
     recordings: RecordingSet
@@ -107,6 +110,7 @@ class Diagnosis:
     plain: Worth
     extended: Worth | None
     checked: Checked
+    residual: ResidualLaw | None = None
 
     @property
     def baseline(self) -> Baseline:
@@ -216,6 +220,10 @@ def diagnose(
         pairs = predicted_pairs(baseline, where.pairs, extended.training.poses)
         beyond = None if quick else extrapolated(parts.training, baseline, best.refit)
         checks = _checked(tests, parts, plain, extended, best.refit, pairs, beyond, seed)
+    law = None
+    if grade.verdict in ("partial", "unknown"):
+        told("looking for a residual law", 0, 1)
+        law = residual_law(grade.bench, grade.extended or grade.plain, seed)
     return Diagnosis(
         recordings=recordings,
         sha256=sha256,
@@ -229,6 +237,7 @@ def diagnose(
         plain=plain,
         extended=extended,
         checked=checks,
+        residual=law,
     )
 
 

@@ -169,6 +169,42 @@ class BudgetSection(_Section):
     """Of the explainable error; below zero where an effect makes it worse."""
 
 
+class ResidualBaseSection(ValueSection):
+    """A base of the residual law, with its coefficient."""
+
+    meaning: Key
+    """What it stands for, in words."""
+    chosen: Probability
+    """Share of the random halves of the recordings that chose it."""
+
+
+class ResidualSection(_Section):
+    """A regression of what no effect explains on a few bases; it predicts, and names nothing."""
+
+    added_to: tuple[Key, ...]
+    """Effects of the model that it was added to; empty: the plain model."""
+    bases: dict[Key, ResidualBaseSection]
+    """Its coefficients, by the names of the bases; the parameters of `residual` in model.toml."""
+    before_um: NotNegative
+    """Error of place without it: root mean square out of fold, um."""
+    after_um: NotNegative
+    """The same with it, where the bases were chosen without the recording too."""
+    before_deg: NotNegative
+    """Error of the turn without it, deg."""
+    after_deg: NotNegative
+    """The same with it."""
+    fall: FiniteFloat
+    """Share of the mean square error beyond the noise that it takes out of fold."""
+    fall_low: FiniteFloat
+    """Lower end of its interval, 90 % bootstrap over recordings."""
+    fall_high: FiniteFloat
+    """Upper end, likewise."""
+    folds: Count
+    """Parts that the recordings were cut into, each predicted by a choice and a fit without it."""
+    offered: bool
+    """Whether it helps for sure, and is in model.toml."""
+
+
 class CandidateSection(_Section):
     """A set of effects that was refitted."""
 
@@ -264,7 +300,7 @@ class HeldOutRecording(_Section):
 
 
 class HeldOutSection(_Section):
-    """Errors on recordings that no fit has seen, before and after."""
+    """Errors on recordings that no fit has seen, before and after, from the pose seen at rest."""
 
     recordings: tuple[Key, ...]
     """CSV files that were held out."""
@@ -391,6 +427,8 @@ class DiagnosisDocument(_Section):
     """What the effects explain together; null where nothing is to be explained, or nothing helps."""
     remainder: RemainderSection | None = None
     """What they leave, or the plain model where there are none; null in the first version."""
+    residual: ResidualSection | None = None
+    """A law of what has no name, where the verdict is partial or unknown; null where none was found."""
     budget: tuple[BudgetSection, ...] = ()
     """The explainable error, part by part."""
     relevant_um: NotNegative | None = None

@@ -91,6 +91,8 @@ class RollOut:
         (R, T, 3) squared errors over the variance of the camera's noise; zero where not seen.
     start_squares
         (R,) mean of what the uncertain start alone adds to them.
+    outcomes
+        (R,) values of `Outcome`, of the predicted runs.
     """
 
     model: Model
@@ -99,6 +101,7 @@ class RollOut:
     poses: Floats
     squares: Floats
     start_squares: Floats
+    outcomes: Ints
 
 
 def bench_of(recordings: RecordingSet, baseline: Baseline, seed: int) -> Bench:
@@ -174,7 +177,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
         The model, and values (n,) from which fits begin.
     """
     settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=0.05)
-    whole = replace(bench.prepared, weights=_weights(bench, model, values))
+    whole = replace(bench.prepared, weights=weights_of(bench, model, values))
     every = fit(whole, model, values[None], settings)
     values, starts = every.fits.values[0], every.fits.starts[0]
     problem = Problem(whole, model, settings)
@@ -183,6 +186,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
     slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
     by_fold = np.tile(values, (bench.count, 1))
     poses = np.full(whole.seen.shape, np.nan)
+    outcomes = np.zeros(len(whole.files), dtype=np.int64)
     for k in range(bench.count):
         rows, left = np.flatnonzero(bench.fold != k), np.flatnonzero(bench.fold == k)
         if len(rows):
@@ -195,7 +199,9 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
                 offsets=every.fits.offsets[0, rows],
                 jacobian=jacobian[:, rows],
             ).fits.values[0]
-        poses[left] = _from_rest(bench, model, by_fold[k], left, starts[left], slopes[left])
+        poses[left], outcomes[left] = _from_rest(
+            bench, model, by_fold[k], left, starts[left], slopes[left]
+        )
     away = (bench.prepared.seen - poses) / _sigma(bench)
     return RollOut(
         model=model,
@@ -204,6 +210,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
         poses=poses,
         squares=np.where(bench.seen, np.nan_to_num(away) ** 2, 0.0),
         start_squares=_start_squares(bench, slopes),
+        outcomes=outcomes,
     )
 
 
@@ -218,8 +225,22 @@ def _or_one(weights: Floats | None) -> Floats | float:
     return 1.0 if weights is None else np.repeat(weights, 3, axis=1)[..., None]
 
 
-def _weights(bench: Bench, model: Model, values: Floats) -> Floats | None:
-    """(R, T) one for frames at rest, less for others by what the model leaves of them."""
+def weights_of(bench: Bench, model: Model, values: Floats) -> Floats | None:
+    """Weights of the frames in a fit, in which a misfit is not noise.
+
+    Parameters
+    ----------
+    bench
+        R recordings.
+    model, values
+        The model, and values (n,) near the fit.
+
+    Returns
+    -------
+    Floats or None
+        (R, T) over the noise of the fit's settings: of frames at rest by the camera's noise, less for
+        others by what the model leaves of them; None where that is no more than noise.
+    """
     settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=1.0)
     held = np.ones(len(values), dtype=bool)
     residuals = fit(bench.prepared, model, values[None], settings, held=held).fits.residuals[0]
@@ -233,8 +254,8 @@ def _weights(bench: Bench, model: Model, values: Floats) -> Floats | None:
 
 def _from_rest(
     bench: Bench, model: Model, values: Floats, rows: Ints, starts: Floats, slopes: Floats
-) -> Floats:
-    """(r, T, 3) predicted from starts that agree with the frames at rest on the whole."""
+) -> tuple[Floats, Ints]:
+    """(r, T, 3) predicted from starts that agree with the frames at rest on the whole, and outcomes."""
     prepared, sigma = some_of(bench.prepared, rows), bench.baseline.settings.sigma
     quiet = bench.still[rows]
     for _ in range(_ROUNDS):
@@ -251,7 +272,7 @@ def _from_rest(
     # nothing, which is an error of the size of the push
     ran = found.outcomes[0] == Outcome.COMPLETED
     poses = np.where(ran[:, None, None], found.poses[0], starts[:, None])
-    return np.where(bench.seen[rows], poses, np.nan)
+    return np.where(bench.seen[rows], poses, np.nan), found.outcomes[0]
 
 
 def _step(slope: Floats, away: Floats, quiet: Flags) -> Floats:

@@ -122,7 +122,7 @@ class Contest:
             more = refined(self.baseline, self._chosen(one), one, store=self.store)
         except (ValueError, np.linalg.LinAlgError):
             return one
-        return more if more.gain >= one.gain else one
+        return replace(more, lead=one.lead) if more.gain >= one.gain else one
 
     def _refined(self, fits: list[Refit]) -> list[Candidate]:
         """Candidates; those that may win have their searches taken to the end."""
@@ -157,9 +157,12 @@ class Contest:
         return [form for own in promised.values() for form in self._first(own)]
 
     def _first(self, own: list[Form]) -> list[Form]:
-        """Of the forms of an effect, those that are refitted."""
+        """Of the forms of an effect, those that are refitted: some of every form of its law."""
         most = 1 if self.quick and own[0].signature.trial.sizes else _REFITTED_FORMS
-        return sorted(own, key=lambda form: -form.gain)[:most]
+        laws: dict[float, list[Form]] = {}
+        for form in sorted(own, key=lambda form: -form.gain):
+            laws.setdefault(form.signature.trial.law, []).append(form)
+        return [form for law in laws.values() for form in law[:most]]
 
     def _extended(self, field: list[Candidate]) -> list[Candidate]:
         """Sets with one effect more, built on the best of the largest ones."""

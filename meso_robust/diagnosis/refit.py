@@ -51,6 +51,9 @@ class Refit:
         Sum of squares of what is left.
     gain
         Log evidence over that of the plain model.
+    lead
+        By how much it is ahead of the same effects with another form of a law, nats; None if no other
+        was tried.
     """
 
     trials: tuple[Trial, ...]
@@ -61,6 +64,7 @@ class Refit:
     rows: Floats
     chi2: float
     gain: float
+    lead: float | None = None
 
     @property
     def effects(self) -> tuple[str, ...]:

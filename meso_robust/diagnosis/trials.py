@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.simulator.catalogue import CATALOGUE
-from meso_robust.simulator.stage import REFERENCE_SPEED
+from meso_robust.simulator.stage import FORM, REFERENCE_SPEED
 from meso_robust.types import Floats
 
 REFERENCE_LENGTH = 910e-6
@@ -50,6 +50,11 @@ class Trial:
     def scales(self) -> dict[str, float]:
         """Fitted numbers with their typical changes."""
         return {**self.sizes, **self.free}
+
+    @property
+    def law(self) -> float:
+        """Number of the form of the effect's law."""
+        return self.shape.get(FORM, 0.0)
 
     @property
     def held(self) -> dict[str, float]:
@@ -258,8 +263,8 @@ TRIALS: Mapping[str, Try] = {
 """What to try of each effect, and the push that would show it; without a line, see `tried`."""
 
 
-TOLD_DIRECTLY = frozenset({"registration_shift"})
-"""Effects that the search leaves out. On most sets a reference offset of the part moves the tips as this
+NOT_SEARCHED = frozenset({"registration_shift", "residual"})
+"""Effects that the search leaves out. A residual is no name for anything. Registration: on most sets a reference offset of the part moves the tips as this
 does, and an answer would have to name both; the gap between tip and face tells them apart without a
 simulator (`recordings.direct`), and the page shows that."""
 
@@ -269,11 +274,20 @@ def trials(prepared: Prepared) -> list[Trial]:
     length = prepared.length / REFERENCE_LENGTH
     speed = typical_speed(prepared) / REFERENCE_SPEED
     return [
-        _scaled(one, length, speed)
+        law
         for name in CATALOGUE
-        if name not in TOLD_DIRECTLY
+        if name not in NOT_SEARCHED
         for one in tried(name).forms(name, prepared)
+        for law in _laws(_scaled(one, length, speed))
     ]
+
+
+def _laws(trial: Trial) -> list[Trial]:
+    """The trial with every form of the effect's law."""
+    forms = CATALOGUE[trial.effect].forms
+    if not forms:
+        return [trial]
+    return [replace(trial, shape={**trial.shape, FORM: float(k)}) for k in range(len(forms))]
 
 
 def tried(effect: str) -> Try:

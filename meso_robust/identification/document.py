@@ -198,10 +198,12 @@ class ModelDocument(_Section):
     """Verdict of the diagnosis that the model is from; None of an identification."""
     objective: Literal["printed", "likelihood"]
     """What was minimised: the paper's eq. (4), or the negative log likelihood."""
-    interval: Literal["profile likelihood", "curvature", "curvature and jackknife", "last simplex"]
+    interval: Literal[
+        "profile likelihood", "curvature", "curvature and jackknife", "jackknife", "last simplex"
+    ]
     """What the intervals are: of a profile or the curvature of the likelihood, with a probability, or the
-    wider of the latter and of what leaving out one recording at a time does; or the width of a search,
-    without one."""
+    wider of the latter and of what leaving out one recording at a time does; of a model with a residual
+    law by leaving out a fold of recordings at a time; or the width of a search, without one."""
     confidence: Share | None = None
     """Probability of each interval, by itself; absent where intervals have none."""
     part: PartSection

@@ -14,6 +14,7 @@ from meso_robust.identification.paths import in_steps, smoothed, thinned, with_c
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
 from meso_robust.recordings.contact import OVERLAP
+from meso_robust.recordings.direct.straight import path_sigma
 from meso_robust.recordings.noise import estimated_sensor, roughness
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
@@ -192,9 +193,10 @@ def prepare(
 ) -> Prepared:
     """Arrange a recording set for `forward.predicted`.
 
-    Positions of the probes are exact if they are the controller's, and then thinned without loss;
-    if they were seen, their scatter from frame to frame is taken out (`paths.smoothed`), and what the
-    stated σ has beyond it is taken for an error that stays (`Prepared.tip_offset`). Frames before the
+    Positions of the probes are exact if they are the controller's and its log has no noise, and then
+    thinned without loss; a log with noise (as stated or as even travel shows) is smoothed
+    (`paths.smoothed`), as a tip that shook along the face would seem to have more friction. If they were
+    seen, their scatter from frame to frame is taken out likewise, and what the stated σ has beyond it is taken for an error that stays (`Prepared.tip_offset`). Frames before the
     first in which everything is seen, and after the last with all probes, are left out; `notes` says
     so.
 
@@ -223,8 +225,10 @@ def prepare(
     step = min(FINENESS * length if step is None else step, _THIN * thickness(outline))
     sigmas = sigmas_of(recordings)
     notes: list[Note] = []
+    seen_by_camera = recordings.position_source == "camera"
+    shaking = 0.0 if seen_by_camera else path_sigma(recordings)
     ones = [
-        _one(unwrapped(recording), recordings, sigmas, step, notes)
+        _one(unwrapped(recording), recordings, sigmas, step, shaking, notes)
         for recording in recordings.recordings
     ]
     if most_frames is not None:
@@ -248,7 +252,7 @@ def prepare(
         time_step=max(0.02, 1.0 / recordings.sensor.frame_rate),
         length=length,
         sigmas=sigmas,
-        tips_seen=recordings.position_source == "camera",
+        tips_seen=seen_by_camera,
         tip_offset=_tip_offset(recordings, sigmas),
         parked=parked,
         notes=tuple(notes),
@@ -256,10 +260,15 @@ def prepare(
 
 
 def _one(
-    recording: Recording, whole: RecordingSet, sigmas: Sigmas, step: float, notes: list[Note]
+    recording: Recording,
+    whole: RecordingSet,
+    sigmas: Sigmas,
+    step: float,
+    shaking: float,
+    notes: list[Note],
 ) -> _One:
     recording = _trimmed(recording, notes)
-    times, path = _motion(recording, whole, sigmas, notes)
+    times, path = _motion(recording, whole, sigmas, shaking, notes)
     start = _start(recording, whole, path[0], notes)
     margin = min(5.0 * _gap_sigma(whole, sigmas), 10.0 * step)
     times, path = in_steps(times, path, np.full(len(times) - 1, step))
@@ -302,7 +311,7 @@ def _trimmed(recording: Recording, notes: list[Note]) -> Recording:
 
 
 def _motion(
-    recording: Recording, whole: RecordingSet, sigmas: Sigmas, notes: list[Note]
+    recording: Recording, whole: RecordingSet, sigmas: Sigmas, shaking: float, notes: list[Note]
 ) -> tuple[Floats, Floats]:
     """Corners of the path of the probes: (W,) s and (W, P, 2) m."""
     flat = recording.probes.reshape(len(recording.times), -1)
@@ -321,6 +330,8 @@ def _motion(
         )
     if seen_by_camera:
         times, flat = smoothed(times, flat, max(roughness(flat), EXACT))
+    elif shaking > CORNER:
+        times, flat = smoothed(times, flat, shaking)
     else:
         times, flat = with_corners(times, flat, CORNER)
         kept = thinned(times, flat, EXACT)

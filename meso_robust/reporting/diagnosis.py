@@ -125,6 +125,11 @@ def diagnosis_report(
                     if pictures["held_out"] is None
                     else (pages.section(body, "better", better, "Held out"),)
                 ),
+                *(
+                    ()
+                    if document.residual is None
+                    else (pages.section(body, "residual", "A law without a name", "Residual law"),)
+                ),
                 *(() if direct is None else (direct_section(direct),)),
                 pages.section(body, "overlays", "Recorded and simulated motion", "Recordings"),
                 pages.section(

@@ -7,6 +7,7 @@ import numpy as np
 from meso_robust.kernels import inner, maker
 from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS
 from meso_robust.simulator.environment import FORCE_SLOTS
+from meso_robust.simulator.residual import RESIDUAL_SLOTS
 from meso_robust.simulator.scene import Scene
 from meso_robust.simulator.support import DRY_SLOTS, FILM_SLOTS
 from meso_robust.simulator.tables import OBSTACLES, PART_LENGTH
@@ -109,6 +110,8 @@ class Kind(NamedTuple):
     """Forces other than those of contacts."""
     pulled: bool
     """Tips that draw the part."""
+    unnamed: bool
+    """A residual wrench."""
 
 
 @inner
@@ -120,6 +123,7 @@ def kind_of(case: Case) -> Kind:
         dry |= case.points[i, 2] > 0.0
     changing = _any(e, FILM_SLOTS) or case.law[LAY] != 0.0 or case.law[LAY + 1] != 0.0
     pulled = _any(e, PULL_SLOTS)
-    forced = _any(e, FORCE_SLOTS) or pulled
+    unnamed = _any(e, RESIDUAL_SLOTS)
+    forced = _any(e, FORCE_SLOTS) or pulled or unnamed
     plain = not (dry or changing or forced) and e[COMPLIANCE] == 0.0 and case.law[INERTIA] == 0.0
-    return Kind(plain, _any(e, DRIVE_SLOTS), dry, changing, forced, pulled)
+    return Kind(plain, _any(e, DRIVE_SLOTS), dry, changing, forced, pulled, unnamed)

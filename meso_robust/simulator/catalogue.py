@@ -11,12 +11,15 @@ from meso_robust.simulator.actuation import ACTUATION
 from meso_robust.simulator.environment import ENVIRONMENT
 from meso_robust.simulator.geometry import GEOMETRY
 from meso_robust.simulator.observation import OBSERVATION
+from meso_robust.simulator.residual import RESIDUAL
 from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
 from meso_robust.simulator.support import SUPPORT
 from meso_robust.simulator.touch import CONTACT
 from meso_robust.types import Floats
 
-STAGES: tuple[Stage, ...] = (SUPPORT, ENVIRONMENT, CONTACT, GEOMETRY, ACTUATION, OBSERVATION)
+STAGES: tuple[Stage, ...] = (
+    SUPPORT, ENVIRONMENT, CONTACT, GEOMETRY, ACTUATION, OBSERVATION, RESIDUAL
+)  # fmt: skip
 """The stages, in the order of their columns."""
 
 CATALOGUE: Mapping[str, Effect] = {

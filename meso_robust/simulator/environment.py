@@ -3,7 +3,7 @@
 import numpy as np
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.stage import Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
 from meso_robust.types import Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
@@ -37,6 +37,7 @@ ENVIRONMENT = Stage(
             equation="F = e_x p exp(−(s − n · x)/l) n, n the direction to the wall",
             source="lateral meniscus; P. A. Kralchevsky, K. Nagayama 2000, "
             "doi:10.1016/S0001-8686(99)00016-0",
+            forms=("falls exponentially", "falls as 1/(1 + gap/l)²"),
             parameters=(
                 _speed("pull_um_s", "p: speed at which the force drags the part at the wall"),
                 Parameter(
@@ -80,6 +81,7 @@ _PULL = ENVIRONMENT.slot("wall_capillarity", "pull_um_s")
 _PULL_ANGLE = ENVIRONMENT.slot("wall_capillarity", "direction_deg")
 _PULL_PLACE = ENVIRONMENT.slot("wall_capillarity", "position_um")
 _PULL_RANGE = ENVIRONMENT.slot("wall_capillarity", "range_um")
+_PULL_FORM = ENVIRONMENT.slot("wall_capillarity", FORM)
 POST_RADIUS = ENVIRONMENT.slot("unmodelled_wall", "radius_um")
 """Column of the radius of the unmodelled post; its centre is in the two after it."""
 
@@ -112,7 +114,9 @@ def stage_wrench(
     if effects[_PULL] != 0.0:
         nx, ny = np.cos(effects[_PULL_ANGLE]), np.sin(effects[_PULL_ANGLE])
         gap = effects[_PULL_PLACE] - nx * pose[0] - ny * pose[1]
-        pull = effects[_PULL] * np.exp(-gap / effects[_PULL_RANGE])
+        away = gap / effects[_PULL_RANGE]
+        near = np.exp(-away) if effects[_PULL_FORM] == 0.0 else (1.0 + max(away, 0.0)) ** -2
+        pull = effects[_PULL] * near
         fx += pull * nx
         fy += pull * ny
     out[0] += cos * fx + sin * fy

@@ -29,7 +29,11 @@ from meso_robust.simulator.tips import Point, Tip
 from meso_robust.types import Floats
 
 _ROUNDING = 1e-9  # of a step, so that a travel of 10 steps is not cut into 11
-_RATES = (*range(56), *range(64, 80))  # columns of effects that act in time: not of geometry
+_RATES = (
+    *range(56),
+    *range(64, 80),
+    *range(96, 128),
+)  # columns of effects that act in time: not of geometry
 _ARRAYS = ("vertices", "poses", "waypoints", "times", "friction", "radii")
 
 

@@ -22,6 +22,7 @@ from meso_robust.simulator.case import (
 from meso_robust.simulator.environment import stage_wrench
 from meso_robust.simulator.motion_model import FIRST_ORDER, add_inertia
 from meso_robust.simulator.outcome import Outcome
+from meso_robust.simulator.residual import residual_wrench
 from meso_robust.simulator.rows import write_rows
 from meso_robust.simulator.support import (
     add_film,
@@ -91,7 +92,12 @@ def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: F
     for k in range(3):
         wrench[k] = 0.0
     if kind.forced:
-        stage_wrench(case.effects, film, pose, state.body[PART.cos], state.body[PART.sin], wrench)
+        cos, sin, moved = state.body[PART.cos], state.body[PART.sin], PART.velocity
+        stage_wrench(case.effects, film, pose, cos, sin, wrench)
+        if kind.unnamed:
+            velocity = (state.body[moved], state.body[moved + 1], state.body[moved + 2])
+            time = state.body[PART.time]
+            residual_wrench(case.effects, film, pose, velocity, time, cos, sin, wrench)
     if not kind.pulled:
         return
     probes = case.waypoints.shape[1]

@@ -15,8 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SLOTS = 96
+SLOTS = 128
 """Columns of the table of effects."""
+FORM = "form"
+"""Name of the parameter that says which form of its law an effect has."""
 REFERENCE_SPEED = 75e-6
 """m/s, the middle one of the three speeds of the paper's Section V; drag ratios refer to it."""
 
@@ -76,6 +78,25 @@ class Effect:
     source: str
     """Where the law is from."""
     parameters: tuple[Parameter, ...]
+    forms: tuple[str, ...] = ()
+    """Forms of the law in words, where the family has several: nobody knows the decay of a real force. The
+    first is that of the equation; a parameter ``form``, added here, is the number of the form."""
+
+    def __post_init__(self) -> None:
+        """Add the number of the form to the parameters."""
+        if not self.forms:
+            return
+        words = ", ".join(f"{k}: {form}" for k, form in enumerate(self.forms))
+        number = Parameter(
+            key=FORM,
+            unit="",
+            to_si=1.0,
+            high=len(self.forms) - 1.0,
+            low=0.0,
+            size=False,
+            meaning=words,
+        )
+        object.__setattr__(self, "parameters", (*self.parameters, number))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -26,7 +26,7 @@ creeps at about ε.
 import numpy as np
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.stage import REFERENCE_SPEED, Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, REFERENCE_SPEED, Effect, Parameter, Stage
 from meso_robust.simulator.tables import STEP
 from meso_robust.types import Floats
 
@@ -50,6 +50,7 @@ SUPPORT = Stage(
             name="stribeck_friction",
             equation="f = −τ exp(−(|u|/v_s)²) u/|u|, in addition to dry friction",
             source="B. Armstrong-Hélouvry et al. 1994, doi:10.1016/0005-1098(94)90209-7",
+            forms=("falls as exp(−(|u|/v_s)²)", "falls as exp(−|u|/v_s)"),
             parameters=(
                 _RATIO,
                 Parameter(
@@ -135,6 +136,7 @@ SUPPORT = Stage(
             name="drag_gradient",
             equation="k(x) = exp(g · x), x the place on the stage",
             source="thickness of the film; drag η A / h",
+            forms=("grows exponentially", "grows linearly"),
             parameters=(
                 Parameter(
                     key="x_per_mm", unit="1/mm", to_si=1e3, low=-2e3, high=2e3, meaning="g_x"
@@ -163,6 +165,7 @@ SUPPORT = Stage(
             name="breakaway_friction",
             equation="f = −τ ln(1 + a/a₀) u/|u|, age a' = 1 − a v/D, a₀ = 1 s",
             source="A. Ruina 1983, doi:10.1029/JB088iB12p10359 (ageing law)",
+            forms=("grows with the logarithm of the age", "saturates, a/(a + a₀)"),
             parameters=(
                 _RATIO,
                 Parameter(
@@ -204,6 +207,7 @@ SUPPORT = Stage(
 _DRY = SUPPORT.slot("dry_friction", "ratio")
 _STRIBECK = SUPPORT.slot("stribeck_friction", "ratio")
 _STRIBECK_SPEED = SUPPORT.slot("stribeck_friction", "speed_um_s")
+_STRIBECK_FORM = SUPPORT.slot("stribeck_friction", FORM)
 _DROP = SUPPORT.slot("shear_thinning", "exponent_drop")
 _STAGE_LAY = SUPPORT.slot("anisotropic_drag", "fraction")
 _STAGE_LAY_ANGLE = SUPPORT.slot("anisotropic_drag", "direction_deg")
@@ -213,9 +217,11 @@ _CENTRE_X = SUPPORT.slot("drag_centre_offset", "x_um")
 _CENTRE_Y = SUPPORT.slot("drag_centre_offset", "y_um")
 _GRADIENT_X = SUPPORT.slot("drag_gradient", "x_per_mm")
 _GRADIENT_Y = SUPPORT.slot("drag_gradient", "y_per_mm")
+_GRADIENT_FORM = SUPPORT.slot("drag_gradient", FORM)
 _DRIFT = SUPPORT.slot("drag_drift", "rate_percent_s")
 _AGEING = SUPPORT.slot("breakaway_friction", "ratio")
 _AGEING_DISTANCE = SUPPORT.slot("breakaway_friction", "distance_um")
+_AGEING_FORM = SUPPORT.slot("breakaway_friction", FORM)
 _UNEVEN = SUPPORT.slot("uneven_support", "ratio")
 _PRESSURE_X = SUPPORT.slot("uneven_support", "x_um")
 _PRESSURE_Y = SUPPORT.slot("uneven_support", "y_um")
@@ -246,6 +252,7 @@ AGE = _AGEING
 """Column of the effect that needs the age of the contact."""
 
 _CREEP = 1e-6  # tip speeds
+_LEAST_DRAG = 0.05  # of the film's at the origin: a line that falls must not end below nothing
 _RIDGE = 1e-3  # share of the secant in the tangent, for a matrix that is positive definite
 
 
@@ -307,7 +314,8 @@ def film_matrix(
             if w == 0.0:
                 continue
             wx, wy = pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y
-            k = np.exp(gx * wx + gy * wy)
+            grown = gx * wx + gy * wy
+            k = np.exp(grown) if effects[_GRADIENT_FORM] == 0.0 else max(1.0 + grown, _LEAST_DRAG)
             plus, minus = k * (1.0 + along) - 1.0, k * (1.0 - along) - 1.0
             add_point(out, x, y, w * plus, w * k * across, w * minus)
     cx, cy = effects[_CENTRE_X], effects[_CENTRE_Y]
@@ -425,9 +433,15 @@ def _strength(
     c, w = points[i, 2], points[i, 3]
     if w == 0.0:
         return c, 0.0, 0.0
-    dry = effects[_DRY] + effects[_AGEING] * np.log(1.0 + age)
+    dry = effects[_DRY]
+    if effects[_AGEING] != 0.0:
+        aged = np.log(1.0 + age) if effects[_AGEING_FORM] == 0.0 else age / (1.0 + age)
+        dry += effects[_AGEING] * aged
     if effects[_STRIBECK] != 0.0:
-        dry += effects[_STRIBECK] * np.exp(-((speed / effects[_STRIBECK_SPEED]) ** 2))
+        fast = speed / effects[_STRIBECK_SPEED]
+        dry += effects[_STRIBECK] * np.exp(
+            -fast * (fast if effects[_STRIBECK_FORM] == 0.0 else 1.0)
+        )
     if effects[_UNEVEN] != 0.0:
         pressure = 1.0 + slope[0] * points[i, 0] + slope[1] * points[i, 1]
         dry += effects[_UNEVEN] * max(pressure, 0.0)

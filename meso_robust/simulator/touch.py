@@ -7,7 +7,7 @@ is ``λ_n − F`` and its friction ``μ λ_n`` holds while the tip is drawn back
 
 from meso_robust.kernels import inner
 from meso_robust.simulator.contact import PER_CORNER
-from meso_robust.simulator.stage import Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
 from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES
 from meso_robust.types import Floats, Ints
 
@@ -23,6 +23,7 @@ CONTACT = Stage(
             equation="λ_n ≥ −F from the first touch until the gap exceeds r",
             source="meniscus at the tip, F = 4 π R γ cos φ; R. S. Fearing 1995, "
             "doi:10.1109/IROS.1995.526162",
+            forms=("constant until it breaks", "falls linearly to nothing at r"),
             parameters=(
                 Parameter(
                     key="pull_um_s", unit="µm/s", to_si=_UM, low=0.0,
@@ -38,6 +39,7 @@ CONTACT = Stage(
             name="tip_attraction",
             equation="F(gap) = F₀ r / (r + gap) towards the tip, before and in contact",
             source="sphere and plane at a voltage, F = π ε R V² / gap; Fearing 1995, as above",
+            forms=("falls as 1/(1 + gap/r)", "halves every r"),
             parameters=(
                 Parameter(
                     key="pull_um_s", unit="µm/s", to_si=_UM, low=0.0,
@@ -69,8 +71,10 @@ CONTACT = Stage(
 
 _ADHESION = CONTACT.slot("tip_adhesion", "pull_um_s")
 _ADHESION_RANGE = CONTACT.slot("tip_adhesion", "range_um")
+_ADHESION_FORM = CONTACT.slot("tip_adhesion", FORM)
 _ATTRACTION = CONTACT.slot("tip_attraction", "pull_um_s")
 _ATTRACTION_RANGE = CONTACT.slot("tip_attraction", "range_um")
+_ATTRACTION_FORM = CONTACT.slot("tip_attraction", FORM)
 _CHANGE = CONTACT.slot("edge_dependent_friction", "change")
 EDGE = CONTACT.slot("edge_dependent_friction", "edge")
 """Column of the edge that has a friction of its own."""
@@ -147,7 +151,11 @@ def pull_of_tips(
         elif gap > effects[_ADHESION_RANGE]:
             obstacles[k, OBSTACLES.wet] = 0.0
         pull = effects[_ADHESION] * obstacles[k, OBSTACLES.wet]
+        if effects[_ADHESION_FORM] != 0.0 and gap > 0.0:
+            pull *= max(1.0 - gap / max(effects[_ADHESION_RANGE], gap), 0.0)
         reach = REACH_OF_ATTRACTION * effects[_ATTRACTION_RANGE]
         if effects[_ATTRACTION] != 0.0 and gap <= reach:
-            pull += effects[_ATTRACTION] / (1.0 + gap / effects[_ATTRACTION_RANGE])
+            away = gap / effects[_ATTRACTION_RANGE]
+            near = 1.0 / (1.0 + away) if effects[_ATTRACTION_FORM] == 0.0 else 0.5**away
+            pull += effects[_ATTRACTION] * near
         contacts[nearest, CONTACTS.pull] = pull

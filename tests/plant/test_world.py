@@ -41,7 +41,7 @@ def test_names_and_parameters_are_those_of_the_catalogue() -> None:
     from meso_robust.plant.world import _EFFECTS
 
     for name, (defaults, _) in _EFFECTS.items():
-        keys = {parameter.key for parameter in CATALOGUE[name].parameters} - {"turned"}
+        keys = {parameter.key for parameter in CATALOGUE[name].parameters} - {"turned", "form"}
         assert set(defaults) == keys, name
         for parameter in CATALOGUE[name].parameters:
             if parameter.key in defaults:

@@ -416,3 +416,40 @@ def test_many_recordings_are_cut_to_a_page(monkeypatch: pytest.MonkeyPatch) -> N
     assert "The first 3 of 5; all are in" in page
     map_ = page[page.index('id="map-figure_1"') : page.index('id="vectors-figure_1"')]
     assert len(re.findall(r"\.csv</text>", map_)) == 3
+
+
+@pytest.mark.usefixtures("_no_overlays")
+def test_a_residual_law_is_shown_with_its_gain_and_never_as_a_name() -> None:
+    law = {
+        "added_to": (),
+        "bases": {
+            "across_sin2": {
+                **{"value": -0.138, "low": -0.243, "high": -0.0335, "chosen": 0.97},
+                "meaning": "the same, φ the heading on the stage × sin 2φ",
+            }
+        },
+        **{"before_um": 3918.0, "after_um": 3193.0, "before_deg": 2.87, "after_deg": 2.72},
+        **{"fall": 0.243, "fall_low": 0.062, "fall_high": 0.404, "folds": 6, "offered": True},
+    }
+    found = document("unknown", residual=law)
+    page = diagnosis_report(found, evidence("unknown"), SOURCE)
+    section = page[page.index('id="residual"') :]
+    section = section[: section.index("</section>")]
+    text = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", section))
+    for words in (
+        "3920",
+        "3190 µm",
+        "24 % [6, 40]",
+        "not a name",
+        "across_sin2",
+        "model.toml",
+        "97",
+    ):
+        assert words in text.replace(",", ",").replace("\u202f", ""), words
+    assert "across_sin2" not in answer(found)
+    assert "nothing is proved with it" in text
+    weak = diagnosis_report(
+        document("unknown", residual=law | {"offered": False}), evidence("unknown"), SOURCE
+    )
+    assert "has no residual term" in weak
+    assert 'id="residual"' not in diagnosis_report(document("named"), evidence("named"), SOURCE)

@@ -46,6 +46,7 @@ NAMES = {
     "actuation": "probe_compliance backlash probe_drift",
     "observation": "camera_latency camera_scale camera_rotation camera_drift lens_distortion "
     "camera_anisotropy registration_shift",
+    "residual": "residual",
 }
 
 # A size of every effect that acts on the poses, for a push of some 100 µm.

@@ -265,7 +265,11 @@ def test_a_lens_that_folds_the_image_is_refused() -> None:
         ("times", np.zeros(0), r"times: shape \(0,\); must be \(T,\)"),
         ("poses", np.zeros((3, 4, 3)), r"poses: shape \(3, 4, 3\); must be \(N, 5, 3\)"),
         ("probes", np.zeros((2, 5, 1, 2)), r"probes: shape .*; must be \(3, 5, P, 2\)"),
-        ("table", np.zeros((2, SLOTS)), r"effects_table: shape .*; must be \(1, 96\) or \(3, 96\)"),
+        (
+            "table",
+            np.zeros((2, SLOTS)),
+            r"effects_table: shape .*; must be \(1, 128\) or \(3, 128\)",
+        ),
     ],
 )
 def test_wrong_arrays_are_refused(name: str, value: Floats, message: str) -> None:

@@ -25,7 +25,8 @@ BUDGET = Budget(radius_um=2000.0, seconds=100.0)
 
 
 def test_every_effect_of_the_catalogue_has_its_line() -> None:
-    assert set(LINES) == set(CATALOGUE)
+    # a residual law is no physics that a premise could be known to survive
+    assert set(LINES) == set(CATALOGUE) - {"residual"}
     assert {BASE, *BASES} == set(MODELS)
 
 

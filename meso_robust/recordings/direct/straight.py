@@ -136,3 +136,22 @@ def _pieces(times: Floats, tip: Floats, degree: int) -> tuple[Floats, Floats, Fl
     across = np.sum(np.sum(left[fast] * aside[:, None], axis=2) ** 2, axis=1)
     along = np.sum(np.sum(left[fast] * ahead[:, None], axis=2) ** 2, axis=1)
     return across, along, speeds[fast]
+
+
+def path_sigma(recordings: RecordingSet) -> float:
+    """By how much a sample of the controller's log may be off the way that the tip went.
+
+    Parameters
+    ----------
+    recordings
+        The set.
+
+    Returns
+    -------
+    float
+        m: of position and stamps together, as stated or as even travel shows it; zero where travel is not
+        even enough to tell.
+    """
+    found = straight_test(recordings)
+    along = found.along if found and found.even else 0.0
+    return max(tip_sigma(recordings) or 0.0, along)

@@ -1,0 +1,73 @@
+"""Noise of the controller's log is no motion of the tip: it must not look like friction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meso_robust.identification.identify import identify
+from meso_robust.identification.prepared import prepare
+from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.direct.straight import path_sigma
+from tests.diagnosis.conftest import small_set
+from tests.identification.sets import UM
+
+MU = 0.3
+"""Of the set."""
+
+
+@pytest.fixture(scope="module")
+def clean() -> RecordingSet:
+    return small_set(None, 12)
+
+
+def shaking(recordings: RecordingSet, sigma: float, late: float = 0.0) -> RecordingSet:
+    """The set with noise in the log of its tips (m), and in its stamps (s)."""
+    rng = np.random.default_rng(1)
+
+    def told(one: np.ndarray, times: np.ndarray) -> np.ndarray:
+        speed = np.gradient(one, times, axis=0)
+        return np.asarray(
+            one
+            + sigma * rng.normal(size=one.shape)
+            + late * speed * rng.normal(size=(len(times), 1, 1))
+        )
+
+    return replace(
+        recordings,
+        recordings=tuple(
+            replace(one, probes=told(one.probes, one.times)) for one in recordings.recordings
+        ),
+    )
+
+
+@pytest.mark.parametrize("sigma", [0.1 * UM, 0.5 * UM])
+def test_friction_is_as_it_was_without_noise(clean: RecordingSet, sigma: float) -> None:
+    found = identify(shaking(clean, sigma), starts=4)
+    (mu,) = [one for one in found.profiles if one.key == "mu"]
+    assert mu.low <= MU <= mu.high
+    assert mu.high - mu.low < 0.006
+
+
+def test_only_a_log_with_noise_is_smoothed(clean: RecordingSet) -> None:
+    assert path_sigma(clean) < 1e-12
+    exact, noisy = prepare(clean), prepare(shaking(clean, 0.3 * UM))
+    assert path_sigma(shaking(clean, 0.3 * UM)) == pytest.approx(0.3 * UM, rel=0.15)
+    assert noisy.waypoints.shape[1] < 1.2 * exact.waypoints.shape[1]  # no leg for every sample
+    for times, path, at, way in zip(
+        noisy.times, noisy.waypoints, exact.times, exact.waypoints, strict=True
+    ):
+        clock = np.linspace(at[0], at[-1], 50)
+        for axis in range(2):
+            away = np.interp(clock, times, path[:, 0, axis]) - np.interp(clock, at, way[:, 0, axis])
+            assert np.sqrt(np.mean(away**2)) < 0.5 * UM
+
+
+def test_a_stated_noise_counts_and_stamps_do_too(clean: RecordingSet) -> None:
+    stated = replace(clean, sensor=replace(clean.sensor, tip_sigma=2e-6))
+    assert path_sigma(stated) == 2e-6
+    jitter = shaking(clean, 0.01 * UM, late=3e-3)
+    # the tips go 75 or 225 µm/s
+    assert 0.1 * UM < path_sigma(jitter) < 0.9 * UM
