@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from importlib import import_module
 from multiprocessing import resource_tracker
@@ -13,7 +14,7 @@ import sympy as sp
 from sympy.printing.jscode import JavascriptCodePrinter
 from sympy.printing.pycode import PythonCodePrinter
 
-from derivations import report
+from derivations import _kept, report
 from derivations._derivation import Derivation, Function
 from derivations._dimension import check, require_dyadic
 from derivations._statement import DerivationError
@@ -109,7 +110,7 @@ def derive_one(name: str) -> Derivation:
 
 
 def derive_all() -> tuple[Derivation, ...]:
-    """Run every derivation, on all cores.
+    """Every derivation: as it was kept where nothing has changed, the others run on all cores.
 
     Returns
     -------
@@ -121,7 +122,14 @@ def derive_all() -> tuple[Derivation, ...]:
     DerivationError
         If a step does not hold, or two claims share a key.
     """
-    derivations = _on_all_cores()
+    kept = {name: _kept.load(name) for name in SOURCES}
+    missing = [name for name, derivation in kept.items() if derivation is None]
+    digests = [_kept.key(name) for name in missing]
+    fresh = _on_all_cores(missing) if missing else ()
+    for derivation, digest in zip(fresh, digests, strict=True):
+        _kept.keep(derivation, digest)
+    by_name = kept | dict(zip(missing, fresh, strict=True))
+    derivations = tuple(item for item in by_name.values() if item is not None)
     keys = [claim.key for derivation in derivations for claim in derivation.claims]
     twice = sorted({key for key in keys if keys.count(key) > 1})
     if twice:
@@ -129,15 +137,15 @@ def derive_all() -> tuple[Derivation, ...]:
     return derivations
 
 
-def _on_all_cores() -> tuple[Derivation, ...]:
-    """Every derivation; after Ctrl-C or a step that does not hold, no process is left at work."""
+def _on_all_cores(names: Sequence[str]) -> tuple[Derivation, ...]:
+    """The derivations of that name; after Ctrl-C or a step that does not hold, no process is left at work."""
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(mp_context=context)
     resource_tracker.ensure_running()  # starting it later would lift the mask
     # Ctrl-C in a terminal goes to every process; only this one is to hear it
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        found = pool.map(derive_one, SOURCES)  # starts the processes, which inherit the mask
+        found = pool.map(derive_one, names)  # starts the processes, which inherit the mask
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         return tuple(found)
     except BaseException:
