@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import signal
 from collections.abc import Sequence
@@ -14,10 +15,11 @@ import sympy as sp
 from sympy.printing.jscode import JavascriptCodePrinter
 from sympy.printing.pycode import PythonCodePrinter
 
-from derivations import _kept, report
+from derivations import _kept, _mathml, report
 from derivations._derivation import Derivation, Function
 from derivations._dimension import check, require_dyadic
 from derivations._statement import DerivationError
+from meso_robust.primitives.names import Inequality
 
 ROOT = Path(__file__).resolve().parent.parent
 GENERATED = ROOT / "meso_robust" / "_generated"
@@ -158,7 +160,7 @@ def _on_all_cores(names: Sequence[str]) -> tuple[Derivation, ...]:
 
 
 def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
-    """Contents of the generated files by path: one module a derivation, one script of them all.
+    """Contents of the generated files by path: a module a derivation, a script of them all, formulas.
 
     Parameters
     ----------
@@ -171,6 +173,7 @@ def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
         The same bytes every time, so that a file that differs was edited or is out of date.
     """
     files = {GENERATED / f"{d.name}.py": _module(d) for d in derivations if d.functions}
+    files[GENERATED / "conditions.json"] = _conditions(derivations, files)
     files[GENERATED / "__init__.py"] = (
         '"""Code generated from derivations/ by `meso-robust derive`; do not edit."""\n'
     )
@@ -186,7 +189,7 @@ def on_disk() -> set[Path]:
     set[Path]
         What is in it beyond what they write is left over from an earlier state.
     """
-    found = {*GENERATED.glob("*.py"), *GENERATED.glob("*.js"), *report.FOLDER.rglob("*")}
+    found = {*GENERATED.glob("*.py"), *GENERATED.glob("*.js*"), *report.FOLDER.rglob("*")}
     return {path for path in found if path.is_file()}
 
 
@@ -207,6 +210,17 @@ def _function(name: str, function: Function) -> str:
         f"def {name}(ops: Any, {inputs}) -> tuple[Any, ...]:\n"
         f'    """Return {function.meaning}."""\n{body}    return (\n{values}    )\n'
     )
+
+
+def _conditions(derivations: tuple[Derivation, ...], modules: dict[Path, str]) -> str:
+    """What a proof can rest on, as MathML by the name of the generated function."""
+    names = {f"{d.name}.{name}" for d in derivations for name in d.functions}
+    found = {
+        name: _mathml.positive(modules[GENERATED / f"{module}.py"], function)
+        for name in sorted(names & {inequality.value for inequality in Inequality})
+        for module, function in [name.split(".")]
+    }
+    return json.dumps(found, indent=1, ensure_ascii=False) + "\n"
 
 
 def _script(derivations: tuple[Derivation, ...]) -> str:
