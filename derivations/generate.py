@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import signal
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from importlib import import_module
 from multiprocessing import resource_tracker
@@ -13,10 +15,11 @@ import sympy as sp
 from sympy.printing.jscode import JavascriptCodePrinter
 from sympy.printing.pycode import PythonCodePrinter
 
-from derivations import report
+from derivations import _kept, _mathml, report
 from derivations._derivation import Derivation, Function
 from derivations._dimension import check, require_dyadic
 from derivations._statement import DerivationError
+from meso_robust.primitives.names import Inequality
 
 ROOT = Path(__file__).resolve().parent.parent
 GENERATED = ROOT / "meso_robust" / "_generated"
@@ -109,7 +112,7 @@ def derive_one(name: str) -> Derivation:
 
 
 def derive_all() -> tuple[Derivation, ...]:
-    """Run every derivation, on all cores.
+    """Every derivation: as it was kept where nothing has changed, the others run on all cores.
 
     Returns
     -------
@@ -121,7 +124,14 @@ def derive_all() -> tuple[Derivation, ...]:
     DerivationError
         If a step does not hold, or two claims share a key.
     """
-    derivations = _on_all_cores()
+    kept = {name: _kept.load(name) for name in SOURCES}
+    missing = [name for name, derivation in kept.items() if derivation is None]
+    digests = [_kept.key(name) for name in missing]
+    fresh = _on_all_cores(missing) if missing else ()
+    for derivation, digest in zip(fresh, digests, strict=True):
+        _kept.keep(derivation, digest)
+    by_name = kept | dict(zip(missing, fresh, strict=True))
+    derivations = tuple(item for item in by_name.values() if item is not None)
     keys = [claim.key for derivation in derivations for claim in derivation.claims]
     twice = sorted({key for key in keys if keys.count(key) > 1})
     if twice:
@@ -129,15 +139,15 @@ def derive_all() -> tuple[Derivation, ...]:
     return derivations
 
 
-def _on_all_cores() -> tuple[Derivation, ...]:
-    """Every derivation; after Ctrl-C or a step that does not hold, no process is left at work."""
+def _on_all_cores(names: Sequence[str]) -> tuple[Derivation, ...]:
+    """The derivations of that name; after Ctrl-C or a step that does not hold, no process is left at work."""
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(mp_context=context)
     resource_tracker.ensure_running()  # starting it later would lift the mask
     # Ctrl-C in a terminal goes to every process; only this one is to hear it
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        found = pool.map(derive_one, SOURCES)  # starts the processes, which inherit the mask
+        found = pool.map(derive_one, names)  # starts the processes, which inherit the mask
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         return tuple(found)
     except BaseException:
@@ -150,7 +160,7 @@ def _on_all_cores() -> tuple[Derivation, ...]:
 
 
 def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
-    """Contents of the generated files by path: one module a derivation, one script of them all.
+    """Contents of the generated files by path: a module a derivation, a script of them all, formulas.
 
     Parameters
     ----------
@@ -163,6 +173,7 @@ def code(derivations: tuple[Derivation, ...]) -> dict[Path, str]:
         The same bytes every time, so that a file that differs was edited or is out of date.
     """
     files = {GENERATED / f"{d.name}.py": _module(d) for d in derivations if d.functions}
+    files[GENERATED / "conditions.json"] = _conditions(derivations, files)
     files[GENERATED / "__init__.py"] = (
         '"""Code generated from derivations/ by `meso-robust derive`; do not edit."""\n'
     )
@@ -178,7 +189,7 @@ def on_disk() -> set[Path]:
     set[Path]
         What is in it beyond what they write is left over from an earlier state.
     """
-    found = {*GENERATED.glob("*.py"), *GENERATED.glob("*.js"), *report.FOLDER.rglob("*")}
+    found = {*GENERATED.glob("*.py"), *GENERATED.glob("*.js*"), *report.FOLDER.rglob("*")}
     return {path for path in found if path.is_file()}
 
 
@@ -199,6 +210,17 @@ def _function(name: str, function: Function) -> str:
         f"def {name}(ops: Any, {inputs}) -> tuple[Any, ...]:\n"
         f'    """Return {function.meaning}."""\n{body}    return (\n{values}    )\n'
     )
+
+
+def _conditions(derivations: tuple[Derivation, ...], modules: dict[Path, str]) -> str:
+    """What a proof can rest on, as MathML by the name of the generated function."""
+    names = {f"{d.name}.{name}" for d in derivations for name in d.functions}
+    found = {
+        name: _mathml.positive(modules[GENERATED / f"{module}.py"], function)
+        for name in sorted(names & {inequality.value for inequality in Inequality})
+        for module, function in [name.split(".")]
+    }
+    return json.dumps(found, indent=1, ensure_ascii=False) + "\n"
 
 
 def _script(derivations: tuple[Derivation, ...]) -> str:

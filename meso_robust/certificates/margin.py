@@ -15,6 +15,9 @@ from meso_robust.task import Task
 
 LARGEST = 8.0  # factors beyond it are not tried
 RESOLUTION = 0.02
+TOGETHER, ALONE = 1.25, 2.0
+"""First steps up from what is proved: one uncertainty alone bears about twice as much as all together, and
+a factor that is refused is refused early, in a sixth of the time of one that is proved."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,12 +66,14 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
 
     names = list(setup_of(task).uncertainty.stated)
     factor, refused = (
-        _bisect(lambda scale: proved(scale, None)) if proved(1.0, None) else (0.0, 1.0)
+        _bisect(lambda scale: proved(scale, None), 1.0, TOGETHER)
+        if proved(1.0, None)
+        else (0.0, 1.0)
     )
 
     def alone(only: str) -> float:
         # what is proved with all of them scaled is proved with one
-        return _bisect(lambda scale: proved(scale, only), factor)[0] if factor > 0.0 else 0.0
+        return _bisect(lambda scale: proved(scale, only), factor, ALONE)[0] if factor > 0.0 else 0.0
 
     with ThreadPoolExecutor() as pool:  # the kernels run without the interpreter's lock
         each = dict(zip(names, pool.map(alone, names), strict=True))
@@ -82,9 +87,11 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
     )
 
 
-def _bisect(proved: Callable[[float], bool], good: float = 1.0) -> tuple[float, float | None]:
+def _bisect(
+    proved: Callable[[float], bool], good: float, first: float
+) -> tuple[float, float | None]:
     """Largest factor found at which ``proved`` holds, as at ``good``; the smallest at which it does not."""
-    bad = min(1.25 * good, LARGEST)
+    bad = min(first * good, LARGEST)
     while proved(bad):
         if bad >= LARGEST:
             return LARGEST, None

@@ -1,17 +1,18 @@
 """The conditions of a proof as formulas, each with where it is derived.
 
-A formula is that of the generated code that was bounded: its functions are run on symbols instead of
-intervals, so that the page cannot say anything else than what was proved.
+A formula is that of the generated code that was bounded: the derivations write both, the formula by
+running the code on symbols, so that the page cannot say anything else than what was proved.
 """
 
 from __future__ import annotations
 
 import importlib
 import inspect
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from importlib import resources
 
 from markupsafe import Markup
 
@@ -58,42 +59,27 @@ def conditions(inequalities: Iterable[str]) -> tuple[Condition, ...]:
 
 @cache
 def _condition(module: str, name: str) -> Condition | None:
-    try:
-        source = importlib.import_module(f"meso_robust._generated.{module}")
-        function = getattr(source, name)
-    except (ImportError, AttributeError):
+    formulas = _formulas().get(f"{module}.{name}")
+    if formulas is None:
         return None
-    said = inspect.getdoc(function) or ""
+    source = importlib.import_module(f"meso_robust._generated.{module}")
+    said = inspect.getdoc(getattr(source, name)) or ""
     return Condition(
         name=f"{module}.{name}",
         anchor=f"derivation-{module}-{name}",
         module=(inspect.getdoc(source) or "").split("\n")[0],
         file=f"derivations/{module}.py",
         meaning=said.removeprefix("Return "),
-        formulas=tuple(_mathml(value) for value in _values(function)),
+        formulas=tuple(map(Markup, formulas)),
     )
 
 
-def _values(function: Any) -> tuple[Any, ...]:
-    """The values of a generated function, of symbols."""
-    import sympy
-
-    names = list(inspect.signature(function).parameters)[1:]
-    symbols = {name: sympy.Symbol(_LETTERS.get(name, name), positive=True) for name in names}
-    turns = [of(symbols["theta"]) for of in (sympy.sin, sympy.cos) if "theta" in symbols]
-    values = [sympy.nsimplify(value) for value in function(sympy, *symbols.values())]
-    return tuple(sympy.collect(sympy.expand(value), turns) if turns else value for value in values)
+@cache
+def _formulas() -> dict[str, list[str]]:
+    """MathML of every function that a proof can rest on, as the derivations wrote it."""
+    text = resources.files("meso_robust._generated").joinpath("conditions.json").read_text("utf-8")
+    found: dict[str, list[str]] = json.loads(text)
+    return found
 
 
-_LETTERS = {"dx": "delta_x", "dy": "delta_y", "side": "s", "half": "l"}
-"""Symbols for names of several letters; `LETTERS_SAID` says so on the page."""
 LETTERS_SAID = "In formulas δx, δy, s and l stand for dx, dy, side and half."
-
-
-def _mathml(value: Any) -> Markup:
-    from sympy.printing.mathml import mathml
-
-    text = mathml(value, printer="presentation")
-    for plain, sign in (("&InvisibleTimes;", "&#8290;"), ("<mo>-</mo>", "<mo>−</mo>")):
-        text = text.replace(plain, sign)
-    return Markup(f"<math><mrow>{text}<mo>&gt;</mo><mn>0</mn></mrow></math>")
