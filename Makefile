@@ -38,6 +38,7 @@ benchmark: $(INSTALLED)
 	PYTHONPATH=$(PEERS) $(BIN)/python -m reports.benchmarks.bounds --out reports/benchmarks/bounds.md
 	$(BIN)/python -m reports.benchmarks.executions --out reports/benchmarks/executions.md
 	$(BIN)/python -m reports.benchmarks.campaigns --out reports/benchmarks/campaigns.md
+	$(BIN)/python -m reports.benchmarks.waits --out reports/benchmarks/waits.md
 
 $(INSTALLED): pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
