@@ -16,7 +16,7 @@ import pydantic
 import pytest
 
 ROOT = Path(__file__).parents[2]
-DATA = (".j2", ".css", ".js", ".html", ".toml", ".md", ".typed", ".png", ".mp4", ".csv")
+DATA = (".json", ".j2", ".css", ".js", ".html", ".toml", ".md", ".typed", ".png", ".mp4", ".csv")
 
 
 @pytest.fixture(scope="module")
