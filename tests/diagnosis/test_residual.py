@@ -110,7 +110,9 @@ def test_a_few_recordings_have_no_halves(null: Diagnosis) -> None:
 def test_it_is_written_as_a_term_that_the_simulator_runs(
     null: Diagnosis, pushes: Bench, planted: ResidualLaw, tmp_path: Path
 ) -> None:
-    found = replace(regraded(null, verdict="unknown", bench=pushes), residual=planted)
+    baseline = pushes.baseline
+    plain = rolled_out(pushes, baseline.model, baseline.fits.values[0])
+    found = replace(regraded(null, verdict="unknown", bench=pushes, plain=plain), residual=planted)
     told = document(found, "1.2.3")
     again = DiagnosisDocument.model_validate_json(told.model_dump_json(by_alias=True))
     assert again.residual is not None
