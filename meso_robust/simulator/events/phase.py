@@ -252,6 +252,11 @@ def _end_at(
         slopes = velocity(scene, work, place, clock + time)
         start_cubic(work, time, slopes)
         time = _polish(scene, work, quantity, time, clock)
+        for body in range(scene.clear.shape[0]):
+            # the curve on which events were looked for is less exact than this one: a touch a hair
+            # before this event may have been passed
+            if event_value(scene, work, -1 - body, time, clock) < NEGATIVE:
+                time = _polish(scene, work, -1 - body, time, clock)
         ended = pose_at(work, time)
         sample_step(scene, work, path, clock, time)
         work.pose[0], work.pose[1], work.pose[2] = ended

@@ -1,0 +1,32 @@
+"""Runs in which a tip touches a hair before another contact starts to stick."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meso_robust.laboratory.simulation import player_of
+from meso_robust.laboratory.witness import read_witness
+from meso_robust.planning.reading import read_plan
+from meso_robust.primitives.setup import setup_of
+from meso_robust.simulator import Outcome
+from meso_robust.task import load_task
+
+HERE = Path(__file__).parent
+REAL = HERE.parents[2] / "reports" / "real_paper"
+NAMES = sorted(path.name for path in HERE.glob("touch_*.json"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_touch_just_before_another_event_is_not_passed(name: str) -> None:
+    """The part was taken 0.1 nm into the tip, which then was no contact any more: a false jam."""
+    task = load_task(REAL / "task.toml")
+    plan = read_plan(REAL / "plan.json", task)
+    player = player_of(plan, setup_of(task))
+    row = read_witness(HERE / name, task, plan, player).row[None]
+    events, steps = (replace(player, engine=engine).run(row) for engine in ("events", "stepper"))
+    assert events.outcomes[0] == steps.outcomes[0] == Outcome.COMPLETED
+    assert np.abs(events.final[0] - steps.final[0])[:2].max() < 1e-7  # the stepper's own error
