@@ -19,7 +19,6 @@ from derivations import _kept, _mathml, report
 from derivations._derivation import Derivation, Function
 from derivations._dimension import check, require_dyadic
 from derivations._statement import DerivationError
-from meso_robust.primitives.names import Inequality
 
 ROOT = Path(__file__).resolve().parent.parent
 GENERATED = ROOT / "meso_robust" / "_generated"
@@ -50,6 +49,9 @@ SOURCES = (
     "printed_numbers",
 )
 """Derivation files, in the order in which a reader of the paper meets their claims."""
+
+LONGEST = 12_000
+"""Characters of MathML of a condition on a page; nobody reads a longer one, and no proof rests on it."""
 
 HEADER = '''"""{summary}
 
@@ -213,14 +215,14 @@ def _function(name: str, function: Function) -> str:
 
 
 def _conditions(derivations: tuple[Derivation, ...], modules: dict[Path, str]) -> str:
-    """What a proof can rest on, as MathML by the name of the generated function."""
-    names = {f"{d.name}.{name}" for d in derivations for name in d.functions}
+    """That their values are positive, as MathML by the name of the generated function."""
     found = {
-        name: _mathml.positive(modules[GENERATED / f"{module}.py"], function)
-        for name in sorted(names & {inequality.value for inequality in Inequality})
-        for module, function in [name.split(".")]
+        f"{d.name}.{name}": _mathml.positive(modules[GENERATED / f"{d.name}.py"], name)
+        for d in derivations
+        for name in d.functions
     }
-    return json.dumps(found, indent=1, ensure_ascii=False) + "\n"
+    short = {name: shown for name, shown in sorted(found.items()) if sum(map(len, shown)) < LONGEST}
+    return json.dumps(short, indent=1, ensure_ascii=False) + "\n"
 
 
 def _script(derivations: tuple[Derivation, ...]) -> str:
