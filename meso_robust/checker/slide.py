@@ -394,16 +394,16 @@ class _Barrier:
             if (lead > 0).all():
                 return curves
             more = _wanted(lead, missing)
-            inner = [
+            cuts = [
                 _parts(leg, by, SHORT * self.flow.width)
                 if tried < FINER or by * leg.length > STEP * self.flow.width
                 else []
                 for leg, by in zip(legs, more, strict=True)
             ]
-            if any(inner):
-                knots = sorted([*knots, *itertools.chain(*inner)], reverse=True)
+            if any(cuts):
+                knots = sorted([*knots, *itertools.chain(*cuts)], reverse=True)
                 legs = self._path(knots, labels)
-                spare = np.repeat(spare, [len(cuts) + 1 for cuts in inner])
+                spare = np.repeat(spare, [len(own) + 1 for own in cuts])
             else:
                 spare = spare + more
         first = legs[int(np.argmin(lead > 0))].first

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -47,7 +48,7 @@ def test_imports_of_imports_count(folder: Path) -> None:
 def test_another_version_of_a_prover_changes_the_key(
     monkeypatch: pytest.MonkeyPatch, package: str
 ) -> None:
-    before, version = _kept.key(NAME), _kept.version
+    before = _kept.key(NAME)
     monkeypatch.setattr(_kept, "version", lambda of: "0" if of == package else version(of))
     assert _kept.key(NAME) != before
 

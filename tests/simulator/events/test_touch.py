@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.simulation import player_of
 from meso_robust.laboratory.witness import read_witness
 from meso_robust.planning.reading import read_plan
@@ -17,6 +19,7 @@ from meso_robust.task import load_task
 
 HERE = Path(__file__).parent
 REAL = HERE.parents[2] / "reports" / "real_paper"
+ENGINES: tuple[Engine, ...] = ("events", "stepper")
 NAMES = sorted(path.name for path in HERE.glob("touch_*.json"))
 
 
@@ -26,7 +29,8 @@ def test_a_touch_just_before_another_event_is_not_passed(name: str) -> None:
     task = load_task(REAL / "task.toml")
     plan = read_plan(REAL / "plan.json", task)
     player = player_of(plan, setup_of(task))
+    assert isinstance(player, Feedback)
     row = read_witness(HERE / name, task, plan, player).row[None]
-    events, steps = (replace(player, engine=engine).run(row) for engine in ("events", "stepper"))
+    events, steps = (replace(player, engine=engine).run(row) for engine in ENGINES)
     assert events.outcomes[0] == steps.outcomes[0] == Outcome.COMPLETED
     assert np.abs(events.final[0] - steps.final[0])[:2].max() < 1e-7  # the stepper's own error
