@@ -20,17 +20,16 @@ from meso_robust.task import load_task
 HERE = Path(__file__).parent
 REAL = HERE.parents[2] / "reports" / "real_paper"
 ENGINES: tuple[Engine, ...] = ("events", "stepper")
-NAMES = sorted(path.name for path in HERE.glob("touch_*.json"))
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_touch_just_before_another_event_is_not_passed(name: str) -> None:
+@pytest.mark.parametrize("run", [1, 2, 3])
+def test_a_touch_just_before_another_event_is_not_passed(run: int) -> None:
     """The part was taken 0.1 nm into the tip, which then was no contact any more: a false jam."""
     task = load_task(REAL / "task.toml")
     plan = read_plan(REAL / "plan.json", task)
     player = player_of(plan, setup_of(task))
     assert isinstance(player, Feedback)
-    row = read_witness(HERE / name, task, plan, player).row[None]
+    row = read_witness(HERE / f"touch_{run}.json", task, plan, player).row[None]
     events, steps = (replace(player, engine=engine).run(row) for engine in ENGINES)
     assert events.outcomes[0] == steps.outcomes[0] == Outcome.COMPLETED
     assert np.abs(events.final[0] - steps.final[0])[:2].max() < 1e-7  # the stepper's own error
