@@ -49,6 +49,8 @@ class Ran(Result):
         What was carried out.
     names
         Files of the recordings, if an experiment names them.
+    filmed
+        Whether its frames were kept.
     """
 
     document: RunDocument
@@ -56,6 +58,7 @@ class Ran(Result):
     turns: list[Turn]
     task: Task
     names: tuple[str, ...] = ()
+    filmed: bool = False
 
     @property
     def positive(self) -> bool:
@@ -64,8 +67,10 @@ class Ran(Result):
 
     @property
     def shown(self) -> dict[str, str]:
-        """The journal."""
-        return {"journal": JOURNAL}
+        """The journal and the frames."""
+        from meso_robust.live.filming import VIDEO
+
+        return {"journal": JOURNAL, **({"video": VIDEO} if self.filmed else {})}
 
     def __str__(self) -> str:
         from meso_robust.wording import counted
@@ -94,13 +99,16 @@ class Ran(Result):
         return recordings_of(self.header, self.turns, part, self.names)
 
     def files(self) -> dict[str, str]:
-        """The texts of all result files by name: ``run.json`` and the recordings of the pushes."""
+        """The texts of all result files by name: ``run.json``, recordings of the pushes, the camera."""
+        from meso_robust.live.sight import calibration_of
         from meso_robust.recordings.writing import set_files
+        from meso_robust.tracking.calibration_document import calibration_text
 
         made = self.recordings()
         pushes = {} if made is None else set_files(made)
         return {
             "run.json": self.text(),
+            "calibration.toml": calibration_text(calibration_of(self.header.lab.camera)),
             **{f"recordings/{name}": text for name, text in pushes.items()},
         }
 
@@ -145,12 +153,13 @@ class Repeated(Result):
 
 
 @call
-def run(  # what a user may choose
+def run(  # noqa: PLR0913  # what a user may choose
     task: TaskGiven,
     plan: StrPath,
     *,
     lab: StrPath = VIRTUAL,
     dry_run: bool = False,
+    video: bool = True,
     seed: Seed = 0,
     folder: StrPath | None = None,
     attendance: Any = None,
@@ -168,10 +177,13 @@ def run(  # what a user may choose
         The laboratory (``lab.toml``), or ``virtual``: the built-in one.
     dry_run
         Move nothing: say what the first move would be.
+    video
+        Keep every frame, without loss, as a video that `track` reads.
     seed
         Seed of the virtual laboratory.
     folder
-        For ``journal.jsonl``, which is written turn by turn; None: it is only kept.
+        For ``journal.jsonl`` and the video, which are written turn by turn; None: the journal is only
+        kept, and there is no video.
     attendance
         ``meso_robust.live.session.Attendance``: who is asked before each move, and shown every turn;
         None: nobody.
@@ -214,6 +226,11 @@ def run(  # what a user may choose
     )
     from meso_robust.live.session import carried_through
 
+    film = None
+    if folder is not None and video:
+        from meso_robust.live.filming import Film
+
+        film = Film(Path(folder))
     with progress.following() as told:
         document, turns = carried_through(
             stated,
@@ -223,7 +240,10 @@ def run(  # what a user may choose
             None if folder is None else Path(folder) / DRAFT,
             attendance,
             told,
+            film,
         )
+    if film is not None:
+        film.finish()
     if folder is not None:
         os.replace(Path(folder) / DRAFT, Path(folder) / JOURNAL)
     return Ran(
@@ -232,6 +252,7 @@ def run(  # what a user may choose
         turns=turns,
         task=stated,
         names=() if names is None else tuple(names),
+        filmed=film is not None,
         inputs=files_of(task, plan, *([] if lab == VIRTUAL else [lab])),
     )
 

@@ -59,7 +59,7 @@ def run(
     try:
         if replay is not None:
             return replay_call(run.given["task"], followed, replay, progress=run.say)
-        run.check_folder(["run.json", JOURNAL, DRAFT], [followed])
+        run.check_folder(["run.json", JOURNAL, DRAFT, "calibration.toml"], [followed])
         ran = _carried_out(run, not (yes or run.given["dry_run"]), page, followed)
         result: Result = ran
         if experiment is not None and not run.given["dry_run"]:

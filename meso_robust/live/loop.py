@@ -17,6 +17,7 @@ import numpy as np
 from meso_robust.live.conductor import Conductor
 from meso_robust.live.devices import DeviceError, Devices, Frame
 from meso_robust.live.exchange import Command, Place, Reading, Seen, Word
+from meso_robust.live.filming import Film
 from meso_robust.live.journal import Journal, turn_of
 from meso_robust.live.lab_file import Lab
 from meso_robust.live.placing import tip_places
@@ -77,6 +78,7 @@ def run_loop(
     journal: Journal,
     words: Words,
     show: Show = lambda _: None,
+    film: Film | None = None,
 ) -> Command:
     """Run until it ends.
 
@@ -94,6 +96,8 @@ def run_loop(
         What the user says meanwhile.
     show
         Called after every turn.
+    film
+        Keeps every frame; None: they are not kept.
 
     Returns
     -------
@@ -122,6 +126,8 @@ def run_loop(
                 latency_s=latency,
             )
             turn, commands = turn_of(conductor, reading)
+            if film is not None and frame is not None:
+                film.add(len(journal.turns) + 1, frame)
             journal.add(turn)
             fault = _carried_out(devices, commands)
             if frame is not None:

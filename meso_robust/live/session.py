@@ -12,6 +12,7 @@ import numpy as np
 from meso_robust.laboratory.making import outline
 from meso_robust.live.backends import devices_of
 from meso_robust.live.conductor import Conductor, Decide, Phase
+from meso_robust.live.filming import Film
 from meso_robust.live.journal import Header, Journal, Turn
 from meso_robust.live.loop import Glimpse, Show, Words, run_loop, stopped_by_signals
 from meso_robust.live.run_document import RunDocument, run_document
@@ -62,6 +63,7 @@ def carried_through(
     journal: Path | None = None,
     attendance: Attendance | None = None,
     told: Told = lambda *_: None,
+    film: Film | None = None,
 ) -> tuple[RunDocument, list[Turn]]:
     """Carry a run through, from lifted probes to lifted probes.
 
@@ -79,6 +81,8 @@ def carried_through(
         Who is asked and shown; None: nobody.
     told
         Called with what is being done, the moves that are made, and one more.
+    film
+        Keeps the frames; None: they are not kept.
 
     Returns
     -------
@@ -110,7 +114,9 @@ def carried_through(
     try:
         with devices_of(header.lab, task, folder) as devices, stopped_by_signals(there.words):
             eye = eye_of(task, header)
-            ending = run_loop(devices, header.lab, eye, conductor, kept, there.words, after)
+            ending = run_loop(devices, header.lab, eye, conductor, kept, there.words, after, film)
     finally:
         kept.close()
+        if film is not None:
+            film.close()
     return run_document(header, kept.turns, ending, latencies), kept.turns
