@@ -84,13 +84,18 @@ def test_images_are_kept_without_loss_and_a_frame_that_is_not_newer_is_left_out(
         assert np.array_equal(frame.image, drawn(turn, 0.0).image)
 
 
-def test_what_a_killed_run_left_is_a_video_and_is_kept_by_the_next(tmp_path: Path) -> None:
+def test_what_a_killed_run_left_is_a_video_and_is_kept_by_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def killed(*_: object) -> None:
+        raise KeyboardInterrupt
+
     film = Film(tmp_path)
-    for turn in (1, 2, 3):
+    for turn in (1, 2):
         film.add(turn, drawn(turn, 0.1 * turn))
-    # killed within the third image: its instant is told, its name not yet given
-    last = tmp_path / DRAFT / frame_name(3)
-    last.rename(last.with_name(last.name + ".half"))
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr("meso_robust.live.filming.os.rename", killed)
+        film.add(3, drawn(3, 0.3))  # its instant is told, its name not yet given
 
     assert [frame.time for frame in open_frames(tmp_path / DRAFT)] == [0.1, 0.2]
     film.close()
