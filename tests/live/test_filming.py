@@ -93,9 +93,10 @@ def test_what_a_killed_run_left_is_a_video_and_is_kept_by_the_next(
     film = Film(tmp_path)
     for turn in (1, 2):
         film.add(turn, drawn(turn, 0.1 * turn))
-    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+    with monkeypatch.context() as patched:
         patched.setattr("meso_robust.live.filming.os.rename", killed)
-        film.add(3, drawn(3, 0.3))  # its instant is told, its name not yet given
+        with pytest.raises(KeyboardInterrupt):
+            film.add(3, drawn(3, 0.3))  # its instant is told, its name not yet given
 
     assert [frame.time for frame in open_frames(tmp_path / DRAFT)] == [0.1, 0.2]
     film.close()
