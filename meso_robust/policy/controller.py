@@ -275,11 +275,8 @@ class PlanController:
         angle = self._boxes[self._made].theta
         boxes = list(sensed.around(angle.mid - np.pi, angle.mid + np.pi))
         reply = self._next_of(boxes)
-        if reply is None and self._made == 0:
-            reply = next((r for box in boxes if (r := self._first(box)) is not None), None)
         if reply is None:
-            self._boxes = self._widest
-            reply = self._next_of(boxes)
+            reply = self._of_the_next_part(boxes)
         if isinstance(reply, Move):
             self._last = sensed.numbers, reply
             return reply
@@ -290,6 +287,21 @@ class PlanController:
 
     def _next_of(self, boxes: Iterable[PoseBox]) -> Move | Done | None:
         return next((reply for box in boxes if (reply := self._next(box)) is not None), None)
+
+    def _of_the_next_part(self, boxes: list[PoseBox]) -> Move | Done | None:
+        """The first move from a pose that is not where the present part must be.
+
+        Never a later one: what is proved from other starts says nothing of where this part can be.
+        """
+        present = self._made, self._boxes
+        self._made = 0
+        reply = next((r for box in boxes if (r := self._first(box)) is not None), None)
+        if reply is None:
+            self._boxes = self._widest
+            reply = self._next_of(boxes)
+        if reply is None and present[0]:
+            self._made, self._boxes = present
+        return reply
 
     def _first(self, box: PoseBox) -> Move | Done | None:
         """The first move from a pose near the task's start, proved from there."""
@@ -307,7 +319,7 @@ class PlanController:
         """Whether the last move leaves the part where it is, so that the next pose may be the same."""
         return self._made > 0 and self._rules[self._made - 1].action == "regrasp"
 
-    def _next(self, box: PoseBox) -> Reply | None:
+    def _next(self, box: PoseBox) -> Move | Done | None:
         possible = true_poses(box, self._setup)
         last = len(self._rules)
         if self._made and meet(self._boxes[self._made], possible):
