@@ -147,3 +147,13 @@ def test_a_first_pose_near_the_start_is_answered_from_its_own_proof(
     assert isinstance(controller.answer(IN_GOAL), Done)
     with pytest.raises(AssertionError, match="widened"):
         controller.answer(replace(AT_START, y_um=500.0))
+
+
+def test_a_pose_that_only_other_starts_lead_to_ends_nothing() -> None:
+    """A start further out could have led there, but the part was seen at another one."""
+    controller, outer = short_push(), Sensed(x_um=0.0, y_um=12.0, theta_deg=180.0)
+    assert isinstance(controller.answer(Sensed(x_um=8.1, y_um=5.5, theta_deg=180.0)), Move)
+    assert isinstance(controller.answer(outer), Done)
+
+    assert isinstance(controller.answer(AT_START), Move)
+    assert isinstance(controller.answer(outer), Refused)
