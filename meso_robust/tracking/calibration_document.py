@@ -76,7 +76,18 @@ def load_calibration(path: Path) -> Calibration:
 
 
 def calibration_text(calibration: Calibration) -> str:
-    """Text of the ``calibration.toml`` from which `load_calibration` returns the calibration."""
+    """Text of the ``calibration.toml`` from which `load_calibration` returns the calibration.
+
+    Parameters
+    ----------
+    calibration
+        Lengths to twelve digits.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
     return toml_text(_values(calibration))
 
 
