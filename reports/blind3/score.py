@@ -100,12 +100,11 @@ class Scored:
     @property
     def wanted(self) -> bool:
         """The answer that a case of its kind should get."""
-        return {
-            "null": not self.alarm,
-            "outside": self.outside_as_wanted,
-            "single": self.right and not self.wrong,
-            "pair": self.right and not self.wrong,
-        }[self.case.kind]
+        if self.case.kind == "null":
+            return not self.alarm
+        if self.case.kind == "outside":
+            return self.outside_as_wanted
+        return self.right and not self.wrong
 
 
 def accepted(family: str) -> frozenset[str]:
