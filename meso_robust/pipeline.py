@@ -28,7 +28,7 @@ from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.document import PlanDocument, goal_document, plan_document
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.provenance import made_with
-from meso_robust.simulator import Outcome
+from meso_robust.simulator import Outcome, ahead
 from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
 from meso_robust.wording import counted, do, down, worded
@@ -96,6 +96,7 @@ def make(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned
     SimulatorContradictsProofError
         The simulator and the proof disagree.
     """
+    ahead.begin()
     with doing("searching for a plan (the first run compiles kernels: about a minute)"):
         found = compose(task)
     return judge(task, found, samples, seed, doing)
@@ -143,12 +144,14 @@ def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = quie
     SimulatorContradictsProofError
         The simulator and the proof disagree.
     """
+    ahead.begin()
     setup = setup_of(task)
     with doing("certifying"):
         chain = certify(found.rules, setup)
     with doing("searching for the margin"):
         bears = margin(found.rules, task)
     with doing(f"simulating {counted(samples, 'run')}"):
+        ahead.wait()
         posts = [step.post for step in chain.steps]
         check = crosscheck(found.rules, setup, posts, samples, seed)
     if chain.verdict is Verdict.PROVED and check.failure is not None:

@@ -8,7 +8,14 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.bounds.bulk import Bounded, Program, bound_box, program, side_to_split
+from meso_robust.bounds.bulk import (
+    Bounded,
+    Program,
+    append_halves,
+    bound_box,
+    program,
+    side_to_split,
+)
 from meso_robust.bounds.tape import run
 from meso_robust.kernels import fingerprint
 from meso_robust.types import Floats
@@ -60,15 +67,17 @@ def _decide(program: Program, any_output: bool, queue_lo: Floats, queue_hi: Floa
             least = min(least, score)
             continue
         side = side_to_split(program.slope, lo, hi, outputs)
-        middle = 0.5 * (lo + hi)
+        middle = np.empty(lo.size)
+        for v in range(lo.size):
+            middle[v] = 0.5 * (lo[v] + hi[v])
         if _fails_at(program, middle, any_output):
-            lo[:], hi[:] = middle, middle
+            for v in range(lo.size):
+                lo[v] = hi[v] = middle[v]
             return REFUTED, -np.inf, head, head - 1
         if side < 0 or tail + 2 > capacity:
             open_ = TOO_MANY if side >= 0 else INDIVISIBLE
             return (open_ if score > -np.inf else UNDEFINED), -np.inf, head, head - 1
-        queue_lo[tail : tail + 2], queue_hi[tail : tail + 2] = lo, hi
-        queue_hi[tail, side] = queue_lo[tail + 1, side] = middle[side]
+        append_halves(queue_lo, queue_hi, head - 1, tail, side, middle[side])
         tail += 2
     return PROVED, least, head, 0
 

@@ -215,8 +215,22 @@ def _natural_each(program: Program, lo: Floats, hi: Floats, lower: Floats, upper
         run_block(code, program.constant, block_lo, block_hi, used, work)
         for k in range(code.shape[0]):
             if code[k, 0] == OUTPUT:
-                lower[start : start + used, code[k, 1]] = work[k, 0, :used]
-                upper[start : start + used, code[k, 1]] = work[k, 1, :used]
+                for j in range(used):
+                    lower[start + j, code[k, 1]] = work[k, 0, j]
+                    upper[start + j, code[k, 1]] = work[k, 1, j]
+
+
+@njit
+def append_halves(
+    queue_lo: Floats, queue_hi: Floats, row: int, tail: int, side: int, middle: float
+) -> None:
+    """Append to the queue (capacity, inputs) both halves of the box in a row, divided at ``middle``."""
+    for half in range(tail, tail + 2):
+        for v in range(
+            queue_lo.shape[1]
+        ):  # a slice would bring the text of its errors: 3 s to compile
+            queue_lo[half, v], queue_hi[half, v] = queue_lo[row, v], queue_hi[row, v]
+    queue_hi[tail, side] = queue_lo[tail + 1, side] = middle
 
 
 @njit
@@ -272,12 +286,12 @@ def _bisect(
                 tight = False
         side = side_to_split(program.slope, lo, hi, outputs)
         if tight or tail + 2 > capacity or side < 0:
-            lower[:] = np.minimum(lower, box_lower)
-            upper[:] = np.maximum(upper, box_upper)
+            for i in range(outputs):
+                lower[i] = np.minimum(lower[i], box_lower[i])
+                upper[i] = np.maximum(upper[i], box_upper[i])
             continue
         middle = 0.5 * (lo[side] + hi[side])
-        queue_lo[tail : tail + 2], queue_hi[tail : tail + 2] = lo, hi
-        queue_hi[tail, side] = queue_lo[tail + 1, side] = middle
+        append_halves(queue_lo, queue_hi, head - 1, tail, side, middle)
         tail += 2
 
 

@@ -252,9 +252,11 @@ def run_block(
         if op == CONST:
             work[k, :, :count] = constant[k]
         elif op == INPUT:
-            work[k, 0, :count], work[k, 1, :count] = box_lo[first, :count], box_hi[first, :count]
+            for i in range(count):  # a slice would bring the text of its errors: 3 s to compile
+                work[k, 0, i], work[k, 1, i] = box_lo[first, i], box_hi[first, i]
         elif op == OUTPUT:
-            work[k, :, :count] = work[first, :, :count]
+            for i in range(count):
+                work[k, 0, i], work[k, 1, i] = work[first, 0, i], work[first, 1, i]
         elif op in BINARY_CODES:
             _block_of_two(op, work, count, k, first, second)
         else:

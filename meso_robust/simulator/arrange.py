@@ -144,7 +144,9 @@ def _ways(push: Push) -> Floats:
     friction = np.concatenate([push.friction, push.friction[:, -1:]], axis=1)[..., None]
     runs = max(len(friction), len(push.waypoints))
     way, mu = (np.broadcast_to(a, (runs, *a.shape[1:])) for a in (push.waypoints, friction))
-    return np.concatenate([way, mu], axis=3)
+    both = np.concatenate([way, mu], axis=3)
+    both.flags.writeable = False  # as the waypoints are: for another type the kernel is made again
+    return both
 
 
 def _obstacles(push: Push) -> tuple[Floats, Floats]:
