@@ -213,7 +213,9 @@ def made_up(
 ) -> Scored:
     size = more.pop("size", 20.0)
     case = Case(id=7, kind=kind, families=families, multiples=(size,) * len(families), seed=0)
-    told = {name: {"share": None, "stage": "x", "parameters": {}} for name in effects}
+    told: dict[str, Any] = {
+        name: {"share": None, "stage": "x", "parameters": {}} for name in effects
+    }
     told.update(more.pop("told", {}))
     answer = {"id": 7, "verdict": verdict, "effects": told, "stage": None, "explained": None}
     label = {"measured": [size] * len(families), "small": 1.0, "truth": more.pop("truth", {})}
