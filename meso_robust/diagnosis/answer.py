@@ -178,10 +178,10 @@ def _why(found: Diagnosis) -> str:
             f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
         )
     if found.verdict == "consistent":
-        return (
-            f"a mismatch is there, but its size in predictions is {UM * grade.size:.2g} um, below the "
-            f"{UM * grade.relevant:.2g} um that matter"
-        )
+        said = f"a mismatch is there, but its size in predictions is {UM * grade.size:.2g} um, "
+        if grade.size < grade.relevant:
+            return f"{said}below the {UM * grade.relevant:.2g} um that matter"
+        return f"{said}which the noise of these recordings leaves by chance"
     if grade.bench.count == 1:
         return "there is one recording, which can only be predicted by a fit of itself: record more pushes"
     reach = f"; free hidden inputs would leave {np.sqrt(grade.floor):.3g} σ"

@@ -219,6 +219,14 @@ def test_without_an_answer_nothing_is_claimed_of_the_best(late: Diagnosis) -> No
     assert values["next_experiment"]["push"]["what"]
 
 
+def test_a_mismatch_of_no_account_is_compared_with_what_it_falls_short_of(late: Diagnosis) -> None:
+    for size, said in ((1e-7, "below the 0.2 um that matter"), (3e-7, "by chance")):
+        small = regraded(late, verdict="consistent", size=size, relevant=2e-7)
+        why = written(small)["why"]
+        assert f"{1e6 * size:.2g} um" in why
+        assert why.endswith(said)
+
+
 def test_unknown_keys_are_no_document(nothing: dict[str, Any]) -> None:
     for broken in ({**nothing, "more": 1}, {k: v for k, v in nothing.items() if k != "verdict"}):
         with pytest.raises(ValueError, match="1 validation error"):

@@ -1,0 +1,112 @@
+"""The third blind trial, case by case: ``python -m reports.blind3 --help``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import meso_robust
+from reports.blind3.cases import HERE, Case, checked, commit, listed
+from reports.blind3.score import results_text, scored_cases
+
+RESULTS = HERE / "results.jsonl"
+Values = Mapping[str, Any]
+
+
+def answered(case: Case) -> Values:
+    """What `diagnose` says of a set, as a user would run it."""
+    folder = checked(case)
+    clock, cpu = time.perf_counter(), time.process_time()
+    try:
+        found = meso_robust.diagnose(folder, quick=True).document.model_dump(
+            mode="json", by_alias=True
+        )
+        answer = told(found)
+    except Exception as problem:  # a crash is an answer that is scored
+        answer = {"verdict": "none", "error": f"{type(problem).__name__}: {problem}"}
+    return {
+        "id": case.id,
+        **answer,
+        "seconds": round(time.perf_counter() - clock, 1),
+        "cpu_seconds": round(time.process_time() - cpu, 1),
+    }
+
+
+def told(found: Values) -> dict[str, Any]:
+    """What is kept of a ``diagnosis.json``."""
+    where, left = found["mismatch"]["where"], found["remainder"]
+    stage = (left or {}).get("stage") or (where[0]["channel"] if where else None)
+    return {
+        "verdict": found["verdict"],
+        "why": found["why"],
+        "effects": {
+            one["name"]: {
+                "share": one["share"],
+                "stage": one["stage"],
+                "parameters": {
+                    key: [value["value"], value["low"], value["high"]]
+                    for key, value in one["parameters"].items()
+                },
+            }
+            for one in found["effects"]
+        },
+        "ambiguous_with": found["ambiguous_with"],
+        "explained": found["explained"],
+        "stage": stage,
+        "first_stage": where[0]["channel"] if where else None,
+        "explainable_um": found["explainable_um"],
+        "relevant_um": found["relevant_um"],
+        "recordings_sha256": found["provenance"]["recordings_sha256"],
+    }
+
+
+def kept(path: Path = RESULTS) -> list[Values]:
+    """The answers so far, a line each."""
+    if not path.exists():
+        return []
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line]
+
+
+def run(cases: Sequence[Case], workers: int, path: Path = RESULTS) -> None:
+    """Diagnose the cases that have no answer yet, and append one line for each."""
+    done = {answer["id"] for answer in kept(path)}
+    for answer in _answers([case for case in cases if case.id not in done], workers):
+        with path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(answer) + "\n")
+        print(answer["id"], answer["verdict"], *answer.get("effects", ()), flush=True)
+
+
+def _answers(cases: Sequence[Case], workers: int) -> Iterator[Values]:
+    if workers == 1:
+        yield from map(answered, cases)
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        yield from pool.map(answered, cases)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Commit to sets, diagnose them, or write the page."""
+    parser = argparse.ArgumentParser(prog="python -m reports.blind3", description=__doc__)
+    parser.add_argument("--cases", type=int, default=400, help="the first N of the list")
+    parser.add_argument("--first", type=int, default=0, help="leave out those before")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--commit", action="store_true", help="make sets and commit to them only")
+    parser.add_argument("--score", action="store_true", help="write results.md only")
+    given = parser.parse_args(arguments)
+    if given.commit:
+        commit(given.first, given.cases)
+        return
+    if not given.score:
+        run(listed()[given.first : given.cases], given.workers)
+    (HERE / "results.md").write_text(results_text(scored_cases(kept())), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
