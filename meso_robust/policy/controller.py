@@ -13,7 +13,6 @@ import copy
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
@@ -45,7 +44,6 @@ from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
 
 WIDEST = 4096.0  # times the start's own box, that the starts of a plan are widened to at most
-NEAR = 4.0  # times the start's own box, in which a first pose gets a proof of its own
 HALVINGS = 5  # of the last widening
 
 
@@ -228,109 +226,72 @@ class PolicyController:
 
 
 class PlanController:
-    """Answers from a plan of one move after the other, certified from a box of starts.
-
-    It is proved from the task's starts at once, and again from each first pose that is sensed near them. As
-    many starts as can be proved are sought, by some thirty proofs, only when a pose would else be refused.
-    """
+    """Answers from a plan of one move after the other, certified from a box of starts."""
 
     def __init__(self, rules: tuple[MoveRule, ...], task: Task) -> None:
-        """Certify the plan from the task's starts.
+        """Certify the plan from as many starts as can be proved.
 
         Raises
         ------
         NotApplicableError
             The plan is not proved for the task.
         """
-        self._rules, self._setup = rules, setup_of(task)
-        stated = _stages(rules, self._setup)
-        if stated is None:
+        self._rules, self._setup = rules, _widest(rules, setup_of(task))
+        self._boxes = _stages(rules, self._setup)
+        if self._boxes is None:
             raise NotApplicableError(
                 "the plan is not proved for this task, so no pose can be answered; make one with "
                 "`meso-robust plan`, which also reports what prevents a proof"
             )
-        self._stated = self._boxes = stated
         self._made = 0
         self._last: tuple[tuple[float, float, float], Move] | None = None
 
     @property
     def likely(self) -> Sensed:
         """A pose that gets a move."""
-        return _middle(self._stated[0])
+        return _middle(self.starts)
 
     @property
     def starts(self) -> PoseBox:
-        """Certified true poses before the first move, as many as can be proved."""
-        return self._widest[0]
-
-    @cached_property
-    def _widest(self) -> tuple[PoseBox, ...]:
-        """Certified true poses before each move and at the end, from as many starts as can be proved."""
-        return _stages(self._rules, _widest(self._rules, self._setup)) or self._stated
+        """Certified true poses before the first move."""
+        return self._stage(0)
 
     def answer(self, sensed: Sensed) -> Reply:
         """The next move, the end, or why there is none."""
         if self._last is not None and self._last[0] == sensed.numbers and not self._regrasped:
             return self._last[1]
-        angle = self._boxes[self._made].theta
+        angle = self._stage(self._made).theta
         boxes = list(sensed.around(angle.mid - np.pi, angle.mid + np.pi))
-        reply = self._next_of(boxes)
-        if reply is None:
-            reply = self._of_the_next_part(boxes)
+        reply = next((r for box in boxes if (r := self._next(box)) is not None), None)
         if isinstance(reply, Move):
             self._last = sensed.numbers, reply
             return reply
         ended = reply or Refused(why=self._why(boxes))
-        # the next part is answered as the first one was, whatever came before it
-        self._made, self._last, self._boxes = 0, None, self._stated
+        self._made, self._last = 0, None
         return ended
-
-    def _next_of(self, boxes: Iterable[PoseBox]) -> Move | Done | None:
-        return next((reply for box in boxes if (reply := self._next(box)) is not None), None)
-
-    def _of_the_next_part(self, boxes: list[PoseBox]) -> Move | Done | None:
-        """The first move from a pose that is not where the present part must be.
-
-        Never a later one: what is proved from other starts says nothing of where this part can be.
-        """
-        present = self._made, self._boxes
-        self._made = 0
-        reply = next((r for box in boxes if (r := self._first(box)) is not None), None)
-        if reply is None:
-            self._boxes = self._widest
-            reply = self._next_of(boxes)
-        if reply is None and present[0]:
-            self._made, self._boxes = present
-        return reply
-
-    def _first(self, box: PoseBox) -> Move | Done | None:
-        """The first move from a pose near the task's start, proved from there."""
-        here = _exactly(box, self._setup)
-        if not here.within(_wider(self._setup, ("x", "y", "theta"), NEAR).start):
-            return None
-        stages = _stages(self._rules, replace(self._setup, start=here))
-        if stages is None:
-            return None
-        self._boxes = stages
-        return self._next(box)
 
     @property
     def _regrasped(self) -> bool:
         """Whether the last move leaves the part where it is, so that the next pose may be the same."""
         return self._made > 0 and self._rules[self._made - 1].action == "regrasp"
 
-    def _next(self, box: PoseBox) -> Move | Done | None:
+    def _stage(self, made: int) -> PoseBox:
+        if self._boxes is None:
+            raise ValueError("a plan that is not proved has no stages")
+        return self._boxes[made]
+
+    def _next(self, box: PoseBox) -> Reply | None:
         possible = true_poses(box, self._setup)
         last = len(self._rules)
-        if self._made and meet(self._boxes[self._made], possible):
-            now = common(self._boxes[self._made], possible)
+        if self._made and meet(self._stage(self._made), possible):
+            now = common(self._stage(self._made), possible)
             return Done(within=now) if self._made == last else self._move(self._made, box, now)
-        if _exactly(box, self._setup).within(self._boxes[0]):
+        if _exactly(box, self._setup).within(self._stage(0)):
             return self._move(0, box, _exactly(box, self._setup))
         return None
 
     def _move(self, number: int, box: PoseBox, now: PoseBox) -> Move:
-        rule, pre, post = self._rules[number], self._boxes[number], self._boxes[number + 1]
+        rule, pre, post = self._rules[number], self._stage(number), self._stage(number + 1)
         # after a tilt, what is certified of y hangs on the pose before the tilt
         free = number == 0 or self._rules[number - 1].action != "tilt"
         self._made = number + 1
@@ -338,7 +299,7 @@ class PlanController:
 
     def _why(self, boxes: Iterable[PoseBox]) -> str:
         u = self._setup.uncertainty
-        first = self._boxes[0]
+        first = self._stage(0)
         narrow = [side.width for side in (u.sensed_position, u.sensed_orientation)]
         inner = PoseBox(
             x=_inner(first.x, 0.5 * narrow[0]),
@@ -347,7 +308,7 @@ class PlanController:
         )
         if not self._made:
             return "the sensed pose lies outside the certified starts: " + beyond(boxes, [inner])
-        now = sensed_poses(self._boxes[self._made], self._setup)
+        now = sensed_poses(self._stage(self._made), self._setup)
         return (
             f"the sensed pose lies outside what was certified after move {self._made}: "
             + beyond(boxes, [now])

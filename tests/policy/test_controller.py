@@ -22,7 +22,7 @@ from meso_robust.policy.controller import (
 from meso_robust.policy.document import policy_document, read_policy
 from meso_robust.policy.pose import Sensed
 from meso_robust.primitives.move import MoveRule, Point, from_part
-from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.setup import PoseBox
 from tests.conftest import paper_task
 
 
@@ -131,29 +131,3 @@ def test_a_policy_of_rules_that_no_motion_is_made_for_is_refused(
 
     assert f"rules.{number}." in str(refused.value)
     assert words in str(refused.value)
-
-
-def test_a_first_pose_near_the_start_is_answered_from_its_own_proof(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The starts are widened, by thirty proofs, only before a pose is refused."""
-
-    def widen(*_: object) -> Setup:
-        raise AssertionError("widened")
-
-    monkeypatch.setattr("meso_robust.policy.controller._widest", widen)
-    controller = short_push()
-    assert isinstance(controller.answer(AT_START), Move)
-    assert isinstance(controller.answer(IN_GOAL), Done)
-    with pytest.raises(AssertionError, match="widened"):
-        controller.answer(replace(AT_START, y_um=500.0))
-
-
-def test_a_pose_that_only_other_starts_lead_to_ends_nothing() -> None:
-    """A start further out could have led there, but the part was seen at another one."""
-    controller, outer = short_push(), Sensed(x_um=0.0, y_um=12.0, theta_deg=180.0)
-    assert isinstance(controller.answer(Sensed(x_um=8.1, y_um=5.5, theta_deg=180.0)), Move)
-    assert isinstance(controller.answer(outer), Done)
-
-    assert isinstance(controller.answer(AT_START), Move)
-    assert isinstance(controller.answer(outer), Refused)
