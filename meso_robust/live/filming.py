@@ -59,10 +59,8 @@ class Film:
         if self._draft.exists():
             _remove(folder / KILLED)
             self._draft.replace(folder / KILLED)
-        self._draft.mkdir(parents=True)
         self._last: float | None = None
-        self._times: IO[str] = (self._draft / TIMES_FILE).open("w", encoding="utf-8")
-        self._times.write("file,time_s\n")
+        self._times: IO[str] | None = None
 
     def add(self, turn: int, frame: Frame) -> None:
         """Write the frame of a turn; one that is no newer than the one before is left out.
@@ -78,8 +76,9 @@ class Film:
             return  # a fault of the camera, which the journal tells; a video's instants must rise
         self._last = frame.time
         name = frame_name(turn)
-        self._times.write(f"{name},{frame.time!r}\n")
-        self._times.flush()
+        times = self._table()
+        times.write(f"{name},{frame.time!r}\n")
+        times.flush()
         high, wide = frame.image.shape
         half = self._draft / (name + _HALF)
         with half.open("wb") as file:
@@ -87,15 +86,25 @@ class Film:
             file.write(np.ascontiguousarray(frame.image).data)
         os.rename(half, self._draft / name)
 
+    def _table(self) -> IO[str]:
+        """Made with the first frame: a laboratory that cannot be reached leaves no folder."""
+        if self._times is None:
+            self._draft.mkdir(parents=True)
+            self._times = (self._draft / TIMES_FILE).open("w", encoding="utf-8")
+            self._times.write("file,time_s\n")
+        return self._times
+
     def close(self) -> None:
         """End the table."""
-        self._times.close()
+        if self._times is not None:
+            self._times.close()
 
     def finish(self) -> None:
-        """Give the folder its name, in the place of an earlier run's."""
+        """Give the folder its name, in the place of an earlier run's; no frame, no folder."""
         self.close()
         _remove(self._folder / VIDEO)
-        self._draft.replace(self._folder / VIDEO)
+        if self._draft.exists():
+            self._draft.replace(self._folder / VIDEO)
 
 
 def _own(path: Path) -> bool:

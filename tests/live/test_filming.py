@@ -101,12 +101,22 @@ def test_what_a_killed_run_left_is_a_video_and_is_kept_by_the_next(
     assert [frame.time for frame in open_frames(tmp_path / DRAFT)] == [0.1, 0.2]
     film.close()
     Film(tmp_path).finish()
+    assert not (tmp_path / VIDEO).exists()
     assert [frame.time for frame in open_frames(tmp_path / KILLED)] == [0.1, 0.2]
 
 
 def test_a_file_that_is_no_frame_is_never_removed(tmp_path: Path) -> None:
-    Film(tmp_path).finish()
+    film = Film(tmp_path)
+    film.add(1, drawn(1, 0.1))
+    film.finish()
     (tmp_path / VIDEO / "notes.txt").write_text("mine")
     with pytest.raises(InputError, match=r"notes\.txt: is no frame of a run"):
         Film(tmp_path)
     assert (tmp_path / VIDEO / "notes.txt").exists()
+
+
+def test_a_run_without_a_frame_leaves_nothing(tmp_path: Path) -> None:
+    """As one whose camera cannot be reached."""
+    out = tmp_path / "out"
+    Film(out).close()
+    assert not out.exists()
