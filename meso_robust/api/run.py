@@ -242,8 +242,7 @@ def run(  # noqa: PLR0913  # what a user may choose
             told,
             film,
         )
-    if film is not None:
-        film.finish()
+    filmed = film is not None and film.finish()
     if folder is not None:
         os.replace(Path(folder) / DRAFT, Path(folder) / JOURNAL)
     return Ran(
@@ -252,7 +251,7 @@ def run(  # noqa: PLR0913  # what a user may choose
         turns=turns,
         task=stated,
         names=() if names is None else tuple(names),
-        filmed=film is not None,
+        filmed=filmed,
         inputs=files_of(task, plan, *([] if lab == VIRTUAL else [lab])),
     )
 

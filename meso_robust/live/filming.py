@@ -99,12 +99,20 @@ class Film:
         if self._times is not None:
             self._times.close()
 
-    def finish(self) -> None:
-        """Give the folder its name, in the place of an earlier run's; no frame, no folder."""
+    def finish(self) -> bool:
+        """Give the folder its name, in the place of an earlier run's.
+
+        Returns
+        -------
+        bool
+            Whether there is a video: without a frame there is no folder.
+        """
         self.close()
         _remove(self._folder / VIDEO)
-        if self._draft.exists():
-            self._draft.replace(self._folder / VIDEO)
+        if self._times is None:
+            return False
+        self._draft.replace(self._folder / VIDEO)
+        return True
 
 
 def _own(path: Path) -> bool:

@@ -100,7 +100,7 @@ def test_what_a_killed_run_left_is_a_video_and_is_kept_by_the_next(
 
     assert [frame.time for frame in open_frames(tmp_path / DRAFT)] == [0.1, 0.2]
     film.close()
-    Film(tmp_path).finish()
+    assert not Film(tmp_path).finish()
     assert not (tmp_path / VIDEO).exists()
     assert [frame.time for frame in open_frames(tmp_path / KILLED)] == [0.1, 0.2]
 
@@ -108,7 +108,7 @@ def test_what_a_killed_run_left_is_a_video_and_is_kept_by_the_next(
 def test_a_file_that_is_no_frame_is_never_removed(tmp_path: Path) -> None:
     film = Film(tmp_path)
     film.add(1, drawn(1, 0.1))
-    film.finish()
+    assert film.finish()
     (tmp_path / VIDEO / "notes.txt").write_text("mine")
     with pytest.raises(InputError, match=r"notes\.txt: is no frame of a run"):
         Film(tmp_path)
