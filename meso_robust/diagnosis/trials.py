@@ -162,6 +162,21 @@ def _least_gaps(prepared: Prepared, points: Floats) -> Floats:
     return least
 
 
+def _about_a_place(**size: float) -> Forms:
+    """An error of the image about a place of the stage: the origin, and others that an image shows."""
+    far = 300.0
+    places = ((0.0, 0.0), *itertools.product((-far, far), repeat=2))
+    return lambda effect, _: [
+        Trial(
+            effect=effect,
+            sizes=size,
+            shape={"about_x_um": x, "about_y_um": y},
+            free={"about_x_um": 100.0, "about_y_um": 100.0},
+        )
+        for x, y in places
+    ]
+
+
 _LAYS = (0.0, 22.5, 45.0, 67.5)
 
 TRIALS: Mapping[str, Try] = {
@@ -242,9 +257,11 @@ TRIALS: Mapping[str, Try] = {
     ),
     "probe_drift": Try("hold the tip on the part for ten seconds", sized(x_um_s=0.3, y_um_s=0.3)),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
-    "camera_scale": Try("long pushes along x and along y; a calibration grid", sized(percent=0.3)),
+    "camera_scale": Try(
+        "long pushes along x and along y; a calibration grid", _about_a_place(percent=0.3)
+    ),
     "camera_rotation": Try(
-        "long pushes along x and along y; a calibration grid", sized(angle_deg=0.2)
+        "long pushes along x and along y; a calibration grid", _about_a_place(angle_deg=0.2)
     ),
     "camera_drift": Try("ten seconds of camera without any motion", sized(x_um_s=0.3, y_um_s=0.3)),
     "lens_distortion": Try(

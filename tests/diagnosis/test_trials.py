@@ -85,6 +85,18 @@ def test_the_typical_speed_is_that_of_moving_tips(prepared: Prepared) -> None:
     assert typical_speed(still) == pytest.approx(75 * UM)
 
 
+@pytest.mark.parametrize("effect", ["camera_scale", "camera_rotation"])
+def test_an_image_is_tried_about_the_origin_and_about_places_that_it_shows(
+    effect: str, prepared: Prepared
+) -> None:
+    """An image is turned about its middle, not about the place that a stage counts from."""
+    own = [one for one in trials(prepared) if one.effect == effect]
+    places = {(one.shape["about_x_um"], one.shape["about_y_um"]) for one in own}
+    assert len(places) == len(own) == 5
+    assert (0.0, 0.0) in places
+    assert all(set(one.free) == {"about_x_um", "about_y_um"} for one in own)
+
+
 def test_every_edge_is_tried(prepared: Prepared) -> None:
     edges = [t.held["edge"] for t in trials(prepared) if t.effect == "edge_dependent_friction"]
     assert edges == [0.0, 1.0, 2.0, 3.0]
