@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from meso_robust.diagnosis import folds
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.folds import RollOut, _step, rolled_out
+from meso_robust.diagnosis.folds import RollOut, _step, _told, rolled_out
+from meso_robust.identification.likelihood import fit
+from meso_robust.identification.models.model import Model
+from meso_robust.identification.problem import Fitted
+from meso_robust.types import Floats
 
 
 def test_every_recording_is_left_out_once(late: Diagnosis) -> None:
@@ -50,6 +56,57 @@ def test_a_recording_has_no_say_in_its_own_prediction(late: Diagnosis) -> None:
     change = moved(after, before)
     others = np.delete(change, bench.fold[row])
     assert change[bench.fold[row]] < 0.2 * others.min()
+
+
+def _held(
+    at: Diagnosis, model: Model, values: Floats, monkeypatch: pytest.MonkeyPatch
+) -> list[list[bool]]:
+    """Of every fold which numbers its fit holds, where recording 3 alone tells all but the first."""
+    told = np.full((len(at.grade.bench.fold), len(values)), 1e-4)
+    told[3] = told[:, 0] = 1.0
+    held: list[list[bool]] = []
+
+    def fitted(*given: Any, **named: Any) -> Fitted:
+        if "jacobian" in named:
+            held.append(named["held"].tolist())
+        return fit(*given, **named)
+
+    monkeypatch.setattr(folds, "_told", lambda *_: told)
+    monkeypatch.setattr(folds, "fit", fitted)
+    rolled_out(at.grade.bench, model, values)
+    return held
+
+
+def test_friction_that_the_others_do_not_tell_is_that_of_all(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tip slips in one recording alone: without it no friction is known, which no law can mend."""
+    model, bench = late.baseline.model, late.grade.bench
+    assert model.keys[1] == "mu"
+    held = _held(late, model, late.baseline.fits.values[0], monkeypatch)
+    assert held == [[False, k == bench.fold[3]] for k in range(bench.count)]
+
+
+def test_a_number_of_an_effect_is_never_lent(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    best = late.best
+    assert best is not None
+    held = _held(late, best.refit.model, best.refit.fits.values[0], monkeypatch)
+    assert [of[:2] for of in held if any(of)] == [[False, True]]
+    assert not any(any(of[2:]) for of in held)
+
+
+def test_what_a_recording_tells_is_what_its_own_start_cannot_take() -> None:
+    """By regression of each column on those of the start, which leaves what only the number makes."""
+    rng = np.random.default_rng(2)
+    rows = rng.standard_normal((2, 30, 5))
+    rows[0, :, 1] = rows[0, :, 2:] @ [1.0, -2.0, 3.0]
+    expected = [
+        [np.linalg.lstsq(one[:, 2:], one[:, k], rcond=None)[1][0] for k in range(2)] for one in rows
+    ]
+    assert expected[0][1] < 1e-20
+    np.testing.assert_allclose(_told(rows, 2), expected, atol=1e-10)
 
 
 def test_the_noise_of_the_start_adds_a_little(late: Diagnosis) -> None:
