@@ -9,6 +9,7 @@ import numpy as np
 from meso_robust.types import Floats, Ints
 
 _FEWEST = 2  # samples from a corner to the next, at least
+_SWEEPS = 3  # over all corners, which were put while others were still missing
 _WORST = 4.0  # standard deviations of χ² that a leg may exceed its expectation by
 
 
@@ -89,7 +90,9 @@ def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]
     """Even motion with as few corners as samples with white noise call for.
 
     A continuous, piecewise linear function of time is fitted by least squares; the leg whose squared
-    residuals most exceed what σ explains is cut where two lines explain it best, until none does.
+    residuals most exceed what σ explains is cut where two lines explain it best, until none does. A
+    corner is where these lines meet, which is seldom at a sample: a probe that turns between two of them
+    was farther out than any.
 
     Parameters
     ----------
@@ -105,14 +108,40 @@ def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]
     (W,), (W, C)
         Instants and positions of the corners, the first and the last sample's instant among them.
     """
-    knots = [0, len(times) - 1]
-    while True:
-        basis = _hats(times, times[knots])
-        corners = np.linalg.lstsq(basis, path, rcond=None)[0]
-        cut = _worst_leg(knots, times, (path - basis @ corners) / sigma)
-        if cut is None:
-            return times[knots], np.asarray(corners, dtype=np.float64)
-        knots = sorted({*knots, cut})
+    knots = times[[0, -1]]
+    for _ in times:
+        leg = _worst_leg(knots, times, (path - _legs(times, path, knots)[1]) / sigma)
+        if leg is None:
+            break
+        new = leg + 1
+        knots = _put(np.insert(knots, new, np.nan), [new, leg, new + 1] * 2, times, path)
+    knots = _put(knots, [*range(len(knots))] * _SWEEPS, times, path)
+    return knots, _legs(times, path, knots)[0]
+
+
+def _legs(times: Floats, path: Floats, knots: Floats) -> tuple[Floats, Floats]:
+    """Least squares: (W, C) corners at the knots, and the (S, C) motion between them."""
+    basis = _hats(times, knots)
+    corners = np.linalg.lstsq(basis, path, rcond=None)[0]
+    return np.asarray(corners, dtype=np.float64), np.asarray(basis @ corners)
+
+
+def _put(knots: Floats, order: list[int], times: Floats, path: Floats) -> Floats:
+    """Put inner knots, one after the other, where two lines between their neighbours meet."""
+    for k in order:
+        if 0 < k < len(knots) - 1:
+            samples = _between(times, knots[k - 1], knots[k + 1])
+            if samples.stop - samples.start > 2 * _FEWEST:
+                knots[k] = _meeting(times[samples], path[samples])
+    return knots
+
+
+def _between(times: Floats, first: float, last: float) -> slice:
+    """Samples from one instant to another."""
+    return slice(
+        int(np.searchsorted(times, first, side="left")),
+        int(np.searchsorted(times, last, side="right")),
+    )
 
 
 def _hats(times: Floats, knots: Floats) -> Floats:
@@ -125,23 +154,31 @@ def _hats(times: Floats, knots: Floats) -> Floats:
     return basis
 
 
-def _worst_leg(knots: list[int], times: Floats, residuals: Floats) -> int | None:
-    """Where to cut the leg that is explained worst, or None if all are explained."""
-    worst, cut = _WORST, None
-    for first, last in itertools.pairwise(knots):
-        own = residuals[first : last + 1]
-        excess = float((np.sum(own**2) - own.size) / np.sqrt(2.0 * own.size))
-        if last - first >= 2 * _FEWEST and excess > worst:
-            worst, cut = excess, first + _best_cut(times[first : last + 1], own)
-    return cut
+def _worst_leg(knots: Floats, times: Floats, residuals: Floats) -> int | None:
+    """The leg that is explained worst, or None if all are explained."""
+    worst, found = _WORST, None
+    for leg, (first, last) in enumerate(itertools.pairwise(knots)):
+        own = residuals[_between(times, first, last)]
+        excess = float((np.sum(own**2) - own.size) / np.sqrt(2.0 * max(own.size, 1)))
+        if len(own) > 2 * _FEWEST and excess > worst:
+            worst, found = excess, leg
+    return found
 
 
-def _best_cut(times: Floats, values: Floats) -> int:
-    """Sample at which two lines, one before and one after, explain (S, C) values best."""
-    before = _misfit(times, values)
-    after = _misfit(times[::-1], values[::-1])[::-1]
-    whole = before + after
-    return int(np.argmin(whole[_FEWEST:-_FEWEST])) + _FEWEST
+def _meeting(times: Floats, path: Floats) -> float:
+    """Instant at which the two lines meet that explain (S, C) samples best, one before the other."""
+    before = _misfit(times, path)
+    after = _misfit(times[::-1], path[::-1])[::-1]
+    whole = before[:-1] + after[1:]
+    last = int(np.argmin(whole[_FEWEST - 1 : 1 - _FEWEST])) + _FEWEST - 1
+    lines = [
+        np.polynomial.polynomial.polyfit(times[part] - times[last], path[part], 1)
+        for part in (slice(None, last + 1), slice(last + 1, None))
+    ]
+    apart, turn = lines[1] - lines[0]
+    square = float(turn @ turn)
+    ahead = -float(apart @ turn) / square if square > 0.0 else 0.0
+    return float(times[last] + np.clip(ahead, 0.0, times[last + 1] - times[last]))
 
 
 def _misfit(times: Floats, values: Floats) -> Floats:

@@ -124,3 +124,21 @@ def test_smooth_motion_has_no_corner() -> None:
     circle = UM * 300.0 * np.stack([np.cos(times), np.sin(times)], axis=1)
     for path in (faster, circle):
         np.testing.assert_array_equal(with_corners(times, path, 5e-9)[0], times)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 0.8])
+def test_a_turning_point_between_two_noisy_samples_is_recovered(share: float) -> None:
+    """A tip at rest that goes out, back a little and rests: its farthest point is in no sample."""
+    frame, rng = 0.05, np.random.default_rng(7)
+    instants = np.array([0.0, 0.62, 2.0 + share * frame, 2.42, 2.9])
+    corners = np.array([[0.0, 0.0], [0.0, 0.0], [150.0, 40.0], [110.0, 30.0], [110.0, 30.0]])
+    times = np.arange(0.0, 2.9, frame)
+    path = np.column_stack([np.interp(times, instants, of) for of in corners.T])
+    noisy = path + 0.08 * rng.standard_normal(path.shape)
+
+    knots, found = smoothed(times, noisy * UM, 0.08 * UM)
+
+    assert len(knots) <= 6
+    nearest = np.abs(knots[:, None] - instants[1:-1]).argmin(axis=0)
+    assert knots[nearest] == pytest.approx(instants[1:-1], abs=0.05 * frame)
+    assert found[nearest] / UM == pytest.approx(corners[1:-1], abs=0.3)
