@@ -41,6 +41,9 @@ _RESTING = 2.0 / 3.0
 # of all that recordings tell of a number: others that tell less do not tell it. Its own error then adds
 # fifty times the square of the noise to a recording's sum, a tenth of what a few hundred frames have
 _UNTOLD = 0.02
+# places that a search begins at again from where it has come to the end of a range: friction without a
+# tip that slips has no way back
+_AGAIN = 12
 _FINER = 4.0  # by how much shorter steps tell the error of the steps
 _ROUNDS = 2  # corrections of a start by what still frames leave
 # of a start that still frames hardly tell, as where a tip seems to be inside the part and moves it out
@@ -62,12 +65,16 @@ class Bench:
         (R, T) frames that tell where the part rests; at least the first whole one of each.
     fold
         (R,) which fold predicts a recording.
+    plain
+        (n,) numbers of the plain model at which fits to all recordings begin as well; None where those of
+        the baseline are within their ranges.
     """
 
     prepared: Prepared
     baseline: Baseline
     still: Flags
     fold: Ints
+    plain: Floats | None = None
 
     @property
     def seen(self) -> Flags:
@@ -141,7 +148,28 @@ def bench_of(recordings: RecordingSet, baseline: Baseline, seed: int) -> Bench:
         baseline=baseline,
         still=_still(recordings, prepared),
         fold=_folds(prepared, seed),
+        plain=_again(prepared, baseline, seed),
     )
+
+
+def _again(prepared: Prepared, baseline: Baseline, seed: int) -> Floats | None:
+    """(n,) fitted to all recordings by more searches, where a number is at an end of its range.
+
+    Some of the recordings are held out of the baseline, perhaps the only one in which a tip slips.
+    """
+    values = baseline.fits.values[0]
+    if not _at_end(baseline.model, values):
+        return None
+    drawn = baseline.model.draw(np.random.default_rng([seed, 6]), _AGAIN)
+    settings = replace(baseline.settings, central=False, most=_ALL, flat=0.05)
+    found = fit(prepared, baseline.model, np.vstack([values, drawn]), settings).fits
+    return np.asarray(found.values[np.nanargmin(found.chi2)])
+
+
+def _at_end(model: Model, values: Floats) -> bool:
+    """Whether a number is at an end of its range."""
+    pairs = zip(model.parameters, values, strict=True)
+    return any(value <= one.low or value >= one.high for one, value in pairs)
 
 
 def _still(recordings: RecordingSet, prepared: Prepared) -> Flags:
@@ -186,11 +214,16 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
     settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=0.05)
     whole = replace(bench.prepared, weights=weights_of(bench, model, values))
     # its own derivatives: a fit without the recordings held out may start where no tip slips
-    every = fit(whole, model, values[None], replace(settings, chord=False))
-    values, starts = every.fits.values[0], every.fits.starts[0]
+    begun = values[None]
+    if bench.plain is not None:
+        begun = np.vstack([values, [*bench.plain, *values[len(bench.plain) :]]])
+    found = fit(whole, model, begun, replace(settings, chord=False))
+    best = [int(np.nanargmin(found.fits.chi2))]
+    every = found.fits.of(best)
+    values, starts = every.values[0], every.starts[0]
     problem = Problem(whole, model, settings)
-    spans = problem.spans(problem.arrow(every.fits, every.jacobian))
-    jacobian = problem.jacobian(every.fits, spans, model.fitted[None])
+    spans = problem.spans(problem.arrow(every, found.jacobian[best]))
+    jacobian = problem.jacobian(every, spans, model.fitted[None])
     slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
     told = _told(jacobian[0], len(values))
     plain = np.arange(len(values)) < len(bench.baseline.model.parameters)
@@ -206,7 +239,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
                 values[None],
                 replace(settings, most=_FOLD, chord=False),
                 starts=starts[rows],
-                offsets=every.fits.offsets[0, rows],
+                offsets=every.offsets[0, rows],
                 jacobian=jacobian[:, rows],
                 held=plain & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
             ).fits.values[0]

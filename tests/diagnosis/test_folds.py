@@ -97,6 +97,19 @@ def test_a_number_of_an_effect_is_never_lent(
     assert not any(any(of[2:]) for of in held)
 
 
+def test_friction_at_the_end_of_its_range_is_looked_for_again(null: Diagnosis) -> None:
+    """No tip slips at a friction of 1, so that nothing there says which way to go."""
+    bench, model = null.grade.bench, null.baseline.model
+    rho, mu = null.baseline.fits.values[0]
+    stuck = replace(null.baseline, fits=replace(null.baseline.fits, values=np.array([[rho, 1.0]])))
+    plain = folds._again(bench.prepared, stuck, 0)
+    assert plain is not None
+    assert plain[1] == pytest.approx(mu, rel=0.05)
+    found = rolled_out(replace(bench, plain=plain), model, np.array([rho, 1.0]))
+    assert found.values[1] == pytest.approx(mu, rel=0.05)
+    assert folds._again(bench.prepared, null.baseline, 0) is None
+
+
 def test_what_a_recording_tells_is_what_its_own_start_cannot_take() -> None:
     """By regression of each column on those of the start, which leaves what only the number makes."""
     rng = np.random.default_rng(2)
