@@ -14,7 +14,7 @@ from typing import Any
 
 import meso_robust
 from reports.blind3.cases import HERE, Case, checked, commit, listed
-from reports.blind3.score import results_text, scored_cases
+from reports.blind3.score import page, scored_cases
 
 RESULTS = HERE / "results.jsonl"
 Values = Mapping[str, Any]
@@ -105,7 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     if not given.score:
         run(listed()[given.first : given.cases], given.workers)
-    (HERE / "results.md").write_text(results_text(scored_cases(kept())), encoding="utf-8")
+    (HERE / "results.md").write_text(page(scored_cases(kept())), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,16 @@ the stage, and the give of the contact, which acts as that of a tip."""
 SURE = frozenset({"named", "partial"})
 OPENED = HERE / "opened.json"
 """Cases that were used to mend the diagnoser; they are scored apart."""
+BLOCKS: Sequence[tuple[int, int, str]] = (
+    (0, 72, "the diagnoser as it stood when the trial was begun"),
+    (
+        72,
+        400,
+        "corners of the tip's log between samples, friction lent to a fold, an image about its middle",
+    ),
+)
+"""First case, the one after the last, and what answered them: a mended diagnoser is judged by sets that
+were promised after it was mended."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,8 +203,19 @@ def _missed(one: Scored) -> str:
     )
 
 
+def page(scored: Sequence[Scored]) -> str:
+    """All blocks that have answers, the latest first, in Markdown."""
+    parts = []
+    for first, end, what in reversed(BLOCKS):
+        own = [one for one in scored if first <= one.case.id < end]
+        if own:
+            last = max(one.case.id for one in own)
+            parts.append(f"Cases {first} to {last}: {what}.\n\n{results_text(own)}")
+    return "\n".join(parts)
+
+
 def results_text(scored: Sequence[Scored], opened: frozenset[int] | None = None) -> str:
-    """The page, in Markdown."""
+    """The results of one block, in Markdown."""
     if opened is None:
         opened = frozenset(json.loads(OPENED.read_text("utf-8")) if OPENED.exists() else ())
     blind = [one for one in scored if one.case.id not in opened]
@@ -213,6 +234,7 @@ def results_text(scored: Sequence[Scored], opened: frozenset[int] | None = None)
     head += "|---:|---|---|---|---|---|---:|---|\n"
     misses = "".join(_missed(one) for one in blind if not one.wanted)
     text += head + misses if misses else "None.\n"
+    opened &= {one.case.id for one in scored}
     if opened:
         text += "\n## Opened cases\n\nUsed to mend the diagnoser, and not counted above.\n\n" + head
         text += "".join(_missed(one) for one in scored if one.case.id in opened)

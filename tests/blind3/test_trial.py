@@ -27,7 +27,7 @@ from reports.blind3.cases import (
 )
 from reports.blind3.generate import Change, World, Wrongs, clear_norm, filmed, pushes, small_wrongs
 from reports.blind3.laws import FAMILIES, OUTSIDE
-from reports.blind3.score import Scored, results_text
+from reports.blind3.score import Scored, page, results_text
 
 ROOM = Path(generate.__file__).parent
 
@@ -297,15 +297,23 @@ def test_the_page_counts_by_size_and_lists_every_miss_and_leaves_opened_cases_ou
     near = made_up("single", ("backlash",), "named", "backlash", size=3.9)
     miss = made_up("single", ("backlash",), "unknown", why="a | b", size=4.0)
     other = replace(miss, case=replace(miss.case, id=8))
-    page = results_text([near, miss, other], opened=frozenset({8}))
-    assert "Results of 2 cases" in page
-    assert "≥ 4× | ≥ 85 % | 0 of 1, 0 %" in page
-    assert "< 4× |  | 1 of 1, 100 %" in page
-    blind, opened = page.split("## Opened")
+    text = results_text([near, miss, other], opened=frozenset({8}))
+    assert "Results of 2 cases" in text
+    assert "≥ 4× | ≥ 85 % | 0 of 1, 0 %" in text
+    assert "< 4× |  | 1 of 1, 100 %" in text
+    blind, opened = text.split("## Opened")
     assert "| 7 | single | backlash 4.0× | unknown |" in blind
     assert "a / b" in blind
     assert "| 8 | single" not in blind
     assert "| 8 | single" in opened
+
+
+def test_a_mended_diagnoser_is_scored_apart() -> None:
+    miss = made_up("single", ("backlash",), "unknown", size=4.0)
+    first, later = (replace(miss, case=replace(miss.case, id=k)) for k in (71, 72))
+    text = page([first, later])
+    assert text.count("Results of 1 cases") == 2
+    assert text.index("Cases 72 to 72") < text.index("Cases 0 to 71")
 
 
 def test_a_hook_acts_where_it_is_put() -> None:

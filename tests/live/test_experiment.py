@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -59,5 +60,7 @@ def test_pushes_are_made_recorded_identified_diagnosed_and_planned_from(
     else:
         assert "ended there: " in said or "UNKNOWN" in said or "REFUTED" in said
     if effect:
-        diagnosis = (out / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8")
-        assert effect in diagnosis
+        # named, or said why not: never another name with confidence
+        told = json.loads((out / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
+        named = {one["name"] for one in told["effects"]}
+        assert effect in named if told["verdict"] == "named" else told["why"]
