@@ -5,7 +5,9 @@ A pose x, θ of the part at time t is seen as
     y(t) = A (1 + s) D(R(φ) (x(t - τ) - m) + m) + d t + c,    D(r) = r (1 + k1 |r|²),
     θ_seen(t) = θ(t - τ) + φ + q ψ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
 
-world frame, about the world origin but for the rotation, which has a middle m of its own: delay τ, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the axes, drift d and shift c. The lens shears what is off its axis; ψ is the angle by which the
+world frame, about the world origin but for the rotation, which has a middle m of its own: delay τ,
+rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the axes, drift d
+and shift c. The lens shears what is off its axis; ψ is the angle by which the
 x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. Then `sense` samples at the frames of the camera, adds noise and
 loses frames. NumPy only; the kernels do not come here.
 """
