@@ -21,7 +21,8 @@ test-all: compiled
 
 # Kernels are compiled once, before several workers would each compile them.
 compiled: $(INSTALLED)
-	@folder=$$(mktemp -d) && $(BIN)/meso-robust plan --quiet --samples 10 --out "$$folder" && rm -r "$$folder"
+	@$(BIN)/python -c "from tests.compiled import compile_events; compile_events()" & other=$$!; folder=$$(mktemp -d) && \
+	$(BIN)/meso-robust plan --quiet --samples 10 --out "$$folder" && rm -r "$$folder" && wait $$other
 
 check: $(INSTALLED)
 	$(BIN)/ruff format --check .

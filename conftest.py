@@ -10,7 +10,7 @@ import pytest
 from _pytest.doctest import DoctestItem
 
 import meso_robust as mr
-from tests.slow import ROOT, changed, is_slow
+from tests.slow import LONGEST, ROOT, changed, is_slow
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -27,7 +27,13 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the slow files: one that is left for the end keeps a worker busy alone for minutes."""
-    items.sort(key=lambda item: not is_slow(_path(item.path), ()))
+    items.sort(key=lambda item: _turn(_path(item.path)))
+
+
+def _turn(test: str) -> int:
+    if test in LONGEST:
+        return LONGEST.index(test)
+    return len(LONGEST) + (not is_slow(test, ()))
 
 
 def _path(file: Path) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,19 +15,37 @@ from meso_robust.pipeline import Planned, make
 from meso_robust.planning.compose import compose
 from tests.browser import REQUIRED, Browser, Page, browser as started, executable, tab
 from tests.paper import paper_task as paper_task  # read from here by many tests
-from tests.plan_once import once
+from tests.plan_once import once, one_at_a_time
+
+if TYPE_CHECKING:
+    from derivations._derivation import Derivation
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that all workers of a run share."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "shared"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _planned_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+def _planned_once(shared: Path) -> Iterator[None]:
     """What ``plan`` searches for the same task is found once in a run: the searches take longest."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "planned"
-    folder.mkdir(exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
         for of in (compose, margin):
-            patch.setattr(pipeline, of.__name__, once(of, folder))
+            patch.setattr(pipeline, of.__name__, once(of, shared))
         yield
+
+
+@pytest.fixture(scope="session")
+def derived(shared: Path) -> tuple[Derivation, ...]:
+    """All derivations. One worker runs them, on all cores, and keeps them for the next."""
+    from derivations.generate import derive_all  # SymPy, which most workers of --fast never need
+
+    with one_at_a_time(shared / "derived.lock"):
+        return derive_all()
 
 
 @pytest.fixture(scope="session")

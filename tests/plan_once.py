@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import os
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,19 +17,28 @@ from meso_robust.task import Task
 def once(of: Callable[..., Any], folder: Path) -> Callable[..., Any]:
     """A pure function of a task (and of what pickles alike) whose values are kept in a folder.
 
-    Two workers that ask at the same time both compute it, and either value is kept.
+    Of two workers that ask at the same time one computes it, and the other waits.
     """
 
     def kept(*args: Any) -> Any:
         path = folder / f"{of.__name__}-{_key(args)}"
-        if not path.exists():
-            value = of(*args)  # what raises is asked for again
-            draft = path.with_suffix(f".{os.getpid()}")
-            draft.write_bytes(pickle.dumps(value))
-            draft.replace(path)
+        with one_at_a_time(path.with_suffix(".lock")):
+            if not path.exists():
+                value = of(*args)  # what raises is asked for again
+                draft = path.with_suffix(f".{os.getpid()}")
+                draft.write_bytes(pickle.dumps(value))
+                draft.replace(path)
         return pickle.loads(path.read_bytes())
 
     return kept
+
+
+@contextmanager
+def one_at_a_time(lock: Path) -> Iterator[None]:
+    """Within the block no other worker is in one with the same lock; it goes with its process."""
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def _key(args: tuple[object, ...]) -> str:

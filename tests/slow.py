@@ -42,6 +42,24 @@ SLOW: Mapping[str, tuple[str, ...]] = {
 }
 """Tests by path, and the paths of the code that they are about."""
 
+LONGEST = (
+    "tests/checker/test_replay.py",
+    "tests/blind/test_subset.py",
+    "tests/derivations/test_derive.py",
+    "tests/guide/test_tutorial.py",
+    "tests/checker/test_walls.py",
+    "tests/foreign_plant/test_plant.py",
+    "tests/planning/test_headings.py",
+    "tests/transfer/test_small.py",
+    "tests/checker/test_check.py",
+    "tests/checker/test_real_parts.py",
+    "tests/checker/test_slip.py",
+    "tests/feasible_regions/test_maps.py",
+    "tests/cli/test_drive.py",
+    "tests/live/test_virtual.py",
+)
+"""Files of half a minute and more, the longest first: begun last, one would keep a worker busy alone."""
+
 
 def changed() -> tuple[str, ...]:
     """Paths that differ from the last commit; nothing where git does not answer."""

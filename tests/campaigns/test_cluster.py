@@ -47,9 +47,10 @@ def test_a_scheduler_that_is_gone_is_told_and_what_was_done_is_kept(
     asked = campaign(200, {"seconds": 0.05})
     store = Store(tmp_path / NAME, asked.values, code())
     with running(1) as (address, processes):
+        Cluster(address).close()  # once it is up, two seconds are enough to reach it
+        monkeypatch.setattr(cluster, "CONNECT", 2.0)
         steps = carry_out(asked, store, Cluster(address), do)
         monkeypatch.setattr(cluster, "PATIENCE", 1.0)
-        monkeypatch.setattr(cluster, "CONNECT", 2.0)
         for _ in range(5):
             next(steps)
         end(processes[0])

@@ -62,11 +62,6 @@ VERDICTS = {
 """Of the claims whose file has no test file of its own; the others are tested there."""
 
 
-@pytest.fixture(scope="module")
-def derived() -> tuple[Derivation, ...]:
-    return generate.derive_all()
-
-
 def test_verdicts_are_those_known(derived: tuple[Derivation, ...]) -> None:
     found = {claim.key: claim.verdict.words for d in derived for claim in d.claims}
     assert {key: found.get(key) for key in VERDICTS} == VERDICTS

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from derivations import _kept, generate
+from derivations._derivation import Derivation
 from derivations._statement import DerivationError
 
 NAME = "dry_sticking"
@@ -74,8 +75,9 @@ def test_one_of_another_state_or_cut_short_is_not_taken(tmp_path: Path) -> None:
     assert _kept.load(NAME, tmp_path) is None
 
 
-def test_only_what_changed_is_derived_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    everything = generate.derive_all()
+def test_only_what_changed_is_derived_again(
+    monkeypatch: pytest.MonkeyPatch, derived: tuple[Derivation, ...]
+) -> None:
     asked: list[str] = []
     load = _kept.load
     monkeypatch.setattr(_kept, "load", lambda name: None if name == NAME else load(name))
@@ -85,7 +87,7 @@ def test_only_what_changed_is_derived_again(monkeypatch: pytest.MonkeyPatch) -> 
         return tuple(map(generate.derive_one, names))
 
     monkeypatch.setattr(generate, "_on_all_cores", derive)
-    assert [d.name for d in generate.derive_all()] == [d.name for d in everything]
+    assert [d.name for d in generate.derive_all()] == [d.name for d in derived]
     assert asked == [NAME]
 
 

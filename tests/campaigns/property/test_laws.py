@@ -47,6 +47,7 @@ SEED = 20
 Patch = pytest.MonkeyPatch
 
 
+@pytest.mark.usefixtures("derived")
 @pytest.mark.parametrize("name", PROPERTIES)
 def test_a_property_holds(name: str) -> None:
     found = search(PROPERTIES[name], BUDGET.get(name, 10), SEED)
