@@ -318,21 +318,35 @@ def _from_rest(
     """(r, T, 3) predicted from starts that agree with the frames at rest on the whole, and outcomes."""
     prepared, sigma = some_of(bench.prepared, rows), bench.baseline.settings.sigma
     quiet = bench.still[rows]
-    for _ in range(_ROUNDS):
+
+    def run(starts: Floats) -> tuple[Floats, Ints, Floats]:
         found = predicted(prepared, model, values[None], starts=starts)
-        away = np.where(quiet[..., None], (prepared.seen - found.poses[0]) / sigma, 0.0)
-        starts = starts + np.stack(
-            [
-                _step(slope, of.ravel(), kept) * sigma
-                for slope, of, kept in zip(slopes, away, quiet, strict=True)
-            ]
+        poses = found.poses[0]
+        return (
+            poses,
+            found.outcomes[0],
+            np.where(quiet[..., None], (prepared.seen - poses) / sigma, 0.0),
         )
-    found = predicted(prepared, model, values[None], starts=starts)
+
+    poses, outcomes, away = run(starts)
+    for _ in range(_ROUNDS):
+        steps = [
+            _step(slope, of.ravel(), kept) * sigma
+            for slope, of, kept in zip(slopes, away, quiet, strict=True)
+        ]
+        tried = run(starts + np.stack(steps))
+        # of a part that touches a tip at first the slope may be that of another contact, which sends the
+        # start away from where the part was seen
+        better = np.sum(tried[2] ** 2, axis=(1, 2)) < np.sum(away**2, axis=(1, 2))
+        each = better[:, None, None]
+        starts = np.where(better[:, None], starts + np.stack(steps), starts)
+        poses, away = np.where(each, tried[0], poses), np.where(each, tried[2], away)
+        outcomes = np.where(better, tried[1], outcomes)
     # a push that a model cannot carry out has no record from where it ends: it is predicted to move
     # nothing, which is an error of the size of the push
-    ran = found.outcomes[0] == Outcome.COMPLETED
-    poses = np.where(ran[:, None, None], found.poses[0], starts[:, None])
-    return np.where(bench.seen[rows], poses, np.nan), found.outcomes[0]
+    ran = outcomes == Outcome.COMPLETED
+    poses = np.where(ran[:, None, None], poses, starts[:, None])
+    return np.where(bench.seen[rows], poses, np.nan), outcomes
 
 
 def _step(slope: Floats, away: Floats, quiet: Flags) -> Floats:

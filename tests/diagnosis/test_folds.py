@@ -39,6 +39,20 @@ def test_roll_outs_start_where_the_part_was_seen_at_rest(late: Diagnosis) -> Non
     assert np.sqrt(grade.plain.squares.max()) > 8.0
 
 
+def test_a_start_is_not_moved_away_from_where_the_part_was_seen(late: Diagnosis) -> None:
+    """By a slope of another contact than the one the part rests in: each step would go too far."""
+    bench, found = late.grade.bench, late.grade.plain
+    sigma, rows = late.baseline.settings.sigma, np.arange(len(bench.fold))
+    starts = bench.prepared.starts + 3.0 * sigma
+    flat = np.broadcast_to(0.05 * np.eye(3), (*bench.still.shape, 3, 3))
+    slopes = flat.reshape(len(rows), -1, 3)
+    poses, outcomes = folds._from_rest(bench, found.model, found.values, rows, starts, slopes)
+    quiet = bench.still[..., None]
+    away = np.where(quiet, np.abs(bench.prepared.seen - poses) / sigma, 0.0).max(axis=(1, 2))
+    assert away.max() < 8.0  # the three σ that the starts are off, and noise
+    assert not outcomes.any()
+
+
 def test_a_recording_has_no_say_in_its_own_prediction(late: Diagnosis) -> None:
     """What is recorded of a push after its rest changes the other predictions only."""
     bench, baseline = late.grade.bench, late.baseline
