@@ -1,8 +1,8 @@
 """Where a part's outline lies in an image, from grey values along its normals.
 
 A profile across the outline shows background, etched rim and metal. Its derivative is compared with
-a pattern - first a single step, then the mean of what the part's own outline showed - so that a rim
-band or a halo is part of the pattern instead of a second edge. The pattern is the same for all sides:
+a pattern (:mod:`meso_robust.tracking.edge_pattern`) - first a single step, then what the part's own
+outline showed - so that a rim band or a halo is part of it instead of a second edge. The pattern is the same for all sides:
 a bias that it has is a common displacement δ along the outward normal, and a uniform pressure on a
 closed outline has neither a resultant nor a moment, so δ changes no pose while the outline is seen
 whole. Where some of it is hidden, δ is estimated along with the pose.
@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from meso_robust.tracking.covariance import side_modes
+from meso_robust.tracking.edge_pattern import PATTERN_HALF, STEP, Pattern, learned
 from meso_robust.tracking.sampling import Patch, profiles
 from meso_robust.types import Flags, Floats, Ints
 
@@ -30,13 +31,9 @@ CORNER = 6.0
 """Distance in px kept from corners: etching rounds them and blur mixes the two sides."""
 CLUSTER = 6
 """Points in a run that errors are taken to share: 18 px, two blocks of compression."""
-STEP = 0.5
-"""Distance in px of the samples of a profile."""
-PATTERN_HALF = 11
-"""Samples either side of the outline that a pattern has (5.5 px: rim, blur and some background)."""
 ALIKE = 0.5
 """Least normalised correlation of a profile with the pattern to count as the outline."""
-_STEP_WIDTH = 1.6  # px, standard deviation of a blurred single edge
+_LINEAR = 2.0  # px, displacement beyond which the filters of a pattern say nothing
 _TUKEY = 4.0  # scales at which Tukey's weight vanishes (4.685 is 95 % efficient; shadows abound)
 _ROUNDS = 5
 _DIAGONAL = np.diag_indices(4)
@@ -179,12 +176,6 @@ def sampled_outline(corners: Floats) -> Outline:
     return Outline(corners, p, n, side, design, starts, side_modes(side))
 
 
-def single_step() -> Floats:
-    """(2 PATTERN_HALF + 1,) derivative of a blurred step at the outline."""
-    t = STEP * np.arange(-PATTERN_HALF, PATTERN_HALF + 1)
-    return np.exp(-0.5 * (t / _STEP_WIDTH) ** 2)
-
-
 def seen_normals(outline: Outline, pose: Floats, lens: Lens) -> tuple[Floats, Floats, Floats]:
     """The outline's points in ideal px and in seen px, and the unit normals in the seen image."""
     q = placed(outline.points, pose)
@@ -210,15 +201,15 @@ def _band(size: int, length: int) -> tuple[Ints, Floats]:
     return np.clip(index, 0, length - 1), ((index >= 0) & (index < length)).astype(float)
 
 
-def matched(derivative: Floats, pattern: Floats) -> Matched:
+def matched(derivative: Floats, pattern: Pattern) -> Matched:
     """Where each profile agrees best with ``pattern``, either way round."""
-    size, length = derivative.shape[1], len(pattern)
+    size, length = derivative.shape[1], len(pattern.mean)
     shifts = size - length + 1
     visible = np.asarray(np.isfinite(derivative).all(axis=1))
     clean = np.where(visible[:, None], derivative, 0.0)
     index, inside = _band(size, length)
-    agreement = clean @ (pattern[index] * inside)
-    energy = (clean**2) @ inside * np.sum(pattern**2)
+    agreement = clean @ (pattern.mean[index] * inside)
+    energy = (clean**2) @ inside * np.sum(pattern.mean**2)
     likeness = agreement / np.sqrt(np.maximum(energy, 1e-12))
     # a weak but clean edge must not beat a strong one, nor clutter the outline
     best = np.argmax(np.abs(agreement * likeness), axis=1)
@@ -231,7 +222,25 @@ def matched(derivative: Floats, pattern: Floats) -> Matched:
     shift = np.where(peak, 0.5 * (left - right) / np.where(peak, bend, 1.0), 0.0)
     offset = STEP * (inner + shift - 0.5 * (shifts - 1))
     quality = np.where(peak, np.abs(likeness[rows, best]), 0.0)
+    if pattern.filters is not None:
+        offset, trusted = _refined(clean, pattern.filters, offset, shifts)
+        quality = np.where(trusted, quality, 0.0)
     return Matched(np.where(visible, offset, np.nan), quality, polarity)
+
+
+def _refined(
+    derivative: Floats, filters: Floats, offset: Floats, shifts: int
+) -> tuple[Floats, Flags]:
+    """Displacements (N,) px by the filters at the sample nearest to ``offset``; whether they hold."""
+    nearest = np.rint(offset / STEP + 0.5 * (shifts - 1)).astype(int)
+    nearest = np.clip(nearest, 0, shifts - 1)
+    rows = np.arange(len(derivative))[:, None]
+    around = derivative[rows, nearest[:, None] + np.arange(filters.shape[1])]
+    gain, moment = filters @ around.T
+    # without a gain there is no edge, and far from the sample the filters are not linear
+    trusted = np.abs(moment) < _LINEAR * np.abs(gain)
+    further = np.where(trusted, moment / np.where(trusted, gain, 1.0), 0.0)
+    return STEP * (nearest - 0.5 * (shifts - 1)) + further, np.asarray(trusted)
 
 
 def tukey(residual: Floats, scale: float) -> Floats:
@@ -277,7 +286,7 @@ def edge_fit(
     outline: Outline,
     pose: Floats,
     lens: Lens,
-    pattern: Floats,
+    pattern: Pattern,
     reach: float,
     delta_sigma: float,
 ) -> EdgeFit:
@@ -296,19 +305,10 @@ def edge_fit(
     )
 
 
-def learned_pattern(of: Patch, outline: Outline, pose: Floats, lens: Lens) -> Floats:
-    """(2 PATTERN_HALF + 1,) mean derivative across the outline, its sides turned alike.
-
-    Which way dark and bright lie is decided side by side against the strongest side.
-    """
+def learned_pattern(of: Patch, outline: Outline, pose: Floats, lens: Lens) -> Pattern:
+    """How the outline looks across at a pose (3,), all sides alike."""
     _, seen, normals = seen_normals(outline, pose, lens)
-    half = PATTERN_HALF + 1
-    values = profiles(of, seen, normals, half, STEP)
+    values = profiles(of, seen, normals, PATTERN_HALF + 1, STEP)
     derivative = (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
-    clean = derivative[np.isfinite(derivative).all(axis=1)]
-    if not len(clean):
-        return single_step()
-    # the leading direction of the profiles does not care about their signs
-    _, _, directions = np.linalg.svd(clean, full_matrices=False)
-    sign = np.sign(clean @ directions[0])
-    return np.asarray((sign[:, None] * clean).mean(axis=0))
+    visible = np.isfinite(derivative).all(axis=1)
+    return learned(derivative[visible], outline.side[visible])

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from meso_robust.tracking.covariance import LAMP_SIGMA, lamp_estimate
-from meso_robust.tracking.edges import Lens, Outline, learned_pattern, single_step
+from meso_robust.tracking.edge_pattern import Pattern, single_step
+from meso_robust.tracking.edges import Lens, Outline, learned_pattern
 from meso_robust.tracking.rim import LampFit, lamp_displacement
 from meso_robust.tracking.sampling import Patch
 from meso_robust.tracking.ssd import Appearance, Template, added, blank, template
@@ -27,7 +28,7 @@ class Memory:
     Attributes
     ----------
     pattern
-        Of the derivative across the outline (:func:`edges.learned_pattern`).
+        How the outline looks across (:func:`edges.learned_pattern`).
     appearance, template
         Of the face, and what is compared (None: not enough seen or nothing to see).
     frames
@@ -38,7 +39,7 @@ class Memory:
         (3, 3) of one learned pose.
     """
 
-    pattern: Floats
+    pattern: Pattern
     appearance: Appearance
     template: Template | None
     frames: int

@@ -188,25 +188,21 @@ class PartTracker:
     def _taught(self, frame: Bytes, mask: Bytes | None, measured: Measured) -> Measured:
         """Learn from a frame, and measure it again with what was learned."""
         memory, outline, lens = self._memory, self._outline, self._lens
+        piece, edges = measured.piece, measured.edges
         if memory.frames == 0:
-            # a single step may have met the rim's inner edge on one side: once more, with its mean
-            memory = with_pattern(memory, measured.piece, outline, measured.edges.pose, lens)
-            fit = edge_fit(
-                measured.piece,
-                outline,
-                measured.edges.pose,
-                lens,
-                memory.pattern,
-                _FINE,
-                _UNLEARNED,
-            )
-            memory = with_pattern(memory, measured.piece, outline, fit.pose, lens)
+            # a single step may have met the rim's inner edge on one side: once more, with its mean.
+            # What is learned below belongs to the pose that this pattern finds, as later ones are.
+            for _ in range(2):
+                memory = with_pattern(memory, piece, outline, edges.pose, lens)
+                edges = edge_fit(
+                    piece, outline, edges.pose, lens, memory.pattern, _FINE, _UNLEARNED
+                )
         if len(memory.lamps) < LAMP_FRAMES:
-            memory = with_light(memory, frame, mask, outline, measured.edges.pose, lens)
-        corrected = measured.edges.pose.copy()
+            memory = with_light(memory, frame, mask, outline, edges.pose, lens)
+        corrected = edges.pose.copy()
         corrected[:2] -= memory.lamp
-        self._memory = with_face(memory, measured.piece, corrected, measured.edge_covariance, lens)
-        return self._measure(frame, mask, measured.edges.pose, _FINE)
+        self._memory = with_face(memory, piece, corrected, measured.edge_covariance, lens)
+        return self._measure(frame, mask, edges.pose, _FINE)
 
 
 def _checked_outline(corners: Floats) -> Floats:

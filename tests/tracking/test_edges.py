@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from meso_robust.tracking.edge_pattern import single_step
 from meso_robust.tracking.edges import (
     Lens,
     edge_fit,
@@ -15,7 +16,6 @@ from meso_robust.tracking.edges import (
     placed,
     robust_fit,
     sampled_outline,
-    single_step,
 )
 from meso_robust.tracking.rim import lamp_displacement
 from meso_robust.tracking.sampling import patch

@@ -10,7 +10,7 @@ import pytest
 from meso_robust.errors import InputError
 from meso_robust.tracking.pose import PartTracker, Sighting
 from meso_robust.types import Floats, Image as Bytes
-from tests.tracking.drawing import CORNERS, digitised, plain, textured
+from tests.tracking.drawing import CORNERS, digitised, obliquely_lit, plain, textured
 
 POSE = np.array([300.4, 236.7, 0.3])
 UP = np.array([np.nan, np.nan, 0.3])
@@ -48,6 +48,15 @@ def test_a_part_is_found_followed_lost_and_found_again() -> None:
         assert gone.reason
     elsewhere = pose + np.array([-70.0, 30.0, -0.6])
     assert close(tracker.next(image(elsewhere, 9)), elsewhere)
+
+
+def test_oblique_light_is_taken_off_the_first_frame_as_off_the_next() -> None:
+    """The displacement is that of the edges as the learned pattern finds them."""
+    lamp = np.array([60.0, 0.0])
+    lit = digitised(obliquely_lit(POSE, lamp, width=4.0), np.random.default_rng(4))
+    tracker = PartTracker(CORNERS)
+    poses = [tracker.first(lit, UP).pose, *(tracker.next(lit).pose for _ in range(3))]
+    assert np.ptp(poses, axis=0)[:2].max() < 0.01
 
 
 def test_a_jump_of_a_dozen_px_is_followed() -> None:
