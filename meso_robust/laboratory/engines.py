@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from meso_robust.simulator import Push, simulate
 from meso_robust.simulator.exact import exact
+from meso_robust.simulator.push import REFERENCE_SPEED
 from meso_robust.types import Floats
 
 Engine = Literal["stepper", "events"]
@@ -33,6 +34,9 @@ class Pushed:
     phases: npt.NDArray[np.int64]
     """(N,) intervals of constant contact modes by the event-driven engine; the stepper does not
     count them: all ``NOT_RECORDED``."""
+    forces: Floats | None = None
+    """(N, record + 1, P, 2) force of each tip on the part by the stepper, over the mean drag and the
+    speed of the fastest tip; the event-driven engine keeps none."""
 
 
 def push_all(push: Push, engine: Engine, record: int = 0) -> Pushed:
@@ -61,6 +65,7 @@ def push_all(push: Push, engine: Engine, record: int = 0) -> Pushed:
             path=taken.path,
             modes=taken.modes,
             phases=np.full(runs, NOT_RECORDED),
+            forces=taken.forces / REFERENCE_SPEED,
         )
     found = exact(push, samples=record)
     return Pushed(

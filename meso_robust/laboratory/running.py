@@ -63,6 +63,9 @@ class MoveRun:
     had ended before."""
     after: Floats
     """(N, 3) true poses."""
+    forces: Floats | None = None
+    """(N, record + 1, P, 2) force of each tip on the part during the move, over the mean drag and the
+    speed of the fastest tip; the event-driven engine keeps none."""
 
     @property
     def tips(self) -> Floats:
@@ -209,12 +212,15 @@ def _made(
     after, path = poses, np.broadcast_to(poses[:, None], (count, record + 1, 3))
     modes = np.zeros((count, record + 1, ways.shape[2]), dtype=np.int8)
     phases = np.zeros(count, dtype=np.int64)
+    forces = None
     if pushing.any():
         which = slice(None) if pushing.all() else pushing
         pushed = laboratory.push(k, order, which, poses[which], ways[which], record)
         after, outcomes[which] = _over(pushing, pushed.poses, poses), pushed.outcomes
         if record:
             path, modes = _over(pushing, pushed.path, path), _over(pushing, pushed.modes, modes)
+            if pushed.forces is not None:
+                forces = _over(pushing, pushed.forces, np.zeros((*modes.shape, 2)))
         phases[which] = pushed.phases
     return MoveRun(
         before=poses,
@@ -226,6 +232,7 @@ def _made(
         modes=modes,
         phases=phases,
         after=after,
+        forces=forces,
     )
 
 

@@ -88,6 +88,15 @@ def _both_touch(run: Travelled) -> npt.NDArray[np.bool_]:
     return np.asarray((run.move.modes[..., 1] > 0) & (run.move.modes[..., 2] > 0))
 
 
+def largest_force(run: Travelled) -> float:
+    """Force of any tip at the largest drag and the fastest travel that the task allows, N."""
+    drag, speed, forces = run.setup.drag, run.setup.speed, run.move.forces
+    if drag is None or speed is None or forces is None:
+        return np.inf
+    fastest = speed.hi * (1.0 + run.setup.uncertainty.travel_scale.hi)
+    return float(drag.hi * fastest * np.linalg.norm(forces, axis=-1).max())
+
+
 def part_distance(run: Travelled) -> float:
     """Distance of part and walls along one of their sides, m."""
     path = run.move.path

@@ -7,6 +7,7 @@ import json
 import random
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from meso_robust.campaigns.mutation.answer import answered
@@ -20,7 +21,7 @@ from meso_robust.campaigns.mutation.forged_tasks import (
 )
 from meso_robust.campaigns.mutation.kind import Mutant, judged
 from meso_robust.campaigns.mutation.memory import Remembered
-from meso_robust.campaigns.mutation.original import Original
+from meso_robust.campaigns.mutation.original import RUNS, Original
 from meso_robust.campaigns.mutation.places import sealed
 from meso_robust.checker.prover import Prover
 from meso_robust.task import SCHEMA_2_KEYS, load_task
@@ -91,18 +92,26 @@ def test_a_certificate_told_of_far_more_is_rejected(
     assert answered(sealed(document), task, prover).word == "REJECTED"
 
 
-def test_a_force_is_judged_by_what_it_leaves_below_the_cap(pushed: Original) -> None:
+def test_a_force_is_judged_by_runs_and_what_it_leaves_below_the_cap(pushed: Original) -> None:
     """The cap is 1 mN; the film's drag of 1 uN s/um gives about 0.1 mN at 100 um/s."""
     task = other_task(pushed.task, "max_force_un", 1.1)
     assert task is not None
     true = true_of(pushed, task)
     assert true is not None
-    for left, because in (
-        (0.8e-3, "a force that leaves as much below the cap"),
-        (0.81e-3, None),
+    because = f"a force that {RUNS} runs do not exceed, as far below the cap"
+    runs, _ = true.paths(true.document["policy"])
+    assert runs.moves[0].forces is not None
+    most = 1e-4 * float(np.linalg.norm(runs.moves[0].forces, axis=-1).max())
+    for force, left, reason in (
+        (None, 0.8e-3, because),
+        (None, 0.81e-3, None),  # more than the stated force leaves
+        (1.003 * most, 0.8e-3, because),  # closer than the planner's bound
+        (0.99 * most, 0.8e-3, None),
     ):
         document = copy.deepcopy(true.document)
         one = document["steps"][0]["obligations"][-1]
         assert one["id"] == "force_below_cap"
         one["lower_bound"] = left.hex()
-        assert excuse(true, document) == because
+        if force is not None:
+            one["over"]["force"][1] = force.hex()
+        assert excuse(true, document) == reason
