@@ -1,0 +1,1 @@
+"""How close certified boxes are to what runs reach."""
