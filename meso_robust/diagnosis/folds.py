@@ -2,7 +2,9 @@
 
 Each recording is predicted by a fit of the others. A prediction starts from the pose that was seen
 while the part rested, as well as the camera's noise allows, and runs to the end without looking at
-the recording again: a start that is free to take up misfit is no prediction.
+the recording again: a start that is free to take up misfit is no prediction. Where a tip is known within a
+stated error only, it is taken to be where the recording itself says, and the prediction pays for that as the
+error states: no other recording tells it.
 
 A number of the plain model that the other recordings tell next to nothing of, as friction where only
 the one left out slips, is taken from the fit to all: what nobody measured is no missing physics. Numbers
@@ -244,18 +246,28 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
                 held=plain & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
             ).fits.values[0]
         poses[left], outcomes[left] = _from_rest(
-            bench, model, by_fold[k], left, starts[left], slopes[left]
+            bench, model, by_fold[k], left, starts[left], slopes[left], every.offsets[0, left]
         )
     away = (bench.prepared.seen - poses) / _sigma(bench)
+    squares = np.nan_to_num(away) ** 2 + _paid(bench, every.offsets[0])[:, None, None]
     return RollOut(
         model=model,
         values=values,
         by_fold=by_fold,
         poses=poses,
-        squares=np.where(bench.seen, np.nan_to_num(away) ** 2, 0.0),
+        squares=np.where(bench.seen, squares, 0.0),
         start_squares=_start_squares(bench, slopes),
         outcomes=outcomes,
     )
+
+
+def _paid(bench: Bench, offsets: Floats) -> Floats:
+    """(R,) squares of offsets (R, 4) over their variance, spread over the data of a recording."""
+    scale = bench.baseline.settings.offset
+    if not scale:
+        return np.zeros(len(offsets))
+    counts = np.maximum(bench.seen.sum(axis=(1, 2)), 1)
+    return np.asarray(np.sum((offsets / scale) ** 2, axis=1) / counts)
 
 
 def _told(jacobian: Floats, count: int) -> Floats:
@@ -313,14 +325,20 @@ def weights_of(bench: Bench, model: Model, values: Floats) -> Floats | None:
 
 
 def _from_rest(
-    bench: Bench, model: Model, values: Floats, rows: Ints, starts: Floats, slopes: Floats
+    bench: Bench,
+    model: Model,
+    values: Floats,
+    rows: Ints,
+    starts: Floats,
+    slopes: Floats,
+    offsets: Floats | None = None,
 ) -> tuple[Floats, Ints]:
     """(r, T, 3) predicted from starts that agree with the frames at rest on the whole, and outcomes."""
     prepared, sigma = some_of(bench.prepared, rows), bench.baseline.settings.sigma
     quiet = bench.still[rows]
 
     def run(starts: Floats) -> tuple[Floats, Ints, Floats]:
-        found = predicted(prepared, model, values[None], starts=starts)
+        found = predicted(prepared, model, values[None], starts=starts, offsets=offsets)
         poses = found.poses[0]
         return (
             poses,
