@@ -44,6 +44,21 @@ class Explored(Result):
         return self.planned is not None and self.planned.positive
 
     @property
+    def advice(self) -> str:
+        """What the laboratory can do where nothing is proved, in one sentence; empty if the task is."""
+        from meso_robust.transfer.answer import settled_by
+
+        if self.positive:
+            return ""
+        said = None if self.diagnosed is None else self.diagnosed.document
+        if said is not None and said.verdict not in ("consistent", "named"):
+            push = said.next_experiment.push.what or said.next_experiment.why
+            return f"the pushes do not single out what is amiss: {push}, add it to the recordings and diagnose again"
+        if self.planned is None or self.planned.promise is None:
+            return self.why
+        return "the plan needs " + "; and ".join(settled_by(self.planned.promise))
+
+    @property
     def shown(self) -> dict[str, str]:
         """The reports."""
         parts = {
@@ -54,7 +69,9 @@ class Explored(Result):
     def __str__(self) -> str:
         parts = (self.ran, self.identified, self.diagnosed, self.planned)
         said = [str(one) for one in parts if one is not None]
-        return "\n".join([*said, *([f"ended there: {self.why}"] if self.why else [])])
+        ended = [f"ended there: {self.why}"] if self.why else []
+        advice = [f"to go on: {self.advice}"] if self.advice and self.advice != self.why else []
+        return "\n".join([*said, *ended, *advice])
 
     def text(self) -> str:
         """The text of ``run.json``."""
