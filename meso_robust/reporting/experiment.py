@@ -64,7 +64,10 @@ def experiment_page(
                 figures=(
                     ("pushes", str(len(experiment.pushes))),
                     ("trials of each", str(bench.trials)),
-                    ("speed", " and ".join(f"{_um(rate * bench.speed)} µm/s" for rate in bench.rates)),
+                    (
+                        "speed",
+                        " and ".join(f"{_um(rate * bench.speed)} µm/s" for rate in bench.rates),
+                    ),
                     ("radius of the tip", f"{number(bench.tip_radius / units.UM)} µm"),
                 ),
             ),

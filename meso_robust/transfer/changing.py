@@ -167,8 +167,7 @@ def _drift(u: dict[str, Any], share: float) -> None:
 def _radii(
     task: Task, document: ModelDocument, absorbed: Sequence[Absorbed]
 ) -> dict[str, list[float]]:
-    """Radii of the tips: as the task states them where that holds what the recordings state, else as these
-    do; corrected as the model says."""
+    """Radii of the tips: of the task or, where they do not hold it, the recordings'; and as the model corrects them."""
     stated = 0.0 if document.probe is None else document.probe.tip_radius_um
     by = [sum(spelled(one.radius_um[k]) for one in absorbed) for k in (0, 1)]
     active, passive = task.probe.tip_radius_um, task.probe.passive_tip_radius_um

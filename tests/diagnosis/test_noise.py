@@ -54,7 +54,9 @@ def test_noise_that_is_stated_is_believed() -> None:
     assert found.floor == 1.0
 
 
-@pytest.mark.parametrize(("stated", "least", "most"), [(1.0, 0.0, 0.05), (1.5, 0.2, 0.5), (20.0, 0.9, 0.9)])
+@pytest.mark.parametrize(
+    ("stated", "least", "most"), [(1.0, 0.0, 0.05), (1.5, 0.2, 0.5), (20.0, 0.9, 0.9)]
+)
 def test_what_is_stated_beyond_the_scatter_stays_from_frame_to_frame(
     stated: float, least: float, most: float
 ) -> None:
