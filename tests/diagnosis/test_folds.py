@@ -178,3 +178,24 @@ def test_where_a_tip_was_put_down_is_known_from_the_recording_alone_and_paid_for
     assert plain > 2.0
     # four offsets a recording, each of them about one deviation, over some 500 data
     assert free < known < free + 0.05
+
+
+def test_a_prediction_takes_a_tip_to_be_near_its_place_and_pays_for_the_rest(
+    late: Diagnosis,
+) -> None:
+    bench = late.grade.bench
+    settings = replace(late.baseline.settings, offset=1.5e-6)
+    unsure = replace(bench, baseline=replace(late.baseline, settings=settings))
+    offsets = np.zeros((len(bench.fold), 4))
+    offsets[3] = 1e-6 * np.array([1.5, -2.9, 8.0, -12.0])
+    expected = np.zeros_like(offsets)
+    expected[3] = 1e-6 * np.array([1.5, -2.9, 3.0, -3.0])
+
+    likely = folds._likely(unsure, offsets)
+    np.testing.assert_allclose(likely, expected, rtol=1e-12)
+
+    paid = folds._paid(unsure, likely) * bench.seen.sum(axis=(1, 2))
+    squares = 1.0 + (2.9 / 1.5) ** 2 + 4.0 + 4.0
+    np.testing.assert_allclose(paid, np.where(np.arange(len(paid)) == 3, squares, 0.0), rtol=1e-12)
+    assert not np.any(folds._likely(bench, np.zeros_like(offsets)))
+    assert not np.any(folds._paid(bench, np.zeros_like(offsets)))
