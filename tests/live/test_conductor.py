@@ -71,7 +71,7 @@ def test_a_move_may_rest_before_and_after_and_draw_its_tips_back() -> None:
 @pytest.mark.parametrize(
     ("change", "word"), [({"y_um": 5.0}, "straight way"), ({"height_um": 50.0}, "left the plane")]
 )
-def test_tips_that_stay_down_are_watched(phase: str, change: dict[str, float], word: str) -> None:
+def test_tips_that_stay_down_are_watched(phase: str, change: dict[str, Any], word: str) -> None:
     rig = Rig(Plan({**MOVE, "rest_s": 1.0, "back_um": 60.0}, DONE))
     rig.until(phase)
     rig.places["dual"] = replace(rig.places["dual"], **change)
