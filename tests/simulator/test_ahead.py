@@ -87,13 +87,14 @@ def test_a_process_that_hangs_is_ended_and_holds_up_nothing(
 ) -> None:
     begin, hanging = subprocess.Popen, [sys.executable, "-c", "import time; time.sleep(600)"]
     processes: list[subprocess.Popen[bytes]] = []
+
+    def hung(_: list[str], *, stdin: int, stdout: int, stderr: int) -> subprocess.Popen[bytes]:
+        processes.append(begin(hanging, stdin=stdin, stdout=stdout, stderr=stderr))
+        return processes[-1]
+
     monkeypatch.setattr(ahead, "_indices", list)
     monkeypatch.setattr(ahead, "PATIENCE", 0.2)
-    monkeypatch.setattr(
-        subprocess,
-        "Popen",
-        lambda _, **streams: processes.append(begin(hanging, **streams)) or processes[-1],
-    )
+    monkeypatch.setattr(subprocess, "Popen", hung)
     ahead.begin()
     began = time.monotonic()
     ahead.wait()
