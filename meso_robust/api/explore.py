@@ -62,16 +62,15 @@ class Explored(Result):
         if self.positive:
             return ""
         said = None if self.diagnosed is None else self.diagnosed.document
-        if said is not None and said.verdict not in ("consistent", "named"):
-            push = said.next_experiment.push.what or said.next_experiment.why
-            return f"the pushes do not single out what is amiss: {push}, add it to the recordings and diagnose again"
-        if self.planned is None or self.planned.promise is None:
-            return self.why
         told = [] if said is None else [one for one in said.effects if one.name in SET_RIGHT]
         if told:
-            return "; ".join(
-                f"{effect_words(one)}: {SET_RIGHT[one.name]}, run again" for one in told
-            )
+            each = [f"{effect_words(one)}: {SET_RIGHT[one.name]}, run again" for one in told]
+            return "; ".join(each)
+        if said is not None and said.verdict not in ("consistent", "named"):
+            push = said.next_experiment.push.what or said.next_experiment.why
+            return f"the pushes do not single out what is amiss; next: {push}"
+        if self.planned is None or self.planned.promise is None:
+            return self.why
         return "; ".join(settled_by(self.planned.promise))
 
     @property

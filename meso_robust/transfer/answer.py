@@ -88,7 +88,18 @@ def why(made: Promise) -> str:
 
 
 def settled_by(made: Promise) -> tuple[str, ...]:
-    """What would make the promise PROVED, one for each thing that is missing; none if it is."""
+    """What would make a promise PROVED.
+
+    Parameters
+    ----------
+    made
+        The promise.
+
+    Returns
+    -------
+    tuple
+        In words, one for each thing that is missing; none if it is PROVED.
+    """
     if made.broken:
         return tuple(words(remedy(one)) for one in made.broken)
     said = made.planned.certificate.reading.undecided

@@ -142,7 +142,7 @@ def answer_of(name: str, found: Explored, processor_s: float) -> Answer:
     processor_s
         What that took.
     """
-    said: DiagnosisDocument | None = found.diagnosed and found.diagnosed.document
+    said: DiagnosisDocument | None = found.diagnosed.document if found.diagnosed else None
     planned = found.planned
     proved = planned is not None and planned.positive
     return Answer(
