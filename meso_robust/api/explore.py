@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,15 @@ from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.result import Result
 from meso_robust.api.run import Ran
 from meso_robust.errors import InputError, NotApplicableError
+
+SET_RIGHT: Mapping[str, str] = {
+    "camera_rotation": "put rotation_deg of the camera in lab.toml right by it",
+    "camera_scale": "put pixel_size_um of the camera in lab.toml right by it",
+    "lens_distortion": "put k1 of the camera in lab.toml right by it",
+    "camera_latency": "put the clock right by which frames are stamped",
+    "tip_radius": "put radius_um of the tip in lab.toml right by it",
+}
+"""What a laboratory can do about an effect that it need not put up with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -44,6 +54,26 @@ class Explored(Result):
         return self.planned is not None and self.planned.positive
 
     @property
+    def advice(self) -> str:
+        """What the laboratory can do where nothing is proved, in one sentence; empty if the task is."""
+        from meso_robust.reporting.diagnosis_words import effect_words
+        from meso_robust.transfer.answer import settled_by
+
+        if self.positive:
+            return ""
+        said = None if self.diagnosed is None else self.diagnosed.document
+        told = [] if said is None else [one for one in said.effects if one.name in SET_RIGHT]
+        if told:
+            each = [f"{effect_words(one)}: {SET_RIGHT[one.name]}, run again" for one in told]
+            return "; ".join(each)
+        if said is not None and said.verdict not in ("consistent", "named"):
+            push = said.next_experiment.push.what or said.next_experiment.why
+            return f"the pushes do not single out what is amiss; next: {push}"
+        if self.planned is None or self.planned.promise is None:
+            return self.why
+        return "; ".join(settled_by(self.planned.promise))
+
+    @property
     def shown(self) -> dict[str, str]:
         """The reports."""
         parts = {
@@ -54,7 +84,9 @@ class Explored(Result):
     def __str__(self) -> str:
         parts = (self.ran, self.identified, self.diagnosed, self.planned)
         said = [str(one) for one in parts if one is not None]
-        return "\n".join([*said, *([f"ended there: {self.why}"] if self.why else [])])
+        ended = [f"ended there: {self.why}"] if self.why else []
+        advice = [f"to go on: {self.advice}"] if self.advice and self.advice != self.why else []
+        return "\n".join([*said, *ended, *advice])
 
     def text(self) -> str:
         """The text of ``run.json``."""

@@ -247,6 +247,10 @@ def _designed(recordings: RecordingSet, found: Identification, count: int) -> di
     return {**experiment_files(made.experiment, made, found.model), "experiment.html": page}
 
 
+EITHER_SIDE = (0.5, 2.0)
+"""Speeds of the standard tests over the stated one."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class StandardTests(Result):
     """The paper's tests A-H for a part.
@@ -331,7 +335,8 @@ def standard_tests(source: TaskGiven) -> StandardTests:
     from meso_robust.task import Task
 
     if isinstance(stated, Task):
-        part, bench = recorded_part(stated.part), Bench(speed=1e-6 * stated.probe.speed_um_s)
+        speed = 1e-6 * stated.probe.speed_um_s
+        part, bench = recorded_part(stated.part), Bench(speed=speed, rates=EITHER_SIDE)
     else:
-        part, bench = stated.part, Bench(tip_radius=stated.tip_radius)
+        part, bench = stated.part, Bench(tip_radius=stated.tip_radius, rates=EITHER_SIDE)
     return StandardTests(experiment=standard_tests(part, bench), bench=bench, source=folder)

@@ -2,7 +2,9 @@
 
 Each recording is predicted by a fit of the others. A prediction starts from the pose that was seen
 while the part rested, as well as the camera's noise allows, and runs to the end without looking at
-the recording again: a start that is free to take up misfit is no prediction.
+the recording again: a start that is free to take up misfit is no prediction. Where a tip is known within a
+stated error only, it is taken to be where the recording itself says, for no other recording tells it; but not
+beyond what the error makes likely, and the prediction pays for it.
 
 A number of the plain model that the other recordings tell next to nothing of, as friction where only
 the one left out slips, is taken from the fit to all: what nobody measured is no missing physics. Numbers
@@ -49,6 +51,7 @@ _ROUNDS = 2  # corrections of a start by what still frames leave
 # of a start that still frames hardly tell, as where a tip seems to be inside the part and moves it out
 # before the first of them: without it a start was moved by metres; it holds back others by a hundredth
 _DAMPED = 1e-2
+_FARTHEST = 2.0  # deviations that a tip is off by at most; of largest errors, evenly spread, all are within 1.74
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -221,6 +224,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
     best = [int(np.nanargmin(found.fits.chi2))]
     every = found.fits.of(best)
     values, starts = every.values[0], every.starts[0]
+    offsets = _likely(bench, every.offsets[0])
     problem = Problem(whole, model, settings)
     spans = problem.spans(problem.arrow(every, found.jacobian[best]))
     jacobian = problem.jacobian(every, spans, model.fitted[None])
@@ -244,18 +248,34 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
                 held=plain & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
             ).fits.values[0]
         poses[left], outcomes[left] = _from_rest(
-            bench, model, by_fold[k], left, starts[left], slopes[left]
+            bench, model, by_fold[k], left, starts[left], slopes[left], offsets[left]
         )
     away = (bench.prepared.seen - poses) / _sigma(bench)
+    squares = np.nan_to_num(away) ** 2 + _paid(bench, offsets)[:, None, None]
     return RollOut(
         model=model,
         values=values,
         by_fold=by_fold,
         poses=poses,
-        squares=np.where(bench.seen, np.nan_to_num(away) ** 2, 0.0),
+        squares=np.where(bench.seen, squares, 0.0),
         start_squares=_start_squares(bench, slopes),
         outcomes=outcomes,
     )
+
+
+def _likely(bench: Bench, offsets: Floats) -> Floats:
+    """Offsets of tips (R, 4) in m, none beyond what is likely: what a fit takes more of is misfit."""
+    most = _FARTHEST * bench.baseline.settings.offset
+    return np.clip(offsets, -most, most)
+
+
+def _paid(bench: Bench, offsets: Floats) -> Floats:
+    """(R,) squares of offsets (R, 4) over their variance, spread over the data of a recording."""
+    scale = bench.baseline.settings.offset
+    if not scale:
+        return np.zeros(len(offsets))
+    counts = np.maximum(bench.seen.sum(axis=(1, 2)), 1)
+    return np.asarray(np.sum((offsets / scale) ** 2, axis=1) / counts)
 
 
 def _told(jacobian: Floats, count: int) -> Floats:
@@ -313,14 +333,20 @@ def weights_of(bench: Bench, model: Model, values: Floats) -> Floats | None:
 
 
 def _from_rest(
-    bench: Bench, model: Model, values: Floats, rows: Ints, starts: Floats, slopes: Floats
+    bench: Bench,
+    model: Model,
+    values: Floats,
+    rows: Ints,
+    starts: Floats,
+    slopes: Floats,
+    offsets: Floats | None = None,
 ) -> tuple[Floats, Ints]:
     """(r, T, 3) predicted from starts that agree with the frames at rest on the whole, and outcomes."""
     prepared, sigma = some_of(bench.prepared, rows), bench.baseline.settings.sigma
     quiet = bench.still[rows]
 
     def run(starts: Floats) -> tuple[Floats, Ints, Floats]:
-        found = predicted(prepared, model, values[None], starts=starts)
+        found = predicted(prepared, model, values[None], starts=starts, offsets=offsets)
         poses = found.poses[0]
         return (
             poses,

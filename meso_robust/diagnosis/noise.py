@@ -3,6 +3,9 @@
 Deviations that are not stated come from still frames. Without any, third differences of the poses,
 in which smooth motion does not show, tell the white part of the noise: the floor that a model could
 reach. The fit then weighs x, y and θ by its own residuals, as no other scale is known.
+
+What a stated deviation has beyond the scatter of still frames stays from frame to frame: it is noise of
+neighbours that are alike, not white noise of that size, of which a mean over many frames would tell much.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from meso_robust.recordings.noise import Spread, estimated_noise, roughness
 from meso_robust.types import Floats
 
 _ROUGHNESS = "roughness of the poses"
+_SURE = 3.0  # standard errors of the scatter by which it must be below σ for the rest to stay
 _MOST = 0.9  # correlation of neighbours beyond which "noise" is motion
 
 
@@ -79,6 +83,8 @@ def noise_of(recordings: RecordingSet) -> Noise:
         )
     sigma = np.array([position, position, orientation])
     still = (found.x.sigma, found.y.sigma, found.theta.sigma)
+    stays = _staying((found.x, found.y, found.theta), sigma)
+    correlation = min((1.0 - stays) * correlation + stays, _MOST)
     return Noise(
         sigma=sigma,
         repeatability=_repeatability(still, sigma),
@@ -128,6 +134,16 @@ def _correlation(spreads: tuple[Spread, ...]) -> tuple[float, float]:
     weight = np.array([freedom for _, freedom in known], dtype=float)
     mean = float(np.sum(weight * [value for value, _ in known]) / weight.sum())
     return float(np.clip(mean, 0.0, _MOST)), float(1.0 / np.sqrt(weight.sum()))
+
+
+def _staying(spreads: tuple[Spread, ...], sigma: Floats) -> float:
+    """Share of the variances σ² (3,) that is surely no scatter from frame to frame, their mean."""
+    shares = [
+        1.0 - (one.sigma * (1.0 + _SURE / np.sqrt(2.0 * one.freedom)) / whole) ** 2
+        for one, whole in zip(spreads, sigma, strict=True)
+        if one.sigma is not None
+    ]
+    return float(np.mean(np.maximum(shares, 0.0))) if shares else 0.0
 
 
 def _position(

@@ -33,6 +33,9 @@ class Bench:
         Radius of the round tip, m; 0 for a point. The default is half the paper's 25 um side.
     speed
         Of the probe, m/s; one of the paper's three.
+    rates
+        Speeds over that one, of one push after the other: where there are two, what depends on the speed
+        shows.
     length
         Of a push from first contact on, m.
     gap
@@ -40,6 +43,11 @@ class Bench:
     corner_margin
         Least distance of a pushed place from a corner, m. A tip exactly at a corner may as well
         miss the edge; the default is five times the paper's error of a seen position.
+    rest
+        Time for which the camera runs with the tip at rest, before and after a push, s. The frames before
+        it tell the noise; those after it tell a camera that is late from a tip that is elsewhere.
+    back
+        By how much the tip is drawn back after the push, m: what clings to it follows.
     field
         Width and height of the field of view about the world's origin, m.
     trials
@@ -53,9 +61,12 @@ class Bench:
 
     tip_radius: float = 12.5e-6
     speed: float = 75e-6
+    rates: tuple[float, ...] = (1.0,)
     length: float = 700e-6
     gap: float = 50e-6
     corner_margin: float = 25e-6
+    rest: float = 1.0
+    back: float = 60e-6
     field: tuple[float, float] = (3370e-6, 2520e-6)
     trials: int = 3
 
@@ -63,12 +74,25 @@ class Bench:
         """Check the values."""
         for name in ("speed", "length", "gap"):
             _check(name, getattr(self, name), getattr(self, name) > 0.0, "must be positive")
-        for name in ("tip_radius", "corner_margin"):
+        for name in ("tip_radius", "corner_margin", "rest", "back"):
             value = getattr(self, name)
             _check(name, value, value >= 0.0, "must not be negative")
+        _check("rates", len(self.rates), len(self.rates) > 0, "must be one or more")
+        for rate in self.rates:
+            _check("rates", rate, rate > 0.0, "must be positive")
         for side in self.field:
             _check("field", side, side > 0.0, "must be positive")
         _check("trials", self.trials, self.trials >= 1, "must be at least 1")
+
+    def speed_of(self, index: int) -> float:
+        """Speed of the tip in a push, m/s.
+
+        Parameters
+        ----------
+        index
+            Of the push in its experiment, from 0.
+        """
+        return self.speed * self.rates[index % len(self.rates)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -75,6 +75,11 @@ class TestDocument(_Model):
     """[x, y] by which the tip travels, um, world frame."""
     speed_um_s: float
     """Speed of the travel, um/s."""
+    rest_s: float = 0.0
+    """Time for which the camera runs with the tip at rest: before the push, after it, and once more after the
+    tip was drawn back, s."""
+    back_um: float = 0.0
+    """By how much the tip is drawn back after the push, before it is lifted, um."""
     expect: None = None
     """Never certified: the model is what is to be found."""
     test: str
@@ -232,13 +237,15 @@ def _ends(interval: Interval, parameter: Parameter) -> Pair | None:
 
 
 def _move(experiment: Experiment, step: int, push: PlannedPush) -> TestDocument:
-    x, y, theta = push.start
+    (x, y, theta), bench = push.start, experiment.bench
     trials = range(1, experiment.bench.trials + 1)
     return TestDocument(
         step=step,
         probes=(TipDocument(name=PROBE, start_um=_pair(push.tip)),),
         travel_um=_pair(push.travel),
-        speed_um_s=_um(experiment.bench.speed),
+        speed_um_s=_um(bench.speed_of(step - 1)),
+        rest_s=bench.rest,
+        back_um=_um(bench.back),
         test=push.name,
         part=PoseDocument(x_um=_um(x), y_um=_um(y), theta_deg=round(theta / DEG, 6) + 0.0),
         edge=push.edge,

@@ -63,6 +63,11 @@ def with_corners(times: Floats, path: Floats, tolerance: float) -> tuple[Floats,
         (S, C) coordinates in m.
     tolerance
         By how much the lines may miss each other, m; also the least corner that counts.
+
+    Returns
+    -------
+    (S + K,), (S + K, C)
+        Instants and positions of all samples and K corners, in their order.
     """
     if len(times) < 4:
         return times, path

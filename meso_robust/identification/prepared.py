@@ -113,7 +113,8 @@ class Prepared:
     tips_seen
         Whether the waypoints are what the camera showed, not what was commanded.
     tip_offset
-        σ in m by which the first and the last position of a seen tip may be off; zero if commanded.
+        σ in m by which the first and the last position of a tip may be off; zero if commanded and nothing is
+        stated of it.
     parked
         (2,) a place far from everything, m.
     notes
@@ -340,9 +341,9 @@ def _motion(
 
 
 def _tip_offset(recordings: RecordingSet, sigmas: Sigmas) -> float:
-    """σ of the ends of a seen tip's path: what smoothing leaves, and what is not scatter at all."""
+    """σ of the ends of a tip's path: as stated, or of a seen one what smoothing leaves and is no scatter."""
     if recordings.position_source != "camera":
-        return 0.0
+        return recordings.sensor.tip_offset or 0.0
     paths = [one.probes.reshape(len(one.times), -1) for one in recordings.recordings]
     seen = [path[np.all(np.isfinite(path), axis=1)] for path in paths]
     white = float(np.mean([roughness(path) ** 2 for path in seen]))

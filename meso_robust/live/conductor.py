@@ -1,7 +1,8 @@
 """The loop itself, without devices: readings in, commands out, the same ones for the same readings.
 
 Lift all probes; see the part at rest; ask the controller; place the probes, lifted; see that the part is
-where it was; lower them; see that again; push; lift; see again. Whatever is amiss ends it: everything halts and is lifted,
+where it was; lower them; see that again; push; lift; see again. A move may ask for rests, in which the camera
+runs on before the push and after it, and for drawing the tips back before they are lifted. Whatever is amiss ends it: everything halts and is lifted,
 and no further move is made. A pose goes to the controller only if the move before was carried out to its
 end, as the controller takes it for the pose after that move.
 """
@@ -10,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -52,6 +53,8 @@ class Phase(StrEnum):
     LOWERING = "lowering"
     CHECKING = "checking"
     PUSHING = "pushing"
+    RESTING = "resting"
+    WITHDRAWING = "withdrawing"
     RAISING = "raising"
     ENDING = "ending"
     ENDED = "ended"
@@ -63,6 +66,8 @@ MOVING = {
     Phase.LOWERING,
     Phase.CHECKING,
     Phase.PUSHING,
+    Phase.RESTING,
+    Phase.WITHDRAWING,
     Phase.RAISING,
 }
 """While a frame must never be too old."""
@@ -78,6 +83,8 @@ class Leg:
     start: tuple[float, float]
     end: tuple[float, float]
     """The same as the start of one that holds still."""
+    back: tuple[float, float]
+    """To where it is drawn back after the push; the same as the end if it is not."""
     speed: float
 
     @property
@@ -119,7 +126,7 @@ class Conductor:
         self._rest: list[Seen] = []
         self._why_not_seen = NO_FRAME
         self._legs: tuple[Leg, ...] = ()
-        self._deadline = 0.0
+        self._deadline, self._rest_s = 0.0, 0.0
         self._end = Command(do="end")
         self._failed, self._lifted_at = False, 0.0
         self.move: Mapping[str, Any] | None = None
@@ -137,7 +144,7 @@ class Conductor:
     @property
     def lowered(self) -> tuple[str, ...]:
         """Manipulators whose tips are to be taken as in the plane."""
-        down = {Phase.LOWERING, Phase.CHECKING, Phase.PUSHING, Phase.RAISING}
+        down = MOVING - {Phase.PLACING, Phase.HOVERING}
         return tuple(leg.of.name for leg in self._legs) if self.phase in down else ()
 
     def step(self, reading: Reading) -> tuple[Command, ...]:
@@ -166,6 +173,8 @@ class Conductor:
             Phase.LOWERING: self._lowering,
             Phase.CHECKING: self._checking,
             Phase.PUSHING: self._pushing,
+            Phase.RESTING: self._resting,
+            Phase.WITHDRAWING: self._withdrawing,
             Phase.RAISING: self._raising,
             Phase.ENDING: self._ending,
         }
@@ -287,6 +296,9 @@ class Conductor:
         by_tip = carriers(self._lab, list(places))
         passive = {tip["name"] for tip in move["probes"] if tip.get("passive")}
         speed = float(move["speed_um_s"])
+        travel = (float(move["travel_um"][0]), float(move["travel_um"][1]))
+        self._rest_s, back_um = float(move.get("rest_s", 0.0)), float(move.get("back_um", 0.0))
+        kept = 1.0 - min(back_um / max(math.hypot(*travel), 1e-300), 1.0)
         legs = []
         for name in sorted({one.name for one in by_tip.values()}):
             of = self._all[name]
@@ -300,16 +312,20 @@ class Conductor:
                     f"than arrival_um = {of.arrival_um:g}"
                 )
             holds = bool(set(tips) & passive)
-            shift = (0.0, 0.0) if holds else (move["travel_um"][0], move["travel_um"][1])
-            end, _ = target(of, {tip: _plus(place, shift) for tip, place in tips.items()})
-            end = start if holds else end
+            end = back = start
+            if not holds:
+                end, _ = target(of, {tip: _plus(place, travel) for tip, place in tips.items()})
+                back = end
+            if not holds and kept < 1.0:
+                there = (kept * travel[0], kept * travel[1])
+                back, _ = target(of, {tip: _plus(place, there) for tip, place in tips.items()})
             check_within(of, start)
             check_within(of, end)
             if not holds and speed > of.max_speed_um_s:
                 raise PlacingError(
                     f"{name}: {speed:g} um/s is more than max_speed_um_s = {of.max_speed_um_s:g}"
                 )
-            legs.append(Leg(of=of, start=start, end=end, speed=speed))
+            legs.append(Leg(of=of, start=start, end=end, back=back, speed=speed))
         return tuple(legs)
 
     def _asking(self, reading: Reading) -> tuple[Command, ...]:
@@ -361,6 +377,8 @@ class Conductor:
                 return self._give_up(
                     reading, "fault", f"{leg.of.name} is {off:.1f} um from where it was placed"
                 )
+        if self._rests(reading):
+            return ()
         self._enter(Phase.PUSHING, reading)
         active = [leg for leg in self._legs if leg.moves]
         self._expect(reading, [math.dist(leg.start, leg.end) / leg.speed for leg in active])
@@ -388,19 +406,51 @@ class Conductor:
         )
 
     def _pushing(self, reading: Reading) -> tuple[Command, ...]:
-        for leg in self._legs:
-            at = _at(reading.places[leg.of.name])
-            off = distance_from_line(at, leg.start, leg.end)
-            if off > leg.of.arrival_um:
-                why = f"{leg.of.name} has left its straight way by {off:.1f} um"
-                return self._give_up(reading, "fault", why)
-            if not _at_height(leg.of, reading.places[leg.of.name], leg.of.lowered_um):
-                return self._give_up(reading, "fault", f"{leg.of.name} has left the plane")
-        fault = self._arrival(reading, [leg.end for leg in self._legs])
+        fault = self._astray(reading) or self._arrival(reading, [leg.end for leg in self._legs])
         if fault is None:
             return ()
         if fault:
             return self._give_up(reading, "fault", fault)
+        if self._rest_s > 0.0 or any(leg.back != leg.end for leg in self._legs):
+            return self._enter(Phase.RESTING, reading)
+        return self._raised(reading)
+
+    def _resting(self, reading: Reading) -> tuple[Command, ...]:
+        fault = self._astray(reading)
+        if fault:
+            return self._give_up(reading, "fault", fault)
+        if self._rests(reading):
+            return ()
+        drawn = [leg for leg in self._legs if leg.back != leg.end]
+        if not drawn:
+            return self._raised(reading)
+        self._enter(Phase.WITHDRAWING, reading)
+        self._expect(reading, [math.dist(leg.end, leg.back) / leg.speed for leg in drawn])
+        return tuple(_go(leg.of, leg.back, leg.speed) for leg in drawn)
+
+    def _withdrawing(self, reading: Reading) -> tuple[Command, ...]:
+        fault = self._astray(reading) or self._arrival(reading, [leg.back for leg in self._legs])
+        if fault is None:
+            return ()
+        if fault:
+            return self._give_up(reading, "fault", fault)
+        self._legs = tuple(replace(leg, end=leg.back) for leg in self._legs)
+        return self._enter(Phase.RESTING, reading)
+
+    def _astray(self, reading: Reading) -> str:
+        """Why a tip that is down is not where it may be, or nothing."""
+        for leg in self._legs:
+            off = distance_from_line(_at(reading.places[leg.of.name]), leg.start, leg.end)
+            if off > leg.of.arrival_um:
+                return f"{leg.of.name} has left its straight way by {off:.1f} um"
+            if not _at_height(leg.of, reading.places[leg.of.name], leg.of.lowered_um):
+                return f"{leg.of.name} has left the plane"
+        return ""
+
+    def _rests(self, reading: Reading) -> bool:
+        return self._since is None or reading.time - self._since < self._rest_s
+
+    def _raised(self, reading: Reading) -> tuple[Command, ...]:
         self._enter(Phase.RAISING, reading)
         return tuple(_lift(leg.of, leg.of.lifted_um) for leg in self._legs)
 

@@ -110,6 +110,8 @@ class Designed:
             "probes": [{"name": self._tip, "start_um": start.tolist(), "passive": False}],
             "travel_um": travel.tolist(),
             "speed_um_s": move.speed_um_s,
+            "rest_s": move.rest_s,
+            "back_um": move.back_um,
             "expect": None,
             "test": move.test,
         }

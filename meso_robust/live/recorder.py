@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from meso_robust.identification.paths import with_corners
+from meso_robust.identification.prepared import CORNER
 from meso_robust.live.conductor import Phase
 from meso_robust.live.journal import Header, Turn
 from meso_robust.live.placing import tip_places
@@ -14,7 +16,10 @@ from meso_robust.recordings import Polygon, Recording, RecordingSet, Rectangle, 
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.types import Floats
 
-KEPT = (Phase.CHECKING.value, Phase.PUSHING.value, Phase.RAISING.value)
+KEPT = tuple(
+    one.value
+    for one in (Phase.CHECKING, Phase.PUSHING, Phase.RESTING, Phase.WITHDRAWING, Phase.RAISING)
+)
 """Phases in which tips are in the plane."""
 _CLOCK = 9  # decimals of a second
 
@@ -51,14 +56,51 @@ def recordings_of(
     stamps = sorted(turn.reading.seen.time for turn in turns if turn.reading.seen is not None)
     gaps = np.diff(stamps)
     radii = [tip.radius_um for one in header.lab.manipulators for tip in one.tips]
+    position, orientation = _seen_sigmas(turns)
     return RecordingSet(
         part=part,
         tip_radius=radii[0] * UM,
         position_source="controller",
-        # the tracker's deviations hold what is the same in all frames: the scatter is left to be estimated
-        sensor=SensorInfo(frame_rate=1.0 / float(np.median(gaps)) if len(gaps) else 30.0),
+        sensor=SensorInfo(
+            frame_rate=1.0 / float(np.median(gaps)) if len(gaps) else 30.0,
+            position_sigma=position,
+            orientation_sigma=orientation,
+            tip_offset=max(_offset(header, one) for one in recordings),
+        ),
         recordings=tuple(recordings),
     )
+
+
+def _seen_sigmas(turns: Sequence[Turn]) -> tuple[float | None, float | None]:
+    """Root mean squares of the tracker's standard deviations: scatter and what stays, m and rad."""
+    sights = [turn.reading.seen.sight for turn in turns if turn.reading.seen is not None]
+    told = [one.sigma for one in sights if one.pose is not None and one.sigma is not None]
+    if not told:
+        return None, None
+    squares = np.mean(np.square(told), axis=0)
+    return float(np.sqrt(np.mean(squares[:2]))) * UM, float(np.sqrt(squares[2])) * DEG
+
+
+def _offset(header: Header, recording: Recording) -> float:
+    """Standard deviation of where a tip is, by what the laboratory states of its manipulators, m.
+
+    What is stated are largest errors; anything within them is taken to be as likely.
+    """
+    travel = float(np.hypot(*np.ptp(recording.probes, axis=0).T).max())
+    used = [
+        one
+        for one in header.lab.manipulators
+        if {tip.name for tip in one.tips} & set(recording.probe_names)
+    ]
+    largest = [
+        math.hypot(
+            one.tip_error_um * UM,
+            one.direction_error_deg * DEG * travel,
+            0.01 * one.scale_error_percent * travel,
+        )
+        for one in used
+    ]
+    return max(largest) / math.sqrt(3.0)
 
 
 def _pushes(turns: Sequence[Turn]) -> Iterator[list[Turn]]:
@@ -96,16 +138,16 @@ def _recording(header: Header, push: Sequence[Turn], file: str) -> Recording:
         if pose is not None:
             poses[k] = pose[0] * UM, pose[1] * UM, pose[2] * DEG
     instants = np.array(sorted(asked))
-    answers = np.array([asked[time] for time in instants.tolist()]).reshape(-1, len(names), 2)
-    tips = np.empty((len(times), len(names), 2))
-    for k, axis in np.ndindex(len(names), 2):
-        tips[:, k, axis] = np.interp(times, instants, answers[:, k, axis]) * UM
+    answers = np.array([asked[time] for time in instants.tolist()]).reshape(-1, 2 * len(names)) * UM
+    # they turned and stopped between two answers, and were farther out than at either
+    instants, answers = with_corners(instants, answers, CORNER)
+    tips = np.stack([np.interp(times, instants, column) for column in answers.T], axis=-1)
     return Recording(
         file=file,
         probe_names=tuple(names),
         times=times - times[:1],
         poses=poses,
-        probes=tips,
+        probes=tips.reshape(-1, len(names), 2),
     )
 
 

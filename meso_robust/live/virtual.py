@@ -11,7 +11,7 @@ import math
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 
@@ -37,6 +37,7 @@ LEAST_DRAWN = 2.0  # um; radius of a tip that is taken as a point, as it is draw
 DRAWN_STEP = 0.5
 """um to which a tip's radius is drawn, a tenth of a usual pixel: drawings are kept from run to run."""
 _PLAIN = World()
+Seen = tuple[Floats, Mapping[str, Floats]]
 HISTORY = 600  # instants that a late camera can look back
 
 
@@ -348,9 +349,7 @@ class VirtualLaboratory:
 
     def _image(self, exposed: float) -> Image:
         world, at = self.truth.world, exposed - self.truth.world.latency
-        past = [one for one in self._past if one[0] <= at]
-        first = (0.0, self._part.pose if not self._past else self._past[0][1], dict[str, Floats]())
-        _, pose, tips = past[-1] if past else first
+        pose, tips = then(self._past, at) if self._past else (self._part.pose, {})
         c, s = math.cos(pose[2]), math.sin(pose[2])
         ox, oy = world.offset
         drift = exposed * np.array(world.seen_drift)
@@ -364,6 +363,28 @@ class VirtualLaboratory:
                 places[k] = (tips[name] + drift) * UM
         seen = shown * np.array([UM, UM, 1.0])
         return render(self._scene, seen, places, self._noise, exposed)
+
+
+def then(past: Sequence[tuple[float, Floats, Mapping[str, Floats]]], at: float) -> Seen:
+    """Pose of the part and places of the tips in the plane at an instant, even between two that are known.
+
+    Parameters
+    ----------
+    past
+        Instants in s, poses (3,) and places (2,) by name, in their order; one or more.
+    at
+        s; before the first: the first pose, and no tip.
+    """
+    after = bisect.bisect_right(past, at, key=lambda known: known[0])
+    if after == 0:
+        return past[0][1], {}
+    begun, pose, tips = past[after - 1]
+    if after == len(past):
+        return pose, tips
+    ended, later, others = past[after]
+    share = (at - begun) / (ended - begun)
+    moved = {name: tip + share * (others.get(name, tip) - tip) for name, tip in tips.items()}
+    return pose + share * (later - pose), moved
 
 
 def _scene(lab: Lab, truth: Truth) -> tuple[Scene, tuple[str, ...]]:

@@ -28,10 +28,11 @@ def set_hash(recordings: RecordingSet) -> str:
     head = (recordings.tip_radius, recordings.position_source, sensor.frame_rate, sigmas)
     digest.update(repr(head).encode())
     digest.update(np.ascontiguousarray(recordings.part.outline).tobytes())
-    if (
-        sensor.tip_sigma is not None
-    ):  # absent from sets that were hashed before there was such a key
+    # absent from sets that were hashed before there were such keys
+    if sensor.tip_sigma is not None:
         digest.update(repr(sensor.tip_sigma).encode())
+    if sensor.tip_offset is not None:
+        digest.update(repr(("tip_offset", sensor.tip_offset)).encode())
     for one in recordings.recordings:
         digest.update(repr((one.file, one.probe_names, len(one.times))).encode())
         for array in (one.times, one.poses, one.probes):

@@ -103,10 +103,11 @@ def _part(section: PartSection, path: Path) -> Rectangle | Polygon:
 
 def _sensor(section: SensorSection) -> SensorInfo:
     position, orientation = section.position_sigma_um, section.orientation_sigma_deg
-    tip = section.tip_sigma_um
+    tip, offset = section.tip_sigma_um, section.tip_offset_um
     return SensorInfo(
         frame_rate=section.frame_rate_hz,
         position_sigma=None if position is None else position * UM,
         orientation_sigma=None if orientation is None else orientation * DEG,
         tip_sigma=None if tip is None else tip * UM,
+        tip_offset=None if offset is None else offset * UM,
     )

@@ -31,6 +31,10 @@ class SensorInfo:
     tip_sigma
         Standard deviation in m of x and of y of a tip in the controller's log; None where it is
         unknown, to be estimated from straight travel.
+    tip_offset
+        Standard deviation in m of x and of y of what a tip is away from the controller's log throughout a
+        recording, and otherwise in the next: how well a manipulator finds a place. None: the log is taken
+        at its word.
 
     Raises
     ------
@@ -42,13 +46,14 @@ class SensorInfo:
     position_sigma: float | None = None
     orientation_sigma: float | None = None
     tip_sigma: float | None = None
+    tip_offset: float | None = None
 
     def __post_init__(self) -> None:
         """Check the fields."""
         if not 0.0 < self.frame_rate < math.inf:
             rule = "must be positive and finite"
             _refuse("frame_rate", f"{self.frame_rate} Hz", rule, "try 30 Hz")
-        for name in ("position_sigma", "orientation_sigma", "tip_sigma"):
+        for name in ("position_sigma", "orientation_sigma", "tip_sigma", "tip_offset"):
             value = getattr(self, name)
             if value is not None and not 0.0 <= value < math.inf:
                 rule = "must be finite and not negative"

@@ -65,6 +65,7 @@ def _values(recordings: RecordingSet) -> dict[str, Any]:
         "position_sigma_um": _in(sensor.position_sigma, UM),
         "orientation_sigma_deg": _in(sensor.orientation_sigma, DEG),
         "tip_sigma_um": _in(sensor.tip_sigma, UM),
+        "tip_offset_um": _in(sensor.tip_offset, UM),
     }
     return {
         "schema": SCHEMA,

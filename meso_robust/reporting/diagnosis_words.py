@@ -129,7 +129,18 @@ def standing_words(document: DiagnosisDocument, effect: EffectSection) -> str:
 
 
 def effect_words(effect: EffectSection) -> str:
-    """``dry_friction (support): ratio 0.21 [0.18, 0.24]``."""
+    """``dry_friction (support): ratio 0.21 [0.18, 0.24]``.
+
+    Parameters
+    ----------
+    effect
+        Of a diagnosis.
+
+    Returns
+    -------
+    str
+        Name, stage and values with their intervals and units.
+    """
     return f"{effect.name} ({effect.stage}): {parameters_words(effect.parameters)}"
 
 

@@ -59,11 +59,15 @@ def experiment_page(
                 word="Designed pushes" if found else "Pushes that identify the part",
                 colour="NEUTRAL",
                 meaning="Lay the part down as drawn, bring the tip to its start (free of contact), "
-                "start the recording, make the travel, lift the tip.",
+                f"start the recording, make the travel, draw the tip back by {number(bench.back / units.UM)} µm, "
+                f"lift it. Before, between and after let the camera run for {number(bench.rest)} s.",
                 figures=(
                     ("pushes", str(len(experiment.pushes))),
                     ("trials of each", str(bench.trials)),
-                    ("speed", f"{number(bench.speed / units.UM)} µm/s"),
+                    (
+                        "speed",
+                        " and ".join(f"{_um(rate * bench.speed)} µm/s" for rate in bench.rates),
+                    ),
                     ("radius of the tip", f"{number(bench.tip_radius / units.UM)} µm"),
                 ),
             ),
@@ -85,8 +89,9 @@ def _pushes(experiment: Experiment) -> pages.Section:
         "{} µm.</p>",
         number(experiment.bench.corner_margin / units.UM),
     )
-    heads = "push | ~part x, y, θ | ~tip | ~travel | ~place | "
-    rows = [_row(push) for push in experiment.pushes]
+    heads = "push | ~part x, y, θ | ~tip | ~travel | ~µm/s | ~place | "
+    speeds = [experiment.bench.speed_of(k) for k in range(len(experiment.pushes))]
+    rows = [_row(push, speed) for push, speed in zip(experiment.pushes, speeds, strict=True)]
     return pages.Section(
         "pushes",
         "The pushes",
@@ -152,8 +157,8 @@ def _panel(axes: Axes, experiment: Experiment, push: PlannedPush) -> None:
     axes.set_axis_off()
 
 
-def _row(push: PlannedPush) -> tuple[str, ...]:
-    """Cells of a push, um and deg."""
+def _row(push: PlannedPush, speed: float) -> tuple[str, ...]:
+    """Cells of a push, um and deg; its speed in m/s."""
     x, y, theta = push.start
     note = ""
     if push.moved_from_corner > 0.0:
@@ -164,6 +169,7 @@ def _row(push: PlannedPush) -> tuple[str, ...]:
         f"{_um(x)}, {_um(y)}, {number(theta / units.DEG)}°",
         f"{_um(push.tip[0])}, {_um(push.tip[1])}",
         f"{_um(push.travel[0])}, {_um(push.travel[1])}",
+        _um(speed),
         f"edge {push.edge}, {_um(push.place)}",
         pages.html('<span class="muted">{}</span>', note),
     )

@@ -18,6 +18,9 @@ from numba import config
 from meso_robust.simulator.batch import run_range, simulate
 from meso_robust.simulator.push import Push
 
+PATIENCE = 300.0
+"""s; it takes 20 s of a core, and machines may be busy or slow."""
+
 
 def begin() -> None:
     """Begin to compile what is not kept on disk yet; does nothing the second time."""
@@ -27,10 +30,15 @@ def begin() -> None:
 def wait() -> None:
     """Wait until it is compiled; does nothing if nothing was begun.
 
-    A process that failed is no error: the kernel is then compiled at its first call, as ever.
+    A process that failed, or that takes longer than `PATIENCE` and is ended, is no error: the kernel is then
+    compiled at its first call, as ever.
     """
     if _compiling.cache_info().currsize and (process := _compiling()) is not None:
-        process.wait()
+        try:
+            process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
 
 
 @cache

@@ -87,6 +87,25 @@ def why(made: Promise) -> str:
     return f"{said.claim} (move {open_.move}, {open_.action})"
 
 
+def settled_by(made: Promise) -> tuple[str, ...]:
+    """What would make a promise PROVED.
+
+    Parameters
+    ----------
+    made
+        The promise.
+
+    Returns
+    -------
+    tuple
+        In words, one for each thing that is missing; none if it is PROVED.
+    """
+    if made.broken:
+        return tuple(words(remedy(one)) for one in made.broken)
+    said = made.planned.certificate.reading.undecided
+    return () if said is None else (said.settled_by,)
+
+
 def _place(one: Standing) -> str:
     """Claim and derivation that rest on a premise, or what else there is to say."""
     return f"{one.claim}, {one.derivation}" if one.claim else _alone(one)
@@ -156,11 +175,14 @@ def _judged_words(made: Promise) -> list[str]:
             if one.word == BREAKS
             else f"no bounds of {one.name}: {one.said}"
             for one in made.broken
-        ] + [f"what would settle it: {words(remedy(one))}" for one in made.broken]
+        ] + [f"what would settle it: {one}" for one in settled_by(made)]
     said = certificate.reading.undecided
     if said is None:
         return []
-    return [f"not proved: {said.claim}", f"what would settle it: {said.settled_by}"]
+    return [
+        f"not proved: {said.claim}",
+        *(f"what would settle it: {one}" for one in settled_by(made)),
+    ]
 
 
 def _evidence_words(made: Promise) -> list[str]:

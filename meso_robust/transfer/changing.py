@@ -167,12 +167,13 @@ def _drift(u: dict[str, Any], share: float) -> None:
 def _radii(
     task: Task, document: ModelDocument, absorbed: Sequence[Absorbed]
 ) -> dict[str, list[float]]:
-    """Radii of the tips: as the recordings state them and the model corrects them, else as the task does."""
+    """Radii of the tips: of the task or, where they do not hold it, the recordings'; and as the model corrects them."""
     stated = 0.0 if document.probe is None else document.probe.tip_radius_um
     by = [sum(spelled(one.radius_um[k]) for one in absorbed) for k in (0, 1)]
     active, passive = task.probe.tip_radius_um, task.probe.passive_tip_radius_um
     found = {}
-    if stated or active is None:
+    # recordings state a radius and do not measure it: within what the task states it says nothing more
+    if active is None or (stated and not active[0] <= stated <= active[1]):
         active = (stated, stated)
     for key, ends in (("tip_radius_um", active), ("passive_tip_radius_um", passive)):
         if ends is not None:

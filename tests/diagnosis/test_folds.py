@@ -10,11 +10,13 @@ import pytest
 
 from meso_robust.diagnosis import folds
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.folds import RollOut, _step, _told, rolled_out
+from meso_robust.diagnosis.folds import RollOut, _step, _told, bench_of, rolled_out
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.problem import Fitted
+from meso_robust.recordings import RecordingSet
 from meso_robust.types import Floats
+from tests.diagnosis.conftest import baseline_of
 
 
 def test_every_recording_is_left_out_once(late: Diagnosis) -> None:
@@ -150,3 +152,50 @@ def test_a_start_that_still_frames_hardly_tell_stays_near_where_it_was_seen() ->
     away, quiet = np.array([300.0, -200.0, 100.0]), np.array([True])
     assert np.abs(_step(flat, away, quiet)).max() < 1.0
     assert _step(plain, away, quiet) == pytest.approx(away, rel=0.01)
+
+
+def test_where_a_tip_was_put_down_is_known_from_the_recording_alone_and_paid_for(
+    null_set: RecordingSet,
+) -> None:
+    """Tips are 3 µm off in one direction or the other, of which the set states the deviation."""
+    signs = np.random.default_rng(2).choice([-1.0, 1.0], (len(null_set.recordings), 2))
+    off = replace(
+        null_set,
+        recordings=tuple(
+            replace(one, probes=one.probes + 3e-6 * sign)
+            for one, sign in zip(null_set.recordings, signs, strict=True)
+        ),
+    )
+    stated = replace(off, sensor=replace(off.sensor, tip_offset=3e-6))
+
+    def left(recordings: RecordingSet) -> float:
+        baseline = baseline_of(recordings)
+        bench = bench_of(recordings, baseline, 0)
+        found = rolled_out(bench, baseline.model, baseline.fits.values[0])
+        return float(found.squares.sum() / bench.seen.sum())
+
+    plain, known, free = left(off), left(stated), left(null_set)
+    assert plain > 2.0
+    # four offsets a recording, each of them about one deviation, over some 500 data
+    assert free < known < free + 0.05
+
+
+def test_a_prediction_takes_a_tip_to_be_near_its_place_and_pays_for_the_rest(
+    late: Diagnosis,
+) -> None:
+    bench = late.grade.bench
+    settings = replace(late.baseline.settings, offset=1.5e-6)
+    unsure = replace(bench, baseline=replace(late.baseline, settings=settings))
+    offsets = np.zeros((len(bench.fold), 4))
+    offsets[3] = 1e-6 * np.array([1.5, -2.9, 8.0, -12.0])
+    expected = np.zeros_like(offsets)
+    expected[3] = 1e-6 * np.array([1.5, -2.9, 3.0, -3.0])
+
+    likely = folds._likely(unsure, offsets)
+    np.testing.assert_allclose(likely, expected, rtol=1e-12)
+
+    paid = folds._paid(unsure, likely) * bench.seen.sum(axis=(1, 2))
+    squares = 1.0 + (2.9 / 1.5) ** 2 + 4.0 + 4.0
+    np.testing.assert_allclose(paid, np.where(np.arange(len(paid)) == 3, squares, 0.0), rtol=1e-12)
+    assert not np.any(folds._likely(bench, np.zeros_like(offsets)))
+    assert not np.any(folds._paid(bench, np.zeros_like(offsets)))

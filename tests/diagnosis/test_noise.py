@@ -54,6 +54,24 @@ def test_noise_that_is_stated_is_believed() -> None:
     assert found.floor == 1.0
 
 
+@pytest.mark.parametrize(
+    ("stated", "least", "most"), [(1.0, 0.0, 0.05), (1.5, 0.2, 0.5), (20.0, 0.9, 0.9)]
+)
+def test_what_is_stated_beyond_the_scatter_stays_from_frame_to_frame(
+    stated: float, least: float, most: float
+) -> None:
+    """Of variances a² + b², b² of what stays, neighbours have the correlation b² / (a² + b²)."""
+    quiet = waiting(0.0)
+    sensor = replace(
+        quiet.sensor,
+        position_sigma=stated * float(SIGMA[0]),
+        orientation_sigma=stated * float(SIGMA[2]),
+    )
+    plain, found = noise_of(quiet), noise_of(replace(quiet, sensor=sensor))
+    assert abs(plain.correlation) < 4.0 * plain.correlation_error
+    assert least <= found.correlation <= most + 4.0 * plain.correlation_error
+
+
 @pytest.mark.parametrize("colour", [0.0, 0.5])
 def test_noise_of_a_known_colour_is_found_in_still_frames(colour: float) -> None:
     found = noise_of(unstated(waiting(colour)))

@@ -135,6 +135,10 @@ def test_a_push_that_may_leave_the_field_is_refused() -> None:
         ({"speed": np.inf}, "speed"),
         ({"tip_radius": np.nan}, "tip_radius"),
         ({"trials": 0}, "trials"),
+        ({"rates": ()}, "rates"),
+        ({"rates": (1.0, 0.0)}, "rates"),
+        ({"rest": -1.0}, "rest"),
+        ({"back": np.nan}, "back"),
         ({"field": (0.0, 1.0)}, "field"),
     ],
 )
@@ -174,6 +178,16 @@ def test_the_files_are_moves_like_those_of_a_plan_and_a_valid_set() -> None:
         tomllib.loads(experiment_files(standard_tests(TRIANGLE, BENCH))["set.toml"]), "set.toml"
     )
     assert polygon.part.polygon_um == ((-500.0, -300.0), (700.0, -300.0), (-200.0, 600.0))
+
+
+def test_speeds_take_turns_and_the_camera_runs_on() -> None:
+    bench = replace(BENCH, rates=(0.5, 2.0), rest=0.8, back=40e-6)
+    moves = json.loads(experiment_files(standard_tests(PART, bench))["experiment.json"])["moves"]
+    assert [move["speed_um_s"] for move in moves] == 4 * [37.5, 150.0]
+    assert {(move["rest_s"], move["back_um"]) for move in moves} == {(0.8, 40.0)}
+    page = experiment_page(standard_tests(PART, bench))
+    assert page.count(">37.5<") == page.count(">150.0<") == 4
+    assert "let the camera run for 0.8 s" in page
 
 
 def test_the_page_shows_every_push_and_needs_nothing_else() -> None:

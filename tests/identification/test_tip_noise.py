@@ -51,6 +51,36 @@ def test_friction_is_as_it_was_without_noise(clean: RecordingSet, sigma: float) 
     assert mu.high - mu.low < 0.006
 
 
+def test_tips_that_are_put_down_within_a_stated_error_do_not_look_like_friction(
+    clean: RecordingSet,
+) -> None:
+    """Each push has its tip elsewhere than its log says; the log alone contradicts itself."""
+    rng = np.random.default_rng(5)
+    elsewhere = replace(
+        clean,
+        recordings=tuple(
+            replace(one, probes=one.probes + 2.0 * UM * rng.normal(size=2))
+            for one in clean.recordings
+        ),
+    )
+    stated = replace(elsewhere, sensor=replace(clean.sensor, tip_offset=2.0 * UM))
+    assert (prepare(elsewhere).tip_offset, prepare(stated).tip_offset) == (0.0, 2.0 * UM)
+
+    undisturbed, plain, found = (identify(one, starts=2) for one in (clean, elsewhere, stated))
+
+    assert plain.quality is not None
+    assert found.quality is not None
+    assert plain.quality.chi2 > 1.5 * plain.quality.freedom
+    assert found.quality.chi2 < 1.1 * found.quality.freedom
+    before, after, told = (
+        next(profile for profile in one.profiles if profile.key == "mu")
+        for one in (undisturbed, plain, found)
+    )
+    # the camera's noise is that of the set without the errors, and so is what it makes of friction
+    assert abs(told.value - before.value) < 0.5 * abs(after.value - before.value)
+    assert told.low <= before.value <= told.high
+
+
 def test_only_a_log_with_noise_is_smoothed(clean: RecordingSet) -> None:
     assert path_sigma(clean) < 1e-12
     exact, noisy = prepare(clean), prepare(shaking(clean, 0.3 * UM))

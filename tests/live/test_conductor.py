@@ -43,6 +43,53 @@ def test_two_moves_and_the_end() -> None:
     assert rig.lifted
 
 
+def test_a_move_may_rest_before_and_after_and_draw_its_tips_back() -> None:
+    rig = Rig(Plan({**MOVE, "rest_s": 1.0, "back_um": 60.0}, DONE))
+    spent: dict[str, list[float]] = {}
+    while rig.conductor.outcome is None:
+        rig.turn()
+        spent.setdefault(rig.conductor.phase, []).append(rig.time)
+
+    assert (rig.conductor.outcome.outcome, rig.conductor.made) == ("done", 1)
+    assert [(c.name, c.x_um, c.y_um, c.speed_um_s) for c in rig.went] == [
+        ("dual", 1000.0, 0.0, 1000.0),
+        ("dual", 850.0, 0.0, 75.0),
+        ("dual", 910.0, 0.0, 75.0),
+    ]
+    phases = list(spent)  # in the order in which they began
+    assert phases[-6:] == ["checking", "pushing", "resting", "withdrawing", "raising", "ended"]
+    # a turn is 0.1 s, and a phase may begin anywhere in one
+    assert spent["checking"][-1] - spent["checking"][0] == pytest.approx(1.0, abs=0.11)
+    before = [time for time in spent["resting"] if time < spent["withdrawing"][0]]
+    after = [time for time in spent["resting"] if time > spent["withdrawing"][0]]
+    for times in (before, after):
+        assert times[-1] - times[0] == pytest.approx(1.0, abs=0.11)
+    assert rig.lifted
+
+
+@pytest.mark.parametrize("phase", ["resting", "withdrawing"])
+@pytest.mark.parametrize(
+    ("change", "word"), [({"y_um": 5.0}, "straight way"), ({"height_um": 50.0}, "left the plane")]
+)
+def test_tips_that_stay_down_are_watched(phase: str, change: dict[str, Any], word: str) -> None:
+    rig = Rig(Plan({**MOVE, "rest_s": 1.0, "back_um": 60.0}, DONE))
+    rig.until(phase)
+    rig.places["dual"] = replace(rig.places["dual"], **change)
+    rig.turn()
+    ending = rig.end()
+    assert ending.outcome == "fault"
+    assert word in ending.text
+
+
+def test_a_tip_that_cannot_be_drawn_back_is_a_fault() -> None:
+    rig = Rig(Plan({**MOVE, "back_um": 60.0}, DONE))
+    rig.until("resting")
+    rig.obey = False
+    ending = rig.end()
+    assert ending.outcome == "fault"
+    assert "stopped 60.0 um short" in ending.text
+
+
 def test_everything_is_halted_and_lifted_before_anything_is_looked_at() -> None:
     """What was going on when the program was killed ends there."""
     plan = Plan(MOVE, DONE)

@@ -3,46 +3,32 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
 from meso_robust.cli import app
-from meso_robust.identification.experiment import Bench, standard_tests
-from meso_robust.identification.experiment_document import experiment_files
-from meso_robust.live.lab_file import VirtualSection
-from meso_robust.live.virtual_bench import lab_of
-from meso_robust.recordings import Rectangle
-from meso_robust.task import load_task
+from meso_robust.live.designed import read_experiment
+from meso_robust.live.loading import load_lab
 from meso_robust.tasks import MICROSCOPE
+from reports.live.experiments import CONCEALED, NOTHING, Answer, laid_out, page
 from tests.nightly import at_night
 
-
-def toml(value: Any) -> str:
-    """A value in TOML, tables in one line."""
-    if isinstance(value, dict):
-        given = {key: one for key, one in value.items() if one is not None}
-        return "{" + ", ".join(f"{key} = {toml(one)}" for key, one in given.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(toml, value)) + "]"
-    return f'"{value}"' if isinstance(value, str) else str(value).lower()
+RIGHT = Answer(
+    concealed="dry_friction", values={"ratio": 0.15}, verdict="named", told=["dry_friction"],
+    words=["dry_friction (support): ratio 0.15 [0.14, 0.16]"], before_um=2.3, after_um=0.2,
+    planned="UNKNOWN", margin=None, advice="a laboratory without it", pushes_s=150.0, processor_s=60.0,
+)  # fmt: skip
 
 
 @at_night
-@pytest.mark.parametrize("effect", ["", "dry_friction"])
+@pytest.mark.parametrize("concealed", [NOTHING, "dry_friction"])
 def test_pushes_are_made_recorded_identified_diagnosed_and_planned_from(
-    effect: str, tmp_path: Path
+    concealed: str, tmp_path: Path
 ) -> None:
-    part = Rectangle(length=1616e-6, width=837e-6)
-    files = experiment_files(standard_tests(part, Bench(trials=1)))
-    (tmp_path / "experiment.json").write_text(files["experiment.json"], encoding="utf-8")
-    effects = {effect: {"ratio": 0.15}} if effect else {}
-    virtual = VirtualSection(seed=5, frame_rate_hz=12.0, effects=effects)
-    lab = lab_of(load_task(MICROSCOPE), "-x", virtual).model_dump(mode="json", by_alias=True)
-    text = "\n".join(f"{key} = {toml(value)}" for key, value in lab.items())
-    (tmp_path / "lab.toml").write_text(text, encoding="utf-8")
+    laid_out(concealed, tmp_path)
     out = tmp_path / "out"
     given = [
         "run", str(MICROSCOPE), "--experiment", str(tmp_path / "experiment.json"),
@@ -54,13 +40,58 @@ def test_pushes_are_made_recorded_identified_diagnosed_and_planned_from(
     assert found.exit_code in (0, 1), found.output
     assert len(list((out / "recordings").glob("*.csv"))) == 8
     assert (out / "identification" / "model.toml").exists(), found.output
-    said = found.output
-    if found.exit_code == 0:
-        assert "PROVED" in said
+    told = json.loads((out / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
+    named = {one["name"] for one in told["effects"]}
+    if concealed == NOTHING:
+        assert (told["verdict"], named) == ("consistent", set())
+        assert found.exit_code == 0
+        assert "PROVED" in found.output
     else:
-        assert "ended there: " in said or "UNKNOWN" in said or "REFUTED" in said
-    if effect:
-        # named, or said why not: never another name with confidence
-        told = json.loads((out / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
-        named = {one["name"] for one in told["effects"]}
-        assert effect in named if told["verdict"] == "named" else told["why"]
+        assert (told["verdict"], named) == ("named", {concealed})
+        ratio = told["effects"][0]["parameters"]["ratio"]
+        assert ratio["low"] <= CONCEALED[concealed]["ratio"] <= ratio["high"]
+        # no dry friction is within the premises of the proof, and the terminal says so
+        assert found.exit_code == 1
+        assert "to go on: a laboratory without dry friction, or a proof of" in found.output
+
+
+@pytest.mark.parametrize("concealed", CONCEALED)
+def test_a_case_is_laid_out_as_a_laboratory_would(concealed: str, tmp_path: Path) -> None:
+    laid_out(concealed, tmp_path)
+    effects = load_lab(tmp_path / "lab.toml").virtual.effects
+    assert effects == ({} if concealed == NOTHING else {concealed: CONCEALED[concealed]})
+    moves = read_experiment(tmp_path / "experiment.json").moves
+    assert {move.speed_um_s for move in moves} == {37.5, 150.0}
+    assert min(move.rest_s for move in moves) >= 1.0
+
+
+def test_only_what_was_concealed_and_nothing_else_is_right() -> None:
+    assert RIGHT.right
+    assert replace(RIGHT, verdict="partial").right
+    plain = replace(RIGHT, concealed=NOTHING, values={}, told=[], words=[], verdict="consistent")
+    assert plain.right
+    for wrong in (
+        replace(RIGHT, told=["dry_friction", "backlash"]),
+        replace(RIGHT, told=["uneven_support"]),
+        replace(RIGHT, verdict="ambiguous"),
+        replace(RIGHT, verdict="consistent", told=[]),
+        replace(plain, verdict="named"),
+        replace(plain, verdict=""),
+    ):
+        assert not wrong.right
+
+
+def test_the_page_counts_what_is_right_and_says_what_to_do() -> None:
+    missed = replace(
+        RIGHT, concealed="backlash", values={"width_um": 5.0}, verdict="unknown", told=[]
+    )
+    plain = replace(
+        RIGHT, concealed=NOTHING, values={}, told=[], words=[], verdict="consistent",
+        planned="PROVED", margin=1.48, advice="",
+    )  # fmt: skip
+    text = page([plain, RIGHT, missed])
+    assert "Of 2 effects that were concealed, one at a time, 1 are told" in text
+    assert "1 of 3 experiments end with a plan that is PROVED" in text
+    assert "| PROVED, margin 1.48 |" in text
+    assert "| 2.30 → 0.20 |" in text
+    assert text.count(": a laboratory without it") == 2

@@ -24,7 +24,7 @@ from meso_robust.live.lab_file import Lab, VirtualSection, WatchSection
 from meso_robust.live.loop import Words, run_loop
 from meso_robust.live.preflight import check_lab, trust_of
 from meso_robust.live.session import eye_of
-from meso_robust.live.virtual import VirtualLaboratory
+from meso_robust.live.virtual import VirtualLaboratory, then
 from meso_robust.live.virtual_bench import UNPACED, lab_of, laboratory_of
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import plan_document
@@ -201,6 +201,21 @@ def test_the_pushes_are_a_recording_set(good: Run, tmp_path: Path) -> None:
     way = tips[np.isfinite(tips[:, 0])]
     # the last frame before the tips are lifted may be 0.2 s old, at 75 um/s
     assert way[-1, 0] - way[0, 0] == pytest.approx(-185.2e-6, abs=16e-6)
+
+
+def test_a_camera_that_is_late_shows_what_was_between_two_known_instants() -> None:
+    past = [
+        (1.0, np.array([0.0, 10.0, 0.1]), {"stp": np.array([5.0, 0.0])}),
+        (1.2, np.array([2.0, 14.0, 0.3]), {"stp": np.array([7.0, 1.0]), "dtp_top": np.zeros(2)}),
+    ]
+    pose, tips = then(past, 1.05)
+    assert pose == pytest.approx([0.5, 11.0, 0.15])
+    assert list(tips) == ["stp"]
+    assert tips["stp"] == pytest.approx([5.5, 0.25])
+    for at, expected in ((0.9, 0), (1.0, 0), (1.2, 1), (9.0, 1)):
+        pose, tips = then(past, at)
+        assert np.all(pose == past[expected][1])
+        assert set(tips) == (set() if at < 1.0 else set(past[expected][2]))
 
 
 FAULTS: Mapping[str, tuple[Mapping[str, float], str]] = {

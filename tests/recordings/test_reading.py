@@ -275,6 +275,7 @@ def test_the_schema_lists_the_keys_of_the_format() -> None:
             "position_sigma_um",
             "orientation_sigma_deg",
             "tip_sigma_um",
+            "tip_offset_um",
             "frame_rate_hz",
         },
         "RecordingSection": {"file", "probes", "alike_orientations"},

@@ -84,6 +84,7 @@ def sets(draw: st.DrawFn) -> RecordingSet:
             position_sigma=draw(st.none() | st.floats(0.0, 1e-3)),
             orientation_sigma=draw(sigma),
             tip_sigma=draw(st.none() | st.floats(0.0, 1e-3)),
+            tip_offset=draw(st.none() | st.floats(0.0, 1e-3)),
         ),
         recordings=tuple(draw(recordings(file)) for file in files),
     )
@@ -107,6 +108,7 @@ def test_a_set_comes_back_within_the_digits_of_the_format(written: RecordingSet)
     assert same(found.sensor.position_sigma, written.sensor.position_sigma)
     assert same(found.sensor.orientation_sigma, written.sensor.orientation_sigma)
     assert same(found.sensor.tip_sigma, written.sensor.tip_sigma)
+    assert same(found.sensor.tip_offset, written.sensor.tip_offset)
     assert len(found.recordings) == len(written.recordings)
     for back, one in zip(found.recordings, written.recordings, strict=True):
         assert (back.file, back.probe_names) == (one.file, one.probe_names)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -79,6 +80,28 @@ def test_a_kernel_that_is_not_kept_is_compiled_once(
     ahead.begin()
     ahead.wait()
     assert [process.returncode for process in begun] == [3]
+
+
+def test_a_process_that_hangs_is_ended_and_holds_up_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begin, hanging = subprocess.Popen, [sys.executable, "-c", "import time; time.sleep(600)"]
+    processes: list[subprocess.Popen[bytes]] = []
+
+    def hung(_: list[str], *, stdin: int, stdout: int, stderr: int) -> subprocess.Popen[bytes]:
+        processes.append(begin(hanging, stdin=stdin, stdout=stdout, stderr=stderr))
+        return processes[-1]
+
+    monkeypatch.setattr(ahead, "_indices", list)
+    monkeypatch.setattr(ahead, "PATIENCE", 0.2)
+    monkeypatch.setattr(subprocess, "Popen", hung)
+    ahead.begin()
+    began = time.monotonic()
+    ahead.wait()
+    assert time.monotonic() - began < 60.0
+    (process,) = processes
+    assert process.returncode is not None
+    assert process.returncode != 0
 
 
 @pytest.mark.parametrize("age", [-1.0, 1.0])

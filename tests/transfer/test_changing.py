@@ -116,6 +116,21 @@ def test_recordings_with_round_tips_are_about_round_tips() -> None:
     assert real({}, probe={"tip_radius_um": 12.5}).task.probe.tip_radius_um == (12.5, 12.5)
 
 
+@pytest.mark.parametrize(
+    ("stated", "proved"),
+    [(12.5, (12.0, 13.0)), (12.0, (12.0, 13.0)), (13.0, (12.0, 13.0)), (11.9, (11.9, 11.9))],
+)
+def test_a_radius_that_recordings_restate_does_not_narrow_that_of_the_task(
+    stated: float, proved: tuple[float, float]
+) -> None:
+    values = paper_task().to_dict()
+    values["schema"] = "meso-robust/task/2"
+    values["probe"] |= {"tip_radius_um": [12.0, 13.0]}
+    document = model({}, probe={"tip_radius_um": stated})
+    found = changed(parse_task(values, "real"), document, standings(document, BUDGET))
+    assert found.task.probe.tip_radius_um == proved
+
+
 def test_a_task_of_round_tips_keeps_what_it_says_unless_the_model_says_more() -> None:
     """A stated passive tip is larger by the same as the others."""
     values = paper_task().to_dict()
