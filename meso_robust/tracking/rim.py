@@ -35,8 +35,8 @@ _OWN = 0.6  # share of a side's own variation, the rest being the mean of all: 2
 _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
 # displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px): middle and spread
 # of what etched foil under a 4x objective shows; they bind only where the image says nothing
-_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5)])
-_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4])
+_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4, 0.5])
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
 _LOOSEST = 2.5  # px; a larger displacement is no rim
@@ -120,7 +120,7 @@ def _whitener(mean: Floats, count: Floats, noise: Floats) -> Floats:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 
 
-def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float) -> Floats:
+def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: float) -> Floats:
     """(B, 6) background, its slope, meniscus, face, its slope, chamfer; each blurred."""
     z = x / blur
     out = ndtr(z)
@@ -128,20 +128,29 @@ def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float) -> Floats:
     def ramp(t: Floats) -> Floats:
         return t * ndtr(t / blur) + blur / math.sqrt(2.0 * math.pi) * np.exp(-0.5 * (t / blur) ** 2)
 
+    def bend(t: Floats) -> Floats:
+        z = t / blur
+        tail = blur / math.sqrt(2.0 * math.pi) * np.exp(-0.5 * z**2)
+        return 0.5 * ((t**2 + blur**2) * ndtr(z) + t * tail)
+
     rising = ramp(x)
     # exp(-x / h) for x > 0, blurred
     tail = 0.5 * np.exp(-0.5 * z**2) * erfcx((blur / meniscus - z) / math.sqrt(2.0))
-    rim = (ramp(x + chamfer) - rising) / chamfer - out
+    inner = ramp(x + chamfer)
+    straight = (inner - rising) / chamfer - out
+    rounded = 2.0 * inner / chamfer - 2.0 * (bend(x + chamfer) - bend(x)) / chamfer**2 - out
+    rim = straight + round_ * (rounded - straight)
     return np.column_stack((out, 0.1 * rising, tail, 1.0 - out, 0.1 * (x - rising), rim))
 
 
 def _design(given: _Profiles, unknown: Floats) -> Floats:
     """(S B, 4 S + 4): levels and slopes a side; meniscus, chamfer and its two cosines for all."""
     count = len(given.mean)
-    blur, chamfer, meniscus = np.exp(unknown[3:])
+    blur, chamfer, meniscus = np.exp(unknown[3:6])
     rows = np.zeros((count, len(_CENTRES), 4 * count + 4))
     for s, n in enumerate(given.normal):
-        shapes = _shapes(_CENTRES - n @ unknown[:2] - unknown[2], blur, chamfer, meniscus)
+        at = _CENTRES - n @ unknown[:2] - unknown[2]
+        shapes = _shapes(at, blur, chamfer, meniscus, unknown[6])
         rows[s, :, 4 * s : 4 * s + 4] = shapes[:, [0, 1, 3, 4]]
         rows[s, :, -4], rows[s, :, -3] = shapes[:, 2], shapes[:, 5]
         rows[s, :, -2:] = shapes[:, 5:] * n
@@ -190,6 +199,6 @@ def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
 
     begin = np.concatenate((start, _EXPECTED[2:]))
     try:
-        return least_squares(misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2], max_nfev=12)
+        return least_squares(misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3], max_nfev=12)
     except (ValueError, np.linalg.LinAlgError):  # a shape ran to infinity
         return None
