@@ -30,7 +30,10 @@ _FITTED = _BINS > _IN
 _CENTRES = _BINS[_FITTED]
 _LEAST = 150  # pixels a side must show
 _CLEAR = 5.0  # px from the outline, where neither rim nor meniscus reach
-_LAG, _ALIKE = 6, 1.2  # bins between values that are compared, and px over which what varies is alike
+_LAG, _ALIKE = (
+    6,
+    1.2,
+)  # bins between values that are compared, and px over which what varies is alike
 _OWN = 0.6  # share of a side's own variation, the rest being the mean of all: 20 px tell little
 _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
 # displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px): middle and spread
@@ -199,6 +202,8 @@ def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
 
     begin = np.concatenate((start, _EXPECTED[2:]))
     try:
-        return least_squares(misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3], max_nfev=12)
+        return least_squares(
+            misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3], max_nfev=12
+        )
     except (ValueError, np.linalg.LinAlgError):  # a shape ran to infinity
         return None
