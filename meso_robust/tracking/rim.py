@@ -90,16 +90,16 @@ def _binned(
         count, total, square = (
             np.bincount(k, grey[near] ** power, minlength=len(_BINS)) for power in (0, 1, 2)
         )
-        seen = count > 0.0
-        mean = total[seen] / count[seen]
-        noises.append(np.mean(np.maximum(square[seen] / count[seen] - mean**2, 0.0)))
-        means.append(np.interp(_BINS, _BINS[seen], mean))
+        filled = count > 0
+        level = total[filled] / count[filled]
+        noises.append(np.mean(np.maximum(square[filled] / count[filled] - level**2, 0.0)))
+        means.append(np.interp(_BINS, _BINS[filled], level))
         counts.append(count)
         normals.append(n)
     if not means:
         return _Profiles(np.empty((0, 0)), np.empty((0, 0, 0)), np.empty((0, 2)))
-    mean, count = np.array(means), np.array(counts)
-    whitener = _whitener(mean, count, np.array(noises))
+    mean, pixels = np.array(means), np.array(counts, dtype=float)
+    whitener = _whitener(mean, pixels, np.array(noises))
     return _Profiles(mean[:, _FITTED], whitener, np.array(normals))
 
 
