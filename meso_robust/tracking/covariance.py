@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from meso_robust.types import Floats, Ints
 
-SIDE_SIGMA = 0.05
-"""px; how far one side as a whole may seem displaced or tilted by texture, halo and background: the
-value assumed before the residuals are seen, worth SIDE_COUNT observations."""
+SIDE_SHARE = 0.6
+"""Share of the spread of a fit's residuals by which one side as a whole may seem displaced or tilted by
+texture, halo and background: assumed before the sides are seen, worth SIDE_COUNT observations."""
 SIDE_COUNT = 4.0
 SIDE_TILT = 1.3
 """Displacement of a side's ends by its tilt, relative to that of the side as a whole."""
 LAMP_SIGMA = 0.5
 """px; by how much oblique light displaces a part, along each axis, before the image is seen."""
-LAMP_FLOOR = 0.025
-"""px; what remains of a displacement towards the lamp however small it was found."""
-LAMP_SHARE = 0.05
-"""And the share of it that the rim model (:mod:`meso_robust.tracking.rim`) gets wrong."""
-LAMP_SCATTER = 2.5
-"""And how many of the standard deviations of that model's fit, whose misfit is not independent."""
+LAMP_FLOOR = 0.015
+"""px; what the rim model (:mod:`meso_robust.tracking.rim`) gets wrong however well it fits."""
+LAMP_SCATTER = 0.75
+"""Errors over what the fit of that model states: chamfer and blur vary less than it grants them."""
 
 
 def clustered(design: Floats, weight: Floats, residual: Floats, starts: Ints) -> Floats:
@@ -55,34 +55,63 @@ def side_modes(side: Ints) -> Floats:
     return np.array(modes)
 
 
-def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) -> Floats:
-    """Covariance (k, k) from sides displaced or tilted as a whole (:func:`side_modes`).
+class Systematic(NamedTuple):
+    """Sides displaced or tilted as a whole (:func:`side_modes`).
 
-    What the fit could not absorb of such displacements shows in the residuals; their variance is
-    taken together with SIDE_SIGMA, as that many observations more.
+    Attributes
+    ----------
+    sigma
+        (2 S,) px; standard deviation of each mode.
+    response
+        (2 S, 3) by how much each displaces the pose (u, v, angle) in the part's axes, a px.
+    """
+
+    sigma: Floats
+    response: Floats
+
+    def covariance(self, turn: Floats, known: Floats | None) -> Floats:
+        """(3, 3) in the image's axes, with ``turn`` (2, 2) from the part's to them.
+
+        ``known`` (2 S, 2) are displacements by the modes that were measured and are taken off: what
+        is left of them is how much they differ from those of the present frame.
+        """
+        moved = self.response.copy()
+        moved[:, :2] = self.displacement(turn) - (0.0 if known is None else known)
+        scaled = moved * self.sigma[:, None]
+        return scaled.T @ scaled
+
+    def displacement(self, turn: Floats) -> Floats:
+        """(2 S, 2) px of the part in the image's axes, a px of each mode."""
+        return self.response[:, :2] @ turn.T
+
+
+def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) -> Systematic:
+    """How far sides may be displaced or tilted as a whole, and what that does to the pose.
+
+    What the fit could not absorb of such displacements shows in the residuals. Those by light, which
+    displace sides without tilting them, say nothing of tilts: the two kinds are told apart.
     """
     weighted, squared = modes * weight, modes**2
-    response = weighted @ design @ _bread(design, weight)
+    pull = weighted @ design
+    response = pull @ _bread(design, weight)
     power = squared @ weight
-    seen = weighted @ residual / np.maximum(power, 1e-9)
     used = power > 0.05 * squared.sum(axis=1)
-    freedom = max(int(used.sum()) - design.shape[1], 0)
-    total = SIDE_COUNT * SIDE_SIGMA**2 + float(np.sum(seen[used] ** 2))
-    return total / (SIDE_COUNT + freedom) * response.T @ response
+    left = np.eye(len(modes)) - response @ pull.T / np.maximum(power, 1e-9)
+    seen = np.where(used, weighted @ residual / np.maximum(power, 1e-9), 0.0)
+    expected = SIDE_SHARE**2 * float(weight @ residual**2) / max(float(weight.sum()), 1e-9)
+    sigma = np.empty(len(modes))
+    for kind in (slice(0, None, 2), slice(1, None, 2)):
+        free = float(np.sum((left[kind, kind] ** 2)[used[kind]][:, used[kind]]))
+        total = SIDE_COUNT * expected + float(np.sum(seen[kind] ** 2))
+        sigma[kind] = np.sqrt(total / (SIDE_COUNT + free))
+    return Systematic(sigma, response[:, :3])
 
 
-def lamp_estimate(displacement: Floats, fit: Floats) -> tuple[Floats, Floats]:
-    """Displacement (2,) px towards the lamp given its least squares, and the covariance (3, 3).
-
-    ``fit`` (2, 2) is the covariance that the least squares state. Where they can hardly tell, the
-    displacement is drawn to what it is beforehand: zero, give or take LAMP_SIGMA.
-    """
-    sigma = np.hypot(LAMP_FLOOR, LAMP_SHARE * np.hypot(*displacement))
-    stated = sigma**2 * np.eye(2) + LAMP_SCATTER**2 * fit
-    gain = LAMP_SIGMA**2 * np.linalg.inv(LAMP_SIGMA**2 * np.eye(2) + stated)
+def lamp_covariance(fit: Floats) -> Floats:
+    """(3, 3) of the pose from the covariance (2, 2) px² of the displacement by oblique light."""
     full = np.zeros((3, 3))
-    full[:2, :2] = gain @ stated
-    return gain @ displacement, full
+    full[:2, :2] = LAMP_SCATTER**2 * fit + LAMP_FLOOR**2 * np.eye(2)
+    return full
 
 
 def fused(a: Floats, cov_a: Floats, b: Floats, cov_b: Floats) -> tuple[Floats, Floats]:

@@ -95,7 +95,8 @@ def judged(piece: Patch, outline: Outline, fit: EdgeFit, memory: Memory, lens: L
     edge_pose[:2] -= memory.lamp
     turn = rotation(edge_pose[2])
     noise = turned(clustered(outline.design, fit.weight, fit.residual, outline.starts), turn)
-    common = turned(systematic(outline.design, fit.weight, fit.residual, outline.modes), turn)
+    sides = systematic(outline.design, fit.weight, fit.residual, outline.modes)
+    common = sides.covariance(turn, None)
     pose, covariance = edge_pose, noise
     if memory.template is not None:
         face = registered(piece, memory.template, edge_pose, lens)
@@ -109,7 +110,8 @@ def judged(piece: Patch, outline: Outline, fit: EdgeFit, memory: Memory, lens: L
         ):
             anchored = face.covariance + memory.anchor_covariance
             pose, covariance = fused(edge_pose, noise, face.pose, anchored)
-    covariance = covariance + common + memory.lamp_covariance
+    # a side's error was taken off together with the light's, as it was in the frames of that
+    covariance = covariance + sides.covariance(turn, memory.lit) + memory.lamp_covariance
     support = _support(outline.design[:, :3], fit.visible, agrees)
     fault = _fault(score, share, support, noise + common)
     return Measured(fit, piece, pose, covariance, edge_pose, noise, score, share, fault)

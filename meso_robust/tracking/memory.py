@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.tracking.covariance import LAMP_SIGMA, lamp_estimate
+from meso_robust.tracking.covariance import LAMP_SIGMA, lamp_covariance, systematic
 from meso_robust.tracking.edge_pattern import Pattern, single_step
-from meso_robust.tracking.edges import Lens, Outline, learned_pattern
+from meso_robust.tracking.edges import EdgeFit, Lens, Outline, learned_pattern, rotation
 from meso_robust.tracking.rim import LampFit, lamp_displacement
 from meso_robust.tracking.sampling import Patch
 from meso_robust.tracking.ssd import Appearance, Template, added, blank, template
@@ -35,6 +35,8 @@ class Memory:
         How many frames were learned from.
     lamps
         Displacement by oblique light in each frame where it could be measured.
+    lit
+        (2 S, 2) displacement by a px of each side's modes in the first of them; None: in none.
     edge_covariance
         (3, 3) of one learned pose.
     """
@@ -44,6 +46,7 @@ class Memory:
     template: Template | None
     frames: int
     lamps: tuple[LampFit, ...]
+    lit: Floats | None
     edge_covariance: Floats
 
     @property
@@ -61,7 +64,7 @@ class Memory:
             return np.zeros(2), LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
         middle = np.median([fit.displacement for fit in self.lamps], axis=0)
         mean = np.mean([fit.covariance for fit in self.lamps], axis=0)
-        return lamp_estimate(np.asarray(middle), mean)
+        return np.asarray(middle), lamp_covariance(np.asarray(mean))
 
     @property
     def anchor_covariance(self) -> Floats:
@@ -72,7 +75,7 @@ class Memory:
 
 def untaught(corners: Floats) -> Memory:
     """Nothing learned yet of the part with ``corners`` (V, 2) px."""
-    return Memory(single_step(), blank(corners), None, 0, (), np.zeros((3, 3)))
+    return Memory(single_step(), blank(corners), None, 0, (), None, np.zeros((3, 3)))
 
 
 def with_pattern(of: Memory, piece: Patch, outline: Outline, pose: Floats, lens: Lens) -> Memory:
@@ -81,14 +84,20 @@ def with_pattern(of: Memory, piece: Patch, outline: Outline, pose: Floats, lens:
 
 
 def with_light(
-    of: Memory, frame: Bytes, mask: Bytes | None, outline: Outline, pose: Floats, lens: Lens
+    of: Memory, frame: Bytes, mask: Bytes | None, outline: Outline, edges: EdgeFit, lens: Lens
 ) -> Memory:
     """The memory with the displacement by oblique light in one more frame."""
     if len(of.lamps) >= LAMP_FRAMES:
         return of
     near = of.lamps[-1].displacement if of.lamps else None
-    lamp = lamp_displacement(frame, mask, outline, pose, lens, near)
-    return of if lamp is None else replace(of, lamps=(*of.lamps, lamp))
+    lamp = lamp_displacement(frame, mask, outline, edges.pose, lens, near)
+    if lamp is None:
+        return of
+    lit = of.lit
+    if lit is None:
+        sides = systematic(outline.design, edges.weight, edges.residual, outline.modes)
+        lit = sides.displacement(rotation(edges.pose[2]))
+    return replace(of, lamps=(*of.lamps, lamp), lit=lit)
 
 
 def with_face(of: Memory, piece: Patch, pose: Floats, covariance: Floats, lens: Lens) -> Memory:

@@ -6,6 +6,8 @@ frame. The residuals of the edges cannot show it. What can is the shape of the p
 resolution: the pixels along a slanted side sample it far finer than a px, and the step from the
 background to the rim does not move with the rim's brightness. So all sides are fitted together by
 background | meniscus | edge | chamfer with a brightness linear in the cosine to the lamp | face.
+Rolling lines, grain and dust beside an edge are no noise of pixels: along a side they are alike. How
+much of that there is shows deeper in the face and farther out, and the fit weighs the profiles by it.
 """
 
 from __future__ import annotations
@@ -22,18 +24,24 @@ from meso_robust.tracking.edges import CORNER, Lens, Outline, placed, rotation
 from meso_robust.types import Floats, Image as Bytes
 
 _IN, _OUT, _BIN = -10.0, 9.0, 0.25  # px inward and outward of the outline, and a bin
-_CENTRES = np.arange(_IN, _OUT, _BIN) + 0.5 * _BIN
+_DEEP = -24.0  # px inward to which the face is looked at to tell how it varies
+_BINS = np.arange(_DEEP, _OUT, _BIN) + 0.5 * _BIN
+_FITTED = _BINS > _IN
+_CENTRES = _BINS[_FITTED]
 _LEAST = 150  # pixels a side must show
+_CLEAR = 5.0  # px from the outline, where neither rim nor meniscus reach
+_LAG, _ALIKE = (
+    6,
+    1.2,
+)  # bins between values that are compared, and px over which what varies is alike
+_OWN = 0.6  # share of a side's own variation, the rest being the mean of all: 20 px tell little
+_FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
 # displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px): middle and spread
 # of what etched foil under a 4x objective shows; they bind only where the image says nothing
-_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5)])
-_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4])
-_TRUST = 3.0  # weight of what is expected: profiles agree with the model to some grey steps only
-_GREY = 1.0 / 6.0  # weight of a grey step: one is believed where 36 pixels say so
+_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4, 0.5])
 # a strongly lit rim may have been taken for the edge on one side and not on the other
-_STARTS = 1.2 * np.array(
-    [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]]
-)
+_STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
 _LOOSEST = 2.5  # px; a larger displacement is no rim
 
 
@@ -47,8 +55,8 @@ class LampFit(NamedTuple):
 class _Profiles(NamedTuple):
     mean: Floats
     """(S, B) grey value a side and bin."""
-    weight: Floats
-    """(S, B) square root of the pixels in a bin."""
+    whitener: Floats
+    """(S, B, B) that makes what varies and the noise of a side's bins independent and of variance 1."""
     normal: Floats
     """(S, 2) outward, in the image."""
 
@@ -67,27 +75,55 @@ def _binned(
     if mask is not None:
         grey[mask[v, u].ravel() != 0] = np.nan
     at = lens.ideal(np.column_stack((u.ravel(), v.ravel())).astype(float))
-    means, weights, normals = [], [], []
+    means, counts, noises, normals = [], [], [], []
     for side in np.unique(outline.side):
         a, b = corners[side], corners[(side + 1) % len(corners)]
         length = float(np.hypot(*(b - a)))
         along = (b - a) / length
         n = rotation(pose[2]) @ outline.normals[np.argmax(outline.side == side)]
         x, t = (at - a) @ along, (at - a) @ n
-        near = (x > 1.5 * CORNER) & (x < length - 1.5 * CORNER) & (t > _IN) & (t < _OUT)
+        near = (x > 1.5 * CORNER) & (x < length - 1.5 * CORNER) & (t > _DEEP) & (t < _OUT)
         near &= np.isfinite(grey)
-        if near.sum() < _LEAST:
+        if (near & (t > _IN)).sum() < _LEAST:
             continue
-        k = ((t[near] - _IN) / _BIN).astype(int)
-        count = np.bincount(k, minlength=len(_CENTRES)).astype(float)
-        total = np.bincount(k, grey[near], minlength=len(_CENTRES))
-        means.append(total / np.maximum(count, 1.0))
-        weights.append(np.sqrt(count))
+        k = ((t[near] - _DEEP) / _BIN).astype(int)
+        count, total, square = (
+            np.bincount(k, grey[near] ** power, minlength=len(_BINS)) for power in (0, 1, 2)
+        )
+        filled = count > 0
+        level = total[filled] / count[filled]
+        noises.append(np.mean(np.maximum(square[filled] / count[filled] - level**2, 0.0)))
+        means.append(np.interp(_BINS, _BINS[filled], level))
+        counts.append(count)
         normals.append(n)
-    return _Profiles(np.array(means), np.array(weights), np.array(normals))
+    if not means:
+        return _Profiles(np.empty((0, 0)), np.empty((0, 0, 0)), np.empty((0, 2)))
+    mean, pixels = np.array(means), np.array(counts, dtype=float)
+    whitener = _whitener(mean, pixels, np.array(noises))
+    return _Profiles(mean[:, _FITTED], whitener, np.array(normals))
 
 
-def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float) -> Floats:
+def _whitener(mean: Floats, count: Floats, noise: Floats) -> Floats:
+    """(S, B, B) from all bins of the means (S, D), their pixels, and the variance (S,) of a pixel."""
+    apart = 0.5 * (mean[:, _LAG:] - mean[:, :-_LAG]) ** 2
+    apart[(count[:, _LAG:] == 0.0) | (count[:, :-_LAG] == 0.0)] = np.nan
+    face, film = _BINS[_LAG:] < -_CLEAR, _BINS[:-_LAG] > 0.9 * _CLEAR
+    alike = np.exp(-0.5 * ((_CENTRES[:, None] - _CENTRES) / _ALIKE) ** 2)
+    covariance = np.zeros((len(mean), len(_CENTRES), len(_CENTRES)))
+    for where, share in ((face, ndtr(-_CENTRES)), (film, ndtr(_CENTRES))):
+        seen = np.isfinite(apart[:, where])
+        total = np.where(seen, apart[:, where], 0.0).sum(axis=1)
+        common = total.sum() / max(seen.sum(), 1)
+        own = total / np.maximum(seen.sum(axis=1), 1)
+        varied = np.where(seen.any(axis=1), _OWN * own + (1.0 - _OWN) * common, common) + _FLOOR**2
+        covariance += varied[:, None, None] * alike * np.outer(share, share)
+    # a bin without a pixel says nothing
+    single = noise[:, None] / np.maximum(count[:, _FITTED], 1e-6) + _FLOOR**2
+    covariance += single[:, :, None] * np.eye(len(_CENTRES))
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+
+def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: float) -> Floats:
     """(B, 6) background, its slope, meniscus, face, its slope, chamfer; each blurred."""
     z = x / blur
     out = ndtr(z)
@@ -95,24 +131,33 @@ def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float) -> Floats:
     def ramp(t: Floats) -> Floats:
         return t * ndtr(t / blur) + blur / math.sqrt(2.0 * math.pi) * np.exp(-0.5 * (t / blur) ** 2)
 
+    def bend(t: Floats) -> Floats:
+        z = t / blur
+        tail = blur / math.sqrt(2.0 * math.pi) * np.exp(-0.5 * z**2)
+        return 0.5 * ((t**2 + blur**2) * ndtr(z) + t * tail)
+
     rising = ramp(x)
     # exp(-x / h) for x > 0, blurred
     tail = 0.5 * np.exp(-0.5 * z**2) * erfcx((blur / meniscus - z) / math.sqrt(2.0))
-    rim = (ramp(x + chamfer) - rising) / chamfer - out
+    inner = ramp(x + chamfer)
+    straight = (inner - rising) / chamfer - out
+    rounded = 2.0 * inner / chamfer - 2.0 * (bend(x + chamfer) - bend(x)) / chamfer**2 - out
+    rim = straight + round_ * (rounded - straight)
     return np.column_stack((out, 0.1 * rising, tail, 1.0 - out, 0.1 * (x - rising), rim))
 
 
 def _design(given: _Profiles, unknown: Floats) -> Floats:
     """(S B, 4 S + 4): levels and slopes a side; meniscus, chamfer and its two cosines for all."""
     count = len(given.mean)
-    blur, chamfer, meniscus = np.exp(unknown[3:])
+    blur, chamfer, meniscus = np.exp(unknown[3:6])
     rows = np.zeros((count, len(_CENTRES), 4 * count + 4))
     for s, n in enumerate(given.normal):
-        shapes = _shapes(_CENTRES - n @ unknown[:2] - unknown[2], blur, chamfer, meniscus)
+        at = _CENTRES - n @ unknown[:2] - unknown[2]
+        shapes = _shapes(at, blur, chamfer, meniscus, unknown[6])
         rows[s, :, 4 * s : 4 * s + 4] = shapes[:, [0, 1, 3, 4]]
         rows[s, :, -4], rows[s, :, -3] = shapes[:, 2], shapes[:, 5]
         rows[s, :, -2:] = shapes[:, 5:] * n
-    return (rows * given.weight[:, :, None]).reshape(-1, 4 * count + 4)
+    return (given.whitener @ rows).reshape(-1, 4 * count + 4)
 
 
 def lamp_displacement(
@@ -139,15 +184,13 @@ def lamp_displacement(
     fit = min(fits, key=lambda one: one.cost)
     if np.hypot(*fit.x[:2]) > _LOOSEST:
         return None
-    # the profiles' misfit is the model's, not noise: it is taken as it is, as if it were independent
-    variance = 2.0 * fit.cost / max(len(fit.fun) - 4 * len(given.mean) - 10, 1)
-    covariance = variance * np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)[:2, :2]
+    covariance = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)[:2, :2]
     return LampFit(-fit.x[:2], covariance)
 
 
 def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
     """Least squares over displacement (2), δ and shape, the levels being solved for within."""
-    target = (given.mean * given.weight).ravel()
+    target = (given.whitener @ given.mean[:, :, None]).ravel()
 
     def misfit(unknown: Floats) -> Floats:
         design = _design(given, unknown)
@@ -155,10 +198,12 @@ def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
         normal = unit.T @ unit
         normal[np.diag_indices(len(normal))] += 1e-6
         rest = target - unit @ np.linalg.solve(normal, unit.T @ target)
-        return np.append(_GREY * rest, _TRUST * (unknown - _EXPECTED) / _SPREAD)
+        return np.append(rest, (unknown - _EXPECTED) / _SPREAD)
 
     begin = np.concatenate((start, _EXPECTED[2:]))
     try:
-        return least_squares(misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2], max_nfev=12)
+        return least_squares(
+            misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3], max_nfev=12
+        )
     except (ValueError, np.linalg.LinAlgError):  # a shape ran to infinity
         return None

@@ -240,7 +240,7 @@ Rendered video of a 1616 x 837 um part at 5.26 um/px, 640 x 480, noise, blur, te
 compression and the direction of the light drawn at random for every film; the part rests, then
 moves and turns. Errors against the rendered pose. "Coverage": share of the 90 % intervals of u, v
 and angle that contain the truth; an error is much alike through a film, so it is worth about as many
-draws as there are films. The constants of the covariance were set on seeds 0 and 1, this is seed {seed}.
+draws as there are films. The constants of the covariance were set on other films, this is seed {seed}.
 "ms": processor time of the tracker a frame, median, one core. The part is in sight
 in every frame, so "no pose" should be 0.
 

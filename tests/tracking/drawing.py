@@ -45,10 +45,13 @@ def textured(pose: Floats, blur: float = 1.0) -> Floats:
     return plain(pose, blur) + waves * inside
 
 
-def obliquely_lit(pose: Floats, lamp: Floats, blur: float = 1.0, width: float = 3.0) -> Floats:
+def obliquely_lit(
+    pose: Floats, lamp: Floats, blur: float = 1.0, width: float = 3.0, rounded: bool = False
+) -> Floats:
     """A rectangle whose chamfer, ``width`` px wide, is brighter towards ``lamp`` (2,) of the image.
 
-    The chamfer is 90 grey steps darker than the face at the edge, rising linearly to the face.
+    The chamfer is 90 grey steps darker than the face at the edge, rising linearly to the face, or,
+    ``rounded``, as a parabola that is level at the edge.
     """
     x, y = body_coordinates(pose)
     fine = np.arange(-200.0, 200.0, 0.02)
@@ -61,6 +64,8 @@ def obliquely_lit(pose: Floats, lamp: Floats, blur: float = 1.0, width: float = 
     def slab(values: Floats, half: float, lit: float) -> tuple[Floats, Floats]:
         inside = (np.abs(fine) < half).astype(float)
         ramp = np.clip(1.0 - (half - np.abs(fine)) / width, 0.0, 1.0) * inside
+        ramp = 1.0 - (1.0 - ramp) ** 2 if rounded else ramp
+        ramp *= inside
         rim = ramp * (-90.0 + lit * np.sign(fine))
         blurred = [np.convolve(one, kernel, "same") for one in (inside, rim)]
         return np.interp(values, fine, blurred[0]), np.interp(values, fine, blurred[1])

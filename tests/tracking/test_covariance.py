@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.tracking.covariance import clustered, fused, systematic, turned
+from meso_robust.tracking.covariance import SIDE_SHARE, clustered, fused, systematic, turned
 from meso_robust.tracking.edges import rotation, sampled_outline
 from tests.tracking.drawing import CORNERS
 
@@ -30,17 +30,41 @@ def test_clustered_errors_are_reported_as_large_as_they_are() -> None:
 
 
 def test_displaced_sides_are_reported() -> None:
-    """Each side displaced and tilted at random by 0.05 px, as is assumed beforehand."""
+    """Each side displaced and tilted at random by 0.05 px, as residuals of that spread let expect."""
     rng, design = np.random.default_rng(1), OUTLINE.design
-    weight = np.ones(len(design))
+    weight, level = np.ones(len(design)), np.eye(2)
     solutions, stated = [], []
     for _ in range(600):
         error = rng.normal(0.0, 0.05, len(OUTLINE.modes)) @ OUTLINE.modes
         solution = np.linalg.lstsq(design, error, rcond=None)[0]
-        solutions.append(solution)
-        stated.append(np.diag(systematic(design, weight, error - design @ solution, OUTLINE.modes)))
+        residual = error - design @ solution
+        scattered = residual + rng.normal(0.0, 0.04 / SIDE_SHARE, len(residual))
+        solutions.append(solution[:3])
+        sides = systematic(design, weight, scattered, OUTLINE.modes)
+        stated.append(np.diag(sides.covariance(level, None)))
     ratio = np.mean(stated, axis=0) / np.var(solutions, axis=0)
     assert np.all((ratio > 0.75) & (ratio < 1.35))
+
+
+def test_tilts_are_not_expected_from_sides_that_light_displaces() -> None:
+    design, weight = OUTLINE.design, np.ones(len(OUTLINE.design))
+    outward = np.array([1.0, -1.0, 1.0, -1.0]) @ OUTLINE.modes[::2]  # long sides out, short ones in
+    sides = systematic(design, weight, 0.2 * outward, OUTLINE.modes)
+    assert sides.sigma[::2].min() > 2.0 * sides.sigma[1::2].max()
+
+
+def test_of_what_was_measured_only_the_change_is_left() -> None:
+    """Sides keep their errors; the part turned by 0.7 rad since the displacement was measured."""
+    rng, design = np.random.default_rng(3), OUTLINE.design
+    weight = np.ones(len(design))
+    sides = systematic(design, weight, rng.normal(0.0, 0.3, len(design)), OUTLINE.modes)
+    before, now = rotation(0.2), rotation(0.9)
+    errors = (rng.normal(0.0, 1.0, (20000, len(sides.sigma))) * sides.sigma) @ OUTLINE.modes
+    own = errors @ np.linalg.pinv(design).T
+    left = np.column_stack((own[:, :2] @ (now - before).T, own[:, 2]))
+    stated = sides.covariance(now, sides.displacement(before))
+    assert np.allclose(np.diag(stated) / left.var(axis=0), 1.0, atol=0.1)
+    assert np.abs(sides.covariance(before, sides.displacement(before))[:2]).max() < 1e-12
 
 
 def test_two_estimates_are_weighted_by_their_information() -> None:

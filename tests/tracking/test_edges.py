@@ -20,7 +20,15 @@ from meso_robust.tracking.edges import (
 from meso_robust.tracking.rim import lamp_displacement
 from meso_robust.tracking.sampling import patch
 from meso_robust.types import Floats, Image as Bytes
-from tests.tracking.drawing import CORNERS, digitised, obliquely_lit, plain
+from tests.tracking.drawing import (
+    CORNERS,
+    HALF,
+    body_coordinates,
+    covered,
+    digitised,
+    obliquely_lit,
+    plain,
+)
 
 ELL = np.array([[-90.0, -60], [110, -60], [110, 10], [0, 10], [0, 80], [-90, 80]])
 POSE = np.array([317.37, 241.81, 0.41])
@@ -115,6 +123,32 @@ def test_oblique_light_displaces_the_edges_and_is_recognised(azimuth: float) -> 
     fit = lamp_displacement(image, None, sampled_outline(CORNERS), edges, Lens())
     assert fit is not None
     assert np.abs(displaced - fit.displacement).max() < 0.1
+
+
+def test_a_round_chamfer_is_told_from_a_straight_one() -> None:
+    lamp = np.array([30.0, 25.0])
+    drawn = obliquely_lit(POSE, lamp, width=4.0, rounded=True)
+    image = digitised(drawn, np.random.default_rng(5), 1.0)
+    edges = fitted(image, POSE + NEARBY)
+    fit = lamp_displacement(image, None, sampled_outline(CORNERS), edges, Lens())
+    assert fit is not None
+    assert np.abs((edges - POSE)[:2] - fit.displacement).max() < 0.06
+
+
+def test_lines_along_a_side_displace_the_light_no_more_than_is_stated() -> None:
+    """As rolling leaves them: alike along a side, different from line to line."""
+    rng = np.random.default_rng(6)
+    x, y = body_coordinates(POSE)
+    inside = covered(x, HALF[0], 0.8) * covered(y, HALF[1], 0.8)
+    outline, off = sampled_outline(CORNERS), []
+    for _ in range(6):
+        lines = np.convolve(rng.normal(0.0, 9.0, 700), np.full(6, 1.0 / 6.0), "same")
+        across = np.interp(y, np.linspace(-100.0, 100.0, 700), lines)
+        drawn = obliquely_lit(POSE, np.zeros(2)) + inside * across
+        fit = lamp_displacement(digitised(drawn, rng, 1.0), None, outline, POSE, Lens())
+        assert fit is not None
+        off.append(fit.displacement / np.sqrt(np.diag(fit.covariance)))
+    assert np.sqrt(np.mean(np.square(off))) < 1.6
 
 
 def test_even_light_is_not_taken_for_oblique() -> None:

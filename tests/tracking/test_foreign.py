@@ -1,0 +1,36 @@
+"""The foreign renderer itself, against closed forms, and the line of its table."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reports.tracking.foreign import LOOKS, SHAPES, Camera, row
+
+PLAIN = replace(LOOKS["bright rim"], rim=0.0, halo=0.0, texture=0.0, noise=0.0)
+POSE = np.array([158.3, 121.7, 0.4])
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_part_has_its_area_and_lies_where_it_should(shape: str) -> None:
+    camera = Camera(PLAIN, SHAPES[shape], np.random.default_rng(0))
+    camera.tilt = np.zeros(2)
+    cover = (camera.frame(POSE, None) - PLAIN.film) / (PLAIN.face - PLAIN.film)
+    x, y = SHAPES[shape].T
+    cross = x * np.roll(y, -1) - y * np.roll(x, -1)
+    area = 0.5 * cross.sum()
+    middle = np.array([((k + np.roll(k, -1)) * cross).sum() / (6.0 * area) for k in (x, y)])
+    c, s = math.cos(POSE[2]), math.sin(POSE[2])
+    v, u = np.mgrid[: cover.shape[0], : cover.shape[1]]
+    assert cover.sum() == pytest.approx(area, rel=2e-3)
+    seen = np.array([(cover * u).sum(), (cover * v).sum()]) / cover.sum()
+    assert seen == pytest.approx(POSE[:2] + np.array([[c, -s], [s, c]]) @ middle, abs=0.02)
+
+
+def test_the_table_says_what_was_measured() -> None:
+    error = np.array([[0.3, -0.4, 0.0], [0.3, 0.4, 0.001]])
+    sigma = np.array([[0.2, 0.3, 0.01], [0.05, 0.2, 0.01]])
+    assert row("x", error, sigma, 1) == "| x | 3 | 1 | 0.300 | 0.400 | 0.0405 | 50 / 50 / 100 | 1 |"
