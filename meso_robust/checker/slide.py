@@ -35,7 +35,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
-from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.dual import Dual, Point, once
 from meso_robust.checker.film import EVEN
 from meso_robust.checker.grip import D, Drag, Grip, Real, S, Sides
 from meso_robust.checker.guess import Flow, Guess, first_ahead
@@ -236,9 +236,9 @@ class _Curves:
 TWO, THREE, SIX = (Ends.exactly(np.full((1, 1), value)) for value in (2.0, 3.0, 6.0))
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Piece:
-    """A piece of the tube."""
+    """A piece of the tube, equal only to itself."""
 
     first: float
     """h at its start, m."""
@@ -252,7 +252,7 @@ class Piece:
 
     def grip(self, at: Point) -> Grip:
         """Any grip in the tube, by the shares ``done`` of the travel and ``share`` of the width."""
-        return self.grip_at(self.h(at["done"]), at)
+        return once((self, "grip"), at, lambda: self.grip_at(self.h(at["done"]), at))
 
     def grip_at(self, h: Dual, at: Point) -> Grip:
         """The same by h."""
