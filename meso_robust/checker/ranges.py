@@ -12,6 +12,7 @@ import heapq
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from flint import arb
@@ -167,17 +168,32 @@ def positive(of: Formula, box: Box, *, cuts: int = CUTS) -> bool:
     return bool(least(of, box, above=ZERO, cuts=cuts) > 0)
 
 
-def lows(of: Callable[[Point], Sequence[Dual]], box: Box) -> list[arb]:
-    """Proved lower bounds of several formulas over ``box``, which is not cut."""
-    middle = {name: side_of(((low + high) / 2).mid()) for name, (low, high) in box.items()}
-    reach = {name: abs(whole(box[name]) - middle[name][0]) for name in box}
+@dataclass(frozen=True, slots=True)
+class Around:
+    """A box and its middle, as points at which several formulas are looked at."""
+
+    whole: Remembered
+    middle: Remembered
+    reach: Mapping[str, arb]
+    """By how much each variable differs from its middle at most."""
+
+    @classmethod
+    def of(cls, box: Box) -> Around:
+        """Of a box."""
+        middle = {name: side_of(((low + high) / 2).mid()) for name, (low, high) in box.items()}
+        reach = {name: abs(whole(box[name]) - middle[name][0]) for name in box}
+        return cls(point_of(box), point_of(middle), reach)
+
+
+def lows(of: Callable[[Point], Sequence[Dual]], around: Around) -> list[arb]:
+    """Proved lower bounds of several formulas over a box, which is not cut."""
 
     def low(wide: Dual, there: Dual) -> arb:
-        off = sum((abs(slope) * reach[name] for name, slope in wide.slopes.items()), ZERO)
+        off = sum((abs(slope) * around.reach[n] for n, slope in wide.slopes.items()), ZERO)
         found = _finite(wide.value.lower(), NEVER)
         return found.max(_finite((there.value - off).lower(), NEVER))
 
-    return list(map(low, of(point_of(box)), of(point_of(middle))))
+    return list(map(low, of(around.whole), of(around.middle)))
 
 
 def span(of: Formula, box: Box, *, within: float = 1e-12) -> Side:

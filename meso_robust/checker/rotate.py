@@ -28,7 +28,7 @@ from flint import arb
 
 from meso_robust.checker import statement as st
 from meso_robust.checker.approach import Approach, approaches, pose_from
-from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.dual import Dual, Point, once
 from meso_robust.checker.grip import Forces, Grip, S
 from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.inputs import PoseBox
@@ -46,6 +46,7 @@ from meso_robust.checker.pushing import (
 )
 from meso_robust.checker.ranges import (
     ZERO,
+    Around,
     Box,
     Formula,
     Side,
@@ -188,6 +189,7 @@ class _Turn:
             if one.rests is not None
         ]
         self.pieces = enclose(self.box, starts, h, h_end)
+        self.around = Around.of(self.states())
         self.near, self.far = self._straight("depth"), self._straight("depth_far")
         for must, spare in (
             (Must.NO_JAM, (self._open,)),
@@ -217,13 +219,16 @@ class _Turn:
         )
 
     def _in_piece(self, of: Callable[[Point], tuple[Dual, ...]]) -> bool:
-        states = self.states()
         return all(
-            low > 0 or positive(component(of, k), states) for k, low in enumerate(lows(of, states))
+            low > 0 or positive(component(of, k), self.states())
+            for k, low in enumerate(lows(of, self.around))
         )
 
     def _corners(self, piece: Piece, at: Point) -> list[Forces]:
         """The forces at the corners of both cones; numerators and divisor are linear in the ratios."""
+        return once((piece, "corners"), at, lambda: self._forces_at_corners(piece, at))
+
+    def _forces_at_corners(self, piece: Piece, at: Point) -> list[Forces]:
         grip, drag, (mu_D, mu_S) = piece.grip(at), drag_of(at), ratios_of(at)
         ends = itertools.product(SIGNS, repeat=2)
         return [grip.forces(drag, mu_D * k, mu_S * k_S) for k, k_S in ends]
@@ -272,7 +277,7 @@ class _Turn:
 
         for piece in self.pieces:
             of = functools.partial(forces, piece)
-            for k, low in enumerate(lows(of, states)):
+            for k, low in enumerate(lows(of, self.around)):
                 if -low > first:  # bounded with more care only where it may matter
                     low = low.max(least(component(of, k), states, within=NEAR_FORCE))
                 first = first.max(-low)

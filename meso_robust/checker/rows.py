@@ -13,7 +13,7 @@ in two ways: as an interval, and by the mean value theorem from that at the midd
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -26,7 +26,7 @@ from meso_robust.checker.ranges import Box, Side, whole
 Floats: TypeAlias = npt.NDArray[np.float64]
 EPS = 2.0**-51
 """Relative; four times what rounding takes, as the end that is moved is rounded as well."""
-TINY = 2.0**-1000
+TINY = 2.0**-800
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,13 +56,12 @@ class Boxes:
         """The variables, each with slope 1 along itself."""
         middle = np.clip(0.5 * (self.low + self.high), self.low, self.high)
         reach = _up(np.maximum(self.high - middle, middle - self.low))
-        slopes = np.eye(len(self.names))
+        ends = np.array([np.hstack([-self.low, -middle]), np.hstack([self.high, middle])])
         found = {}
         for k, name in enumerate(self.names):
-            low, high = (np.concatenate([end[k], middle[k]]) for end in (self.low, self.high))
-            own = np.broadcast_to(slopes[:, k, None], (len(self.names), 2 * self.count))
-            stack = [np.concatenate([end[None], own]) for end in (low, high)]
-            found[name] = Rows(stack[0], stack[1], reach)
+            own = np.zeros((2, 1 + len(self.names), 2 * self.count))
+            own[:, 0], own[0, 1 + k], own[1, 1 + k] = ends[:, k], -1.0, 1.0
+            found[name] = Rows(own, reach)
         return found
 
 
@@ -70,8 +69,8 @@ class Boxes:
 class Rows:
     """Enclosures of a quantity (first row) and its slopes (the others; none of a constant)."""
 
-    low: Floats
-    high: Floats
+    ends: Floats
+    """Lower ends with their signs changed, and upper ends: both grow as an interval widens."""
     reach: Floats | None = None
     """By how much each variable differs from its middle at most."""
 
@@ -81,29 +80,37 @@ class Rows:
     def constant(cls, value: Any) -> Rows:
         """The same number in every column, or one a column."""
         if isinstance(value, arb):
-            zero = np.zeros((1, 1))
-            ends = (zero, zero) if value.is_zero() else _around(value)
-            return cls(*(end.reshape(1, 1) for end in ends))
+            ends = np.zeros((2, 1)) if value.is_zero() else _around(value)
+            return cls(ends.reshape(2, 1, 1))
         exact = np.asarray(value, dtype=np.float64).reshape(1, -1)
-        return cls(exact, exact)
+        return cls(np.array([-exact, exact]))
+
+    @property
+    def low(self) -> Floats:
+        """Lower ends."""
+        return -self.ends[0]
+
+    @property
+    def high(self) -> Floats:
+        """Upper ends."""
+        return self.ends[1]
+
+    @property
+    def single(self) -> bool:
+        """Whether there are no slopes."""
+        return self.ends.shape[1] == 1
 
     def __neg__(self) -> Rows:
-        return Rows(-self.high, -self.low, self.reach)
+        return Rows(self.ends[::-1], self.reach)
 
     def __add__(self, other: Any) -> Rows:
         one, two = self, _rows(other)
-        if len(one.low) < len(two.low):
+        if one.ends.shape[1] < two.ends.shape[1]:
             one, two = two, one
-        if len(two.low) == len(one.low):
-            return Rows(*_outward(one.low + two.low, one.high + two.high), one.reach)
-        low, high = _outward(one.low[:1] + two.low, one.high[:1] + two.high)
-        width = low.shape[1]
-        wide = (len(one.low) - 1, width)
-        low, high = (
-            np.concatenate([first, np.broadcast_to(end[1:], wide)])
-            for first, end in ((low, one.low), (high, one.high))
-        )
-        return Rows(low, high, one.reach)
+        if two.ends.shape[1] == one.ends.shape[1]:
+            return Rows(_outward(one.ends + two.ends), one.reach)
+        value = _outward(one.ends[:, :1] + two.ends)
+        return Rows(_with_slopes(value, one.ends[:, 1:]), one.reach)
 
     __radd__ = __add__
 
@@ -114,16 +121,18 @@ class Rows:
         return -self + other
 
     def __mul__(self, other: Any) -> Rows:
+        if isinstance(other, int | float):
+            ends = self.ends if other >= 0 else self.ends[::-1]
+            return Rows(_outward(ends * abs(other)), self.reach)
         one, two = self, _rows(other)
-        if len(one.low) < len(two.low):
+        if one.ends.shape[1] < two.ends.shape[1]:
             one, two = two, one
-        first = two.low[:1]
-        last = first if two.low is two.high else two.high[:1]
-        low, high = _product(first, last, one.low, one.high)
-        if len(two.low) > 1:
-            less, more = _product(one.low[:1], one.high[:1], two.low[1:], two.high[1:])
-            low[1:], high[1:] = _outward(low[1:] + less, high[1:] + more)
-        return Rows(low, high, one.reach)
+        ends = _product(two.ends[:, :1], one.ends)
+        if not two.single:
+            slopes = ends[:, 1:]
+            slopes += _product(one.ends[:, :1], two.ends[:, 1:])
+            _outward(slopes)
+        return Rows(ends, one.reach)
 
     __rmul__ = __mul__
 
@@ -134,75 +143,69 @@ class Rows:
         return self._inverse() * other
 
     def _inverse(self) -> Rows:
-        low, high = self.low[:1], self.high[:1]
-        safe = (low > 0) | (high < 0)
-        ends = _outward(np.where(safe, 1 / high, -np.inf), np.where(safe, 1 / low, np.inf))
-        own = Rows(*ends)
-        return own if len(self.low) == 1 else self._chain(own, -own.squared())
+        ends = self.ends[:, :1]
+        safe = (ends < 0).any(axis=0)
+        own = Rows(_outward(np.where(safe, -1 / ends[::-1], np.inf)))
+        return own if self.single else self._chain(own, -own.squared())
 
     def _chain(self, value: Rows, slope: Rows) -> Rows:
-        if len(self.low) == 1:
+        if self.single:
             return value
-        less, more = _product(slope.low, slope.high, self.low[1:], self.high[1:])
-        ends = np.concatenate([value.low, less]), np.concatenate([value.high, more])
-        return Rows(*ends, self.reach)
+        return Rows(_with_slopes(value.ends, _product(slope.ends, self.ends[:, 1:])), self.reach)
 
     def plain(self) -> Rows:
         """The value without its slopes."""
-        return Rows(self.low[:1], self.high[:1])
+        return Rows(self.ends[:, :1])
 
     def change(self) -> Rows:
         """The slopes, of the value zero."""
-        zero = np.zeros((1, self.low.shape[1]))
-        low, high = (np.concatenate([zero, end[1:]]) for end in (self.low, self.high))
-        return Rows(low, high, self.reach)
+        ends = self.ends.copy()
+        ends[:, 0] = 0.0
+        return Rows(ends, self.reach)
 
     def moving(self, slopes: Rows) -> Rows:
         """The value with other slopes."""
-        if len(slopes.low) == 1:
+        if slopes.single:
             return self.plain()
-        width = max(self.low.shape[1], slopes.low.shape[1])
-        ends = [
-            np.concatenate([np.broadcast_to(a[:1], (1, width)), b[1:]])
-            for a, b in ((self.low, slopes.low), (self.high, slopes.high))
-        ]
-        return Rows(ends[0], ends[1], slopes.reach)
+        return Rows(_with_slopes(self.ends[:, :1], slopes.ends[:, 1:]), slopes.reach)
 
     def squared(self) -> Rows:
         """Its square, never negative."""
-        low, high = self.low[:1], self.high[:1]
-        most = np.maximum(-low, high)
-        least = np.maximum(np.maximum(low, -high), 0.0)
-        less, more = _outward(least * least, most * most)
-        own = Rows(np.where(least > 0, less, 0.0), more)
-        return own if len(self.low) == 1 else self._chain(own, self.plain() * 2.0)
+        ends = self.ends[:, :1]
+        least = np.maximum(-ends.min(axis=0), 0.0)
+        own = _outward(np.array([-least * least, np.square(ends.max(axis=0))]))
+        own[0] = np.where(least > 0, own[0], 0.0)
+        value = Rows(own)
+        return value if self.single else self._chain(value, self.plain() * 2)
 
     def sqrt(self) -> Rows:
         """Square root; not a number where the radicand may be negative."""
-        low, high = _outward(np.sqrt(self.low[:1]), np.sqrt(self.high[:1]))
-        own = Rows(np.where(low < 0, 0.0, low), high)
-        return own if len(self.low) == 1 else self._chain(own, 0.5 * own._inverse())
+        low, high = -self.ends[0, :1], self.ends[1, :1]
+        own = _outward(np.array([-np.sqrt(low), np.sqrt(high)]))
+        own[0] = np.where(own[0] > 0, 0.0, own[0])
+        value = Rows(own)
+        return value if self.single else self._chain(value, value._inverse() * 0.5)
 
     def sin_cos(self) -> tuple[Rows, Rows]:
         """Sine and cosine, from those of one angle amid all and the Taylor polynomials about it.
 
         Not a number where an angle is more than :data:`FAR` from it.
         """
-        ends = self.low[0], self.high[0]
-        amid = float(0.5 * (ends[0].min() + ends[1].max()))
-        s, c = (Ends(*_around(part)) for part in arb(amid).sin_cos())
-        off = Ends(*_outward(ends[0] - amid, ends[1] - amid))
-        reach = np.maximum(-off.low, off.high)
+        own = self.ends[:, 0]
+        amid = float(0.5 * (own[1].max() - own[0].max()))
+        s, c = (Ends(_around(part)[:, None]) for part in arb(amid).sin_cos())
+        off = Ends(_outward(own + np.array([[amid], [-amid]])))
+        reach = off.ends.max(axis=0)
         near = np.where(reach < FAR, 0.0, np.nan)
-        square = Ends(*(end[0] for end in (Rows(off.low[None], off.high[None]).squared().ends())))
-        rest = REMAINDER * np.array([-1.0, 1.0])[:, None] + near
-        sine, cosine = (Ends(rest[0], rest[1]), Ends(rest[0], rest[1]))
+        square = Ends(Rows(off.ends[:, None]).squared().ends[:, 0])
+        rest = np.full(own.shape, REMAINDER) + near
+        sine, cosine = Ends(rest), Ends(rest)
         for n in range(TERMS, -1, -1):
             sine = sine * square + _factor(2 * n + 1, (-1) ** n)
             cosine = cosine * square + _factor(2 * n, (-1) ** n)
         sine = sine * off
-        both = s * cosine + c * sine, c * cosine + s * sine * MINUS
-        sin, cos = (Rows(one.low[None], one.high[None]) for one in both)
+        both = s * cosine + c * sine, c * cosine + -(s * sine)
+        sin, cos = (Rows(one.ends[:, None]) for one in both)
         return self._chain(sin, cos), self._chain(cos, -sin)
 
     def tan(self) -> Rows:
@@ -210,127 +213,138 @@ class Rows:
         sine, cosine = self.sin_cos()
         return sine / cosine
 
-    def ends(self) -> tuple[Floats, Floats]:
-        """Lower and upper ends."""
-        return self.low, self.high
-
     def tight(self) -> Rows:
         """The same, the value over a box narrowed by that at its middle and the slopes."""
-        if self.reach is None or len(self.low) == 1:
+        if self.reach is None or self.single:
             return self
-        low, high = self.low.copy(), self.high.copy()
-        count = self.reach.shape[1]
-        less, more = self.by_middle()
-        low[0, :count] = np.maximum(low[0, :count], less)
-        high[0, :count] = np.minimum(high[0, :count], more)
-        return Rows(low, high, self.reach)
+        ends, count = self.ends.copy(), self.reach.shape[1]
+        ends[:, 0, :count] = np.minimum(ends[:, 0, :count], self.by_middle())
+        return Rows(ends, self.reach)
 
-    def by_middle(self) -> tuple[Floats, Floats]:
-        """Both ends over each box by the mean value theorem."""
+    def by_middle(self) -> Floats:
+        """Both ends over each box by the mean value theorem, as in ``ends``."""
         if self.reach is None:
             raise ValueError("a constant has no middle")
         count = self.reach.shape[1]
-        steep = np.maximum(-self.low[1:, :count], self.high[1:, :count])
-        off = _up(_up(steep * self.reach).sum(axis=0) * (1.0 + len(steep) * EPS))
-        return _outward(self.low[0, count:] - off, self.high[0, count:] + off)
+        off = _up(self.steepest(count) * self.reach).sum(axis=0)
+        off = _up(off * (1.0 + len(self.reach) * EPS))
+        return _outward(self.ends[:, 0, count:] + off)
+
+    def steepest(self, count: int) -> Floats:
+        """Largest absolute values of the slopes over the first boxes."""
+        return np.asarray(self.ends[:, 1:, :count].max(axis=0))
 
 
 FAR, TERMS = 0.5, 6
 """rad, and terms of a Taylor polynomial besides the first."""
 REMAINDER = 1e-9
 """Bound of the first coefficients that are left out, 1/15! and 1/14!, with all that follow."""
-MINUS = np.array(-1.0)
 
 
 def _factor(n: int, sign: int) -> Ends:
     """1/n! with a sign."""
-    return Ends(*_around(arb(sign) / math.factorial(n)))
+    return Ends(_around(arb(sign) / math.factorial(n))[:, None])
 
 
-def _around(value: arb) -> tuple[Floats, Floats]:
+def _around(value: arb) -> Floats:
+    """Ends of the doubles around a number, as in :class:`Rows`."""
     low, high = float(value.lower()), float(value.upper())
-    return np.array(math.nextafter(low, -math.inf)), np.array(math.nextafter(high, math.inf))
+    return np.array([-math.nextafter(low, -math.inf), math.nextafter(high, math.inf)])
 
 
 def choose(first: npt.NDArray[np.bool_], one: Rows, other: Rows) -> Rows:
     """``one`` in some columns, ``other`` in the rest; both with slopes."""
-    low, high = np.where(first, one.low, other.low), np.where(first, one.high, other.high)
-    return Rows(low, high, one.reach)
+    return Rows(np.where(first, one.ends, other.ends), one.reach)
 
 
 def _rows(value: Any) -> Rows:
     return value if isinstance(value, Rows) else Rows.constant(value)
 
 
-def _outward(low: Floats, high: Floats) -> tuple[Floats, Floats]:
+def _with_slopes(value: Floats, slopes: Floats) -> Floats:
+    """Ends of a value and of its slopes in one array; either may be the same in every column."""
+    wide = max(value.shape[2], slopes.shape[2])
+    ends = np.empty((2, 1 + slopes.shape[1], wide))
+    ends[:, :1], ends[:, 1:] = value, slopes
+    return ends
+
+
+def _outward(ends: Floats) -> Floats:
     """Ends of what was just worked out, moved outward in place."""
-    for end, move in ((low, np.subtract), (high, np.add)):
-        off = np.abs(end)
-        off *= EPS
-        off += TINY
-        move(end, off, out=end)
-    return low, high
+    off = np.abs(ends)
+    off *= EPS
+    off += TINY
+    ends += off
+    return ends
 
 
 def _up(value: Floats) -> Floats:
     return np.asarray(value + (np.abs(value) * EPS + TINY))
 
 
-def _product(a: Floats, b: Floats, c: Floats, d: Floats) -> tuple[Floats, Floats]:
-    """Of the intervals from a to b and from c to d."""
-    if a is b:
-        p, q = a * c, a * d
-        return _outward(np.minimum(p, q), np.maximum(p, q))
-    p, q, r, s = a * c, a * d, b * c, b * d
-    low, high = np.minimum(p, q), np.maximum(p, q)
-    np.minimum(low, np.minimum(r, s, out=p), out=low)
-    np.maximum(high, np.maximum(r, s, out=q), out=high)
-    return _outward(low, high)
+def _product(one: Floats, other: Floats) -> Floats:
+    """Ends of the products of two intervals."""
+    # the products of unlike ends with their signs changed, and of like ends
+    unlike, like = one * other[::-1], one * other
+    ends = np.empty_like(like)
+    np.maximum(unlike[0], unlike[1], out=ends[0])
+    np.maximum(like[0], like[1], out=ends[1])
+    np.minimum(like[0], like[1], out=like[0])
+    np.minimum(unlike[0], unlike[1], out=like[1])
+    np.negative(like, out=like)
+    np.maximum(ends, like, out=ends)
+    return _outward(ends)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ends:
-    """Intervals without slopes, in arrays of any shape."""
+    """Intervals without slopes, in arrays of any shape; ends as in :class:`Rows`."""
 
-    low: Floats
-    high: Floats
+    ends: Floats
 
-    def __add__(self, other: Ends | Floats) -> Ends:
-        two = other if isinstance(other, Ends) else Ends(other, other)
-        return Ends(*_outward(self.low + two.low, self.high + two.high))
+    @classmethod
+    def exactly(cls, value: Floats) -> Ends:
+        """Of numbers."""
+        return cls(np.array([-value, value]))
 
-    def __mul__(self, other: Ends | Floats) -> Ends:
-        two = other if isinstance(other, Ends) else Ends(other, other)
-        return Ends(*_product(two.low, two.high, self.low, self.high))
+    @classmethod
+    def of(cls, values: Sequence[Rows]) -> Ends:
+        """What some quantities can be, a row each."""
+        every = np.broadcast_arrays(*(value.ends[:, 0] for value in values))
+        return cls(np.stack(every, axis=1))
+
+    def __neg__(self) -> Ends:
+        return Ends(self.ends[::-1])
+
+    def __add__(self, other: Ends) -> Ends:
+        return Ends(_outward(self.ends + other.ends))
+
+    def __mul__(self, other: Ends) -> Ends:
+        return Ends(_product(other.ends, self.ends))
 
     def row(self, k: int) -> Ends:
         """One row."""
-        return Ends(self.low[k], self.high[k])
+        return Ends(self.ends[:, k])
 
     def rows(self) -> Ends:
         """All but the first."""
-        return Ends(self.low[1:], self.high[1:])
+        return Ends(self.ends[:, 1:])
 
     def total(self) -> Ends:
         """Sums over the first axis."""
-        found = Ends(self.low[0], self.high[0])
-        for k in range(1, len(self.low)):
-            found = found + Ends(self.low[k], self.high[k])
+        found = self.row(0)
+        for k in range(1, self.ends.shape[1]):
+            found = found + self.row(k)
         return found
-
-
-def ends_of(value: Rows) -> Ends:
-    """What a quantity can be, without its slopes."""
-    return Ends(value.low[0], value.high[0])
 
 
 def joined(value: Ends, slopes: Mapping[int, Ends], like: Rows) -> Rows:
     """A quantity from its value and those of its slopes that are not zero, by their places."""
-    low, high = np.zeros_like(like.low), np.zeros_like(like.low)
-    low[0], high[0] = value.low, value.high
+    ends = np.zeros_like(like.ends)
+    ends[:, 0] = value.ends
     for place, slope in slopes.items():
-        low[1 + place], high[1 + place] = slope.low, slope.high
-    return Rows(low, high, like.reach)
+        ends[:, 1 + place] = slope.ends
+    return Rows(ends, like.reach)
 
 
 EXACT = arb(1e-14)
@@ -428,24 +442,22 @@ def _judged(
     off = np.zeros(count)
     if mean is not None:
         slopes = of(boxes.points(), columns)
-        off = _up(slopes.high[1 + mean, :count] - slopes.low[1 + mean, :count])
+        off = _up(_slope_widths(slopes, count)[mean])
         off = _up(off * (boxes.high[mean] - boxes.low[mean]) / 8)
         boxes = boxes.halfway(mean)
     for left in range(NARROWED, -1, -1):
         value = of(boxes.points(), columns)
-        grows, falls = value.low[1:, :count] >= 0, value.high[1:, :count] <= 0
+        grows, falls = (end <= 0 for end in value.ends[:, 1:, :count])
         high = np.where(grows, boxes.low, boxes.high)
         low = np.where(falls & ~grows, boxes.high, boxes.low)
         if left == 0 or bool((low == boxes.low).all() and (high == boxes.high).all()):
             break
         boxes = Boxes(boxes.names, low, high)
-    bound = np.maximum(value.low[0, :count], value.by_middle()[0])
+    bound = -np.minimum(value.ends[0, 0, :count], value.by_middle()[0])
     if mean is not None:
         bound = np.nextafter(bound - off, -np.inf)
-    attained = value.high[0, count:] - off
-    steep = np.maximum(-value.low[1:, :count], value.high[1:, :count])
-    if mean is not None:
-        steep = value.high[1:, :count] - value.low[1:, :count]
+    attained = value.ends[1, 0, count:] - off
+    steep = value.steepest(count) if mean is None else _slope_widths(value, count)
     return (
         np.where(np.isfinite(bound), bound, -np.inf),
         np.where(np.isfinite(attained), attained, np.inf),
@@ -453,3 +465,8 @@ def _judged(
         boxes if mean is None else every,
         np.where(np.isfinite(steep), steep, 1e30),
     )
+
+
+def _slope_widths(value: Rows, count: int) -> Floats:
+    """How far the ends of each slope are apart, to the nearest double."""
+    return np.asarray(value.ends[:, 1:, :count].sum(axis=0))

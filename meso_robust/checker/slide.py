@@ -35,7 +35,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
-from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.dual import Dual, Point, once
 from meso_robust.checker.film import EVEN
 from meso_robust.checker.grip import D, Drag, Grip, Real, S, Sides
 from meso_robust.checker.guess import Flow, Guess, first_ahead
@@ -50,7 +50,6 @@ from meso_robust.checker.rows import (
     Rows,
     boxes_of,
     choose,
-    ends_of,
     halves,
     joined,
     lowest,
@@ -205,12 +204,12 @@ class _Curves:
         self, at: Mapping[str, Rows], places: Mapping[str, int], which: Where
     ) -> tuple[Grip, Rows]:
         """The grip on some of the curves, and the rates of these."""
-        done, (a, b, c, d) = at["done"], self.coefficients[..., which]
-        now = ends_of(done)
-        share = Ends(now.low[None], now.high[None])
+        done = at["done"]
+        a, b, c, d = map(Ends.exactly, self.coefficients[..., which])
+        share = Ends.of([done])
         value = ((share * d + c) * share + b) * share + a
-        slope = (share * d * THREE + 2 * c) * share + b
-        bent = share * d * SIX + 2 * c
+        slope = (share * d * THREE + c * TWO) * share + b
+        bent = share * d * SIX + c * TWO
         length = Rows.constant(self.first[which]) - Rows.constant(self.last[which])
         ahead = self._linear(at, places, value, slope)
         rate = self._linear(at, places, slope, bent) / length
@@ -227,20 +226,19 @@ class _Curves:
         done = at["done"]
         if not self.names:
             return joined(value.row(0), {places["done"]: slope.row(0)}, done)
-        own = [ends_of(at[name]) for name in self.names]
-        off = Ends(np.stack([e.low for e in own]), np.stack([e.high for e in own])) + -self.middle
+        off = Ends.of([at[name] for name in self.names]) + Ends.exactly(-self.middle)
         found = value.row(0) + (value.rows() * off).total()
         ramp = slope.row(0) + (slope.rows() * off).total()
         slopes = {places[name]: value.row(1 + k) for k, name in enumerate(self.names)}
         return joined(found, {**slopes, places["done"]: ramp}, done)
 
 
-THREE, SIX = np.array(3.0), np.array(6.0)
+TWO, THREE, SIX = (Ends.exactly(np.full((1, 1), value)) for value in (2.0, 3.0, 6.0))
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Piece:
-    """A piece of the tube."""
+    """A piece of the tube, equal only to itself."""
 
     first: float
     """h at its start, m."""
@@ -254,7 +252,7 @@ class Piece:
 
     def grip(self, at: Point) -> Grip:
         """Any grip in the tube, by the shares ``done`` of the travel and ``share`` of the width."""
-        return self.grip_at(self.h(at["done"]), at)
+        return once((self, "grip"), at, lambda: self.grip_at(self.h(at["done"]), at))
 
     def grip_at(self, h: Dual, at: Point) -> Grip:
         """The same by h."""
@@ -631,10 +629,10 @@ class _Leads:
         short, weight = np.zeros(count), np.zeros(boxes.low.shape)
         for tip in (D, S):
             spare = ((rate - grip.stick(tip)) * self.side).tight()
-            low, high = spare.low[0, :count], spare.high[0, :count]
-            below[tip], above[tip] = low > 0, high < 0
-            steep = np.maximum(-spare.low[1:, :count], spare.high[1:, :count])
-            open_, amid = ~(below[tip] | above[tip]), spare.low[0, count:] > 0
+            low = -spare.ends[0, 0, :count]
+            below[tip], above[tip] = (end < 0 for end in spare.ends[:, 0, :count])
+            steep = spare.steepest(count)
+            open_, amid = ~(below[tip] | above[tip]), spare.ends[0, 0, count:] < 0
             for some, sign in ((open_ & amid, 1), (open_ & ~amid, -1)):
                 if not some.any():
                     continue

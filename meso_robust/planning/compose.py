@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.arrival import Arrival, across, arrive
+from meso_robust.planning.last_push import leaves_goal, narrowed_first
 from meso_robust.planning.remedy import Remedy
 from meso_robust.planning.rotation import CLOSE_ENOUGH_UM, E, Finish, rotate_and_finish
 from meso_robust.planning.x_translation import to_goal, upright
@@ -102,7 +103,10 @@ def compose(task: Task) -> Found:
             "pushes, or widen the goal" + more
         )
     attempts: list[tuple[float, str | None]] = [
-        *((NARROWED, name) for name in setup_of(task).uncertainty.stated),
+        *(
+            (NARROWED, name)
+            for name in narrowed_first(task, NARROWED, _last_headings(ways, headings))
+        ),
         *((scale, None) for scale in REDUCED[:-1]),
     ]
     for scale, only in attempts:
@@ -171,10 +175,17 @@ def _rules(
 ) -> tuple[MoveRule, ...] | None:
     """The first plan that is proved with all its ways, with ``clear`` in front of the slot too."""
     setup = setup_of(task, scale, only)
+    if leaves_goal(setup, _last_headings(ways, headings)):
+        return None
     if not clear:  # proposed without a slot, or pushes that a wall is in the way of were left out
         setup = replace(setup, blocks=())
     proposed = _proposed(task, setup, ways, headings)
     return next((rules for rules in proposed if _proved(rules, setup)), None)
+
+
+def _last_headings(ways: Sequence[_Way], headings: Sequence[Heading]) -> Sequence[Heading]:
+    """Those that a plan can end with."""
+    return headings or tuple(dict.fromkeys(way.frame.heading for way in ways))
 
 
 def _proposed(

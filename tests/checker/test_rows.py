@@ -10,7 +10,7 @@ import pytest
 from flint import arb
 
 from meso_robust.checker.dual import Dual
-from meso_robust.checker.rows import Boxes, lowest
+from meso_robust.checker.rows import EPS, TINY, Boxes, lowest
 
 NAMES = ("x", "y", "z")
 
@@ -98,3 +98,9 @@ def test_what_is_rounded_is_moved_outward() -> None:
     for k in range(some.count):
         square = Fraction(float(some.low[0, k]))
         assert Fraction(float(root.low[0, k])) ** 2 < square < Fraction(float(root.high[0, k])) ** 2
+
+
+def test_what_ends_are_moved_by_is_a_normal_number() -> None:
+    """Also times lengths in m: a processor takes a hundred times as long for others."""
+    metre = 1e-12
+    assert TINY * EPS * metre**2 > np.finfo(float).tiny

@@ -12,7 +12,7 @@ import pytest
 from flint import arb
 
 from meso_robust.checker import grip as grips
-from meso_robust.checker.dual import Dual
+from meso_robust.checker.dual import Dual, Remembered
 from meso_robust.checker.grip import D, Drag, Grip, S, Sides
 from meso_robust.checker.ranges import Box, Side
 from meso_robust.checker.slide import (
@@ -252,6 +252,16 @@ def test_the_tube_is_hardly_wider_than_the_motions(tubes: dict[str, tuple[Piece,
         for share in (0.0, 1.0)
     )
     assert high - low < 12 * UM
+
+
+def test_a_point_remembers_the_grip_of_each_piece(tubes: dict[str, tuple[Piece, ...]]) -> None:
+    first, last = tubes["points"][0], tubes["points"][-1]
+    middle = {n: dual((low + high) / 2) for n, (low, high) in POINTS.items()}
+    point = Remembered({**middle, "done": dual(0.5), "share": dual(0.5)})
+    for piece in (first, last, first):
+        afresh = piece.grip_at(piece.h(point["done"]), point)
+        assert piece.grip(point).b.value.overlaps(afresh.b.value)
+    assert first.grip(point) is first.grip(point)
 
 
 @pytest.mark.parametrize("which", [-1, 1])
