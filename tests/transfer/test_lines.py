@@ -21,7 +21,7 @@ REGISTER = {
     claim["key"]: claim
     for claim in json.loads((ROOT / "reports/derivations/register.json").read_text())["claims"]
 }
-BUDGET = Budget(radius_um=2000.0, seconds=100.0)
+BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3)
 
 
 def test_every_effect_of_the_catalogue_has_its_line() -> None:
