@@ -80,6 +80,7 @@ def test_which_effects_are_absorbed_is_said_here_once_more() -> None:
         "anisotropic_drag",
         "part_anisotropic_drag",
         "drag_centre_offset",
+        "drag_gradient",
         "edge_dependent_friction",
         "probe_drift",
     }

@@ -107,7 +107,7 @@ def other_task(task: Task, key: str, factor: float) -> Task | None:
         None where the task does not state the quantity, or none of that size can be.
     """
     (section, of), values = KEYS[key], task.to_dict()
-    value = values[section].get(key)
+    value = values[section].get(key, False if of is _any_instant else None)
     if value is None:
         return None
     values[section][key] = of(value, factor)
