@@ -133,7 +133,12 @@ def _gradient() -> Claim:
             there_is(
                 "the centre does move: of two places, the one with the larger drag draws it",
                 [K[0] > K[1], K[0] * X[0] + K[1] * X[1] > 0],
-                {K[0]: sp.Rational(11, 10), K[1]: sp.Integer(1), X[0]: sp.Integer(1), X[1]: sp.Integer(-1)},
+                {
+                    K[0]: sp.Rational(11, 10),
+                    K[1]: sp.Integer(1),
+                    X[0]: sp.Integer(1),
+                    X[1]: sp.Integer(-1),
+                },
             ),
         ),
     )

@@ -127,7 +127,9 @@ class Pair:
             [self.scene.mu(ACTIVE), "mu" if "mu" in self.box else "mu_passive"],
         )
         found = {name: box[name] for name in ("rho", *mu)}
-        found |= {n: box[n] for n in ("stretch", "shear", "bend", *MOVING.values()) if not self.exact(n)}
+        found |= {
+            n: box[n] for n in ("stretch", "shear", "bend", *MOVING.values()) if not self.exact(n)
+        }
         if not self.exact("wander_x", "wander_y"):
             found["stray"] = span(self.stray, self.box, within=NEAR)
         return found

@@ -162,7 +162,11 @@ class Scene:
 
     def _centre(self, when: str) -> tuple[str, ...]:
         """The variables that its coordinates are."""
-        return tuple(f"{name}{when}" for name in MOVING.values()) if self.centre_moves else tuple(MOVING)
+        return (
+            tuple(f"{name}{when}" for name in MOVING.values())
+            if self.centre_moves
+            else tuple(MOVING)
+        )
 
     def film_variables(self, when: str = "") -> dict[str, Formula]:
         """The same as variables of an inequality, by their names there."""

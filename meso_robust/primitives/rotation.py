@@ -104,7 +104,15 @@ class _Move:
             kappa=box["kappa_far"] - box["kappa"] if box["kappa"] != ZERO else ZERO,
             **{
                 name: box[name]
-                for name in ("drag_a", "drag_n", *one_tip.CENTRE, "stretch", "shear", "bend", "sway")
+                for name in (
+                    "drag_a",
+                    "drag_n",
+                    *one_tip.CENTRE,
+                    "stretch",
+                    "shear",
+                    "bend",
+                    "sway",
+                )
             },
         )
 

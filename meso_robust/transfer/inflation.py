@@ -176,7 +176,10 @@ def drag_gradient(ranges: Ranges, budget: Budget) -> Absorbed:
     steep = slope * reach * _ROUNDING
     if steep < 1.0:
         most = math.cosh(steep) * _ROUNDING
-        far, share = slope * budget.ratio_um2 * most, most - 1.0 + slope**2 * budget.ratio_um2 * most**2
+        far, share = (
+            slope * budget.ratio_um2 * most,
+            most - 1.0 + slope**2 * budget.ratio_um2 * most**2,
+        )
     else:
         far, share = reach, 2.0
     return Absorbed(

@@ -40,7 +40,14 @@ from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Named, Reason, about
 from meso_robust.stages import Doing
 from meso_robust.task import POINT_TIPS, Task
-from meso_robust.transfer.assumption_check import BREAKS, RATIO, Standing, in_place, remedy, standings
+from meso_robust.transfer.assumption_check import (
+    BREAKS,
+    RATIO,
+    Standing,
+    in_place,
+    remedy,
+    standings,
+)
 from meso_robust.transfer.changing import Changed, changed, check_part
 from meso_robust.transfer.envelope import enough, largest_ratio, needed, roomier
 from meso_robust.transfer.inflation import Budget

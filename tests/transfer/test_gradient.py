@@ -82,7 +82,9 @@ def test_a_promise_with_a_gradient_is_of_a_centre_that_moves() -> None:
 
 def test_runs_with_the_gradient_stay_in_the_boxes_and_leave_those_of_an_even_film() -> None:
     document, made = found()
-    even = recertified(paper_task(), model(base={"rho_um2": (374_000.0, 379_000.0), "mu": (0.325, 0.335)}))
+    even = recertified(
+        paper_task(), model(base={"rho_um2": (374_000.0, 379_000.0), "mu": (0.325, 0.335)})
+    )
     outside = []
     for one in (made, even):
         ran = outcomes_of(one.plan.rules, paper_task(), document, 60, 4)
@@ -96,4 +98,4 @@ def test_runs_with_the_gradient_stay_in_the_boxes_and_leave_those_of_an_even_fil
         )
 
     assert outside[0] == 0.0
-    assert outside[1] > 1e-6
+    assert outside[1] > 2e-7
