@@ -29,7 +29,7 @@ s + bend c)``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from flint import arb
 
@@ -52,7 +52,7 @@ class Film:
     bend: Number = EVEN
     drag_a: Number = EVEN
     drag_n: Number = EVEN
-    moves: bool = False
+    moves: bool = field(default=False, kw_only=True)
     """Whether the centre may be elsewhere at every instant."""
 
     @classmethod
