@@ -249,3 +249,26 @@ def test_a_tip_that_has_not_gone_on_has_not_turned_the_part(side: int) -> None:
     assert turned.value.is_finite()
     assert abs(float(turned.value)) < 1e-8
     assert float(abs(turned.value).upper()) < 1e-8
+
+
+def test_a_centre_of_drag_that_moves_does_more_than_any_that_is_fixed() -> None:
+    """About the middle of this turn its effect on the travel changes its sign."""
+    angle, d1, d2, rho, turned, reach = 2.35, 418.5e-6, 335e-6, 0.377e-6, 0.4, 1e-6
+    state = [angle, d1, d2, 0.0, rho, 0.0, 0.0, 0.0, 0.0, 0.0]
+    box = [Dual(arb(value)) for value in state]
+    box[8] = Dual(arb(0.0, reach), {"centre_a": arb(1)})
+    way = angle + turned * (np.arange(4000) + 0.5) / 4000
+
+    def travel(centre: Any) -> float:
+        place = d2 - centre
+        rate = (rho + d1**2 + place**2) / (place * np.sin(way) - d1 * np.cos(way))
+        return float(rate.mean() * turned)
+
+    upward = travel(0.5 * reach) - travel(-0.5 * reach)
+    later = np.where(way > angle + 0.5 * turned, reach, -reach)
+    farthest = max(travel(later), travel(-later))
+    found = travel_of(box, Dual(arb(turned))).value
+    fixed = max(travel(reach), travel(-reach))
+
+    assert abs(upward) < 0.5 * (farthest - travel(0.0))
+    assert fixed < farthest <= float(found.upper())
