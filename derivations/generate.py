@@ -44,6 +44,7 @@ SOURCES = (
     "symmetries",
     "polygon_edge",
     "drag_tensor",
+    "uneven_film",
     "contact_response",
     "dry_sticking",
     "printed_numbers",

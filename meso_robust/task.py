@@ -54,6 +54,7 @@ SCHEMA_2_KEYS = frozenset(
         "travel_direction_deg",
         "travel_scale_percent",
         "drag_centre_um",
+        "drag_centre_moves",
         "drag_anisotropy_percent",
         "probe_wander_um",
     }
@@ -287,8 +288,11 @@ class Uncertainty(_Section):
     """Schema 2. Largest relative error of the length of a travel, percent; constant during a move. Left
     out: exact."""
     drag_centre_um: Error | None = None
-    """Schema 2. Largest distance of the centre of drag from the reference point, in any direction, fixed
-    in the part, um. Left out: they are one."""
+    """Schema 2. Largest distance of the centre of drag from the reference point, in any direction, um.
+    Left out: they are one."""
+    drag_centre_moves: bool | None = None
+    """Schema 2. Whether the centre of drag may be anywhere within drag_centre_um at every instant, as it is
+    over an uneven stage or where the drag depends on the motion. Left out: it is fixed in the part."""
     drag_anisotropy_percent: Annotated[FiniteFloat, Field(ge=0, lt=100)] | None = None
     """Schema 2. Largest difference of the film's drag along two axes, in percent of their mean, the axes
     in any direction, fixed in the part or in the stage. Left out: the film is even."""

@@ -124,6 +124,7 @@ GIVEN: dict[str, Any] = {
     "uncertainty.travel_direction_deg": [-0.1, 0.1],
     "uncertainty.travel_scale_percent": 0.1,
     "uncertainty.drag_centre_um": 20.0,
+    "uncertainty.drag_centre_moves": True,
     "uncertainty.drag_anisotropy_percent": 5.0,
     "uncertainty.probe_wander_um": 0.5,
     "film.drag_un_s_per_um": 0.2,
@@ -183,6 +184,9 @@ def test_every_bound_reaches_the_proof_in_si() -> None:
     near(u.drag_anisotropy, -0.025, 0.025)
     near(u.probe_wander, -0.5e-6, 0.5e-6)
     assert setup.friction_common
+    assert setup.drag_centre_moves
+    near(setup.fixed_centre, 0.0, 0.0)
+    assert setup.moving_centre == u.drag_centre
     assert setup.largest_force is not None
     assert setup.drag is not None
     near(setup.largest_force, 20e-6, 20e-6)

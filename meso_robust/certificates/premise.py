@@ -28,6 +28,7 @@ class Premise(StrEnum):
     TRAVEL_WITHIN_BOUNDS = "travel_within_bounds"
     TIPS_ARE_DISCS = "tips_are_discs"
     PROBES_RIGID_BELOW_CAP = "probes_rigid_below_cap"
+    FILM_AT_EACH_INSTANT = "film_at_each_instant"
 
 
 SCHEMA_1 = tuple(Premise)[:12]
@@ -63,6 +64,8 @@ def premise_of(task: Task, premise: Premise) -> Premise:
         return premise
     if premise is Premise.COULOMB_FRICTION and task.uncertainty.friction_common:
         return premise
+    if premise is Premise.FILM_DRAG and task.uncertainty.drag_centre_moves:
+        return Premise.FILM_AT_EACH_INSTANT
     if premise is Premise.PROBES_RIGID and task.probe.max_force_un is not None:
         return Premise.PROBES_RIGID_BELOW_CAP
     return _SWAPPED.get(premise, premise)

@@ -43,6 +43,9 @@ PREMISES: Mapping[Premise, str] = {
     Premise.FILM_LINEAR: "the film's drag is linear in the motion, symmetric and positive; its centre "
     "is fixed in the part and within its bound, and rho and the anisotropy keep within theirs at every "
     "instant, whether fixed in the part or in the stage",
+    Premise.FILM_AT_EACH_INSTANT: "at every instant the drag on the part is that of a film whose drag is "
+    "linear in the motion, symmetric and positive; its centre, rho and anisotropy keep within their bounds "
+    "and may be others at the next instant",
     Premise.COULOMB_EACH_TIP: "Coulomb friction at point contacts; each tip has its own mu in the range "
     "at every instant",
     Premise.PART_WITHIN_TOLERANCE: "the part is rigid, with straight edges that keep within their "

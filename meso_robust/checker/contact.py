@@ -76,7 +76,8 @@ class Turning:
     def uniform(self) -> bool:
         """Whether there is a closed form."""
         film = self.film
-        return all(one is EVEN for one in (self.start.radius, film.stretch, film.shear, film.bend))
+        exact = (self.start.radius, film.stretch, film.shear, film.bend)
+        return not film.moves and all(one is EVEN for one in exact)
 
     def after(self, travel: Number) -> Dual:
         """Turn after ``travel``, counter-clockwise."""
@@ -113,15 +114,18 @@ class Turning:
     @property
     def _state(self) -> tuple[Number, ...]:
         start, film = self.start, self.film
+        centre: tuple[Number, Number] = (film.drag_a, film.drag_n)
+        fixed, moving = ((EVEN, EVEN), centre) if film.moves else (centre, (EVEN, EVEN))
         return (
             self.angle,
-            start.d1 - film.drag_n,
-            start.d2 - film.drag_a,
+            start.d1 - fixed[1],
+            start.d2 - fixed[0],
             start.radius,
             film.rho,
             film.stretch,
             film.shear,
             film.bend,
+            *moving,
         )
 
 

@@ -29,7 +29,7 @@ s + bend c)``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from flint import arb
 
@@ -38,6 +38,8 @@ from meso_robust.checker.dual import Dual, Number, Point
 EVEN = arb(0)
 """What is exactly zero and left out of a formula."""
 FILM = ("rho", "stretch", "shear", "bend", "drag_a", "drag_n")
+MOVING = {"drag_a": "centre_a", "drag_n": "centre_n"}
+"""What a coordinate of the centre of drag is called where it may be another at every instant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +52,15 @@ class Film:
     bend: Number = EVEN
     drag_a: Number = EVEN
     drag_n: Number = EVEN
+    moves: bool = field(default=False, kw_only=True)
+    """Whether the centre may be elsewhere at every instant."""
 
     @classmethod
     def at(cls, at: Point) -> Film:
         """From the variables of an inequality, those that are left out being zero."""
-        return cls(*(at.get(name, EVEN) for name in FILM))
+        moves = any(name in at for name in MOVING.values())
+        names = [MOVING.get(name, name) for name in FILM] if moves else FILM
+        return cls(*(at.get(name, EVEN) for name in names), moves=moves)
 
     def along(self, c: Dual, s: Dual) -> tuple[Dual, Dual]:
         """Minus the tip's velocity in ``(a, n)`` for an edge of direction ``(c, s)``."""

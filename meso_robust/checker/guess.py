@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 
+from meso_robust.checker.film import MOVING
 from meso_robust.checker.grip import D, Drag, Grip, S, Sides
 
 Values = Mapping[str, Any]
 """Numbers, or arrays of one shape, by name."""
 NEAR = 1e-3
 """Step of a difference, of the width between the pushed edges."""
-INSTANT = ("rho", "stretch", "shear", "bend", "mu", "mu_lower", "mu_passive")
+INSTANT = ("rho", "stretch", "shear", "bend", *MOVING.values(), "mu", "mu_lower", "mu_passive")
 """What may change at every instant."""
 
 
@@ -115,7 +116,7 @@ class Flow:
 def _grip(h: float, tip: int, ahead: Any, at: Values) -> Grip:
     sides = Sides(
         at["depth"], at["depth_far"], at["radius"], at["radius_far"],
-        at.get("tilt", 0.0), at.get("drag_a", 0.0), at.get("drag_n", 0.0),
+        at.get("tilt", 0.0), *(at.get(name, at.get(MOVING[name], 0.0)) for name in MOVING),
     )  # fmt: skip
     return Grip.at(sides, h, at["V"] + at.get("stray", 0.0), tip, ahead, at.get("bend", 0.0))
 

@@ -73,6 +73,7 @@ class Premise(StrEnum):
     TRAVEL_WITHIN_BOUNDS = "travel_within_bounds"
     TIPS_ARE_DISCS = "tips_are_discs"
     PROBES_RIGID_BELOW_CAP = "probes_rigid_below_cap"
+    FILM_AT_EACH_INSTANT = "film_at_each_instant"
 
 
 EXACT_PARTS = {
@@ -94,6 +95,8 @@ def premises(task: Task) -> tuple[Premise, ...]:
         swapped |= EXACT_PARTS
         if task.uncertainty.friction_common:
             del swapped[Premise.COULOMB_FRICTION]
+        if task.uncertainty.drag_centre_moves:
+            swapped[Premise.FILM_DRAG] = Premise.FILM_AT_EACH_INSTANT
         if task.probe.max_force_un is not None:
             swapped[Premise.PROBES_RIGID] = Premise.PROBES_RIGID_BELOW_CAP
     old = tuple(Premise)[: tuple(Premise).index(Premise.PART_RESTS) + 1]

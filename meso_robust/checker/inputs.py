@@ -101,6 +101,8 @@ class Given:
     """Relative error of the length of a travel."""
     drag_centre: Side
     """A coordinate of the centre of drag from the reference point, m."""
+    centre_moves: bool
+    """Whether that may be another at every instant; else it is fixed in the part."""
     anisotropy: Side
     """``stretch`` or ``shear`` of the film's drag."""
     wander: Side
@@ -185,6 +187,7 @@ def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -
         direction=sides["travel_direction"],
         scale=sides["travel_scale"],
         drag_centre=sides["drag_centre"],
+        centre_moves=task.uncertainty.drag_centre_moves is True,
         anisotropy=sides["drag_anisotropy"],
         wander=sides["probe_wander"],
         common_friction=task.schema_ == POINT_TIPS or task.uncertainty.friction_common is True,

@@ -9,6 +9,7 @@ import dataclasses
 
 from meso_robust.checker.contact import off_line
 from meso_robust.checker.dual import Dual, Point
+from meso_robust.checker.film import MOVING
 from meso_robust.checker.ranges import Box, Formula, Side, side_of, span
 from meso_robust.checker.scene import Scene, direction
 
@@ -110,7 +111,7 @@ class Pair:
         found["begun"] = self.scene.angle
         if self.until_rest is not None:
             found["turned"] = lambda at: at["turned"]
-        for name in ("drag_a", "drag_n"):
+        for name in MOVING:
             if not self.exact(name):
                 found[name] = lambda at, name=name: at[name]  # type: ignore[misc]
         return found
@@ -126,7 +127,9 @@ class Pair:
             [self.scene.mu(ACTIVE), "mu" if "mu" in self.box else "mu_passive"],
         )
         found = {name: box[name] for name in ("rho", *mu)}
-        found |= {n: box[n] for n in ("stretch", "shear", "bend") if not self.exact(n)}
+        found |= {
+            n: box[n] for n in ("stretch", "shear", "bend", *MOVING.values()) if not self.exact(n)
+        }
         if not self.exact("wander_x", "wander_y"):
             found["stray"] = span(self.stray, self.box, within=NEAR)
         return found

@@ -11,6 +11,7 @@ from flint import arb
 from meso_robust.checker import statement as st
 from meso_robust.checker.contact import Contact, Turning, place_on_edge
 from meso_robust.checker.dual import Dual, Number, Point, once
+from meso_robust.checker.film import MOVING
 from meso_robust.checker.ids import Must, Named, Objection, named
 from meso_robust.checker.outline import Edge, Rectangle
 from meso_robust.checker.ranges import Box, Formula
@@ -144,10 +145,14 @@ def sticks(
     ]
 
 
+CENTRE = frozenset((*MOVING, *MOVING.values()))
+"""Names of the centre of drag."""
+
+
 def turns_back(which: str, scene: Scene, offset: Formula, side: int, box: Box) -> Requirement:
     """The tip on ``side`` alone would turn the part to that side, whether it sticks or slips."""
     mu = scene.mu(side)
-    film = {name: of for name, of in scene.film_variables().items() if name.startswith("drag")}
+    film = {name: of for name, of in scene.film_variables().items() if name in CENTRE}
     variables: Variables = {
         "d1": lambda at: at["depth"],
         "d2": offset,

@@ -7,7 +7,8 @@ and with ``film.py`` the travel of a turn from the angle ``A`` is the quadrature
 
 At a point it is a sum of Taylor polynomials with their remainders. Over a box the mean value theorem
 gives it, and the turn as its inverse: slopes are sums over a few arcs of what the integrand's slopes
-can be there. ``stretch``, ``shear`` and ``bend`` may change at every instant: a slope along one of
+can be there. ``stretch``, ``shear``, ``bend`` and ``centre_a``, ``centre_n`` (which take the contact from
+``d2``, ``d1`` to where the centre of drag is) may change at every instant: a slope along one of
 them is the whole turn times *all* that the integrand's slope can be on the way, so that where it has
 a sign, each instant has it, and where it has none its largest value bounds the effect of any history.
 ``rho`` may change as well, but the integrand grows with it at every instant: every history of it
@@ -24,7 +25,7 @@ from flint import arb, arb_series
 
 from meso_robust.checker.dual import Dual, Number
 
-HISTORIES = frozenset({"stretch", "shear", "bend"})
+HISTORIES = frozenset({"stretch", "shear", "bend", "centre_a", "centre_n"})
 """What may change at every instant on the way: no box may be cut along it."""
 ARCS = 8
 """On each the slopes of the integrand are bounded."""
@@ -39,10 +40,11 @@ DOUBLINGS, GROWTH = 8, arb("1.2")
 LEAST = arb(1e-9)
 """rad: first room around a guessed turn."""
 NAN = arb("nan")
-State = tuple[arb, arb, arb, arb, arb, arb, arb, arb]
-"""Angle, d1, d2 (both from the centre of drag), radius, rho, stretch, shear and bend."""
-SLOPES = 8
-CHANGING = (5, 6, 7)
+State = tuple[arb, ...]
+"""Angle, d1, d2 (both from where the centre of drag is fixed), radius, rho, stretch, shear, bend, centre_a
+and centre_n."""
+SLOPES = 10
+CHANGING = (5, 6, 7, 8, 9)
 """Places of the histories in a state."""
 
 
@@ -86,7 +88,7 @@ def _turns(values: State, travel: arb, side: int, room: arb) -> arb:
             for value, slope in zip(values, grows, strict=True)
         )
         way = _end(travel, end * side)
-        found.append(_turn_over(corner, way, side, room))  # type: ignore[arg-type]
+        found.append(_turn_over(corner, way, side, room))
     low, high = found[0].lower(), found[1].upper()
     return _common(room, low.union(high)) if low <= high else room
 
@@ -158,15 +160,11 @@ def _varies(value: Number) -> bool:
 
 
 def _values(state: Sequence[Number]) -> State:
-    one, two, three, four, five, six, seven, eight = (
-        value.value if isinstance(value, Dual) else arb(value) for value in state
-    )
-    return one, two, three, four, five, six, seven, eight
+    return tuple(value.value if isinstance(value, Dual) else arb(value) for value in state)
 
 
 def _middles(values: State) -> State:
-    one, two, three, four, five, six, seven, eight = (value.mid() for value in values)
-    return one, two, three, four, five, six, seven, eight
+    return tuple(value.mid() for value in values)
 
 
 def _reach(slopes: Sequence[arb], values: State) -> arb:
@@ -189,9 +187,9 @@ def _joined(value: arb, slopes: Sequence[arb], of: Sequence[Number]) -> Dual:
 
 def _at(values: State, turned: Any) -> tuple[Any, ...]:
     """Arguments of the integrand when the part has turned so far."""
-    angle, d1, d2, radius, *film = values
+    angle, d1, d2, radius, *film, centre_a, centre_n = values
     s, c = (turned + angle).sin_cos()
-    return s, c, d1, d2 - turned * radius, *film
+    return s, c, d1 - centre_n, d2 - centre_a - turned * radius, *film
 
 
 def _integrand(
@@ -247,21 +245,25 @@ def _slopes_at(values: State, turned: arb) -> tuple[arb, ...]:
     turn = p * S - q * C
     rate = (p * d2 + q * d1 + rho) / turn
     along = (p * 2 - rate * (less * S + shear * C)) / turn  # along d2
+    out = (q * 2 + rate * (shear * S + more * C)) / turn  # along d1
     return (
         -rate * (p * C + q * S) / turn,
-        (q * 2 + rate * (shear * S + more * C)) / turn,
+        out,
         along,
         -turned * along,
         1 / turn,
         (d1 * d1 - d2 * d2 + rate * (d2 * S + d1 * C)) / turn,
         (d1 * d2 * -2 + rate * (d1 * S - d2 * C)) / turn,
         -rate * (p * c + q * s) / turn,
+        -along,
+        -out,
     )
 
 
 def _guess(values: State, travel: arb, side: int) -> arb:
     """The turn after a travel, in floating point."""
-    angle, d1, d2, radius, *film = (float(value.mid()) for value in values)
+    angle, d1, d2, radius, *film, centre_a, centre_n = (float(value.mid()) for value in values)
+    d1, d2 = d1 - centre_n, d2 - centre_a
     step, turned = float(travel.mid()) / STEPS, 0.0
 
     def rate(turned: float) -> float:

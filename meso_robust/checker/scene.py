@@ -13,7 +13,8 @@ error depends on the same variable:
 ``radius_upper radius_lower radius_passive``
 ``depth kappa``           of the pushed edge: its distance from the reference point, its turn
 ``size_other kappa_other`` of another edge: how much farther out it lies, its turn
-``drag_a drag_n``         centre of drag, along and across the pushed edge
+``drag_a drag_n``         centre of drag, along and across the pushed edge, where it is fixed in the part
+``centre_a centre_n``     the same where it may move, on the way; ``_now`` at the instant
 ``rho stretch shear bend`` drag ratio, unevenness of drag, tangent between path and straight line,
                           as they act on the way; with ``_now`` at the instant that is looked at
 ``mu``                    friction, or ``mu_upper mu_lower mu_passive`` if each tip has its own
@@ -32,7 +33,7 @@ from flint import arb
 
 from meso_robust.checker.document import AimDocument, RuleDocument
 from meso_robust.checker.dual import Dual, Number, Point
-from meso_robust.checker.film import EVEN, Film
+from meso_robust.checker.film import EVEN, MOVING, Film
 from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.inputs import Given, PoseBox, ball, metres
 from meso_robust.checker.outline import Edge, Outline
@@ -150,15 +151,29 @@ class Scene:
     def film(self, at: Point, when: str = "") -> Film:
         """Drag and path on the way, or ``_now``; what is exactly zero is left out."""
         rho = self.rho_now if when else "rho"
-        names = [f"stretch{when}", f"shear{when}", f"bend{when}", "drag_a", "drag_n"]
-        return Film(at[rho], *(EVEN if self.exact(name) else at[name] for name in names))
+        names = [f"stretch{when}", f"shear{when}", f"bend{when}", *self._centre(when)]
+        film = (EVEN if self.exact(name) else at[name] for name in names)
+        return Film(at[rho], *film, moves=self.centre_moves)
+
+    @property
+    def centre_moves(self) -> bool:
+        """Whether the centre of drag may be elsewhere at every instant."""
+        return not self.exact(*MOVING.values())
+
+    def _centre(self, when: str) -> tuple[str, ...]:
+        """The variables that its coordinates are."""
+        return (
+            tuple(f"{name}{when}" for name in MOVING.values())
+            if self.centre_moves
+            else tuple(MOVING)
+        )
 
     def film_variables(self, when: str = "") -> dict[str, Formula]:
         """The same as variables of an inequality, by their names there."""
         sources = {
             "rho": self.rho_now if when else "rho",
             **{name: f"{name}{when}" for name in ("stretch", "shear", "bend")},
-            **{name: name for name in ("drag_a", "drag_n")},
+            **{name.removesuffix(when): name for name in self._centre(when)},
         }
         return {
             name: functools.partial(_variable, source)
@@ -354,8 +369,7 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
         "kappa": given.squareness,
         "size_other": given.size,
         "kappa_other": given.squareness,
-        "drag_a": given.drag_centre,
-        "drag_n": given.drag_centre,
+        **dict.fromkeys(MOVING, NOTHING if given.centre_moves else given.drag_centre),
         **dict.fromkeys(("wander_x", "wander_y", "wander_x_now", "wander_y_now"), given.wander),
         **_film(given),
         **_friction(given),
@@ -379,6 +393,7 @@ def _film(given: Given) -> Box:
         "stretch": given.anisotropy,
         "shear": given.anisotropy,
         "bend": given.wander if given.wander[0] is given.wander[1] else bend,
+        **dict.fromkeys(MOVING.values(), given.drag_centre if given.centre_moves else NOTHING),
     }
     now = {f"{name}_now": side for name, side in changing.items()}
     if given.film_constant:

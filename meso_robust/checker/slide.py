@@ -15,8 +15,8 @@ barriers all signs change. Nothing is asked of the motion itself, which need not
 
 What is constant during the run (the tips' distance across the push, edges, radii, the centre of drag,
 how high the part was before) is known to a barrier, which is linear in it: there are as many curves
-as values of the constants. Only friction, drag and the path's waviness are taken at their worst at
-every instant. Where the path strays from its line, the barrier moves with it.
+as values of the constants. Only friction, drag (with its centre, where that moves) and the path's waviness
+are taken at their worst at every instant. Where the path strays from its line, the barrier moves with it.
 
 Barriers are cubic in ``h``, piece by piece; how they were found does not matter. A piece tells how far
 the part is ahead of the tip that is thought to stick: that hardly changes.
@@ -36,7 +36,7 @@ import numpy.typing as npt
 from flint import arb
 
 from meso_robust.checker.dual import Dual, Point, once
-from meso_robust.checker.film import EVEN
+from meso_robust.checker.film import EVEN, MOVING
 from meso_robust.checker.grip import D, Drag, Grip, Real, S, Sides
 from meso_robust.checker.guess import Flow, Guess, first_ahead
 from meso_robust.checker.ids import Objection, named
@@ -269,7 +269,8 @@ def sides_of(at: Mapping[str, Real]) -> Sides:
     """Edges, tips and centre of drag; what is left out is exactly zero."""
     return Sides(
         at["depth"], at["depth_far"], at["radius"], at["radius_far"],
-        *(at.get(name, EVEN) for name in ("tilt", "drag_a", "drag_n")),
+        at.get("tilt", EVEN),
+        *(at.get(fixed, at.get(moving, EVEN)) for fixed, moving in MOVING.items()),
     )  # fmt: skip
 
 

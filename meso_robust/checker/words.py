@@ -33,6 +33,8 @@ PREMISES: Mapping[Premise, str] = {
     Premise.PART_RESTS: "the part rests between moves; lifting a probe does not disturb it",
     Premise.FILM_LINEAR: "the film drags linearly and symmetrically; its centre is a point of the part "
     "within the bound, rho and anisotropy are within theirs at every instant",
+    Premise.FILM_AT_EACH_INSTANT: "the film drags linearly and symmetrically; at every instant its centre, "
+    "rho and anisotropy are within their bounds",
     Premise.COULOMB_EACH_TIP: "point contacts have Coulomb friction; each tip has a mu of its own in the "
     "range at every instant",
     Premise.PART_WITHIN_TOLERANCE: "the part is rigid, its edges are straight and within tolerance, its "

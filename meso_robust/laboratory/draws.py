@@ -48,7 +48,8 @@ class Draws:
     edges: Floats | None = None
     """(N, V, 2) how far out each edge lies, m, and by how much it is turned, rad."""
     drag_centre: Floats | None = None
-    """(N, 2) from the reference point, part's axes; what is longer than its bound is cut to it."""
+    """(N, 2) from the reference point, part's axes; what is longer than its bound is cut to it. Where a task
+    lets it move, a run still has it at one place: it is at every instant where it may be."""
     lay: Floats | None = None
     """(N, 3) drag along x over the mean, minus 1, and the shear over the mean, at orientation 0; and
     which share of both is fixed in the stage, the rest in the part. Cut to the bound as well."""

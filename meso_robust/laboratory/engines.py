@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from meso_robust.simulator import Push, simulate
 from meso_robust.simulator.exact import exact
-from meso_robust.simulator.push import REFERENCE_SPEED
+from meso_robust.simulator.stage import REFERENCE_SPEED
 from meso_robust.types import Floats
 
 Engine = Literal["stepper", "events"]

@@ -35,8 +35,11 @@ PATH = (
 )
 TIPS = ("beta", "spacing", "radius_upper", "radius_lower")
 PART = ("depth", "kappa", "drag_a", "drag_n")
-HISTORY = ("rho", "stretch", "shear", "bend")
-NOW = ("rho_now", "stretch_now", "shear_now", "bend_now", "mu_upper_now", "mu_lower_now", "share")
+DRAG = ("rho", "stretch", "shear", "bend")
+CENTRE = ("centre_a", "centre_n")
+"""Of drag, where it moves: from ``drag_a``, ``drag_n``."""
+HISTORY = (*DRAG, *CENTRE)
+NOW = (*(f"{name}_now" for name in HISTORY), "mu_upper_now", "mu_lower_now", "share")
 PARAMETERS = (*POSE, *PLACE, *PATH, *TIPS, *PART, *HISTORY, CREEP_MOST, TURNED, PROGRESS, *NOW)
 
 AIM = ("turn", "part_x", "part_y", "part_end", "offset_x", "offset_y", "offset_end")
@@ -183,8 +186,9 @@ class _Push:
     def state(self, angle: ca.SX, offset: ca.SX, now: str = "_now") -> tuple[ca.SX, ...]:
         """Arguments of the formulas of one contact: direction, d1, d2, drag and bend."""
         v = self.v
-        drag = (v[f"{name}{now}"] for name in HISTORY)
-        about = v["depth"] - v["drag_n"], offset - v["drag_a"]
+        drag = (v[f"{name}{now}"] for name in DRAG)
+        along, out = (v[f"drag_{axis}"] + v[f"centre_{axis}{now}"] for axis in "an")
+        about = v["depth"] - out, offset - along
         return angle - self.own("direction"), *about, *drag
 
     def clear(self, tip: int, angle: ca.SX, depth: ca.SX, place: tuple[ca.SX, ca.SX]) -> ca.SX:

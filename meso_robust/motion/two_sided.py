@@ -52,7 +52,7 @@ STEPS = 120  # per width of the part: about 7 um for the paper's part
 CHECKED = 3  # steps whose forces and edges are checked together: half as long, and hardly looser
 MODULE = "opposite_edges"
 CONSTANT = ("room", "d_D", "d_S", "r_D", "r_S", "kappa", "drag_a", "drag_n")
-INSTANT = ("rho", "stretch", "shear", "bend", "sway", "mu_D", "mu_S")
+INSTANT = ("rho", "stretch", "shear", "bend", "centre_a", "centre_n", "sway", "mu_D", "mu_S")
 FIELDS = {"d_D": "depth", "d_S": "depth_far", "r_D": "radius", "r_S": "radius_far"}
 """Names of `Grip` for those of the formulas."""
 SIGNS = ((-1, -1), (-1, 1), (1, -1), (1, 1))
@@ -118,6 +118,9 @@ class Grip:
     """Centre of drag along the moving tip's edge, from the reference point."""
     drag_n: Interval = ZERO
     """Centre of drag towards the moving tip's edge."""
+    centre_a: Interval = ZERO
+    """The same of a centre of drag that moves, at an instant, from there."""
+    centre_n: Interval = ZERO
     stretch: Interval = ZERO
     shear: Interval = ZERO
     bend: Interval = ZERO
@@ -367,6 +370,8 @@ def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
     if common:
         at["mu_S"] = at["mu_D"]
     at["room"] = at["room"] + at["sway"]
+    for axis in "an":
+        at[f"drag_{axis}"] = at[f"drag_{axis}"] + at[f"centre_{axis}"]
 
     def value(name: str, *keys: str) -> tuple[ca.SX, ...]:
         return formula(MODULE, name)(ca, *(at[key] for key in keys))

@@ -54,6 +54,7 @@ def base_box(rule: MoveRule, pre: PoseBox, setup: Setup, edge: Edge) -> dict[str
     u = setup.uncertainty
     anisotropy, astray = u.drag_anisotropy, u.probe_wander
     drag = {"rho": u.film_ratio, "stretch": anisotropy, "shear": anisotropy, "bend": bend_of(u)}
+    drag |= dict.fromkeys(one_tip.CENTRE, setup.moving_centre)
     return {
         "x": pre.x,
         "y": pre.y,
@@ -71,8 +72,8 @@ def base_box(rule: MoveRule, pre: PoseBox, setup: Setup, edge: Edge) -> dict[str
         "radius_lower": u.tip_radius,
         "depth": edge.depth,
         "kappa": u.squareness,
-        "drag_a": u.drag_centre,
-        "drag_n": u.drag_centre,
+        "drag_a": setup.fixed_centre,
+        "drag_n": setup.fixed_centre,
         **drag,
         **{f"{name}_now": range_ for name, range_ in drag.items()},
         "mu_upper_now": u.friction,

@@ -225,7 +225,9 @@ def _alone(at: dict[str, ca.SX]) -> None:
     (width,) = _call("width", at, "q", "d_D", "d_S", "r_D", "r_S", "kappa")
     at["h"] = apart * at["c"] + width * at["s"]
     _pose(at, at["c"], at["s"], at["d_S"] + at["gap"])
-    film = ("drag_a", "drag_n", "rho", "stretch", "shear")
+    along, out = (at[f"drag_{axis}"] + at[f"centre_{axis}"] for axis in "an")
+    at["along"], at["out"] = along, out
+    film = ("along", "out", "rho", "stretch", "shear")
     (at["stiffness"],) = _call("stiffness", at, "p_D", "d_D", *film, "tau")
     for name in ("pressing", "stick_ratio"):
         (at[name],) = _call(name, at, "c", "s", "p_D", "d_D", *film, "bend")
@@ -334,7 +336,8 @@ def ranges(
         "radius_lower": u.tip_radius, "radius_passive": u.passive_tip_radius,
         "depth": edge.depth, "depth_far": far.depth,
         "kappa": u.squareness, "kappa_far": u.squareness,
-        "drag_a": u.drag_centre, "drag_n": u.drag_centre,
+        "drag_a": setup.fixed_centre, "drag_n": setup.fixed_centre,
+        "centre_a": setup.moving_centre, "centre_n": setup.moving_centre,
         "rho": u.film_ratio, "stretch": u.drag_anisotropy, "shear": u.drag_anisotropy,
         "bend": u.probe_wander / PATH, "sway": wander, "sway_first": wander, "travel_x": wander,
     }  # fmt: skip

@@ -18,6 +18,7 @@ import numpy as np
 
 from meso_robust.bounds import HALF_PI, Bounded, Interval, Verdict, enclose
 from meso_robust.bounds.interval import arcsin, cos, sin
+from meso_robust.motion import one_tip
 from meso_robust.motion.two_sided import (
     Grip,
     SlideTube,
@@ -102,7 +103,16 @@ class _Move:
             radius_far=box["radius_passive"],
             kappa=box["kappa_far"] - box["kappa"] if box["kappa"] != ZERO else ZERO,
             **{
-                name: box[name] for name in ("drag_a", "drag_n", "stretch", "shear", "bend", "sway")
+                name: box[name]
+                for name in (
+                    "drag_a",
+                    "drag_n",
+                    *one_tip.CENTRE,
+                    "stretch",
+                    "shear",
+                    "bend",
+                    "sway",
+                )
             },
         )
 

@@ -178,6 +178,8 @@ class Setup:
     """The same as stated, for the simulator."""
     friction_common: bool = True
     """Whether both tips have the same friction coefficient at every instant."""
+    drag_centre_moves: bool = False
+    """Whether the centre of drag may be at another place of its range at every instant."""
     corner_radius: Interval = ZERO
     """Largest rounding of a corner of the part, m."""
     largest_force: Interval | None = None
@@ -191,6 +193,16 @@ class Setup:
     def spacing(self) -> Interval:
         """Distance of the centres of the two tips across the push (d4), m."""
         return self.stated_spacing + self.uncertainty.tip_spacing
+
+    @property
+    def fixed_centre(self) -> Interval:
+        """A coordinate of the centre of drag, where it is fixed in the part, m."""
+        return ZERO if self.drag_centre_moves else self.uncertainty.drag_centre
+
+    @property
+    def moving_centre(self) -> Interval:
+        """The same where it may move, at an instant."""
+        return self.uncertainty.drag_centre if self.drag_centre_moves else ZERO
 
     @property
     def may_slip(self) -> bool:
@@ -313,6 +325,7 @@ def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
         blocks=() if task.slot is None else _blocks(task.slot),
         slot=task.slot,
         friction_common=task.schema_ == POINT_TIPS or bool(task.uncertainty.friction_common),
+        drag_centre_moves=bool(task.uncertainty.drag_centre_moves),
         corner_radius=units.metres(task.part.corner_radius_um or 0.0),
         largest_force=_newtons(task.probe.max_force_un),
         drag=None if task.film is None else units.plain(task.film.drag_un_s_per_um),

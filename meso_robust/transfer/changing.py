@@ -145,9 +145,12 @@ def _make_real(
     more = sum(spelled(one.drag_centre_um) for one in absorbed)
     if more:
         u["drag_centre_um"] = rounded_up(spelled(u.get("drag_centre_um", 0.0)) + more)
-    for share in (one.anisotropy for one in absorbed if one.anisotropy):
+    if any(one.centre_moves for one in absorbed):
+        u["drag_centre_moves"] = True
+    for share in (one.ratio_share for one in absorbed if one.ratio_share):
         percent = u["film_ratio_percent"]
         u["film_ratio_percent"] = rounded_up(percent + share * (100.0 + percent))
+    for share in (one.anisotropy for one in absorbed if one.anisotropy):
         known = u.get("drag_anisotropy_percent", 0.0)
         u["drag_anisotropy_percent"] = rounded_up(known + share * (200.0 + known))
     _drift(u, sum(one.drift_um_s for one in absorbed) / task.probe.speed_um_s)
@@ -254,6 +257,7 @@ _FIELDS = {
     "tip_radius_um": "radius_um",
     "passive_tip_radius_um": "radius_um",
     "drag_centre_um": "drag_centre_um",
+    "drag_centre_moves": "centre_moves",
     "drag_anisotropy_percent": "anisotropy",
     "travel_direction_deg": "drift_um_s",
     "travel_scale_percent": "drift_um_s",
@@ -277,7 +281,7 @@ def _reasons(standings: Mapping[str, Standing]) -> dict[str, str]:
         **found,
         "size_tolerance_um": ", ".join(filter(None, (found["length_um"], found["width_um"]))),
         "film_ratio_um2": RATIO,
-        "film_ratio_percent": by("anisotropy", RATIO),
+        "film_ratio_percent": by("ratio_share", RATIO),
         "friction": by("friction", FRICTION),
     }
 

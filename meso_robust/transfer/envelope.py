@@ -23,7 +23,7 @@ def needed(chain: Chain, task: Task) -> Budget:
     Parameters
     ----------
     chain
-        The steps, as far as they go; every pose before a move is one that is sensed.
+        The steps, as far as they go, and all poses on the way.
     task
         The task that they were certified for: its bound of sensing holds all that is added.
     """
@@ -31,13 +31,26 @@ def needed(chain: Chain, task: Task) -> Budget:
     radius = max(_farthest(step) for step in chain.steps)
     speed = task.probe.speed_um_s
     seconds = sum(_travel_um(step, chain, task) / speed + HANDLING_S for step in chain.steps)
-    return Budget(radius_um=(radius + added) * _ROUNDING, seconds=seconds * _ROUNDING)
+    return Budget(
+        radius_um=(radius + added) * _ROUNDING,
+        seconds=seconds * _ROUNDING,
+        ratio_um2=largest_ratio(task),
+    )
+
+
+def largest_ratio(task: Task) -> float:
+    """Of rotational to translational drag that a task allows, um^2."""
+    u = task.uncertainty
+    return u.film_ratio_um2 * (1.0 + 0.01 * u.film_ratio_percent) * _ROUNDING
 
 
 def _farthest(step: Step) -> float:
-    """Largest distance of the part's centre before a move from the world's origin, um."""
-    sides = (step.pre.x, step.pre.y)
-    return math.hypot(*(units.to_um(max(-side.lo, side.hi)) for side in sides))
+    """Largest distance of the part's centre from the world's origin in a move, um."""
+    boxes = [step.pre, *(knot.box for knot in step.tube)] + ([step.post] if step.post else [])
+    return max(
+        math.hypot(*(units.to_um(max(-side.lo, side.hi)) for side in (box.x, box.y)))
+        for box in boxes
+    )
 
 
 def _travel_um(step: Step, chain: Chain, task: Task) -> float:
@@ -60,4 +73,5 @@ def roomier(need: Budget) -> Budget:
     return Budget(
         radius_um=float(math.ceil(1.02 * need.radius_um)),
         seconds=float(math.ceil(1.05 * need.seconds)),
+        ratio_um2=need.ratio_um2,
     )

@@ -22,6 +22,7 @@ Ranges = Mapping[str, Ends]
 
 _ROUNDING = 1.0 + 1e-12  # far more than a few operations on doubles lose
 _DIGITS = 100  # steps of a unit that bounds are rounded up to
+_LEAST_DRAG = 0.05  # over that at the origin: a drag that falls along a line is not taken below it
 _NEARLY = 0.99  # of the place where a lens folds the image over: there roundings count for much
 NOTHING: Ends = (0.0, 0.0)
 
@@ -34,6 +35,8 @@ class Budget:
     """Largest distance of what is seen of the part from the world's origin."""
     seconds: float
     """Longest time from the zero of a drift to the last pose that is sensed."""
+    ratio_um2: float
+    """Largest ratio of rotational to translational drag of the film, as it would be if it were even."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +66,10 @@ class Absorbed:
     """By how much every tip's radius is larger than stated."""
     drag_centre_um: float = 0.0
     """Added to the largest distance of the centre of drag from the reference point."""
+    centre_moves: bool = False
+    """Whether the centre of drag may be anywhere within its distance at every instant."""
+    ratio_share: float = 0.0
+    """By what share the ratio of drags may differ from that of the even film, at every instant."""
     anisotropy: float = 0.0
     """Drag along the axis of the largest over the mean, less one: added for all axes."""
     friction: Ends = (1.0, 1.0)
@@ -152,6 +159,39 @@ def drag_centre_offset(ranges: Ranges, _: Budget) -> Absorbed:
     return Absorbed(said=f"drag centre within {far:g} µm", drag_centre_um=far)
 
 
+def drag_gradient(ranges: Ranges, budget: Budget) -> Absorbed:
+    """The drag of a place over that at the part's centre is e^(g·x) or 1 + g·x, x from there.
+
+    derivations/uneven_film.py: with |g·x| ≤ Z < 1 under the part and C = cosh Z the centre is within |g| λ C
+    of that of the even film, and the ratio between ρ/C - |c|² and ρ C. A film with the ratio ρ under a
+    rectangle reaches √(3 ρ) and has λ ≤ ρ. Where the drag grows along a line, g is its slope over its value
+    at the part's centre, which is within the budget's radius. Whatever the drag, its centre and all of it
+    lie among the places that drag.
+    """
+    slope = 1e-3 * _distance(ranges, "x_per_mm", "y_per_mm")
+    reach = math.sqrt(3.0 * budget.ratio_um2)
+    if ranges.get("form", NOTHING) != NOTHING:
+        left = 1.0 - slope * (budget.radius_um + reach)
+        slope = slope / (1.0 - slope * budget.radius_um) if left > _LEAST_DRAG else math.inf
+    steep = slope * reach * _ROUNDING
+    if steep < 1.0:
+        most = math.cosh(steep) * _ROUNDING
+        far, share = (
+            slope * budget.ratio_um2 * most,
+            most - 1.0 + slope**2 * budget.ratio_um2 * most**2,
+        )
+    else:
+        far, share = reach, 2.0
+    return Absorbed(
+        said=f"drag centre anywhere within {rounded_up(far):g} µm at every instant, and ρ ± "
+        f"{up_to(100 * share, 3)} % more",
+        drag_centre_um=rounded_up(far),
+        centre_moves=True,
+        ratio_share=share,
+        bounded_by="place",
+    )
+
+
 def drag_anisotropy(ranges: Ranges, _: Budget) -> Absorbed:
     """The drag along two axes is 1 + a and 1 - a of their mean: they differ by 2 a.
 
@@ -161,6 +201,7 @@ def drag_anisotropy(ranges: Ranges, _: Budget) -> Absorbed:
     return Absorbed(
         said=f"drag along two axes different by {up_to(200 * most, 3)} %, and ρ ± {up_to(100 * most, 3)} % more",
         anisotropy=most,
+        ratio_share=most,
     )
 
 

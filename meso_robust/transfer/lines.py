@@ -98,10 +98,12 @@ LINES: Mapping[str, Line] = {
         "the drag is centred beside the part's centre: pushing there turns it",
         inflation.drag_centre_offset,
     ),
-    "drag_gradient": _invariance(
-        "film-isotropy",
-        Premise.FILM_DRAG,
-        "the drag depends on the place: its centre moves over the part as the part turns",
+    "drag_gradient": Line(
+        premise=Premise.FILM_DRAG,
+        claim="uneven-film-gradient",
+        derivation="derivations/uneven_film.py",
+        why="the drag depends on the place: its centre moves over the part as the part turns",
+        absorb=inflation.drag_gradient,
     ),
     "drag_drift": _invariance(
         "film-scale",

@@ -40,9 +40,16 @@ from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Named, Reason, about
 from meso_robust.stages import Doing
 from meso_robust.task import POINT_TIPS, Task
-from meso_robust.transfer.assumption_check import BREAKS, Standing, in_place, remedy, standings
+from meso_robust.transfer.assumption_check import (
+    BREAKS,
+    RATIO,
+    Standing,
+    in_place,
+    remedy,
+    standings,
+)
 from meso_robust.transfer.changing import Changed, changed, check_part
-from meso_robust.transfer.envelope import enough, needed, roomier
+from meso_robust.transfer.envelope import enough, largest_ratio, needed, roomier
 from meso_robust.transfer.inflation import Budget
 from meso_robust.transfer.running import Evidence, evidence
 
@@ -213,7 +220,7 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
     """
     start, goal = task.start, task.goal
     far = max((one.x_um**2 + one.y_um**2) ** 0.5 for one in (start, goal))
-    budget = Budget(radius_um=far, seconds=0.0)
+    budget = Budget(radius_um=far, seconds=0.0, ratio_um2=_largest_ratio(task, document))
     for _ in range(_ROUNDS):
         found = standings(document, budget)
         after = changed(task, document, found)
@@ -231,6 +238,13 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
         wide=wide,
         kept=kept,
     )
+
+
+def _largest_ratio(task: Task, document: ModelDocument) -> float:
+    """Of the drags of an even film, by the model and by the task, um^2."""
+    fitted = document.parameters.get(RATIO)
+    stated = largest_ratio(task)
+    return stated if fitted is None else max(stated, fitted.high)
 
 
 def _bounded(found: Sequence[Standing]) -> bool:

@@ -174,15 +174,7 @@ def evidence(
     ValueError
         The simulator cannot run this model.
     """
-    rng, setup = np.random.default_rng(seed), setup_of(task)
-    lab = _Laboratory(
-        document=document,
-        values=_values(document, runs, rng),
-        task=task,
-        setup=setup,
-        draws=draw(setup, len(rules), runs, rng),
-    )
-    ran = _run(rules, lab)
+    setup, ran = setup_of(task), outcomes_of(rules, task, document, runs, seed)
     outcomes, done = ran.outcomes, ran.completed
     missed = excess(ran.final, setup.goal)
     clear = done & (missed > np.array(tolerance)).any(axis=1)
@@ -198,6 +190,21 @@ def evidence(
         broken=bool(clear.any() or np.isin(outcomes, (STARTS_INSIDE, Outcome.JAM)).any()),
         seed=seed,
     )
+
+
+def outcomes_of(
+    rules: Sequence[MoveRule], task: Task, document: ModelDocument, runs: int, seed: int
+) -> PlanRun:
+    """The runs of `evidence`, move by move; parameters as there."""
+    rng, setup = np.random.default_rng(seed), setup_of(task)
+    lab = _Laboratory(
+        document=document,
+        values=_values(document, runs, rng),
+        task=task,
+        setup=setup,
+        draws=draw(setup, len(rules), runs, rng),
+    )
+    return _run(rules, lab)
 
 
 def _values(document: ModelDocument, runs: int, rng: np.random.Generator) -> Floats:

@@ -31,7 +31,7 @@ MARKS = "<!-- table: made by the program -->\n", "<!-- end of table -->\n"
 
 
 def cases() -> dict[str, Mapping[str, float]]:
-    """Parameters of each effect at the multiple wanted, by name and in the catalogue's units."""
+    """Parameters of each effect at the multiple wanted that has a case, by name and in the catalogue's units."""
     found: dict[str, Mapping[str, float]] = {}
     for line in SEALED.read_text(encoding="utf-8").splitlines()[1:]:
         label = json.loads(line)["label"]
@@ -40,7 +40,7 @@ def cases() -> dict[str, Mapping[str, float]]:
             found.setdefault(label["names"][0], parameters)
     # where the post stands is the laboratory's: here beyond the goal, clear of the plan's way
     found["unmodelled_wall"] = {**found["unmodelled_wall"], "x_um": BEYOND_UM}
-    return {name: found[name] for name in CATALOGUE}
+    return {name: found[name] for name in CATALOGUE if name in found}
 
 
 def fitted(effect: str, parameters: Mapping[str, float]) -> ModelDocument:

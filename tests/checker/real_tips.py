@@ -47,7 +47,8 @@ class Push:
     """As commanded, along -x."""
     stray: Callable[[float], Vector] = lambda _: np.zeros(2)
     film: Callable[[float], Vector] | None = None
-    """``(stretch, shear, rho)`` at a share of the travel."""
+    """``(stretch, shear, rho)`` and where the centre of drag is from its fixed place, along and out of the
+    edge, at a share of the travel."""
     instants: list[Instant] = field(default_factory=list)
 
     @property
@@ -77,7 +78,7 @@ class Push:
         """Drag as a matrix of world axes and turn about its centre, and that centre."""
         v = self.values
         film = (
-            np.array([v["stretch"], v["shear"], v["rho"]])
+            np.array([v[name] for name in ("stretch", "shear", "rho", "centre_a", "centre_n")])
             if self.film is None
             else self.film(way / self.length)
         )
@@ -87,7 +88,8 @@ class Push:
         matrix = np.zeros((3, 3))
         matrix[:2, :2] = axes @ even @ axes.T
         matrix[2, 2] = film[2]
-        return matrix, pose[:2] + v["drag_a"] * a + v["drag_n"] * n
+        along, out = v["drag_a"] + film[3], v["drag_n"] + film[4]
+        return matrix, pose[:2] + along * a + out * n
 
     def stuck(self, side: int, way: float, pose: Vector) -> Vector:
         """Rate of the pose while one tip sticks."""

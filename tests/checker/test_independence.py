@@ -44,7 +44,7 @@ def test_the_checker_knows_every_value_of_a_task() -> None:
         Uncertainty: {
             "sensed_position_um", "sensed_orientation_deg", "probe_position_um", "friction",
             "film_ratio_um2", "film_ratio_percent", "tip_misalignment_deg", "friction_common",
-            "travel_direction_deg", "travel_scale_percent", "drag_centre_um",
+            "travel_direction_deg", "travel_scale_percent", "drag_centre_um", "drag_centre_moves",
             "drag_anisotropy_percent", "probe_wander_um",
         },
         Slot: {  # no wall is touched, so the friction there does not matter

@@ -153,6 +153,10 @@ def test_outside_of_the_reading_there_is_no_sentence(document: Document) -> None
         (ROUND, {"coulomb_each_tip"}),
         ({**ROUND, "uncertainty.friction_common": True}, {"coulomb_friction"}),
         (
+            {**ROUND, "uncertainty.drag_centre_um": 5.0, "uncertainty.drag_centre_moves": True},
+            {"film_at_each_instant", "coulomb_each_tip"},
+        ),
+        (
             {**ROUND, "probe.max_force_un": 20.0, "film.drag_un_s_per_um": 0.2},
             {"coulomb_each_tip", "probes_rigid_below_cap"},
         ),

@@ -200,7 +200,7 @@ def test_a_tip_that_turns_the_part_back_does_so_whatever_friction_does(side: int
 @pytest.mark.parametrize("side", [1, -1])
 def test_slopes_of_a_turn_hold_its_differences(side: int) -> None:
     """Of the turn after a travel, and of the travel of a turn, along everything they depend on."""
-    state = [1.5, 4.1e-4, side * 3.3e-4, 3e-5, 3.8e-7, 0.05, -0.04, 0.03]
+    state = [1.5, 4.1e-4, side * 3.3e-4, 3e-5, 3.8e-7, 0.05, -0.04, 0.03, 2e-5, -3e-5]
     travel, step = 1.5e-4, 1e-6
 
     def dual(k: int, value: float) -> Dual:
@@ -210,25 +210,25 @@ def test_slopes_of_a_turn_hold_its_differences(side: int) -> None:
         return [Dual(arb(value)) for value in values]
 
     box = [dual(k, value) for k, value in enumerate(state)]
-    turned = turn_of(box, dual(8, travel), side)
+    turned = turn_of(box, dual(10, travel), side)
     middle = float(turn_of(point(state), Dual(arb(travel)), side).value)
-    needed = travel_of(box, dual(8, middle))
+    needed = travel_of(box, dual(10, middle))
     assert float(needed.value) == pytest.approx(travel, rel=1e-9)
-    for k in range(9):
+    for k in range(11):
         size = step * abs(([*state, travel])[k])
         ends = []
         for sign in (-1, 1):
             moved = [*state, travel]
             moved[k] += sign * size
-            ends.append(float(turn_of(point(moved[:8]), Dual(arb(moved[8])), side).value))
+            ends.append(float(turn_of(point(moved[:10]), Dual(arb(moved[10])), side).value))
         slope = (ends[1] - ends[0]) / (2 * size)
         room = 1e-5 * abs(slope)
         low, high = (
             float(end) for end in (turned.slopes[str(k)].lower(), turned.slopes[str(k)].upper())
         )
         assert low - room <= slope <= high + room, k
-        if k < 8:  # the travel changes against the turn
-            per_turn = float(1 / turned.slopes["8"].mid())
+        if k < 10:  # the travel changes against the turn
+            per_turn = float(1 / turned.slopes["10"].mid())
             against = -slope * per_turn
             low, high = (
                 float(end) for end in (needed.slopes[str(k)].lower(), needed.slopes[str(k)].upper())
@@ -239,8 +239,8 @@ def test_slopes_of_a_turn_hold_its_differences(side: int) -> None:
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_tip_that_has_not_gone_on_has_not_turned_the_part(side: int) -> None:
     """Whatever the state is within a box: the first pose of a turn is bounded as any other."""
-    state = [1.57, 418.5e-6, side * 335e-6, 12.5e-6, 0.377e-6, 0.0, 0.0, 0.0]
-    reach = [0.004, 0.0, 4e-6, 0.0, 2e-8, 0.0, 0.0, 0.0]
+    state = [1.57, 418.5e-6, side * 335e-6, 12.5e-6, 0.377e-6, 0.0, 0.0, 0.0, 0.0, 0.0]
+    reach = [0.004, 0.0, 4e-6, 0.0, 2e-8, 0.0, 0.0, 0.0, 0.0, 0.0]
     box = [
         Dual(arb(middle, room), {str(k): arb(1)})
         for k, (middle, room) in enumerate(zip(state, reach, strict=True))
@@ -249,3 +249,26 @@ def test_a_tip_that_has_not_gone_on_has_not_turned_the_part(side: int) -> None:
     assert turned.value.is_finite()
     assert abs(float(turned.value)) < 1e-8
     assert float(abs(turned.value).upper()) < 1e-8
+
+
+def test_a_centre_of_drag_that_moves_does_more_than_any_that_is_fixed() -> None:
+    """About the middle of this turn its effect on the travel changes its sign."""
+    angle, d1, d2, rho, turned, reach = 2.35, 418.5e-6, 335e-6, 0.377e-6, 0.4, 1e-6
+    state = [angle, d1, d2, 0.0, rho, 0.0, 0.0, 0.0, 0.0, 0.0]
+    box = [Dual(arb(value)) for value in state]
+    box[8] = Dual(arb(0.0, reach), {"centre_a": arb(1)})
+    way = angle + turned * (np.arange(4000) + 0.5) / 4000
+
+    def travel(centre: Any) -> float:
+        place = d2 - centre
+        rate = (rho + d1**2 + place**2) / (place * np.sin(way) - d1 * np.cos(way))
+        return float(rate.mean() * turned)
+
+    upward = travel(0.5 * reach) - travel(-0.5 * reach)
+    later = np.where(way > angle + 0.5 * turned, reach, -reach)
+    farthest = max(travel(later), travel(-later))
+    found = travel_of(box, Dual(arb(turned))).value
+    fixed = max(travel(reach), travel(-reach))
+
+    assert abs(upward) < 0.5 * (farthest - travel(0.0))
+    assert fixed < farthest <= float(found.upper())

@@ -175,6 +175,7 @@ ROUND = {
     "mu_passive": (0.33, 0.34),
 }
 del ROUND["mu"]
+MOVING = {**POINTS, "centre_a": (-8 * UM, 8 * UM), "centre_n": (-8 * UM, 8 * UM)}
 H, H_END = (770 * UM, 776 * UM), (-320 * UM, -300 * UM)
 
 
@@ -201,10 +202,12 @@ def tube_of(ranges: dict[str, tuple[float, float]]) -> tuple[Piece, ...]:
 
 @pytest.fixture(scope="module")
 def tubes() -> dict[str, tuple[Piece, ...]]:
-    return {"points": tube_of(POINTS), "round": tube_of(ROUND)}
+    return {"points": tube_of(POINTS), "round": tube_of(ROUND), "moving": tube_of(MOVING)}
 
 
-@pytest.mark.parametrize(("name", "ranges"), [("points", POINTS), ("round", ROUND)])
+@pytest.mark.parametrize(
+    ("name", "ranges"), [("points", POINTS), ("round", ROUND), ("moving", MOVING)]
+)
 def test_motions_stay_between_the_barriers(
     name: str, ranges: dict[str, tuple[float, float]], tubes: dict[str, tuple[Piece, ...]]
 ) -> None:
@@ -212,7 +215,10 @@ def test_motions_stay_between_the_barriers(
     rng, step, seen = np.random.default_rng(0), 3 * UM, []
     instants = [
         n
-        for n in ("rho", "stretch", "shear", "bend", "mu", "mu_lower", "mu_passive")
+        for n in (
+            *("rho", "stretch", "shear", "bend", "mu", "mu_lower", "mu_passive"),
+            *("centre_a", "centre_n"),
+        )
         if n in ranges
     ]
     for run in range(12):
@@ -228,7 +234,8 @@ def test_motions_stay_between_the_barriers(
                     for share in (0.0, 1.0)
                 )
                 assert low - 1e-8 <= ahead <= high + 1e-8
-                held = Held.at(numbers, h, ahead)
+                centre = {f"drag_{n[-1]}": numbers[n] for n in instants if n.startswith("centre")}
+                held = Held.at({**numbers, **centre}, h, ahead)
                 mu = (numbers.get("mu", 0.0) or numbers["mu_lower"], numbers.get("mu", 0.0) or numbers["mu_passive"])  # fmt: skip
                 ahead += step * held.rate(held.motions(mu)[0], S)
                 h -= step

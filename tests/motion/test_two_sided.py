@@ -153,6 +153,28 @@ def followed(
     return worst
 
 
+def test_no_motion_leaves_the_tube_of_a_centre_of_drag_that_moves() -> None:
+    """It jumps from end to end of its range at every step; a tube that knows of none is left."""
+    reach = um(-20, 20)
+    grip, start = replace(POINTS, centre_a=reach, centre_n=reach), start_of(POINTS)
+    tubes = [enclose_slide(one, start, END, cells=2) for one in (grip, POINTS)]
+    part, room, label = samples(grip, 60)
+    state, rng, worst = started(part, room, label, start), np.random.default_rng(3), []
+    sides = np.sign(rng.uniform(-1.0, 1.0, (2, part.rho.size)))
+    while float(state.h.min()) - STEP > END:
+        worst.append([beyond(tube, part, room, label, state) for tube in tubes])
+        # half of them keep to one corner for long: that takes the part farthest
+        turned = rng.uniform(size=(2, part.rho.size)) < 0.02
+        sides = np.where(turned, -sides, sides)
+        moved = replace(part, drag_a=reach.hi * sides[0], drag_n=reach.hi * sides[1])
+        state = push(state, moved, STEP, rng)
+
+    known, unknown = np.max(worst, axis=0)
+    assert tubes[0].status is TubeStatus.COMPLETE
+    assert known < TOLERANCE
+    assert unknown > TOLERANCE
+
+
 @pytest.mark.parametrize("coarse", [1.0, 6.0])
 @pytest.mark.parametrize("name", GRIPS)
 def test_no_motion_leaves_the_tube(name: str, coarse: float) -> None:

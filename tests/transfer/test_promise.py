@@ -95,7 +95,7 @@ def test_what_is_not_kept_is_said_line_by_line(
     dry: ModelDocument, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = made(dry)
-    budget = Budget(radius_um=1.0, seconds=1.0)
+    budget = Budget(radius_um=1.0, seconds=1.0, ratio_um2=380e3)
     open_ = replace(found, standings=standings(model(open_=("mu",)), budget))
     monkeypatch.delitem(LINES, "dry_friction")
     no_line = replace(found, standings=standings(dry, budget))

@@ -150,5 +150,9 @@ def test_a_plan_needs_the_place_of_its_start_and_the_time_of_its_travels() -> No
     least = 1e6 * travelled / 75.0 + 40.0
     assert least <= need.seconds <= least + 2.0
     assert enough(roomier(need), need)
-    assert not enough(Budget(radius_um=need.radius_um, seconds=0.99 * need.seconds), need)
-    assert not enough(Budget(radius_um=0.99 * need.radius_um, seconds=need.seconds), need)
+    assert not enough(
+        Budget(radius_um=need.radius_um, seconds=0.99 * need.seconds, ratio_um2=380e3), need
+    )
+    assert not enough(
+        Budget(radius_um=0.99 * need.radius_um, seconds=need.seconds, ratio_um2=380e3), need
+    )

@@ -31,7 +31,7 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     "squareness": ("kappa",),
     "travel_direction": ("direction",),
     "travel_scale": ("scale",),
-    "drag_centre": ("drag_a", "drag_n"),
+    "drag_centre": ("drag_a", "drag_n", "centre_a", "centre_n", "centre_a_now", "centre_n_now"),
     "drag_anisotropy": ("stretch", "shear", "stretch_now", "shear_now"),
     "probe_wander": ("wander_x", "wander_y", "wander_x_now", "wander_y_now", "bend", "bend_now"),
 }

@@ -68,6 +68,11 @@ def _own(value: Any, factor: float) -> Any:
     return factor < 1.0
 
 
+def _any_instant(value: Any, factor: float) -> Any:
+    """A centre of drag that moves asks for more than one that is fixed in the part."""
+    return factor > 1.0
+
+
 KEYS: Mapping[str, tuple[str, Callable[[Any, float], Any]]] = {
     "tip_radius_um": ("probe", _radii),
     "passive_tip_radius_um": ("probe", _radii),
@@ -81,6 +86,7 @@ KEYS: Mapping[str, tuple[str, Callable[[Any, float], Any]]] = {
     "travel_direction_deg": ("uncertainty", _range),
     "travel_scale_percent": ("uncertainty", _bound),
     "drag_centre_um": ("uncertainty", _bound),
+    "drag_centre_moves": ("uncertainty", _any_instant),
     "drag_anisotropy_percent": ("uncertainty", _bound),
     "probe_wander_um": ("uncertainty", _bound),
 }
@@ -101,7 +107,7 @@ def other_task(task: Task, key: str, factor: float) -> Task | None:
         None where the task does not state the quantity, or none of that size can be.
     """
     (section, of), values = KEYS[key], task.to_dict()
-    value = values[section].get(key)
+    value = values[section].get(key, False if of is _any_instant else None)
     if value is None:
         return None
     values[section][key] = of(value, factor)

@@ -1,0 +1,144 @@
+r"""A film whose drag differs from place to place, or from instant to instant.
+
+Every place ``x`` of the area resists its own velocity ``u = v + omega z x x`` with the force ``-k u``;
+``k > 0`` may depend on the place, on the time and on the motion itself. At one instant it is a number at
+each place, and the drag is that of a centre and a ratio of that instant (``drag_tensor.py``).
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from derivations._claim import Claim
+from derivations._derivation import Derivation
+from derivations._statement import as_written, for_all, identity, there_is
+
+v_x, v_y, omega = sp.symbols("v_x v_y omega", real=True)
+X, Y, K = (
+    sp.symbols(" ".join(f"{name}_{i}" for i in range(1, 4)), real=True) for name in ("x", "y", "k")
+)
+m, c_x, c_y, rho_c = sp.symbols("m c_x c_y rho_c", real=True)
+z, C = sp.symbols("z C", positive=True)
+w_1, w_2, s_1, s_2 = sp.symbols("w_1 w_2 s_1 s_2", positive=True)
+t_1, t_2, g_1, g_2, e_1, e_2 = sp.symbols("t_1 t_2 g_1 g_2 e_1 e_2", real=True)
+r_1, r_2 = sp.symbols("r_1 r_2", positive=True)
+
+
+def derive() -> Derivation:
+    """Derive centre and ratio of any positive drag, and how far a gradient moves the centre."""
+    return Derivation(
+        name="uneven_film",
+        summary="A film whose drag differs from place to place, at one instant.",
+        claims=(_at_an_instant(), _gradient()),
+    )
+
+
+def _total(of: list[sp.Expr]) -> sp.Expr:
+    return as_written(lambda: sp.Add(*(k * one for k, one in zip(K, of, strict=True))))
+
+
+def _at_an_instant() -> Claim:
+    velocity = [(v_x - omega * y, v_y + omega * x) for x, y in zip(X, Y, strict=True)]
+    moments = [x * u[1] - y * u[0] for x, y, u in zip(X, Y, velocity, strict=True)]
+    total = sum(K)
+    centre = {
+        m: total,
+        c_x: sum(k * x for k, x in zip(K, X, strict=True)) / total,
+        c_y: sum(k * y for k, y in zip(K, Y, strict=True)) / total,
+    }
+    about = sum(
+        k * ((x - centre[c_x]) ** 2 + (y - centre[c_y]) ** 2)
+        for k, x, y in zip(K, X, Y, strict=True)
+    )
+    force = m * (v_x - omega * c_y), m * (v_y + omega * c_x)
+    moment = m * rho_c * omega + c_x * force[1] - c_y * force[0]
+
+    def there(of: sp.Expr) -> sp.Expr:
+        return of.subs(rho_c, about / total).subs(centre)
+
+    return Claim(
+        key="uneven-film-instant",
+        title="Any positive drag of the area has a centre and a ratio at each instant",
+        place="new; the paper's film is even",
+        derived=r"Let each place resist its velocity by $k > 0$ times it, whatever $k$ hangs on. At that "
+        r"instant the drag is $m = \int k$ times that of a film with its centre at $c = \int k x / m$, the "
+        r"ratio $\rho_c = \int k |x - c|^2 / m$ and the same drag in all directions. A proof for every "
+        r"centre and ratio of a range at every instant holds for it if $c$ and $\rho_c$ keep within them.",
+        steps=(
+            r"Force and moment are sums over the places, linear in the twist; three places show it, as "
+            r"both sides are sums over places and pairs of places.",
+        ),
+        hypotheses=("the force on a place is along its velocity and against it",),
+        checks=(
+            identity(
+                "force",
+                [_total([u[0] for u in velocity]), _total([u[1] for u in velocity])],
+                [there(one) for one in force],
+            ),
+            identity("moment about the reference point", _total(moments), there(moment)),
+        ),
+    )
+
+
+def _gradient() -> Claim:
+    def hyperbolic(of: sp.Expr) -> sp.Expr:
+        return of.rewrite(sp.exp)
+
+    pairs = [w_1 + w_2 - 1 <= 0, w_1 + w_2 - 1 >= 0, s_1 >= 1, s_2 >= 1, s_1 <= C, s_2 <= C]
+    bounded = [t_1 <= g_1, -g_1 <= t_1, t_2 <= g_2, -g_2 <= t_2, g_1 > 0, g_2 > 0, e_1 > 0, e_2 > 0]
+    weight = w_1 * s_1 + w_2 * s_2
+    return Claim(
+        key="uneven-film-gradient",
+        title="How far a gradient of the drag moves its centre",
+        place="new",
+        derived=r"Let the area be point-symmetric with the mean $\lambda$ of the squares along its long axis, "
+        r"$\rho$ the mean of $|x|^2$, and $k$ grow from the centre by $e^{\gamma\cdot x}$ or by $1 + \gamma"
+        r"\cdot x$, $|\gamma\cdot x| \le Z < 1$ on it and $C = \cosh Z$. Then $|c| \le |\gamma| \lambda C$ "
+        r"and $\rho / C - |c|^2 \le \rho_c \le \rho C$.",
+        steps=(
+            r"Opposite places $\pm x$ have the mean drag $s$ and differ from it by $\pm t s$: $s = \cosh"
+            r"(\gamma\cdot x)$ and $t = \tanh$, or $s = 1$ and $t = \gamma\cdot x$; so $|t| \le |\gamma\cdot "
+            r"x|$ and $1 \le s \le C$.",
+            r"So a coordinate of $c$ is at most $C$ times the mean of $|\gamma\cdot x|\,|e\cdot x|$, which is "
+            r"at most $|\gamma|\lambda$ (Cauchy and Schwarz).",
+            r"$\rho_c + |c|^2$ is the mean of $s |x|^2$ over that of $s$.",
+        ),
+        hypotheses=(
+            "k grows from the centre as stated",
+            "the area is point-symmetric about the centre of the even film",
+        ),
+        checks=(
+            identity(
+                r"$z\cosh z - \sinh z$ vanishes at 0 and grows by $z \sinh z \ge 0$: $\tanh z \le z$",
+                hyperbolic(sp.Derivative(z * sp.cosh(z) - sp.sinh(z), z)),
+                hyperbolic(z * sp.sinh(z)),
+            ),
+            for_all(
+                "a coordinate of the centre, two pairs: over the sum of the weights, at most C times that "
+                "of an even film",
+                [*pairs, *bounded],
+                w_1 * s_1 * t_1 * e_1 + w_2 * s_2 * t_2 * e_2
+                <= C * (w_1 * g_1 * e_1 + w_2 * g_2 * e_2) * weight,
+            ),
+            for_all(
+                "the ratio, two pairs, from above",
+                [*pairs, C >= 1],
+                w_1 * s_1 * r_1 + w_2 * s_2 * r_2 <= C * (w_1 * r_1 + w_2 * r_2) * weight,
+            ),
+            for_all(
+                "and from below",
+                [*pairs, C >= 1],
+                C * (w_1 * s_1 * r_1 + w_2 * s_2 * r_2) >= (w_1 * r_1 + w_2 * r_2) * weight,
+            ),
+            there_is(
+                "the centre does move: of two places, the one with the larger drag draws it",
+                [K[0] > K[1], K[0] * X[0] + K[1] * X[1] > 0],
+                {
+                    K[0]: sp.Rational(11, 10),
+                    K[1]: sp.Integer(1),
+                    X[0]: sp.Integer(1),
+                    X[1]: sp.Integer(-1),
+                },
+            ),
+        ),
+    )
