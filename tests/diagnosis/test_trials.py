@@ -38,17 +38,20 @@ def test_every_effect_of_the_catalogue_is_tried(prepared: Prepared) -> None:
 
 
 def test_trials_start_within_the_ranges_of_the_catalogue(null: Diagnosis) -> None:
+    used: dict[str, set[str]] = {}  # some numbers are of one form of a law only
     for one in trials(null.baseline.prepared):
         known = {p.key: p for p in CATALOGUE[one.effect].parameters}
+        used.setdefault(one.effect, set()).update(one.sizes, one.shape)
         assert {key for key in one.sizes if not known[key].size} == set()
         assert set(one.free) <= set(one.shape) <= set(known)
         assert set(one.scales) & set(one.held) == set()
-        assert set(one.sizes) | set(one.shape) == set(known)
         model = extended(null.baseline.model, (one,), null.baseline.prepared)
         start = start_of(one, np.ones(len(one.sizes)))
         values = np.append(null.baseline.fits.values[0], start)[None]
         np.testing.assert_array_equal(within(model, values), values)
         assert model.valid(values)[0]
+    for effect, keys in used.items():
+        assert keys == {p.key for p in CATALOGUE[effect].parameters}
 
 
 @pytest.mark.parametrize(
