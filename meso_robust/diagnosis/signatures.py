@@ -60,16 +60,19 @@ def extended(model: Model, trials: tuple[Trial, ...], prepared: Prepared) -> Mod
         tip_radius=prepared.tip_radius,
     )
     base = len(model.parameters)
-    added = tuple(_physical(parameter, prepared.length) for parameter in made.parameters[base:])
+    lasted = float(np.max(prepared.times[:, -1] - prepared.times[:, 0]))
+    added = tuple(_physical(one, prepared.length, lasted) for one in made.parameters[base:])
     return replace(made, parameters=(*made.parameters[:base], *added))
 
 
-def _physical(parameter: Parameter, length: float) -> Parameter:
-    """The parameter in the range that it can have with a part of a length, m."""
+def _physical(parameter: Parameter, length: float, lasted: float) -> Parameter:
+    """The parameter in the range that it can have with a part of a length, m, and recordings of a time, s."""
     effect, key = parameter.key.split(".")
     low, high = parameter.likely or (-np.inf, np.inf)
     if effect == "camera_latency":
         low = 0.0  # a camera cannot see ahead
+    elif key == "time_s":
+        low = 0.5 * lasted  # what settles sooner is an offset rather than a drift
     elif effect in _INSIDE:
         low, high = -length, length
     elif effect in _RATIOS and key == "ratio":

@@ -127,6 +127,17 @@ def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
             )
 
 
+def _slowing(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """A drift that slows down in the time of a recording."""
+    lasted = float(np.max(prepared.times[:, -1] - prepared.times[:, 0]))
+    yield Trial(
+        effect=effect,
+        sizes={"x_um_s": 0.3, "y_um_s": 0.3},
+        shape={"time_s": lasted},
+        free={"time_s": 0.5 * lasted},
+    )
+
+
 def _posts(effect: str, prepared: Prepared) -> Iterable[Trial]:
     """Posts about the last poses that no part was ever seen to overlap."""
     scale = 1e6 * REFERENCE_LENGTH / prepared.length
@@ -188,10 +199,7 @@ def _about_a_place(**size: float) -> Forms:
 
 _LAYS = (0.0, 22.5, 45.0, 67.5)
 _QUARTERS = (0.0, 45.0, 90.0, 135.0)
-_DRIFT = formed(
-    sized(x_um_s=0.3, y_um_s=0.3),
-    shaped({"x_um_s": 0.3, "y_um_s": 0.3}, {"time_s": 1.0}, time_s=(2.0,)),
-)
+_DRIFT = formed(sized(x_um_s=0.3, y_um_s=0.3), _slowing)
 
 TRIALS: Mapping[str, Try] = {
     "dry_friction": Try(
@@ -371,7 +379,6 @@ def _factor(key: str, length: float, speed: float) -> float:
         ("_um", length),
         ("_percent_s", speed / length),
         ("_ms", length / speed),
-        ("time_s", length / speed),
         ("ratio", speed),
     )
     return next((factor for end, factor in factors if key.endswith(end)), 1.0)
