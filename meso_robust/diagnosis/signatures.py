@@ -60,7 +60,7 @@ def extended(model: Model, trials: tuple[Trial, ...], prepared: Prepared) -> Mod
         tip_radius=prepared.tip_radius,
     )
     base = len(model.parameters)
-    lasted = float(np.max(prepared.times[:, -1] - prepared.times[:, 0]))
+    lasted = float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
     added = tuple(_physical(one, prepared.length, lasted) for one in made.parameters[base:])
     return replace(made, parameters=(*made.parameters[:base], *added))
 
@@ -72,7 +72,7 @@ def _physical(parameter: Parameter, length: float, lasted: float) -> Parameter:
     if effect == "camera_latency":
         low = 0.0  # a camera cannot see ahead
     elif key == "time_s":
-        low = 0.5 * lasted  # what settles sooner is an offset rather than a drift
+        low = 0.5 * lasted  # what settles within the shortest recording is an offset rather than a drift
     elif effect in _INSIDE:
         low, high = -length, length
     elif effect in _RATIOS and key == "ratio":

@@ -128,8 +128,8 @@ def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
 
 
 def _slowing(effect: str, prepared: Prepared) -> Iterable[Trial]:
-    """A drift that slows down in the time of a recording."""
-    lasted = float(np.max(prepared.times[:, -1] - prepared.times[:, 0]))
+    """A drift that slows down in the time of the shortest recording."""
+    lasted = float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
     yield Trial(
         effect=effect,
         sizes={"x_um_s": 0.3, "y_um_s": 0.3},
