@@ -220,6 +220,8 @@ def visibilities(at: Tangent, signatures: list[Signature]) -> tuple[Visibility, 
     best: dict[str, Signature] = {}
     for one in signatures:
         name = one.trial.effect
+        if one.trial.law:  # what another form adds is neither the effect's size nor its likeness
+            continue
         if name not in best or _size(left[id(one)]) > _size(left[id(best[name])]):
             best[name] = one
     spaces = {name: _space(left[id(one)]) for name, one in best.items()}
