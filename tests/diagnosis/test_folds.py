@@ -150,3 +150,18 @@ def test_a_start_that_still_frames_hardly_tell_stays_near_where_it_was_seen() ->
     away, quiet = np.array([300.0, -200.0, 100.0]), np.array([True])
     assert np.abs(_step(flat, away, quiet)).max() < 1.0
     assert _step(plain, away, quiet) == pytest.approx(away, rel=0.01)
+
+
+def test_friction_that_a_search_with_an_effect_ran_up_to_its_end_is_that_of_the_plain_fit(
+    late: Diagnosis,
+) -> None:
+    """The training recordings alone may not tell it: there a search has no way back."""
+    bench, best, plain = late.grade.bench, late.best, late.grade.plain
+    assert best is not None
+    model, values = best.refit.model, best.refit.fits.values[0].copy()
+    values[1] = model.parameters[1].high
+    alone = rolled_out(bench, model, values)
+    assert alone.values[1] > 0.9
+    helped = rolled_out(bench, model, values, plain.values)
+    assert helped.values[1] == pytest.approx(late.baseline.fits.values[0, 1], rel=0.05)
+    assert helped.squares.sum() < 0.9 * alone.squares.sum()

@@ -144,3 +144,15 @@ def test_an_effect_without_a_line_has_its_sizes_tried(
     (only,) = tried("stribeck_friction").forms("stribeck_friction", prepared)
     assert only.sizes == {"ratio": 1.0}
     assert "pushes on all edges" in tried("stribeck_friction").shown_by
+
+
+def test_a_drift_that_slows_down_still_goes_on_in_the_shortest_recording(null: Diagnosis) -> None:
+    """What has settled before is an offset, which has a name of its own."""
+    prepared = null.baseline.prepared
+    shortest = (prepared.times[:, -1] - prepared.times[:, 0]).min()
+    slow = [one for one in trials(prepared) if "time_s" in one.free]
+    assert {one.effect for one in slow} == {"probe_drift", "camera_drift"}
+    for one in slow:
+        model = extended(null.baseline.model, (one,), prepared)
+        assert model.parameters[-1].key == f"{one.effect}.time_s"
+        assert model.parameters[-1].low == pytest.approx(0.5 * shortest)
