@@ -72,9 +72,8 @@ def _physical(parameter: Parameter, length: float, lasted: float) -> Parameter:
     if effect == "camera_latency":
         low = 0.0  # a camera cannot see ahead
     elif key == "time_s":
-        low = (
-            0.5 * lasted
-        )  # what settles within the shortest recording is an offset rather than a drift
+        # what settles within the shortest recording is an offset rather than a drift
+        low = 0.5 * lasted
     elif effect in _INSIDE:
         low, high = -length, length
     elif effect in _RATIOS and key == "ratio":
