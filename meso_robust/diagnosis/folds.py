@@ -230,7 +230,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
     jacobian = problem.jacobian(every, spans, model.fitted[None])
     slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
     told = _told(jacobian[0], len(values))
-    plain = np.arange(len(values)) < len(bench.baseline.model.parameters)
+    own = np.arange(len(values)) < len(bench.baseline.model.parameters)
     by_fold = np.tile(values, (bench.count, 1))
     poses = np.full(whole.seen.shape, np.nan)
     outcomes = np.zeros(len(whole.files), dtype=np.int64)
@@ -245,7 +245,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
                 starts=starts[rows],
                 offsets=every.offsets[0, rows],
                 jacobian=jacobian[:, rows],
-                held=plain & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
+                held=own & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
             ).fits.values[0]
         poses[left], outcomes[left] = _from_rest(
             bench, model, by_fold[k], left, starts[left], slopes[left]

@@ -334,11 +334,11 @@ def _answer(
     """The set that explains the recordings, those that do so equally, and whether it helps every fold."""
     if naming.answers:
         chosen = _earning(judge, naming, pool[0], 0.0)
-        rivals = [one for one in naming.answers[1:] if not _holds(one, pool[0])]
+        others = [one for one in naming.answers[1:] if not _holds(one, pool[0])]
         if chosen is not None:
             asked = pool[len(naming.answers) :]
-            rivals += [one for one in asked if _equal(judge, chosen, one, seed)]
-        return chosen, tuple(rivals), True
+            others += [one for one in asked if _equal(judge, chosen, one, seed)]
+        return chosen, tuple(others), True
     chosen, everywhere = _holding(judge, naming, pool, seed)
     if chosen is None:
         return None, (), True
