@@ -15,6 +15,7 @@ from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.folds import RollOut
+from meso_robust.diagnosis.grading import NAMED
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection
@@ -199,7 +200,9 @@ def _why(found: Diagnosis) -> str:
     if found.verdict == "named":
         adequate = grade.chosen.adequate and not grade.chosen.rejected
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
-    return f"{said}: {'too little for a name' if found.verdict == 'unknown' else 'not all of it'}{reach}"
+    if found.verdict == "unknown":
+        return f"{said}: too little for a name{reach}"
+    return f"{said}: {'not all of it' if grade.explained.share < NAMED else 'not in every fold'}{reach}"
 
 
 def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:

@@ -161,7 +161,7 @@ def _again(prepared: Prepared, baseline: Baseline, seed: int) -> Floats | None:
     Some of the recordings are held out of the baseline, perhaps the only one in which a tip slips.
     """
     values = baseline.fits.values[0]
-    if not _at_end(baseline.model, values):
+    if not _at_end(baseline.model, values, len(values)):
         return None
     drawn = baseline.model.draw(np.random.default_rng([seed, 6]), _AGAIN)
     settings = replace(baseline.settings, central=False, most=_ALL, flat=0.05)
@@ -169,9 +169,9 @@ def _again(prepared: Prepared, baseline: Baseline, seed: int) -> Floats | None:
     return np.asarray(found.values[np.nanargmin(found.chi2)])
 
 
-def _at_end(model: Model, values: Floats) -> bool:
-    """Whether a number is at an end of its range."""
-    pairs = zip(model.parameters, values, strict=True)
+def _at_end(model: Model, values: Floats, count: int) -> bool:
+    """Whether one of the first numbers is at an end of its range."""
+    pairs = zip(model.parameters[:count], values[:count], strict=True)
     return any(value <= one.low or value >= one.high for one, value in pairs)
 
 
@@ -204,7 +204,7 @@ def _folds(prepared: Prepared, seed: int) -> Ints:
     return fold
 
 
-def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
+def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None = None) -> RollOut:
     """Predict every recording by a fit of the model to the other folds.
 
     Parameters
@@ -213,13 +213,17 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
         The recordings.
     model, values
         The model, and values (n,) from which fits begin.
+    plain
+        (m,) of the plain model as fitted to all recordings, if known. Fits begin there as well where a
+        number of it is at an end of its range in ``values``, which are of some of the recordings only.
     """
     settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=0.05)
     whole = replace(bench.prepared, weights=weights_of(bench, model, values))
     # its own derivatives: a fit without the recordings held out may start where no tip slips
     begun = values[None]
-    if bench.plain is not None:
-        begun = np.vstack([values, [*bench.plain, *values[len(bench.plain) :]]])
+    also = bench.plain if plain is None else plain
+    if also is not None and (bench.plain is not None or _at_end(model, values, len(also))):
+        begun = np.vstack([values, [*also, *values[len(also) :]]])
     found = fit(whole, model, begun, replace(settings, chord=False))
     best = [int(np.nanargmin(found.fits.chi2))]
     every = found.fits.of(best)
@@ -230,7 +234,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
     jacobian = problem.jacobian(every, spans, model.fitted[None])
     slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
     told = _told(jacobian[0], len(values))
-    plain = np.arange(len(values)) < len(bench.baseline.model.parameters)
+    own = np.arange(len(values)) < len(bench.baseline.model.parameters)
     by_fold = np.tile(values, (bench.count, 1))
     poses = np.full(whole.seen.shape, np.nan)
     outcomes = np.zeros(len(whole.files), dtype=np.int64)
@@ -245,7 +249,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats) -> RollOut:
                 starts=starts[rows],
                 offsets=every.offsets[0, rows],
                 jacobian=jacobian[:, rows],
-                held=plain & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
+                held=own & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
             ).fits.values[0]
         poses[left], outcomes[left] = _from_rest(
             bench, model, by_fold[k], left, starts[left], slopes[left], offsets[left]

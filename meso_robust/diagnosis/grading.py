@@ -21,6 +21,7 @@ from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, rolled_out
 from meso_robust.diagnosis.localisation import Located
+from meso_robust.diagnosis.rejection import Ground
 from meso_robust.diagnosis.signatures import extended
 from meso_robust.diagnosis.windows import cuts_of
 from meso_robust.recordings import RecordingSet
@@ -188,7 +189,7 @@ class _Judge:
         model = extended(base.model, trials, base.prepared)
         values = dict(zip(whole.refit.model.keys, whole.refit.fits.values[0], strict=True))
         start = np.array([values[key] for key in model.keys])
-        self.seen[names] = rolled_out(self.bench, model, start)
+        self.seen[names] = rolled_out(self.bench, model, start, self.seen[()].values)
 
 
 def graded(
@@ -227,7 +228,10 @@ def graded(
     predicted: dict[Names, RollOut] = {(): plain}
     for one in pool:
         try:
-            predicted[one.effects] = rolled_out(bench, one.refit.model, one.refit.fits.values[0])
+            refit = one.refit
+            predicted[one.effects] = rolled_out(
+                bench, refit.model, refit.fits.values[0], plain.values
+            )
         except (ValueError, np.linalg.LinAlgError):
             continue  # its search leaves what can be simulated: no answer, and no fault
     pool = tuple(one for one in pool if one.effects in predicted)
@@ -237,18 +241,19 @@ def graded(
     matters = _relevant(baseline) if relevant is None else relevant
     chosen: Candidate | None = None
     rivals: tuple[Candidate, ...] = ()
+    everywhere = True
     # sums of squares of noise vary by themselves, by √(2 N) of N data
     chance = _SURE * float(np.sqrt(2.0 * bench.seen.sum()))
     missing = naming is not None and size >= matters and judge.explainable > chance
     # of a single recording none can be left out: what its own fit explains proves nothing
     if naming and pool and missing and bench.count > 1:
-        chosen, rivals = _answer(judge, naming, pool, seed)
+        chosen, rivals, everywhere = _answer(judge, naming, pool, seed)
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
     cells = _cells(tables, effects, where) if missing else ()
     return Grade(
-        verdict=_verdict(missing, explained, rivals),
+        verdict=_verdict(missing, explained, rivals, everywhere),
         bench=bench,
         plain=plain,
         extended=predicted[effects] if effects else None,
@@ -264,14 +269,24 @@ def graded(
     )
 
 
-def _verdict(matters: bool, explained: Explained | None, rivals: tuple[Candidate, ...]) -> Verdict:
+def _verdict(
+    matters: bool,
+    explained: Explained | None,
+    rivals: tuple[Candidate, ...],
+    everywhere: bool = True,
+) -> Verdict:
     if not matters:
         return "consistent"
-    if explained is None or explained.share < PARTIAL or explained.low <= 0.0:
+    if explained is None or not _tells(explained):
         return "unknown"
     if rivals:
         return "ambiguous"
-    return "named" if explained.share >= NAMED else "partial"
+    return "named" if everywhere and explained.share >= NAMED else "partial"
+
+
+def _tells(explained: Explained) -> bool:
+    """Whether a share is enough to speak of, and not by the luck of a few recordings."""
+    return explained.share >= PARTIAL and explained.low > 0.0
 
 
 def _relevant(baseline: Baseline) -> float:
@@ -280,9 +295,14 @@ def _relevant(baseline: Baseline) -> float:
 
 
 def _pool(naming: Naming, quick: bool) -> tuple[Candidate, ...]:
-    """Sets that may be the answer: those that the competition leaves, or else the likeliest."""
+    """Sets that may be the answer: those that the competition leaves, or else the likeliest.
+
+    One that two held-out recordings spoke against, and that is as likely, is asked in every fold.
+    """
     if naming.answers:
-        return naming.answers[: _JUDGED[quick]]
+        least = naming.answers[0].score - _EQUAL_NATS
+        near = tuple(one for one in naming.candidates if _refuted(one) and one.score >= least)
+        return (*naming.answers, *near)[: _JUDGED[quick]]
     able = [one for one in naming.candidates if not one.duplicate and one.score > 0.0]
     likely = able[: _JUDGED[quick]]
     single = next((one for one in able if len(one.effects) == 1), None)
@@ -304,20 +324,24 @@ def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None
     return np.asarray(floor * min(1.0, least / float(floor.sum())))
 
 
+def _refuted(one: Candidate) -> bool:
+    return one.rejected is not None and one.rejected.ground is Ground.HELD_OUT_WORSE
+
+
 def _answer(
     judge: _Judge, naming: Naming, pool: tuple[Candidate, ...], seed: int
-) -> tuple[Candidate | None, tuple[Candidate, ...]]:
-    """The set that explains the recordings, and those that do so equally."""
+) -> tuple[Candidate | None, tuple[Candidate, ...], bool]:
+    """The set that explains the recordings, those that do so equally, and whether it helps every fold."""
     if naming.answers:
         chosen = _earning(judge, naming, pool[0], 0.0)
-        return chosen, tuple(one for one in naming.answers[1:] if not _holds(one, pool[0]))
-    enough = (1.0 - _MEMBER_SHARE) * pool[0].refit.gain
-    simple = min(
-        (one for one in pool if one.refit.gain >= enough), key=lambda one: len(one.effects)
-    )
-    chosen = _earning(judge, naming, simple, _MEMBER_SHARE)
+        others = [one for one in naming.answers[1:] if not _holds(one, pool[0])]
+        if chosen is not None:
+            asked = pool[len(naming.answers) :]
+            others += [one for one in asked if _equal(judge, chosen, one, seed)]
+        return chosen, tuple(others), True
+    chosen, everywhere = _holding(judge, naming, pool, seed)
     if chosen is None:
-        return None, ()
+        return None, (), True
     rivals = tuple(one for one in pool if _equal(judge, chosen, one, seed))
     if rivals and judge.share(chosen.effects) < NAMED:
         # what all of them share is sure; which of the rest is not, and stays a remainder
@@ -326,15 +350,49 @@ def _answer(
         if common is not None:
             judge.with_part(chosen, common.effects)
             if judge.share(common.effects) >= PARTIAL:
-                return common, ()
-    return chosen, rivals
+                return common, (), everywhere
+    return chosen, rivals, everywhere
+
+
+def _holding(
+    judge: _Judge, naming: Naming, pool: tuple[Candidate, ...], seed: int
+) -> tuple[Candidate | None, bool]:
+    """A set that explains something out of fold, of the likeliest, and whether it helps in every fold.
+
+    A law that is not quite the true one may be the best where it was fitted, and fail on the one recording
+    that told a number of it, while another holds. Where none helps in every fold, the simplest that helps on
+    the whole explains a part.
+    """
+    enough = (1.0 - _MEMBER_SHARE) * pool[0].refit.gain
+    simple = min(
+        (one for one in pool if one.refit.gain >= enough), key=lambda one: len(one.effects)
+    )
+    near = [one for one in pool if one.refit.gain >= NAMED * pool[0].refit.gain]
+    first = None
+    for one in (simple, *near):
+        earned = _earning(judge, naming, one, _MEMBER_SHARE)
+        first = first or earned
+        if earned is not None and _tells(_explained(judge, earned.effects, seed)):
+            return earned, True
+    for one in sorted(near, key=lambda one: len(one.effects)):
+        earned = _earning(judge, naming, one, _MEMBER_SHARE, fold_share=np.inf)
+        if earned is not None and _tells(_explained(judge, earned.effects, seed)):
+            return earned, False
+    return first, True
 
 
 def _listed(naming: Naming, names: Names) -> Candidate | None:
     return next((one for one in naming.candidates if names and one.effects == names), None)
 
 
-def _earning(judge: _Judge, naming: Naming, whole: Candidate, least: float) -> Candidate | None:
+def _earning(
+    judge: _Judge,
+    naming: Naming,
+    whole: Candidate,
+    least: float,
+    *,
+    fold_share: float = _FOLD_SHARE,
+) -> Candidate | None:
     """The set without members that do not earn their place in every fold; None if none does."""
     for member in whole.effects:
         rest = tuple(name for name in whole.effects if name != member)
@@ -342,11 +400,11 @@ def _earning(judge: _Judge, naming: Naming, whole: Candidate, least: float) -> C
         own = judge.sums(rest) - judge.sums(whole.effects)
         folds = np.bincount(judge.bench.fold, weights=own)
         bar = judge.explainable
-        if own.sum() > least * bar and folds.min() >= -_FOLD_SHARE * bar:
+        if own.sum() > least * bar and folds.min() >= -fold_share * bar:
             continue
         smaller = _listed(naming, rest)
         if smaller is not None:
-            return _earning(judge, naming, smaller, least)
+            return _earning(judge, naming, smaller, least, fold_share=fold_share)
         if not rest:
             return None
     return whole
@@ -369,20 +427,24 @@ def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> boo
     if excess <= _TEMPERED:
         return False
     behind = judge.sums(rival.effects) - judge.sums(chosen.effects)
-    drawn = behind[_resampled(len(behind), seed)].sum(axis=1)
+    drawn = _resampled(len(behind), seed) @ behind
     return bool(np.quantile(drawn, 0.5 * (1.0 - _INTERVAL)) <= 0.0)
 
 
-def _resampled(count: int, seed: int) -> Ints:
-    """(B, R) recordings drawn with replacement."""
-    return np.random.default_rng([seed, 5]).integers(0, count, (_RESAMPLED, count))
+def _resampled(count: int, seed: int) -> Floats:
+    """(B, R) weights of recordings, of Rubin's Bayesian bootstrap.
+
+    Recordings drawn with replacement would leave out, in a tenth of the draws, the two of eight that push
+    on the edge that is wrong, and a share of nothing is no number.
+    """
+    return np.random.default_rng([seed, 5]).dirichlet(np.ones(count), _RESAMPLED)
 
 
 def _explained(judge: _Judge, names: Names, seed: int) -> Explained:
     """Share of a set, with its interval by resampling recordings."""
     fall, whole = judge.sums(()) - judge.sums(names), judge.sums(()) - judge.floor
     drawn = _resampled(len(fall), seed)
-    shares = fall[drawn].sum(axis=1) / np.maximum(whole[drawn].sum(axis=1), 1e-12)
+    shares = (drawn @ fall) / np.maximum(drawn @ whole, 1e-12)
     tail = 0.5 * (1.0 - _INTERVAL)
     low, high = np.quantile(shares, [tail, 1.0 - tail])
     share = judge.share(names)

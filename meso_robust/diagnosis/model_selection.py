@@ -40,6 +40,8 @@ _LARGEST_SET = {True: 2, False: 3}  # effects of a set, if quick and if not
 _EXAMINED_NATS = 25.0
 # of the best gain, behind it, within which a rough fit is taken to its end
 _REFINED_SHARE = {True: 0.2, False: 0.5}
+# likewise, of another form of the same law
+_FORM_SHARE = 0.02
 # times the sizes that a signature was made with, beyond which nothing is linear any more
 _LINEAR_SIZES = 10.0
 # of the best gain so far, that a linear estimate must reach in a quick search
@@ -104,7 +106,7 @@ class Contest:
             if self.quick and form.linear and form.gain <= _PROMISING_SHARE * best - _EXAMINED_NATS:
                 continue
             fits += self._tried((form.signature,), None)
-        return self._refined(best_of_each(fits))
+        return self._refined(fits)
 
     def _choices(self, effect: str) -> float:
         return float(np.log(sum(one.trial.effect == effect for one in self.signatures)))
@@ -125,16 +127,24 @@ class Contest:
         return replace(more, lead=one.lead) if more.gain >= one.gain else one
 
     def _refined(self, fits: list[Refit]) -> list[Candidate]:
-        """Candidates; those that may win have their searches taken to the end."""
+        """Candidates, the best form of each set; those that may win have their searches taken to the end."""
         best = max((one.gain for one in fits), default=0.0)
         close = best - max(_EXAMINED_NATS, _REFINED_SHARE[self.quick] * best)
+        led = {one.effects: one.gain for one in sorted(fits, key=lambda one: one.gain)}
+        # a form with more numbers may be behind until its search is at its end
+        ended = [
+            self._ended(one)
+            if one.gain > max(close, 0.0)
+            and one.gain >= led[one.effects] - max(_EXAMINED_NATS, _FORM_SHARE * best)
+            else one
+            for one in fits
+        ]
         return ranked(
             [
                 Candidate(
-                    choices=sum(self._choices(trial.effect) for trial in one.trials),
-                    refit=self._ended(one) if one.gain > max(close, 0.0) else one,
+                    choices=sum(self._choices(trial.effect) for trial in one.trials), refit=one
                 )
-                for one in fits
+                for one in best_of_each(ended)
             ]
         )
 

@@ -60,16 +60,20 @@ def extended(model: Model, trials: tuple[Trial, ...], prepared: Prepared) -> Mod
         tip_radius=prepared.tip_radius,
     )
     base = len(model.parameters)
-    added = tuple(_physical(parameter, prepared.length) for parameter in made.parameters[base:])
+    lasted = float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
+    added = tuple(_physical(one, prepared.length, lasted) for one in made.parameters[base:])
     return replace(made, parameters=(*made.parameters[:base], *added))
 
 
-def _physical(parameter: Parameter, length: float) -> Parameter:
-    """The parameter in the range that it can have with a part of a length, m."""
+def _physical(parameter: Parameter, length: float, lasted: float) -> Parameter:
+    """The parameter in the range that it can have with a part of a length, m, and recordings of a time, s."""
     effect, key = parameter.key.split(".")
     low, high = parameter.likely or (-np.inf, np.inf)
     if effect == "camera_latency":
         low = 0.0  # a camera cannot see ahead
+    elif key == "time_s":
+        # what settles within the shortest recording is an offset rather than a drift
+        low = 0.5 * lasted
     elif effect in _INSIDE:
         low, high = -length, length
     elif effect in _RATIOS and key == "ratio":
@@ -217,6 +221,8 @@ def visibilities(at: Tangent, signatures: list[Signature]) -> tuple[Visibility, 
     best: dict[str, Signature] = {}
     for one in signatures:
         name = one.trial.effect
+        if one.trial.law:  # what another form adds is neither the effect's size nor its likeness
+            continue
         if name not in best or _size(left[id(one)]) > _size(left[id(best[name])]):
             best[name] = one
     spaces = {name: _space(left[id(one)]) for name, one in best.items()}

@@ -96,6 +96,15 @@ def shaped(size: Mapping[str, float], free: Mapping[str, float], **grid: Iterabl
     ]
 
 
+def formed(*laws: Forms) -> Forms:
+    """An effect with a search of its own for each form of its law."""
+    return lambda effect, prepared: [
+        replace(one, shape={**one.shape, FORM: float(law)})
+        for law, forms in enumerate(laws)
+        for one in forms(effect, prepared)
+    ]
+
+
 def _edges(effect: str, prepared: Prepared) -> Iterable[Trial]:
     for edge in range(len(prepared.outline)):
         yield Trial(effect=effect, sizes={"change": 0.2}, shape={"edge": float(edge)})
@@ -116,6 +125,17 @@ def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
                 shape=shape,
                 free={"direction_deg": 20.0, "range_um": 50.0},
             )
+
+
+def _slowing(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """A drift that slows down in the time of the shortest recording."""
+    lasted = float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
+    yield Trial(
+        effect=effect,
+        sizes={"x_um_s": 0.3, "y_um_s": 0.3},
+        shape={"time_s": lasted},
+        free={"time_s": 0.5 * lasted},
+    )
 
 
 def _posts(effect: str, prepared: Prepared) -> Iterable[Trial]:
@@ -178,6 +198,8 @@ def _about_a_place(**size: float) -> Forms:
 
 
 _LAYS = (0.0, 22.5, 45.0, 67.5)
+_QUARTERS = (0.0, 45.0, 90.0, 135.0)
+_DRIFT = formed(sized(x_um_s=0.3, y_um_s=0.3), _slowing)
 
 TRIALS: Mapping[str, Try] = {
     "dry_friction": Try(
@@ -224,7 +246,15 @@ TRIALS: Mapping[str, Try] = {
     ),
     "body_force": Try(
         "five seconds of camera before the tip comes, at two headings of the stage",
-        sized(x_um_s=0.5, y_um_s=0.5),
+        formed(
+            sized(x_um_s=0.5, y_um_s=0.5),
+            shaped(
+                {"x_um_s": 0.5, "y_um_s": 0.5},
+                {"growth_um_s_per_mm": 0.5, "direction_deg": 20.0},
+                growth_um_s_per_mm=(0.5,),
+                direction_deg=_QUARTERS,
+            ),
+        ),
     ),
     "film_flow": Try(
         "five seconds of camera before the tip comes, with the stage tilted and level",
@@ -250,12 +280,16 @@ TRIALS: Mapping[str, Try] = {
     "reference_offset": Try("pushes that turn the part by 20° or more", sized(x_um=3.0, y_um=3.0)),
     "part_yaw": Try("pushes on four edges at several headings", sized(angle_deg=0.2)),
     "probe_compliance": Try(
-        "stop suddenly at the highest speed and keep the camera running", sized(time_ms=10.0)
+        "stop suddenly at the highest speed and keep the camera running",
+        formed(
+            sized(time_ms=10.0),
+            shaped({"time_ms": 10.0}, {"direction_deg": 20.0}, direction_deg=_QUARTERS),
+        ),
     ),
     "backlash": Try(
         "approach with and without a reversal just before contact", sized(width_um=2.0)
     ),
-    "probe_drift": Try("hold the tip on the part for ten seconds", sized(x_um_s=0.3, y_um_s=0.3)),
+    "probe_drift": Try("hold the tip on the part for ten seconds", _DRIFT),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
     # about the origin alone: a slight scale about a place far out moves everything, as the part's own
     # reference offset does
@@ -263,7 +297,7 @@ TRIALS: Mapping[str, Try] = {
     "camera_rotation": Try(
         "long pushes along x and along y; a calibration grid", _about_a_place(angle_deg=0.2)
     ),
-    "camera_drift": Try("ten seconds of camera without any motion", sized(x_um_s=0.3, y_um_s=0.3)),
+    "camera_drift": Try("ten seconds of camera without any motion", _DRIFT),
     "lens_distortion": Try(
         "pushes in the corners of the image; a calibration grid",
         shaped({"k1_per_mm2": 0.003}, {"turned": 0.5}, turned=(0.5,)),
@@ -300,9 +334,9 @@ def trials(prepared: Prepared) -> list[Trial]:
 
 
 def _laws(trial: Trial) -> list[Trial]:
-    """The trial with every form of the effect's law."""
+    """The trial with every form of the effect's law, unless it is of one."""
     forms = CATALOGUE[trial.effect].forms
-    if not forms:
+    if not forms or FORM in trial.shape:
         return [trial]
     return [replace(trial, shape={**trial.shape, FORM: float(k)}) for k in range(len(forms))]
 
@@ -338,6 +372,7 @@ def _scaled(trial: Trial, length: float, speed: float) -> Trial:
 def _factor(key: str, length: float, speed: float) -> float:
     """By what a number of this name grows with the lengths and speeds of an experiment."""
     factors = (
+        ("_um_s_per_mm", speed / length),
         ("_per_mm2", length**-2),
         ("_per_mm", 1.0 / length),
         ("_um_s", speed),

@@ -3,14 +3,17 @@
 A probe is commanded along straight lines between waypoints. The mount drifts by ``d t``; lost motion
 of width b is the play operator ``u ← min(max(u, w − b/2), w + b/2)`` on each axis; a compliant probe
 stands at ``u + C f``, f the force on its tip. With forces over the film's drag the compliance is a
-time, ``C e_x``: the time in which a bent probe that is stopped creeps back.
+time, ``C e_x``: the time in which a bent probe that is stopped creeps back. A blade bends across its
+flat side only: C has one direction.
 """
 
+import numpy as np
+
 from meso_robust.kernels import inner
-from meso_robust.simulator.stage import Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
 from meso_robust.types import Floats
 
-_UM = 1e-6
+_UM, _DEG = 1e-6, np.pi / 180.0
 
 ACTUATION = Stage(
     name="actuation",
@@ -20,10 +23,15 @@ ACTUATION = Stage(
             name="probe_compliance",
             equation="tip = driven position + C f, f the force on the tip",
             source="bending of a cantilever, C = L³ / (3 E I)",
+            forms=("bends alike in all directions", "bends along one direction of the stage"),
             parameters=(
                 Parameter(
                     key="time_ms", unit="ms", to_si=1e-3, low=0.0,
                     meaning="C e_x: compliance of the tip times drag of the film",
+                ),
+                Parameter(
+                    key="direction_deg", unit="deg", to_si=_DEG, size=False,
+                    meaning="of a probe that bends along one direction: that one, stage frame",
                 ),
             ),
         ),
@@ -31,6 +39,7 @@ ACTUATION = Stage(
             name="backlash",
             equation="u ← min(max(u, w − b/2), w + b/2) on each axis",
             source="play operator; M. Brokate, J. Sprekels 1996, doi:10.1007/978-1-4612-4048-8",
+            forms=("on each axis by itself", "within a circle of the diameter b"),
             parameters=(
                 Parameter(key="width_um", unit="µm", to_si=_UM, low=0.0, meaning="b: lost motion"),
             ),
@@ -38,10 +47,15 @@ ACTUATION = Stage(
         Effect(
             name="probe_drift",
             equation="true position = command + d t",
-            source="thermal drift of the mount",
+            source="thermal drift of the mount; creep of piezoelectric drives",
+            forms=("steady", "slows down as d t₀ ln(1 + t/t₀)"),
             parameters=(
                 Parameter(key="x_um_s", unit="µm/s", to_si=_UM, meaning="d_x"),
                 Parameter(key="y_um_s", unit="µm/s", to_si=_UM, meaning="d_y"),
+                Parameter(
+                    key="time_s", unit="s", to_si=1.0, default=1.0, low=1e-2, high=1e3, size=False,
+                    meaning="t₀: of a drift that slows down, time in which it halves its speed",
+                ),
             ),
         ),
     ),
@@ -49,31 +63,57 @@ ACTUATION = Stage(
 
 COMPLIANCE = ACTUATION.slot("probe_compliance", "time_ms")
 """Column of the compliance times drag, s."""
+_BENT_WAY = ACTUATION.slot("probe_compliance", "direction_deg")
+_BENT_FORM = ACTUATION.slot("probe_compliance", FORM)
 _WIDTH = ACTUATION.slot("backlash", "width_um")
+_PLAY_FORM = ACTUATION.slot("backlash", FORM)
 _DRIFT_X = ACTUATION.slot("probe_drift", "x_um_s")
 _DRIFT_Y = ACTUATION.slot("probe_drift", "y_um_s")
+_DRIFT_TIME = ACTUATION.slot("probe_drift", "time_s")
+_DRIFT_FORM = ACTUATION.slot("probe_drift", FORM)
 DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y)
 """Columns of effects between the command and the driven position of a probe."""
 
 
 @inner
-def drive(effects: Floats, command: float, played: float) -> float:
-    """Position behind the play, on one axis and without drift (see `drifted`).
+def bending(effects: Floats, cos: float, sin: float) -> tuple[float, float, float]:
+    """Compliance of a probe as a symmetric matrix, by rows, in a frame turned by an angle; s."""
+    c = effects[COMPLIANCE]
+    if effects[_BENT_FORM] == 0.0:
+        return c, 0.0, c
+    wx, wy = np.cos(effects[_BENT_WAY]), np.sin(effects[_BENT_WAY])
+    x, y = cos * wx + sin * wy, cos * wy - sin * wx
+    return c * x * x, c * x * y, c * y * y
+
+
+@inner
+def drive(effects: Floats, x: float, y: float, played: Floats) -> None:
+    """Follow a command with the play, without drift (see `drifted`).
 
     Parameters
     ----------
     effects
         (S,) values of the effects.
-    command
-        Commanded coordinate, m.
+    x, y
+        The command, m.
     played
-        The position behind the play so far, m.
+        (2,) the position behind the play so far, m; receives the new one.
     """
     half = 0.5 * effects[_WIDTH]
-    return float(min(max(played, command - half), command + half))
+    if effects[_PLAY_FORM] == 0.0:
+        played[0] = min(max(played[0], x - half), x + half)
+        played[1] = min(max(played[1], y - half), y + half)
+        return
+    behind = np.hypot(played[0] - x, played[1] - y)
+    if behind > half:
+        played[0] = x + half / behind * (played[0] - x)
+        played[1] = y + half / behind * (played[1] - y)
 
 
 @inner
 def drifted(effects: Floats, axis: int, time: float) -> float:
     """Displacement of the mount since the start of the run, m."""
-    return float(effects[_DRIFT_X if axis == 0 else _DRIFT_Y] * time)
+    lasted = time
+    if effects[_DRIFT_FORM] != 0.0:
+        lasted = effects[_DRIFT_TIME] * np.log1p(time / effects[_DRIFT_TIME])
+    return float(effects[_DRIFT_X if axis == 0 else _DRIFT_Y] * lasted)

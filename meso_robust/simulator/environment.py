@@ -20,10 +20,19 @@ ENVIRONMENT = Stage(
         Effect(
             name="body_force",
             equation="F = e_x b at the reference point, constant in the stage's frame",
-            source="tilted stage, F = W sin α",
+            source="tilted stage, F = W sin α; a curved one has another tilt at another place",
+            forms=("alike everywhere", "F = e_x (b + k (n · x) n): a stage that is curved along n"),
             parameters=(
                 _speed("x_um_s", "b_x: speed at which the force alone drags the part"),
                 _speed("y_um_s", "b_y"),
+                Parameter(
+                    key="growth_um_s_per_mm", unit="µm/s/mm", to_si=1e-3, size=False,
+                    meaning="k: of a curved stage, by how much the speed grows with the place along n",
+                ),
+                Parameter(
+                    key="direction_deg", unit="deg", to_si=_DEG, size=False,
+                    meaning="direction of n, stage frame",
+                ),
             ),
         ),
         Effect(
@@ -75,6 +84,9 @@ ENVIRONMENT = Stage(
 
 _FORCE_X = ENVIRONMENT.slot("body_force", "x_um_s")
 _FORCE_Y = ENVIRONMENT.slot("body_force", "y_um_s")
+_FORCE_GROWTH = ENVIRONMENT.slot("body_force", "growth_um_s_per_mm")
+_FORCE_WAY = ENVIRONMENT.slot("body_force", "direction_deg")
+_FORCE_FORM = ENVIRONMENT.slot("body_force", FORM)
 _FLOW_X = ENVIRONMENT.slot("film_flow", "x_um_s")
 _FLOW_Y = ENVIRONMENT.slot("film_flow", "y_um_s")
 _PULL = ENVIRONMENT.slot("wall_capillarity", "pull_um_s")
@@ -111,6 +123,11 @@ def stage_wrench(
         (3,) receives the wrench.
     """
     fx, fy = effects[_FORCE_X], effects[_FORCE_Y]
+    if effects[_FORCE_FORM] != 0.0:
+        nx, ny = np.cos(effects[_FORCE_WAY]), np.sin(effects[_FORCE_WAY])
+        grown = effects[_FORCE_GROWTH] * (nx * pose[0] + ny * pose[1])
+        fx += grown * nx
+        fy += grown * ny
     if effects[_PULL] != 0.0:
         nx, ny = np.cos(effects[_PULL_ANGLE]), np.sin(effects[_PULL_ANGLE])
         gap = effects[_PULL_PLACE] - nx * pose[0] - ny * pose[1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meso_robust.simulator.outline import refuse
-from meso_robust.simulator.stage import Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
 from meso_robust.types import Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
@@ -19,6 +19,10 @@ GEOMETRY = Stage(
             name="part_geometry",
             equation="x → x (1 + d_x / h_x), y → y (1 + d_y / h_y), h half the extent of the part",
             source="etching: undercut and bevel",
+            forms=(
+                "both edges across an axis alike",
+                *(f"those towards {x}x and {y}y only, by 2 d" for x, y in ("++", "+−", "−+", "−−")),
+            ),
             parameters=(
                 Parameter(
                     key="x_um", unit="µm", to_si=_UM,
@@ -63,6 +67,8 @@ GEOMETRY = Stage(
 
 _OUT_X = GEOMETRY.slot("part_geometry", "x_um")
 _OUT_Y = GEOMETRY.slot("part_geometry", "y_um")
+_OUT_FORM = GEOMETRY.slot("part_geometry", FORM)
+_SIDES = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 EXCESS = GEOMETRY.slot("tip_radius", "excess_um")
 """Column of the excess of the tips' radius."""
 _OFFSET_X = GEOMETRY.slot("reference_offset", "x_um")
@@ -74,7 +80,8 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
     """True outlines of the part.
 
     The part is stretched about its reference point by ``1 + d / h`` along each of its axes, h half
-    its extent: an edge across an axis then stands out by d.
+    its extent: an edge across an axis then stands out by d. Of a part of which one edge of two is out
+    of place it is moved on by d, so that the other edge is where it was.
 
     Parameters
     ----------
@@ -88,7 +95,8 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
     ndarray
         (1|N, V, 2) corners, m.
     """
-    return np.asarray(vertices * stretch(vertices, table)[:, None])
+    moved = table[:, [_OUT_X, _OUT_Y]] * _SIDES[table[:, _OUT_FORM].astype(int)]
+    return np.asarray(vertices * stretch(vertices, table)[:, None] + moved[:, None])
 
 
 def stretch(vertices: Floats, table: Floats) -> Floats:

@@ -8,7 +8,7 @@ only if they pass the check of the whole problem (`rows.is_solution`).
 """
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.rows import TOLERANCE, deflection, move_by_forces
+from meso_robust.simulator.rows import TOLERANCE, deflection, is_soft, move_by_forces
 from meso_robust.simulator.tables import CONTACTS, MARKS, STEP
 from meso_robust.types import Floats, Ints
 
@@ -102,7 +102,7 @@ def guess_forces(contacts: Floats, marks: Ints, step: Floats, system: Floats, co
                 for k in range(3):
                     entry += system[a, k] * system[3 + b, k]
             system[6 + b, a] = entry
-    if step[STEP.soft] != 0.0:
+    if is_soft(step):
         _soften(contacts, marks, step, system, count)
     return _solve(contacts, marks, step, system, count)
 
@@ -153,18 +153,18 @@ def _soften(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: 
         for b in range(count):
             if marks[b, MARKS.mode] == SEPARATE:
                 continue
-            along, across = deflection(contacts, marks, step[STEP.soft], a, b)
+            nn, nt, tn, tt = deflection(contacts, marks, step, a, b)
             slope, sticks = (
                 _slope(marks[b, MARKS.mode], contacts[b, CONTACTS.mu]),
                 marks[b, MARKS.mode] == STICK,
             )
-            system[6 + j, i] += along - slope * across
+            system[6 + j, i] += nn + slope * nt
             if sticks:
-                system[7 + j, i] -= across
+                system[7 + j, i] += nt
             if marks[a, MARKS.mode] == STICK:
-                system[6 + j, i + 1] += across + slope * along
+                system[6 + j, i + 1] += tn + slope * tt
                 if sticks:
-                    system[7 + j, i + 1] += along
+                    system[7 + j, i + 1] += tt
             j += 2 if sticks else 1
         i += 2 if marks[a, MARKS.mode] == STICK else 1
 

@@ -19,7 +19,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, SLOTS, Effect, Parameter, Stage
 from meso_robust.types import Flags, Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
@@ -30,6 +30,7 @@ _FARTHEST = 50e3  # µm from the world origin, of the middle of an image
 OBSERVATION = Stage(
     name="observation",
     base=80,
+    slots=24,
     effects=(
         Effect(
             name="camera_latency",
@@ -92,6 +93,7 @@ OBSERVATION = Stage(
             name="camera_drift",
             equation="y(t) = x(t) + d t",
             source="definition of a constant drift (thermal, of camera or stage)",
+            forms=("steady", "slows down as d t₀ ln(1 + t/t₀)"),
             parameters=(
                 Parameter(
                     key="x_um_s",
@@ -108,6 +110,16 @@ OBSERVATION = Stage(
                     meaning="speed along y of everything seen",
                     low=-50.0 * _UM,
                     high=50.0 * _UM,
+                ),
+                Parameter(
+                    key="time_s",
+                    unit="s",
+                    to_si=1.0,
+                    meaning="t₀: of a drift that slows down, time in which it halves its speed",
+                    default=1.0,
+                    low=1e-2,
+                    high=1e3,
+                    size=False,
                 ),
             ),
         ),
@@ -209,6 +221,8 @@ CAMERA_ROTATION_ABOUT_X = OBSERVATION.slot("camera_rotation", "about_x_um")
 CAMERA_ROTATION_ABOUT_Y = OBSERVATION.slot("camera_rotation", "about_y_um")
 CAMERA_DRIFT_X = OBSERVATION.slot("camera_drift", "x_um_s")
 CAMERA_DRIFT_Y = OBSERVATION.slot("camera_drift", "y_um_s")
+CAMERA_DRIFT_TIME = OBSERVATION.slot("camera_drift", "time_s")
+CAMERA_DRIFT_FORM = OBSERVATION.slot("camera_drift", FORM)
 LENS_DISTORTION_K1 = OBSERVATION.slot("lens_distortion", "k1_per_mm2")
 LENS_DISTORTION_TURNED = OBSERVATION.slot("lens_distortion", "turned")
 CAMERA_ANISOTROPY_X = OBSERVATION.slot("camera_anisotropy", "x_percent")
@@ -364,7 +378,8 @@ def unseen(times: Floats, points: Floats, effects_table: Floats) -> Floats:
         A new array; a point that the lens shows nowhere is put where its image turns back.
     """
     table = np.broadcast_to(effects_table, (len(points), SLOTS))
-    shown = points - times[..., None, None] * table[:, None, None, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]]
+    lasted = _lasted(times, table)[..., None, None]
+    shown = points - lasted * table[:, None, None, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]]
     shown -= table[:, None, None, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]]
     on = _stretched(table)
     shown[on] = np.einsum("nij,ntqj->ntqi", np.linalg.inv(_axes(table[on])), shown[on])
@@ -436,7 +451,7 @@ def _show(times: Floats, points: Floats, table: Floats) -> None:
     _distort(points, table[:, LENS_DISTORTION_K1])
     _scale(points, table[:, CAMERA_SCALE_PERCENT])
     _deform(points, table)
-    _drift(times, points, table[:, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]])
+    _drift(_lasted(times[None], table), points, table[:, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]])
     _shift(points, table[:, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]])
 
 
@@ -539,10 +554,19 @@ def _scale(points: Floats, error: Floats) -> None:
     points[on] *= 1.0 + error[on, None, None, None]
 
 
-def _drift(times: Floats, points: Floats, drift: Floats) -> None:
+def _lasted(times: Floats, table: Floats) -> Floats:
+    """Times (N, T) by which a steady drift gets as far as that of every run does in (1|N, T)."""
+    slows = table[:, CAMERA_DRIFT_FORM] != 0.0
+    scale = np.where(slows, table[:, CAMERA_DRIFT_TIME], 1.0)[:, None]
+    return np.where(
+        slows[:, None], scale * np.log1p(np.maximum(times, -0.5 * scale) / scale), times
+    )
+
+
+def _drift(lasted: Floats, points: Floats, drift: Floats) -> None:
     for axis in range(2):
         on = drift[:, axis] != 0.0
-        points[on, ..., axis] += drift[on, axis, None, None] * times[:, None]
+        points[on, ..., axis] += drift[on, axis, None, None] * lasted[on, :, None]
 
 
 def _interpolated(times: Floats, values: Floats, at: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Forces and motion of a step with any support law, by tangents of the law until the twist agrees."""
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.actuation import COMPLIANCE
+from meso_robust.simulator.actuation import bending
 from meso_robust.simulator.advance import advance, closes
 from meso_robust.simulator.case import (
     FILM,
@@ -101,6 +101,7 @@ def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: F
     if not kind.pulled:
         return
     probes = case.waypoints.shape[1]
+    xx, xy, yy = bending(case.effects, state.body[PART.cos], state.body[PART.sin])
     pull_of_tips(case.effects, probes, state.obstacles, contacts, work.marks, count)
     for c in range(count):
         pull = contacts[c, CONTACTS.pull]
@@ -112,8 +113,8 @@ def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: F
         wrench[2] += pull * (contacts[c, CONTACTS.px] * ny - contacts[c, CONTACTS.py] * nx)
         for b in range(count):
             if work.marks[b, MARKS.who] == work.marks[c, MARKS.who]:
-                contacts[b, CONTACTS.dx] -= case.effects[COMPLIANCE] * pull * nx
-                contacts[b, CONTACTS.dy] -= case.effects[COMPLIANCE] * pull * ny
+                contacts[b, CONTACTS.dx] -= pull * (xx * nx + xy * ny)
+                contacts[b, CONTACTS.dy] -= pull * (xy * nx + yy * ny)
 
 
 @inner
@@ -145,7 +146,9 @@ def _tangents(
     K, offset, twist, new = space[TANGENT], space[OFFSET], space[TWIST_NOW], space[TWIST_NEW]
     points, effects, kind = case.points, case.effects, case.law[INERTIA]
     surface, inertia = case.law[SURFACE : SURFACE + 6], case.law[INERTIA : INERTIA + 3]
-    slope = pressure_slope(points, effects) if dry else (0.0, 0.0)
+    heading = state.body[PART.cos], state.body[PART.sin]
+    soft = bending(effects, heading[0], heading[1])
+    slope = pressure_slope(points, effects) if dry else (0.0, 0.0, 0.0)
     creep, age = smoothing * creep_speed(speed), state.body[PART.old]
     for _ in range(_TANGENTS if smoothing > 1.0 else _LAST_TANGENTS):
         for k in range(6):
@@ -155,10 +158,22 @@ def _tangents(
         if kind != FIRST_ORDER:
             add_film(space[FILM_NOW], K)
             if dry:
-                resist_dry(points, surface, effects, slope, age, creep, twist, state.dry, K, offset)
+                resist_dry(
+                    points,
+                    surface,
+                    effects,
+                    slope,
+                    heading,
+                    age,
+                    creep,
+                    twist,
+                    state.dry,
+                    K,
+                    offset,
+                )
         if kind != 0.0:
             add_inertia(inertia, space[TWIST_LAST], dt, K, offset)
-        outcome = _balance(work, count, K, offset, unit, dt, effects[COMPLIANCE])
+        outcome = _balance(work, count, K, offset, unit, dt, soft)
         if outcome != COMPLETED or not dry:
             return outcome
         m0, m1, m2 = w[STEP.motion], w[STEP.motion + 1], w[STEP.motion + 2]
@@ -173,14 +188,25 @@ def _tangents(
 
 @inner
 def _balance(
-    work: Work, count: int, K: Floats, offset: Floats, unit: float, dt: float, compliance: float
+    work: Work,
+    count: int,
+    K: Floats,
+    offset: Floats,
+    unit: float,
+    dt: float,
+    soft: tuple[float, float, float],
 ) -> int:
     """Solve the contacts against the resistance ``K v − offset``."""
     w = work.step
     if not factorise(K, w):
         return OUT_OF_RANGE
     _shift(w, offset, dt / unit)
-    w[STEP.soft] = compliance * w[STEP.factor + 6] / dt
+    stiff = w[STEP.factor + 6] / dt
+    w[STEP.soft], w[STEP.soft + 1], w[STEP.soft + 2] = (
+        stiff * soft[0],
+        stiff * soft[1],
+        stiff * soft[2],
+    )
     if not write_rows(work.contacts, w, count, unit):
         return OUT_OF_RANGE
     if closes(work.contacts, work.marks, w, count):

@@ -8,10 +8,11 @@ with outward normal ``n`` the part is pushed along ``m = −n``; ``t`` is ``m`` 
 ``w_n = L⁻¹ (m, p × m)`` and ``w_t = L⁻¹ (t, p × t)`` the motion is ``Δ' = s' + Σ (w_n λ_n + w_t λ_t)``,
 and the relative displacement of part and tip is
 
-    normal      v_n = w_n · (Δ' − s') + c λ_n + q_n,   q_n = gap − m · Δtip + w_n · s'
-    tangential  v_t = w_t · (Δ' − s') + c λ_t + q_t,   q_t = − t · Δtip + w_t · s'
+    normal      v_n = w_n · (Δ' − s') + m · C f + q_n,   q_n = gap − m · Δtip + w_n · s'
+    tangential  v_t = w_t · (Δ' − s') + t · C f + q_t,   q_t = − t · Δtip + w_t · s'
 
-where c is the compliance of the probe (`actuation`), so that one step is, for every contact,
+where C is the compliance of the probe (`actuation`), symmetric and positive semidefinite, and
+``f = m λ_n + t λ_t``, so that one step is, for every contact,
 
     0 ≤ v_n ⊥ λ_n ≥ 0,   0 ≤ ± v_t + γ ⊥ λ_f± ≥ 0,   0 ≤ μ λ_n − λ_f+ − λ_f− ⊥ γ ≥ 0.
 
@@ -66,20 +67,31 @@ def write_rows(contacts: Floats, step: Floats, count: int, unit: float) -> bool:
 
 
 @inner
-def deflection(contacts: Floats, marks: Ints, soft: float, a: int, b: int) -> tuple[float, float]:
-    """Displacement of the tip of contact a by a unit normal force at b, along n and t of a.
+def is_soft(step: Floats) -> bool:
+    """Whether the probes give way."""
+    return bool(step[STEP.soft] != 0.0 or step[STEP.soft + 2] != 0.0)
 
-    Of the same probe only. A unit tangential force gives the same pair turned: (−t, n).
+
+@inner
+def deflection(
+    contacts: Floats, marks: Ints, step: Floats, a: int, b: int
+) -> tuple[float, float, float, float]:
+    """How far a probe gives way at contact a to unit forces at contact b, if both are its own.
+
+    Along the normal of a by a normal and by a tangential force, then along the tangent likewise.
     """
     if marks[a, MARKS.who] != marks[b, MARKS.who]:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0
     ax, ay, bx, by = (
         contacts[a, CONTACTS.nx],
         contacts[a, CONTACTS.ny],
         contacts[b, CONTACTS.nx],
         contacts[b, CONTACTS.ny],
     )
-    return soft * (ax * bx + ay * by), soft * (ax * by - ay * bx)
+    xx, xy, yy = step[STEP.soft], step[STEP.soft + 1], step[STEP.soft + 2]
+    nx, ny, tx, ty = xx * bx + xy * by, xy * bx + yy * by, xx * by - xy * bx, xy * by - yy * bx
+    # of the directions m = (−x, −y) and t = (y, −x)
+    return ax * nx + ay * ny, -ax * tx - ay * ty, ax * ny - ay * nx, ay * tx - ax * ty
 
 
 @inner
@@ -95,7 +107,7 @@ def _dot(contacts: Floats, a: int, i: int, b: int, j: int) -> float:
 @inner
 def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats, q: Floats) -> int:
     """Write M and q of the first `count` active contacts; return their size."""
-    soft = step[STEP.soft]
+    soft = is_soft(step)
     for a in range(count):
         ca, i = marks[a, MARKS.active], 4 * a
         mu = contacts[ca, CONTACTS.mu]
@@ -109,9 +121,9 @@ def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats,
                 _dot(contacts, ca, CONTACTS.wt, cb, CONTACTS.wn),
                 _dot(contacts, ca, CONTACTS.wt, cb, CONTACTS.wt),
             )
-            if soft != 0.0:
-                along, across = deflection(contacts, marks, soft, ca, cb)
-                nn, nt, tn, tt = nn + along, nt - across, tn + across, tt + along
+            if soft:
+                own = deflection(contacts, marks, step, ca, cb)
+                nn, nt, tn, tt = nn + own[0], nt + own[1], tn + own[2], tt + own[3]
             same = 1.0 if a == b else 0.0
             M[i, j], M[i, j + 1], M[i, j + 2], M[i, j + 3] = nn, nt, -nt, 0.0
             M[i + 1, j], M[i + 1, j + 1], M[i + 1, j + 2], M[i + 1, j + 3] = tn, tt, -tt, same
@@ -143,11 +155,11 @@ def slips(contacts: Floats, marks: Ints, step: Floats, count: int, c: int) -> tu
         way = step[STEP.motion + k] - step[STEP.shift + k]
         vn += contacts[c, CONTACTS.wn + k] * way
         vt += contacts[c, CONTACTS.wt + k] * way
-    if step[STEP.soft] != 0.0:
+    if is_soft(step):
         for b in range(count):
-            along, across = deflection(contacts, marks, step[STEP.soft], c, b)
-            vn += along * contacts[b, CONTACTS.ln] - across * contacts[b, CONTACTS.lt]
-            vt += across * contacts[b, CONTACTS.ln] + along * contacts[b, CONTACTS.lt]
+            nn, nt, tn, tt = deflection(contacts, marks, step, c, b)
+            vn += nn * contacts[b, CONTACTS.ln] + nt * contacts[b, CONTACTS.lt]
+            vt += tn * contacts[b, CONTACTS.ln] + tt * contacts[b, CONTACTS.lt]
     return vn, vt
 
 

@@ -22,7 +22,7 @@ holds, the solution of that mode is taken.
 import numpy as np
 
 from meso_robust.kernels import inner
-from meso_robust.simulator.actuation import COMPLIANCE, drifted, drive
+from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive
 from meso_robust.simulator.advance import advance, closes, is_ambiguous
 from meso_robust.simulator.case import (
     AHEAD,
@@ -85,9 +85,8 @@ def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> t
     outcome, deepest = COMPLETED, 0.0
     sample = int(np.int64(0))  # of a fixed type, not to compile for a literal
     forget_modes(work.marks)
-    work.step[STEP.soft] = 0.0
     for k in range(3):
-        work.step[STEP.shift + k] = 0.0
+        work.step[STEP.shift + k], work.step[STEP.soft + k] = 0.0, 0.0
     if kind.plain and not factorise(case.law[FILM : FILM + 6], work.step):
         return OUT_OF_RANGE, 0.0
     for leg in range(case.legs.shape[0] - 1):
@@ -102,7 +101,7 @@ def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> t
             deepest = max(deepest, -gap)
             if outcome != COMPLETED:
                 break
-            _arrive(case, state, work, count, unit)
+            _arrive(case, state, work, count, unit, dt)
             if sample < record.shape[0]:
                 end = case.legs[leg, 0] + dt * (step + 1)
                 sample = record_step(
@@ -134,17 +133,21 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
     square = 0.0
     share = (step + 1) / n
     obstacles = state.obstacles
+    time = case.legs[leg, 0] - case.legs[0, 0] + dt * (step + 1)
     for p in range(case.waypoints.shape[1]):
         length = 0.0
+        before, after = case.waypoints[leg, p], case.waypoints[leg + 1, p]
+        x, y = after[0], after[1]
+        if step + 1 < n:
+            x = before[0] + (after[0] - before[0]) * share
+            y = before[1] + (after[1] - before[1]) * share
+        if driven:
+            played = obstacles[p, OBSTACLES.played_x : OBSTACLES.played_x + 2]
+            drive(case.effects, x, y, played)
+            x = played[0] + drifted(case.effects, 0, time)
+            y = played[1] + drifted(case.effects, 1, time)
         for a in range(2):
-            start, end = case.waypoints[leg, p, a], case.waypoints[leg + 1, p, a]
-            target = start + (end - start) * share if step + 1 < n else end
-            if driven:
-                time = case.legs[leg, 0] - case.legs[0, 0] + dt * (step + 1)
-                played = drive(case.effects, target, obstacles[p, OBSTACLES.played_x + a])
-                obstacles[p, OBSTACLES.played_x + a] = played
-                target = played + drifted(case.effects, a, time)
-            move = target - obstacles[p, OBSTACLES.x + a]
+            move = (x if a == 0 else y) - obstacles[p, OBSTACLES.x + a]
             obstacles[p, OBSTACLES.move_x + a] = move
             length += move * move
         square = max(square, length)
@@ -279,7 +282,7 @@ def _displace(case: Case, plain: bool, body: Floats, pose: Floats, dt: float) ->
 
 
 @inner
-def _arrive(case: Case, state: State, work: Work, count: int, unit: float) -> None:
+def _arrive(case: Case, state: State, work: Work, count: int, unit: float, dt: float) -> None:
     """Put the tips where they are at the end of the step, bent by the forces on them.
 
     The contacts are in the body frame at the start of the step.
@@ -292,13 +295,14 @@ def _arrive(case: Case, state: State, work: Work, count: int, unit: float) -> No
         )
         obstacles[p, OBSTACLES.x] += obstacles[p, OBSTACLES.move_x]
         obstacles[p, OBSTACLES.y] += obstacles[p, OBSTACLES.move_y]
-    compliance = case.effects[COMPLIANCE]
-    if compliance == 0.0:
+    if case.effects[COMPLIANCE] == 0.0:
         return
-    cos, sin = state.body[PART.cos], state.body[PART.sin]
+    cos, sin, step = state.body[PART.cos], state.body[PART.sin], work.step
+    xx, xy, yy = bending(case.effects, cos, sin)
     for c in range(count):
         p = work.marks[c, MARKS.who]
         if p < probes:
-            fx, fy = on_part(work.contacts, c, work.step[STEP.soft] * unit, compliance)
-            obstacles[p, OBSTACLES.x] -= cos * fx - sin * fy
-            obstacles[p, OBSTACLES.y] -= sin * fx + cos * fy
+            fx, fy = on_part(work.contacts, c, step[STEP.factor + 6] * unit / dt, 1.0)
+            bx, by = xx * fx + xy * fy, xy * fx + yy * fy
+            obstacles[p, OBSTACLES.x] -= cos * bx - sin * by
+            obstacles[p, OBSTACLES.y] -= sin * bx + cos * by

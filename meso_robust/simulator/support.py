@@ -34,6 +34,7 @@ _RATIO = Parameter(
     key="ratio", unit="", to_si=REFERENCE_SPEED, low=0.0, meaning="force over film drag at 75 µm/s"
 )
 _UM, _DEG = 1e-6, np.pi / 180.0
+_LAY_FORMS = ("a tensor: it deflects the slip", "against the slip, its size an ellipse 1 ± a")
 
 SUPPORT = Stage(
     name="support",
@@ -44,6 +45,10 @@ SUPPORT = Stage(
             name="dry_friction",
             equation="f = −τ u/|u| on every part of the area",
             source="E. C. Bingham 1922; Coulomb friction under the film",
+            forms=(
+                "even pressure",
+                "pressure as the square of the distance from the reference point",
+            ),
             parameters=(_RATIO,),
         ),
         Effect(
@@ -83,6 +88,7 @@ SUPPORT = Stage(
             name="anisotropic_drag",
             equation="f = −(I + a S(φ − θ)) u, S(φ) = [[cos 2φ, sin 2φ], [sin 2φ, −cos 2φ]]",
             source="lay of the stage's surface; D. Ma, A. Rodriguez 2018, doi:10.1109/LRA.2018.2851026",
+            forms=_LAY_FORMS,
             parameters=(
                 Parameter(
                     key="fraction",
@@ -105,6 +111,7 @@ SUPPORT = Stage(
             name="part_anisotropic_drag",
             equation="f = −(I + a S(φ)) u, in the frame of the part",
             source="finish of the part's lower side; as anisotropic_drag",
+            forms=_LAY_FORMS,
             parameters=(
                 Parameter(
                     key="fraction",
@@ -165,7 +172,11 @@ SUPPORT = Stage(
             name="breakaway_friction",
             equation="f = −τ ln(1 + a/a₀) u/|u|, age a' = 1 − a v/D, a₀ = 1 s",
             source="A. Ruina 1983, doi:10.1029/JB088iB12p10359 (ageing law)",
-            forms=("grows with the logarithm of the age", "saturates, a/(a + a₀)"),
+            forms=(
+                "grows with the logarithm of the age",
+                "saturates, a/(a + a₀)",
+                "grows with the root of the age",
+            ),
             parameters=(
                 _RATIO,
                 Parameter(
@@ -205,14 +216,17 @@ SUPPORT = Stage(
 )
 
 _DRY = SUPPORT.slot("dry_friction", "ratio")
+_DRY_FORM = SUPPORT.slot("dry_friction", FORM)
 _STRIBECK = SUPPORT.slot("stribeck_friction", "ratio")
 _STRIBECK_SPEED = SUPPORT.slot("stribeck_friction", "speed_um_s")
 _STRIBECK_FORM = SUPPORT.slot("stribeck_friction", FORM)
 _DROP = SUPPORT.slot("shear_thinning", "exponent_drop")
 _STAGE_LAY = SUPPORT.slot("anisotropic_drag", "fraction")
 _STAGE_LAY_ANGLE = SUPPORT.slot("anisotropic_drag", "direction_deg")
+_STAGE_LAY_FORM = SUPPORT.slot("anisotropic_drag", FORM)
 _PART_LAY = SUPPORT.slot("part_anisotropic_drag", "fraction")
 _PART_LAY_ANGLE = SUPPORT.slot("part_anisotropic_drag", "direction_deg")
+_PART_LAY_FORM = SUPPORT.slot("part_anisotropic_drag", FORM)
 _CENTRE_X = SUPPORT.slot("drag_centre_offset", "x_um")
 _CENTRE_Y = SUPPORT.slot("drag_centre_offset", "y_um")
 _GRADIENT_X = SUPPORT.slot("drag_gradient", "x_per_mm")
@@ -238,7 +252,7 @@ NODE_SLOTS = (
     _GRADIENT_Y,
 )
 """Columns of effects that act on every part of the area."""
-DRY_SLOTS = (_DRY, _STRIBECK, _DROP, _AGEING, _UNEVEN)
+DRY_SLOTS = (_DRY, _STRIBECK, _DROP, _AGEING, _UNEVEN, _STAGE_LAY_FORM, _PART_LAY_FORM)
 """Columns of effects that are not linear in the twist."""
 LAYS = [_STAGE_LAY, _PART_LAY]
 """Columns of the fractions of the two lays."""
@@ -303,7 +317,8 @@ def film_matrix(
         out[k] = film[k]
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     gx, gy = effects[_GRADIENT_X], effects[_GRADIENT_Y]
-    stage, part = effects[_STAGE_LAY], effects[_PART_LAY]
+    stage = effects[_STAGE_LAY] if effects[_STAGE_LAY_FORM] == 0.0 else 0.0
+    part = effects[_PART_LAY] if effects[_PART_LAY_FORM] == 0.0 else 0.0
     if gx != 0.0 or gy != 0.0 or stage != 0.0 or part != 0.0:
         angle = 2.0 * (effects[_STAGE_LAY_ANGLE] - pose[2])
         own = 2.0 * effects[_PART_LAY_ANGLE]
@@ -354,17 +369,17 @@ def _move_centre(K: Floats, x: float, y: float) -> None:
 
 
 @inner
-def pressure_slope(points: Floats, effects: Floats) -> tuple[float, float]:
-    """Slope q of the pressure ``1 + q · r`` that has the given centre, 1/m."""
+def pressure_slope(points: Floats, effects: Floats) -> tuple[float, float, float]:
+    """Slope q of the pressure ``1 + q · r`` that has the given centre, 1/m, and p of ``p r²``, 1/m²."""
     xx, xy, yy = 0.0, 0.0, 0.0
     for i in range(points.shape[0]):
         w, x, y = points[i, 3], points[i, 0], points[i, 1]
         xx, xy, yy = xx + w * x * x, xy + w * x * y, yy + w * y * y
     size = xx * yy - xy * xy
     if size <= 0.0:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     px, py = effects[_PRESSURE_X], effects[_PRESSURE_Y]
-    return (yy * px - xy * py) / size, (xx * py - xy * px) / size
+    return (yy * px - xy * py) / size, (xx * py - xy * px) / size, 1.0 / (xx + yy)
 
 
 @inner
@@ -372,7 +387,8 @@ def resist_dry(
     points: Floats,
     surface: Floats,
     effects: Floats,
-    slope: tuple[float, float],
+    slope: tuple[float, float, float],
+    heading: tuple[float, float],
     age: float,
     creep: float,
     v: Floats,
@@ -392,6 +408,8 @@ def resist_dry(
         (S,) values of the effects.
     slope
         From `pressure_slope`.
+    heading
+        Cosine and sine of the part's angle.
     age
         Age of the contact, s.
     creep
@@ -410,6 +428,7 @@ def resist_dry(
         ux, uy = v[0] - v[2] * y, v[1] + v[2] * x
         m = np.sqrt(ux * ux + uy * uy + creep * creep)
         c, film, drop = _strength(points, i, effects, slope, age, m)
+        film += points[i, 3] * _lays(effects, heading, ux / m, uy / m)
         hx, hy = ux / m, uy / m
         fx, fy = force[i, 0] / m, force[i, 1] / m
         a = c * (1.0 + _RIDGE) / m + film - fx * hx - drop * hx * hx
@@ -426,16 +445,51 @@ def resist_dry(
 
 
 @inner
+def _lays(effects: Floats, heading: tuple[float, float], ux: float, uy: float) -> float:
+    """Drag over the film's, less one, of both lays that act against a slip of a direction (body frame)."""
+    more = 0.0
+    if effects[_PART_LAY_FORM] != 0.0:
+        more += _ellipse(effects[_PART_LAY], effects[_PART_LAY_ANGLE], ux, uy)
+    if effects[_STAGE_LAY_FORM] != 0.0:
+        cos, sin = heading
+        wx, wy = cos * ux - sin * uy, sin * ux + cos * uy
+        more += _ellipse(effects[_STAGE_LAY], effects[_STAGE_LAY_ANGLE], wx, wy)
+    return more
+
+
+@inner
+def _ellipse(fraction: float, angle: float, ux: float, uy: float) -> float:
+    """Friction ellipse of axes ``1 ± a``, the larger along a direction, less one."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    along, across = (
+        (1.0 + fraction) * (cos * ux + sin * uy),
+        (1.0 - fraction) * (cos * uy - sin * ux),
+    )
+    # of a part at rest, that slips nowhere, the film as it is
+    rest = max(1.0 - ux * ux - uy * uy, 0.0)
+    return float(np.sqrt(along * along + across * across + rest) - 1.0)
+
+
+@inner
 def _strength(
-    points: Floats, i: int, effects: Floats, slope: tuple[float, float], age: float, speed: float
+    points: Floats,
+    i: int,
+    effects: Floats,
+    slope: tuple[float, float, float],
+    age: float,
+    speed: float,
 ) -> tuple[float, float, float]:
     """Coulomb strength of a point, viscous coefficient beyond the film's, and its loss with speed."""
     c, w = points[i, 2], points[i, 3]
     if w == 0.0:
         return c, 0.0, 0.0
     dry = effects[_DRY]
+    if effects[_DRY_FORM] != 0.0:
+        dry *= slope[2] * (points[i, 0] * points[i, 0] + points[i, 1] * points[i, 1])
     if effects[_AGEING] != 0.0:
-        aged = np.log(1.0 + age) if effects[_AGEING_FORM] == 0.0 else age / (1.0 + age)
+        aged = np.log(1.0 + age)
+        if effects[_AGEING_FORM] != 0.0:
+            aged = age / (1.0 + age) if effects[_AGEING_FORM] == 1.0 else np.sqrt(age)
         dry += effects[_AGEING] * aged
     if effects[_STRIBECK] != 0.0:
         fast = speed / effects[_STRIBECK_SPEED]
@@ -479,7 +533,7 @@ def _resist_surface(surface: Floats, creep: float, v: Floats, K: Floats, out: Fl
 def update_forces(
     points: Floats,
     effects: Floats,
-    slope: tuple[float, float],
+    slope: tuple[float, float, float],
     age: float,
     creep: float,
     v: Floats,

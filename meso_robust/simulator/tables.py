@@ -75,12 +75,12 @@ class _Step(NamedTuple):
     factor: int = 6
     """First of seven: lower triangle of L⁻¹ by rows, and k."""
     soft: int = 13
-    """Compliance c of the probes, zero for stiff ones."""
-    contacts: int = 14
+    """First of three: compliance of the probes, a symmetric matrix by rows; zero for stiff ones."""
+    contacts: int = 16
     """How many there are."""
 
 
-STEP, STEP_LENGTH = _Step(), 15
+STEP, STEP_LENGTH = _Step(), 17
 
 
 class _Obstacles(NamedTuple):

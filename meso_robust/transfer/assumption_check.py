@@ -17,6 +17,7 @@ from meso_robust.identification.document import (
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Named, about
 from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.stage import FORM
 from meso_robust.task import Task
 from meso_robust.transfer.inflation import Absorbed, Budget, Ends, Ranges
 from meso_robust.transfer.lines import BASE, BASES, GROUND_WORDS, LINES, Ground, Line
@@ -181,6 +182,8 @@ def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing
     line = LINES.get(effect)
     if line is None or line.absorb is None:
         return _broken(effect, line, _size(effect, ranges))
+    if ranges.get(FORM, OFF) != OFF:  # the bounds are derived of the first form of a law
+        return _broken(effect, line, ", by another form of the law: " + _form(effect, ranges))
     found = line.absorb(ranges, budget)
     if why and found != line.absorb(_anything(effect), budget):
         return _standing(effect, "not identified", line, why)
@@ -217,6 +220,11 @@ def _size(effect: str, ranges: Ranges) -> str:
         for one in sizes
     )
     return f" ({', '.join(told)})"
+
+
+def _form(effect: str, ranges: Ranges) -> str:
+    """The form of its law in words."""
+    return CATALOGUE[effect].forms[int(ranges[FORM][0])]
 
 
 def _broken(name: str, line: Line | None, size: str = "") -> Standing:

@@ -25,8 +25,13 @@ BLOCKS: Sequence[tuple[int, int, str]] = (
     (0, 72, "the diagnoser as it stood when the trial was begun"),
     (
         72,
-        400,
+        120,
         "corners of the tip's log between samples, friction lent to a fold, an image about its middle",
+    ),
+    (
+        120,
+        400,
+        "second forms of nine more laws, and the sets that hold out of fold are asked in turn",
     ),
 )
 """First case, the one after the last, and what answered them: a mended diagnoser is judged by sets that

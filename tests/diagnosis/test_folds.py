@@ -199,3 +199,18 @@ def test_a_prediction_takes_a_tip_to_be_near_its_place_and_pays_for_the_rest(
     np.testing.assert_allclose(paid, np.where(np.arange(len(paid)) == 3, squares, 0.0), rtol=1e-12)
     assert not np.any(folds._likely(bench, np.zeros_like(offsets)))
     assert not np.any(folds._paid(bench, np.zeros_like(offsets)))
+
+
+def test_friction_that_a_search_with_an_effect_ran_up_to_its_end_is_that_of_the_plain_fit(
+    late: Diagnosis,
+) -> None:
+    """The training recordings alone may not tell it: there a search has no way back."""
+    bench, best, plain = late.grade.bench, late.best, late.grade.plain
+    assert best is not None
+    model, values = best.refit.model, best.refit.fits.values[0].copy()
+    values[1] = model.parameters[1].high
+    alone = rolled_out(bench, model, values)
+    assert alone.values[1] > 0.9
+    helped = rolled_out(bench, model, values, plain.values)
+    assert helped.values[1] == pytest.approx(late.baseline.fits.values[0, 1], rel=0.05)
+    assert helped.squares.sum() < 0.9 * alone.squares.sum()

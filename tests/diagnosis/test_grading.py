@@ -9,10 +9,24 @@ from typing import cast
 import numpy as np
 import pytest
 
-from meso_robust.diagnosis.candidates import Candidate
+from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.diagnosis.grading import Explained, Grade, _floor, _holds, _verdict, graded
+from meso_robust.diagnosis.grading import (
+    Explained,
+    Grade,
+    _answer,
+    _explained,
+    _floor,
+    _holding,
+    _holds,
+    _Judge,
+    _pool,
+    _verdict,
+    graded,
+)
+from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.rejection import Ground, Rejection
 from tests.identification.sets import UM
 
 
@@ -139,3 +153,71 @@ def test_a_more_general_law_is_no_rival(
 ) -> None:
     one, other = (cast("Candidate", SimpleNamespace(effects=e)) for e in (general, special))
     assert _holds(one, other) is holds
+
+
+def test_what_does_not_help_in_every_fold_is_not_named() -> None:
+    explained = Explained(share=0.97, low=0.9, high=1.0, folds=6)
+    assert _verdict(True, explained, (), everywhere=False) == "partial"
+
+
+def stood(sums: dict[tuple[str, ...], list[float]], floor: float = 100.0) -> _Judge:
+    """A judge of eight recordings, a fold each, that has predicted some sets."""
+    made = SimpleNamespace(
+        floor=np.full(8, floor),
+        sums=lambda names: np.array(sums[names]),
+        explainable=sum(sums[()]) - 8 * floor,
+        share=lambda names: (sum(sums[()]) - sum(sums[names])) / (sum(sums[()]) - 8 * floor),
+        with_part=lambda whole, names: None,
+        bench=SimpleNamespace(fold=np.arange(8), count=8),
+    )
+    return cast(_Judge, made)
+
+
+def stated(*names: str, gain: float, ground: Ground | None = None) -> Candidate:
+    refit = SimpleNamespace(effects=names, gain=gain, trials=names)
+    rejected = Rejection(ground=ground) if ground else None
+    return Candidate(refit=cast(Refit, refit), rejected=rejected)
+
+
+def contest(*candidates: Candidate, answers: tuple[Candidate, ...] = ()) -> Naming:
+    return Naming(answers=answers, best=candidates[0], candidates=candidates)
+
+
+PLAIN = [100.0, 95.0, 9000.0, 104.0, 98.0, 103.0, 6000.0, 97.0]
+NOISE = [101.0, 96.0, 104.0, 103.0, 99.0, 101.0, 99.0, 98.0]
+
+
+def test_a_share_that_two_pushes_of_eight_tell_is_told() -> None:
+    """One edge of four is wrong: a tenth of all draws with replacement have no push on it."""
+    found = _explained(stood({(): PLAIN, ("part_geometry",): NOISE}), ("part_geometry",), 0)
+    assert found.share == pytest.approx(1.0, abs=0.01)
+    assert 0.97 < found.low <= found.share <= found.high
+
+
+def test_of_the_likeliest_the_first_that_holds_out_of_fold_is_taken() -> None:
+    worse = [100.0, 95.0, 9500.0, 20000.0, 98.0, 103.0, 100.0, 97.0]
+    judge = stood({(): PLAIN, ("a",): worse, ("b",): NOISE, ("c",): NOISE})
+    a, b, c = stated("a", gain=1000.0), stated("b", gain=900.0), stated("c", gain=700.0)
+    assert _holding(judge, contest(a, b, c), (a, b, c), 0) == (b, True)
+    # what is far less likely is not asked
+    assert _holding(judge, contest(a, c), (a, c), 0) == (None, True)
+
+
+def test_what_helps_on_the_whole_only_explains_a_part() -> None:
+    mostly = [100.0, 95.0, 3000.0, 900.0, 98.0, 103.0, 200.0, 97.0]
+    judge = stood({(): PLAIN, ("a",): mostly, ("b",): NOISE[:2] + PLAIN[2:]})
+    a, b = stated("a", gain=1000.0), stated("b", gain=950.0)
+    assert _holding(judge, contest(a, b), (a, b), 0) == (a, False)
+
+
+def test_what_two_held_out_recordings_spoke_against_is_asked_in_every_fold() -> None:
+    a = stated("a", gain=1000.0)
+    near = stated("b", gain=998.0, ground=Ground.HELD_OUT_WORSE)
+    far = stated("c", gain=900.0, ground=Ground.HELD_OUT_WORSE)
+    other = stated("d", gain=999.0, ground=Ground.MISMATCH_LEFT)
+    naming = contest(a, other, near, far, answers=(a,))
+    assert _pool(naming, True) == (a, near)
+    judge = stood({(): PLAIN, ("a",): NOISE, ("b",): NOISE})
+    assert _answer(judge, naming, (a, near), 0) == (a, (near,), True)
+    judge = stood({(): PLAIN, ("a",): NOISE, ("b",): PLAIN})
+    assert _answer(judge, naming, (a, near), 0) == (a, (), True)

@@ -346,3 +346,30 @@ def test_what_no_effect_explains_alone_is_looked_for_in_sets(quick: bool) -> Non
 
     assert naming.answers == ()
     assert asked == [0]
+
+
+def test_a_form_with_more_numbers_is_compared_when_its_search_has_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ends = {0.0: 1001.0, 1.0: 1040.0, 2.0: 1200.0}
+    gains = {
+        0.0: 1000.0,
+        1.0: 980.0,
+        2.0: 900.0,
+    }  # the last is too far behind to be looked at again
+
+    def rough(law: float) -> Refit:
+        base = candidate("body_force").refit
+        trial = Trial(effect="body_force", sizes={"x_um_s": 1.0}, shape={"form": law})
+        return replace(base, trials=(trial,), gain=gains[law])
+
+    def ended(_: Contest, one: Refit) -> Refit:
+        return replace(one, gain=ends[one.trials[0].law])
+
+    monkeypatch.setattr(Contest, "_ended", ended)
+    monkeypatch.setattr(Contest, "_choices", lambda *_: 0.0)
+    nothing = cast(Any, None)
+    contest = Contest(nothing, [], (), np.zeros(0), True, nothing)
+    (found,) = contest._refined([rough(0.0), rough(1.0), rough(2.0)])
+    assert (found.refit.trials[0].law, found.refit.gain) == (1.0, 1040.0)
+    assert found.refit.lead == pytest.approx(39.0)

@@ -38,17 +38,20 @@ def test_every_effect_of_the_catalogue_is_tried(prepared: Prepared) -> None:
 
 
 def test_trials_start_within_the_ranges_of_the_catalogue(null: Diagnosis) -> None:
+    used: dict[str, set[str]] = {}  # some numbers are of one form of a law only
     for one in trials(null.baseline.prepared):
         known = {p.key: p for p in CATALOGUE[one.effect].parameters}
+        used.setdefault(one.effect, set()).update(one.sizes, one.shape)
         assert {key for key in one.sizes if not known[key].size} == set()
         assert set(one.free) <= set(one.shape) <= set(known)
         assert set(one.scales) & set(one.held) == set()
-        assert set(one.sizes) | set(one.shape) == set(known)
         model = extended(null.baseline.model, (one,), null.baseline.prepared)
         start = start_of(one, np.ones(len(one.sizes)))
         values = np.append(null.baseline.fits.values[0], start)[None]
         np.testing.assert_array_equal(within(model, values), values)
         assert model.valid(values)[0]
+    for effect, keys in used.items():
+        assert keys == {p.key for p in CATALOGUE[effect].parameters}
 
 
 @pytest.mark.parametrize(
@@ -141,3 +144,15 @@ def test_an_effect_without_a_line_has_its_sizes_tried(
     (only,) = tried("stribeck_friction").forms("stribeck_friction", prepared)
     assert only.sizes == {"ratio": 1.0}
     assert "pushes on all edges" in tried("stribeck_friction").shown_by
+
+
+def test_a_drift_that_slows_down_still_goes_on_in_the_shortest_recording(null: Diagnosis) -> None:
+    """What has settled before is an offset, which has a name of its own."""
+    prepared = null.baseline.prepared
+    shortest = (prepared.times[:, -1] - prepared.times[:, 0]).min()
+    slow = [one for one in trials(prepared) if "time_s" in one.free]
+    assert {one.effect for one in slow} == {"probe_drift", "camera_drift"}
+    for one in slow:
+        model = extended(null.baseline.model, (one,), prepared)
+        assert model.parameters[-1].key == f"{one.effect}.time_s"
+        assert model.parameters[-1].low == pytest.approx(0.5 * shortest)

@@ -6,6 +6,7 @@ import pytest
 
 from meso_robust.certificates.premise import Premise
 from meso_robust.certificates.words import PREMISES
+from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.transfer.assumption_check import by_name, standings
 from meso_robust.transfer.inflation import Budget
 from tests.transfer.models import model, values
@@ -119,3 +120,19 @@ def test_nothing_is_promised_on_a_model_that_its_recordings_reject(
 @pytest.mark.parametrize("verdict", ["consistent", "named"])
 def test_a_diagnosis_that_ended_with_one_model_is_no_premise_of_its_own(verdict: str) -> None:
     assert "diagnosis" not in by_name(standings(model(diagnosis=verdict), BUDGET))
+
+
+@pytest.mark.parametrize(
+    "effect", ["part_geometry", "backlash", "probe_drift", "camera_drift", "anisotropic_drag"]
+)
+def test_what_is_bounded_by_the_first_form_of_a_law_is_not_by_another(effect: str) -> None:
+    sizes = {f"{effect}.{one.key}": (0.1, 0.2) for one in CATALOGUE[effect].parameters if one.size}
+    standing = {
+        form: standings(model(sizes, held={f"{effect}.form": form}), BUDGET)[-1]
+        for form in (0.0, 1.0)
+    }
+
+    assert standing[0.0].word == "absorbed"
+    assert standing[1.0].word == "breaks a premise"
+    assert standing[1.0].absorbed is None
+    assert CATALOGUE[effect].forms[1] in standing[1.0].said
