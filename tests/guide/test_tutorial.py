@@ -118,13 +118,10 @@ def test_what_is_printed_is_what_the_page_shows(
     ("part", "start"),
     [
         ("identify", "FIT REJECTED: viscous fitted to 8 recordings"),
-        (
-            "diagnose",
-            "NAMED: part_geometry + reference_offset explains 100 % of the explainable error",
-        ),
+        ("diagnose", "NAMED: part_geometry explains 100 % of the explainable error"),
         (
             "--model diagnosis",
-            "PROVED (round tips, radius 12.5 µm): latch plate, with the model viscous+part_geometry+ref",
+            "PROVED (round tips, radius 12.5 µm): latch plate, with the model viscous+part_geometry",
         ),
     ],
 )
