@@ -21,19 +21,21 @@ from meso_robust.simulator.checks import (
 )
 from meso_robust.simulator.effects import Effects
 from meso_robust.simulator.fixture import Fixture
+from meso_robust.simulator.geometry import GEOMETRY
 from meso_robust.simulator.motion_model import MotionModel, QuasiStatic
+from meso_robust.simulator.observation import OBSERVATION
 from meso_robust.simulator.outline import check_parts, refuse, thickness
-from meso_robust.simulator.stage import REFERENCE_SPEED
+from meso_robust.simulator.stage import REFERENCE_SPEED, SLOTS
 from meso_robust.simulator.support_models import Film, Support
 from meso_robust.simulator.tips import Point, Tip
 from meso_robust.types import Floats
 
 _ROUNDING = 1e-9  # of a step, so that a travel of 10 steps is not cut into 11
-_RATES = (
-    *range(56),
-    *range(64, 80),
-    *range(96, 128),
-)  # columns of effects that act in time: not of geometry
+_RATES = tuple(
+    column
+    for column in range(SLOTS)
+    if not any(s.base <= column < s.base + s.slots for s in (GEOMETRY, OBSERVATION))
+)  # columns of effects that act in time
 _ARRAYS = ("vertices", "poses", "waypoints", "times", "friction", "radii")
 
 

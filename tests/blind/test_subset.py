@@ -49,4 +49,5 @@ def test_a_concealed_effect_is_named_with_its_size(case: Case, tmp_path: Path) -
 def test_what_is_not_in_the_catalogue_is_not_named(tmp_path: Path) -> None:
     found, _ = answer(OUTSIDE, tmp_path)
     assert found["mismatch"]["detected"]
-    assert found["verdict"] == "unknown"
+    assert found["verdict"] in {"unknown", "partial"}
+    assert found["explained"]["share"] < 0.5

@@ -16,6 +16,8 @@ from meso_robust.simulator.observation import (
     CAMERA_ANISOTROPY_TURNED,
     CAMERA_ANISOTROPY_X,
     CAMERA_ANISOTROPY_Y,
+    CAMERA_DRIFT_FORM,
+    CAMERA_DRIFT_TIME,
     CAMERA_DRIFT_X,
     CAMERA_DRIFT_Y,
     CAMERA_LATENCY_TIME,
@@ -43,7 +45,7 @@ SLOT_OF = {
     "camera_latency": (CAMERA_LATENCY_TIME,),
     "camera_scale": (CAMERA_SCALE_PERCENT,),
     "camera_rotation": (CAMERA_ROTATION_ANGLE, CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y),
-    "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y),
+    "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y, CAMERA_DRIFT_TIME, CAMERA_DRIFT_FORM),
     "lens_distortion": (LENS_DISTORTION_K1, LENS_DISTORTION_TURNED),
     "camera_anisotropy": (
         CAMERA_ANISOTROPY_X,
@@ -87,10 +89,10 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == list(range(80, 95))
+    assert slots == list(range(80, 97))
     table = Effects(ON).table[0]
     expected = [0.06, 0.007, math.radians(1.3), -600e-6, 150e-6]
-    expected += [0.4e-6, -0.2e-6, 1e4, 0.0]
+    expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0]
     expected += [-0.004, 0.023, 0.002, 0.0, 3e-6, -7e-6]
     columns = [slot for group in SLOT_OF.values() for slot in group]
     assert table[columns] == pytest.approx(expected, rel=1e-15)
@@ -272,7 +274,7 @@ def test_a_lens_that_folds_the_image_is_refused() -> None:
         (
             "table",
             np.zeros((2, SLOTS)),
-            r"effects_table: shape .*; must be \(1, 128\) or \(3, 128\)",
+            rf"effects_table: shape .*; must be \({1}, {SLOTS}\) or \({3}, {SLOTS}\)",
         ),
     ],
 )

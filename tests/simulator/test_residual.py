@@ -121,3 +121,22 @@ def test_torques_follow_speed_and_heading_and_turning_has_a_drag_of_its_own() ->
 def test_a_part_at_rest_is_left_alone_by_what_follows_the_motion() -> None:
     following = {key: 0.3 for key in BASES if key.startswith(("across", "part_across", "spin"))}
     assert end({"residual": following | {"torque_um": 50.0}}) == pytest.approx([0, 0, 0], abs=0)
+
+
+def test_every_base_acts_in_time_by_itself() -> None:
+    """A step is then as short as `time_step` asks, though no tip moves."""
+    far = np.full((1, 2, 1, 2), 0.05)
+    for key in BASES:
+        push = Push(
+            vertices=rectangle(),
+            poses=np.zeros((1, 3)),
+            waypoints=far,
+            times=np.array([[0.0, TIME]]),
+            friction=np.array([[0.3]]),
+            support=Film.ratio(RHO),
+            shapes=(Round(15 * UM),),
+            effects=Effects({"residual": {key: 1e-3}}),
+            step=1e-6,
+            time_step=TIME / 20,
+        )
+        assert push.steps == 20, key
