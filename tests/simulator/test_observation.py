@@ -274,7 +274,7 @@ def test_a_lens_that_folds_the_image_is_refused() -> None:
         (
             "table",
             np.zeros((2, SLOTS)),
-            rf"effects_table: shape .*; must be \({1}, {SLOTS}\) or \({3}, {SLOTS}\)",
+            rf"effects_table: shape .*; must be \(1, {SLOTS}\) or \(3, {SLOTS}\)",
         ),
     ],
 )
