@@ -66,7 +66,8 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> C
     rules, setup
         The moves in order, the task.
     whole
-        False: stop at the first step that is not proved, for a search that asks no more.
+        False: stop at the first step that is not proved, and leave out the poses on the way, for a
+        search that asks no more.
 
     Returns
     -------
@@ -84,7 +85,7 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> C
     for rule in rules:
         if state is None or not (whole or all(s.verdict is Verdict.PROVED for s in steps[-1:])):
             break
-        step, before = certify_move(rule, state, setup, before)
+        step, before = certify_move(rule, state, setup, before, whole=whole)
         if step.post is not None:
             step = replace(step, post=roomy(step.post))
         steps.append(step)

@@ -28,7 +28,12 @@ class Before:
 
 
 def certify_move(
-    rule: MoveRule, pre: PoseBox, setup: Setup, before: Before | None = None
+    rule: MoveRule,
+    pre: PoseBox,
+    setup: Setup,
+    before: Before | None = None,
+    *,
+    whole: bool = True,
 ) -> tuple[Step, Before | None]:
     """Certify one move from every pose in ``pre``.
 
@@ -38,6 +43,8 @@ def certify_move(
         The move, all poses before it and the task, world frame.
     before
         What the move before left behind.
+    whole
+        False: nothing but the verdict and the box of poses after a proved move is wanted.
 
     Returns
     -------
@@ -53,15 +60,16 @@ def certify_move(
     frame = rule.frame
     own, there = frame.from_world(pre), frame.setup(setup)
     turn: Turn | None = None
+    whole = whole or bool(setup.blocks)  # of a wall every pose on the way must be clear
     if rule.action == "tilt":
-        step, turn = certify_tilt(rule, own, there)
+        step, turn = certify_tilt(rule, own, there, whole=whole)
     elif rule.action == "rotate":
         step = certify_rotation(rule, own, there)
     elif rule.action == "regrasp":
         step = certify_regrasp(rule, own, there)
     else:
         known = before.turn if before is not None and before.frame == frame else None
-        step = certify_straighten(rule, own, there, known)
+        step = certify_straighten(rule, own, there, known, whole=whole)
     seen = replace(
         step,
         obligations=(*step.obligations, *force_below_cap(rule, there)),
