@@ -15,6 +15,8 @@ drag, which need not be the reference point, and need not be even.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import sympy as sp
 
 from derivations._claim import Claim
@@ -217,22 +219,116 @@ def alone_rates() -> dict[str, sp.Expr]:
     }
 
 
-def corner(ratio_D: sp.Expr, ratio_S: sp.Expr) -> tuple[sp.Expr, ...]:
-    """Slide rate; how far it is above those at which D, S stick, times the opening; the opening.
+def offsets() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
+    """Of both contacts from the centre of drag: S's out and along its edge (negative), D's out and along its own."""
+    out_S, along_S = d_S + drag_n * CK + drag_a * SK, q + drag_a * CK - drag_n * SK
+    return out_S, along_S, d_D - drag_n, T - along_S * CK - (out_S + r_S) * SK
 
-    ``total`` stands for the sum of both ratios: where they cancel, what the grip divides cancels too,
-    which intervals put in for the ratios would not see.
+
+def drags() -> tuple[sp.Matrix, sp.Matrix]:
+    """What the film takes at unit speed along S's edge, and out of it, in the frame (a, n)."""
+    drag = sp.Matrix([[1 + stretch, shear], [shear, 1 - stretch]])
+    along_S, out_S = (sp.Matrix(axis) for axis in ([CK, -SK], [SK, CK]))
+    return drag * along_S, drag * out_S
+
+
+class Pair(NamedTuple):
+    """What two ratios of friction are worth."""
+
+    reach: sp.Expr
+    """The moment balance about S's contact: positive where neither ratio closes the grip of parallel edges."""
+    share: sp.Expr
+    """Of the sum of both ratios."""
+    ratio: sp.Expr
+    """That at S in the frame of D's edge."""
+    normal: sp.Expr
+    """The part of S's push that is normal to D's edge."""
+    lag: sp.Expr
+    """Place at S's edge where the push meets that at D, from the centre of drag."""
+
+
+def pair(ratio_D: sp.Expr, ratio_S: sp.Expr, both: sp.Expr) -> Pair:
+    """Of two ratios with the sum ``both``."""
+    out_S, along_S, out_D, _ = offsets()
+    tangent, normal = SK + ratio_S * CK, CK - ratio_S * SK
+    reach = normal * (T + ratio_D * out_D) - ratio_S * out_S
+    return Pair(
+        reach=reach + SK * (tangent * along_S - normal * (out_S + r_S)),
+        share=both * CK + (1 - ratio_D * ratio_S) * SK,
+        ratio=tangent / normal,
+        normal=normal,
+        lag=along_S - ratio_S * out_S,
+    )
+
+
+def held(of: Pair) -> tuple[sp.Expr, sp.Expr]:
+    """Slide and turn that balance, to one factor: with nothing that cancels in them."""
+    out_S, along_S, _, _ = offsets()
+    turns, slides = (
+        of.reach * (column[0] - column[1] * of.ratio) + column[1] * of.lag * of.share / of.normal
+        for column in drags()
+    )
+    return along_S * slides + rho * of.share - (out_S + r_S) * turns, turns
+
+
+def per_turn(of: Pair) -> sp.Expr:
+    """The slide per turn: a quotient of these, over the reach.
+
+    What multiplies the share is nothing where the ratios cancel.
     """
-    on_D, on_S = wrenches(ratio_D, ratio_S)
-    share = (total * CK + (1 - ratio_D * ratio_S) * SK) / on_D[2]
-    still, sliding = (
-        on_S[0] * part[1] - on_S[1] * part[0] + share * part[2] for part in map(film, twists())
-    )
-    return (
-        -still / sliding,
-        *(still + rate * sliding for rate in stick_rates()),
-        -sliding,
-    )
+    out_S, along_S, _, _ = offsets()
+    uneven = of.share / of.reach
+    cross = of.ratio - of.lag * uneven / of.normal
+    turns, slides = (column[0] - column[1] * cross for column in drags())
+    return (along_S * slides + rho * uneven) / turns - (out_S + r_S)
+
+
+def sticks() -> tuple[sp.Expr, sp.Expr]:
+    """Slides per turn at which D, S stick."""
+    forward = along - bend * across
+    at_D = T * forward + APPROACH * (WIDTH - r_D)
+    return -at_D / (APPROACH * CK + forward * SK), -r_S
+
+
+def rate(slide: sp.Expr) -> sp.Expr:
+    """Slide rate at a slide per turn."""
+    return APPROACH * slide / (T + slide * SK)
+
+
+def above(slide: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """By how much one rate is above another."""
+    return APPROACH * T * (slide - other) / ((T + slide * SK) * (T + other * SK))
+
+
+def corner(ratio_D: sp.Expr, ratio_S: sp.Expr) -> tuple[sp.Expr, ...]:
+    """Slide rate, and how far it is above those at which D, S stick.
+
+    ``total`` stands for the sum of both ratios, so that intervals put in for them see where they cancel.
+    """
+    slide = per_turn(pair(ratio_D, ratio_S, total))
+    return rate(slide), *(above(slide, other) for other in sticks())
+
+
+def grip(ratio_D: sp.Expr, ratio_S: sp.Expr) -> sp.Expr:
+    """The grip, with nothing that cancels in it."""
+    slides, turns = held(pair(ratio_D, ratio_S, ratio_D + ratio_S))
+    return turns + SK * slides / T
+
+
+def force_S(ratio_D: sp.Expr) -> sp.Expr:
+    """Force at S times grip, with nothing that cancels in it."""
+    _, along_S, out_D, along_D = offsets()
+    tangent, plane = drags()[0], 1 - stretch**2 - shear**2
+    film_takes = rho * (tangent[0] + ratio_D * tangent[1])
+    return APPROACH / T * (film_takes - plane * along_S * (along_D + ratio_D * out_D))
+
+
+def force_D(ratio_S: sp.Expr) -> sp.Expr:
+    """Force at D times grip, with nothing that cancels in it."""
+    out_S, along_S, _, _ = offsets()
+    tangent, plane = drags()[0], 1 - stretch**2 - shear**2
+    film_takes = (CK - ratio_S * SK) * tangent[0] - (SK + ratio_S * CK) * tangent[1]
+    return APPROACH / T * (rho * film_takes + plane * along_S * (along_S - ratio_S * out_S))
 
 
 FORCES = (
@@ -263,7 +359,6 @@ def derive() -> Derivation:
     pushing += (rho, stretch, shear, bend)
     sticking = (along, across, p_D, d_D, drag_a, drag_n, rho, stretch, shear, bend)
     ratios = [(i * mu_D, j * mu_S) for i in (-1, 1) for j in (-1, 1)]
-    corners = [balance(*ratio) for ratio in ratios]
     stiff = alone()[1]
     rates = alone_rates()
     away, apart = at_rest_tip()
@@ -321,13 +416,14 @@ def derive() -> Derivation:
                 results=corner(tau_D, tau_S),
                 unit="1",
                 meaning="dq/d(travel) at friction ratios tau_D, tau_S, of the sum total; the same less that "
-                "at which D, S stick, both times an opening that is positive where the grip is open; it",
+                "at which D, S stick",
             ),
             "corner_forces": Function(
                 arguments=(*held, mu_D, mu_S),
                 results=(
-                    *(corners[0][2], corners[2][2], corners[0][1], corners[1][1]),
-                    balance(sp.Integer(0), mu_S)[2],
+                    *(force_S(ratio) for ratio in (-mu_D, mu_D)),
+                    *(force_D(ratio) for ratio in (-mu_S, mu_S)),
+                    force_S(sp.Integer(0)),
                 ),
                 unit="m",
                 meaning="normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and "
@@ -335,7 +431,7 @@ def derive() -> Derivation:
             ),
             "corner_grips": Function(
                 arguments=(*held, mu_D, mu_S),
-                results=tuple(corner[3] for corner in corners),
+                results=tuple(grip(*ratio) for ratio in ratios),
                 unit="m",
                 meaning="grip, m, at the same ratios: where positive the tips cannot close on the part",
             ),
@@ -486,7 +582,7 @@ def _balance() -> Claim:
         kappa: 0, drag_a: 0, drag_n: 0, stretch: 0, shear: 0, bend: 0, d_D: d1, d_S: d1,
         across: sp.sin(theta), along: sp.cos(theta), q: sigma + T / 2,
     }  # fmt: skip
-    slide, force_D, force_S, grip = (
+    slide, push_D, push_S, opening = (
         part.subs(even, simultaneous=True) for part in balance(tau_D, tau_S)
     )
     p_S = -T / 2 - sigma
@@ -498,10 +594,9 @@ def _balance() -> Claim:
     spread = -(h / T) / 2  # q = sigma + T/2
     on_law = {h: T * c + (2 * d1 + r_D + r_S) * s}
     numerators = balance(tau_D, tau_S)
-    lever = sp.Symbol("lever", real=True)
-    on_D = sp.Matrix([tau_D, -1, lever])
-    on_S = wrenches(tau_D, tau_S)[1]
-    share = (tau_D + tau_S) * CK + (1 - tau_D * tau_S) * SK
+    slides, _ = held(pair(tau_D, tau_S, tau_D + tau_S))
+    some = Pair(*sp.symbols("reach share ratio normal lag", real=True))
+    one, other = sp.symbols("y_1 y_2", real=True)
     return Claim(
         key="opposite-edges-slide",
         title="Slide and forces between two tips, any drag",
@@ -510,7 +605,9 @@ def _balance() -> Claim:
         r"$E(V_0 + q'V_1) = L_D w_D + L_S w_S$ has the solution $q' = -(y\cdot EV_0)/(y\cdot EV_1)$; $L_D$, "
         r"$L_S$ are quotients of determinants with the same denominator, the grip. All are quotients of "
         r"polynomials that are of first degree in either ratio, hence monotone in each where the grip does "
-        r"not vanish. For even film and parallel edges they are those of round tips.",
+        r"not vanish. For even film and parallel edges they are those of round tips. By the slide per turn "
+        r"$y$, $q' = (\sin\theta + e\cos\theta)\,y/(T + y\sin\kappa)$, and about the centre of drag nothing "
+        r"cancels in them, so that intervals put in lose little.",
         hypotheses=(FORCES, "both tips touch their edges between the vertices"),
         checks=(
             identity("Cramer's rule for three columns", solved, [0, 0, 0]),
@@ -524,15 +621,36 @@ def _balance() -> Claim:
                 for ratio in (tau_D, tau_S)
             ),
             identity(
-                "a column of the determinant by its share of the moment",
-                determinant(on_D, on_S, b),
-                lever * (on_S[0] * b[1] - on_S[1] * b[0] + share / lever * b[2]),
+                "slide and grip, with nothing that cancels in them",
+                [numerators[0], numerators[3]],
+                [APPROACH * slides / T, grip(tau_D, tau_S)],
             ),
-            identity("even: grip", grip, T + d1 * (tau_D - tau_S)),
-            identity("even: forces", [force_D / grip, force_S / grip], [L_D, L_S]),
+            identity(
+                "both forces, with nothing that cancels in them",
+                list(numerators[1:3]),
+                [force_D(tau_S), force_S(tau_D)],
+            ),
+            identity(
+                "a slide rate by the slide per turn",
+                APPROACH * one / T / (other + SK * one / T),
+                rate(one / other),
+            ),
+            identity(
+                "the slide per turn, of any reach, share, ...",
+                held(some)[0] / held(some)[1],
+                per_turn(some),
+            ),
+            identity(
+                "how far one rate is above another", rate(one) - rate(other), above(one, other)
+            ),
+            identity(
+                "the rates at which D, S stick", list(stick_rates()), [rate(at) for at in sticks()]
+            ),
+            identity("even: grip", opening, T + d1 * (tau_D - tau_S)),
+            identity("even: forces", [push_D / opening, push_S / opening], [L_D, L_S]),
             identity(
                 "even: slide rate, the law of T in it",
-                slide / grip,
+                slide / opening,
                 (middle + spread).subs(on_law),
             ),
         ),
@@ -733,9 +851,9 @@ def _bounded_difference() -> Finding:
     even = {
         kappa: 0, drag_a: 0, drag_n: 0, stretch: 0, shear: 0, bend: 0, d_D: d1, d_S: d1,
     }  # fmt: skip
-    _, force_D, force_S, grip = (part.subs(even) for part in balance(tau_D, tau_S))
+    _, push_D, push_S, opening = (part.subs(even) for part in balance(tau_D, tau_S))
     return identity(
         r"$L_D - L_S = q\sin\theta/T$ whatever the ratios: bounded",
-        (force_D - force_S) / grip,
+        (push_D - push_S) / opening,
         q * across / T,
     )

@@ -72,127 +72,134 @@ def stick_rates(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_
 
 
 def corner(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_D: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, tau_D: Any, tau_S: Any, total: Any) -> tuple[Any, ...]:
-    """Return dq/d(travel) at friction ratios tau_D, tau_S, of the sum total; the same less that at which D, S stick, both times an opening that is positive where the grip is open; it."""
+    """Return dq/d(travel) at friction ratios tau_D, tau_S, of the sum total; the same less that at which D, S stick."""
     x0 = ops.sin(kappa)
-    x1 = ops.cos(kappa)
-    x2 = -tau_S*x0 + x1
-    x3 = 1/T
-    x4 = r_S*x0
-    x5 = x3*x4
-    x6 = 1 - x5
-    x7 = d_S*x0 + drag_a + q*x1
-    x8 = x0*x3
-    x9 = -x0*x6 + x7*x8
-    x10 = stretch + 1
-    x11 = -q*x0
-    x12 = d_S*x1 + x11
-    x13 = drag_n + x12
-    x14 = x1*x6 - x13*x8
-    x15 = shear*x9 + x10*x14
-    x16 = tau_S*x1 + x0
-    x17 = 1 - stretch
-    x18 = shear*x14 + x17*x9
-    x19 = T - x4
-    x20 = (total*x1 + x0*(-tau_D*tau_S + 1))/(tau_D*(d_D + x12) + x19)
-    x21 = -x15*x2 + x16*x18 + x20*(-rho*x8 + x13*x15 - x18*x7)
-    x22 = bend*c + s
-    x23 = x22*x3
-    x24 = -x22*x5 - x23*x7
-    x25 = r_S*x1*x23 + x13*x23
-    x26 = shear*x24 + x10*x25
-    x27 = shear*x25 + x17*x24
-    x28 = x16*x27 - x2*x26 + x20*(rho*x23 + x13*x26 - x27*x7)
-    x29 = d_D + x1*(d_S + r_S) + x11
+    x1 = shear*x0
+    x2 = ops.cos(kappa)
+    x3 = stretch + 1
+    x4 = shear*x2
+    x5 = 1 - stretch
+    x6 = tau_S*x2 + x0
+    x7 = -tau_S*x0 + x2
+    x8 = 1/x7
+    x9 = drag_a*x0 + drag_n*x2
+    x10 = d_S + x9
+    x11 = -tau_S*x10
+    x12 = drag_a*x2 - drag_n*x0 + q
+    x13 = d_S + r_S
+    x14 = x13 + x9
+    x15 = (total*x2 + x0*(-tau_D*tau_S + 1))/(x0*(x12*x6 - x14*x7) + x11 + x7*(T + tau_D*(d_D - drag_n)))
+    x16 = -x15*x8*(x11 + x12) + x6*x8
+    x17 = -(rho*x15 + x12*(x0*x3 - x16*(x1 + x2*x5) + x4))/(-x1 - x16*(-x0*x5 + x4) + x2*x3)
+    x18 = x14 + x17
+    x19 = -x18
+    x20 = bend*c + s
+    x21 = x20/(T + x0*x19)
+    x22 = -bend*s + c
+    x23 = (-T*x22 - x20*(d_D - q*x0 + x13*x2))/(x0*x22 + x2*x20)
+    x24 = T*x21
     return (
-        -x28/x21,
-        x21*(-T*(-bend*s + c) - x22*x29)/(T*x1 - x0*x29) + x28,
-        -r_S*x21*x22/x19 + x28,
-        -x21,
+        x19*x21,
+        x24*(-x18 - x23)/(T + x0*x23),
+        x24*(-x10 - x17)/(T - r_S*x0),
     )
 
 
 def corner_forces(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu_D: Any, mu_S: Any) -> tuple[Any, ...]:
     """Return normal force at S, at friction ratios -mu_D and mu_D, then at D, at -mu_S and mu_S, then at S if D has no friction, over e_x and travel rate, times the grip."""
-    x0 = ops.sin(kappa)
-    x1 = r_S*x0
-    x2 = 1/T
-    x3 = x2*(bend*c + s)
-    x4 = ops.cos(kappa)
-    x5 = d_S*x0 + drag_a + q*x4
-    x6 = -x1*x3 - x3*x5
-    x7 = stretch + 1
-    x8 = d_S*x4 - q*x0
-    x9 = drag_n + x8
-    x10 = r_S*x3*x4 + x3*x9
-    x11 = shear*x6 + x10*x7
-    x12 = x0*x2
-    x13 = -r_S*x0*x2 + 1
-    x14 = -x0*x13 + x12*x5
-    x15 = -x12*x9 + x13*x4
-    x16 = shear*x14 + x15*x7
-    x17 = 1 - stretch
-    x18 = shear*x15 + x14*x17
-    x19 = -rho*x12 + x16*x9 - x18*x5
-    x20 = x11*x19
-    x21 = shear*x10 + x17*x6
-    x22 = rho*x3 + x11*x9 - x21*x5
-    x23 = mu_D*(d_D + x8)
-    x24 = x11*x18 - x16*x21
-    x25 = mu_D*(-x18*x22 + x19*x21)
-    x26 = T - x1
-    x27 = -x16*x22 + x20
-    x28 = mu_S*x0
-    x29 = x28 + x4
-    x30 = mu_S*x4
-    x31 = x0 - x30
-    x32 = -x28 + x4
-    x33 = x0 + x30
+    x0 = ops.cos(kappa)
+    x1 = ops.sin(kappa)
+    x2 = shear*x0 - x1*(1 - stretch)
+    x3 = mu_D*x2
+    x4 = shear*x1
+    x5 = stretch + 1
+    x6 = -x0*x5 + x4
+    x7 = mu_D*(d_D - drag_n)
+    x8 = drag_a*x0 - drag_n*x1 + q
+    x9 = x0*x8
+    x10 = d_S + drag_a*x1 + drag_n*x0
+    x11 = x1*(r_S + x10)
+    x12 = -T + x11 + x9
+    x13 = x8*(-shear**2 - stretch**2 + 1)
+    x14 = (bend*c + s)/T
+    x15 = mu_S*x1
+    x16 = -x6
+    x17 = mu_S*x0
+    x18 = mu_S*x10
     return (
-        x16*x22 - x20 - x24*(T - x1 - x23) + x25,
-        -x24*(x23 + x26) - x25 - x27,
-        x19*x21*x31 - x20*x29 - x22*(-x16*x29 + x18*x31),
-        x19*x21*x33 - x20*x32 - x22*(-x16*x32 + x18*x33),
-        -x24*x26 - x27,
+        x14*(rho*(-x3 - x6) - x13*(-x12 - x7)),
+        x14*(rho*(x0*x5 + x3 - x4) - x13*(T - x11 + x7 - x9)),
+        x14*(rho*(x16*(x0 + x15) - x2*(x1 - x17)) + x13*(x18 + x8)),
+        x14*(rho*(x16*(x0 - x15) - x2*(x1 + x17)) + x13*(-x18 + x8)),
+        x14*(rho*x16 + x12*x13),
     )
 
 
 def corner_grips(ops: Any, c: Any, s: Any, T: Any, q: Any, d_D: Any, d_S: Any, r_S: Any, kappa: Any, drag_a: Any, drag_n: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu_D: Any, mu_S: Any) -> tuple[Any, ...]:
     """Return grip, m, at the same ratios: where positive the tips cannot close on the part."""
     x0 = ops.sin(kappa)
-    x1 = r_S*x0
-    x2 = ops.cos(kappa)
-    x3 = d_S*x2 - q*x0
-    x4 = mu_D*(d_D + x3)
-    x5 = T - x1 - x4
-    x6 = mu_S*x0
-    x7 = x2 + x6
-    x8 = 1/T
-    x9 = -x1*x8 + 1
-    x10 = d_S*x0 + drag_a + q*x2
-    x11 = x0*x8
-    x12 = -x0*x9 + x10*x11
-    x13 = drag_n + x3
-    x14 = -x11*x13 + x2*x9
-    x15 = shear*x12 + x14*(stretch + 1)
-    x16 = mu_S*x2
-    x17 = x0 - x16
-    x18 = shear*x14 + x12*(1 - stretch)
-    x19 = -x15*x7 + x17*x18
-    x20 = -rho*x11 - x10*x18 + x13*x15
-    x21 = x17*x20
-    x22 = mu_D*x20
-    x23 = x22*x7
-    x24 = x0 + x16
-    x25 = x20*x24
-    x26 = x2 - x6
-    x27 = -x15*x26 + x18*x24
-    x28 = x22*x26
-    x29 = T - x1 + x4
+    x1 = mu_D*mu_S
+    x2 = x0*(1 - x1)
+    x3 = ops.cos(kappa)
+    x4 = mu_D + mu_S
+    x5 = x2 - x3*x4
+    x6 = drag_a*x3 - drag_n*x0 + q
+    x7 = shear*x0
+    x8 = 1 - stretch
+    x9 = x3*x8 + x7
+    x10 = mu_S*x0
+    x11 = x10 + x3
+    x12 = 1/x11
+    x13 = d_S + drag_a*x0 + drag_n*x3
+    x14 = mu_S*x13
+    x15 = x12*(x14 + x6)
+    x16 = x15*x5
+    x17 = mu_S*x3
+    x18 = x0 - x17
+    x19 = x12*x18
+    x20 = shear*x3
+    x21 = stretch + 1
+    x22 = x0*x21 + x20
+    x23 = -x19*x9 + x22
+    x24 = mu_D*(d_D - drag_n)
+    x25 = T - x24
+    x26 = r_S + x13
+    x27 = x0*(-x11*x26 + x18*x6) + x14
+    x28 = x11*x25 + x27
+    x29 = -x0*x8 + x20
+    x30 = -x21*x3 + x7
+    x31 = -x19*x29 - x30
+    x32 = x16*x29 + x28*x31
+    x33 = x0/T
+    x34 = mu_D - mu_S
+    x35 = x0*(x1 + 1)
+    x36 = -x3*x34 + x35
+    x37 = -x10 + x3
+    x38 = 1/x37
+    x39 = -x14
+    x40 = x38*(x39 + x6)
+    x41 = x36*x40
+    x42 = x0 + x17
+    x43 = x38*x42
+    x44 = x22 - x43*x9
+    x45 = x0*(-x26*x37 + x42*x6) + x39
+    x46 = x25*x37 + x45
+    x47 = -x29*x43 - x30
+    x48 = x29*x41 + x46*x47
+    x49 = x3*x34 + x35
+    x50 = x15*x49
+    x51 = T + x24
+    x52 = x11*x51 + x27
+    x53 = x29*x50 + x31*x52
+    x54 = x2 + x3*x4
+    x55 = x40*x54
+    x56 = x37*x51 + x45
+    x57 = x29*x55 + x47*x56
     return (
-        -x19*x5 - x21 + x23,
-        -x25 - x27*x5 + x28,
-        -x19*x29 - x21 - x23,
-        -x25 - x27*x29 - x28,
+        x32 + x33*(rho*x5 - x26*x32 + x6*(x16*x9 + x23*x28)),
+        x33*(rho*x36 - x26*x48 + x6*(x41*x9 + x44*x46)) + x48,
+        x33*(rho*x49 - x26*x53 + x6*(x23*x52 + x50*x9)) + x53,
+        x33*(rho*x54 - x26*x57 + x6*(x44*x56 + x55*x9)) + x57,
     )
 
 

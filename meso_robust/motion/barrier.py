@@ -20,8 +20,8 @@ from meso_robust.types import Floats
 H, Q = 0, 1  # the first two inputs of every function here
 DOWN_DOWN, DOWN_UP, UP_DOWN, UP_UP, D_STICKS, S_STICKS = range(6)
 """Outputs of the rates: signs of both friction ratios, and the rate at which a tip sticks; then, at each
-pair of signs, how far the rate is above that of D sticking, of S sticking, and the opening."""
-RATES, OVER_D, OVER_S, OPENING, ALL = 6, 6, 10, 14, 18
+pair of signs, how far the rate is above that of D sticking, and of S sticking."""
+RATES, OVER_D, OVER_S, ALL = 6, 6, 10, 14
 GRIPS, PRESSED, FREELY, SLIPS_ALONE, STATES = 2, 6, 10, 11, 13
 """Outputs of a state: first contacts along their edges; grips; forces at S, at D; force at S if D has no
 friction; slip of the part over D that pushes alone without friction, and what that grows by per ratio."""
@@ -375,21 +375,13 @@ def _bound_rates(
 def _beside(lower: Floats, upper: Floats, mode: int, tip: int, above: bool) -> tuple[float, float]:
     """Where a rate is by the one at which a tip (0: D, 1: S) sticks; (inf, -inf) if it cannot be there."""
     stick, over = D_STICKS + tip, OVER_D + 4 * tip + mode
-    opening = lower[OPENING + mode]
-    low, high = -np.inf, np.inf
     if above:
-        if not upper[over] >= 0.0:
+        if upper[over] < 0.0:
             return np.inf, -np.inf
-        low = lower[stick]
-        if opening > 0.0:
-            high = up(upper[stick] + up(upper[over] / opening))
-    else:
-        if not lower[over] <= 0.0:
-            return np.inf, -np.inf
-        high = upper[stick]
-        if opening > 0.0:
-            low = down(lower[stick] + down(lower[over] / opening))
-    return low, high
+        return lower[stick], up(upper[stick] + upper[over])
+    if lower[over] > 0.0:
+        return np.inf, -np.inf
+    return down(lower[stick] + lower[over]), upper[stick]
 
 
 @njit
@@ -403,8 +395,9 @@ def _hull_of_modes(lower: Floats, upper: Floats) -> tuple[float, float]:
     """Infimum and supremum of ds/d(travel) over all possible modes; (inf, -inf) if none.
 
     A tip over which the part slips towards +a has the ratio -mu, towards -a mu. The part slips so where
-    the rate is above (below) the one at which it sticks. How far it is above, times the opening, is of
-    first degree in either ratio, so a tip can stick only if that has both signs at the ends of its cone.
+    the rate is above (below) the one at which it sticks. How far it is above is a quotient of first degree
+    in either ratio, so a tip can stick only if that has both signs at the ends of its cone. The divisor is
+    the grip, which `_holds` shows to be positive.
     """
     least, most = np.inf, -np.inf
     for mode in range(4):

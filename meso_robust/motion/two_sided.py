@@ -392,7 +392,7 @@ def _formulas(exact: frozenset[str], common: bool) -> _Formulas:
         at["total"] = ca.SX(0.0) if common and of_D != of_S else at["tau_D"] + at["tau_S"]
         corners.append(value("corner", *held[:6], "r_D", *held[6:-2], "tau_D", "tau_S", "total"))
     rates = (*(corner[0] for corner in corners), *sticking)
-    rates += tuple(corner[k] for k in (1, 2, 3) for corner in corners)
+    rates += tuple(corner[k] for k in (1, 2) for corner in corners)
     state = (place, -at["q"], *value("corner_grips", *held), *value("corner_forces", *held))
     at["place"] = place
     alone = ("c", "s", "place", "d_D", "drag_a", "drag_n", "rho", "stretch", "shear", "bend")

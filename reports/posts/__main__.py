@@ -19,7 +19,7 @@ import numpy as np
 
 from meso_robust.certificates.chain import certify
 from meso_robust.files import write_all
-from meso_robust.laboratory.draws import Draws, draw
+from meso_robust.laboratory.draws import TIPS, Draws, draw, spread
 from meso_robust.laboratory.running import run
 from meso_robust.planning.compose import compose
 from meso_robust.planning.reading import read_plan
@@ -32,6 +32,8 @@ from meso_robust.types import Floats
 from meso_robust.units import DEG, UM
 from reports.posts.search import largest
 
+LEGS = 8
+"""Stretches of a move, each with a friction of its own."""
 OUT = Path(__file__).parent
 REAL_PAPER = OUT.parent / "real_paper" / "task.toml"
 RESULTS, PAGE = "results.json", "results.md"
@@ -90,9 +92,9 @@ def filled(steps: Sequence[Step], setup: Setup, *, stated: bool, size: int, roun
 
     def fresh(count: int) -> Draws:
         if stated:
-            return draw(own, len(rules), count, rng)
+            return varying(draw(own, len(rules), count, rng), own, rng)
         drawn = draw(own, len(rules) + 1, count, rng)
-        return replace(drawn, sensing=drawn.sensing[:, 1:])
+        return varying(replace(drawn, sensing=drawn.sensing[:, 1:]), own, rng)
 
     def along(axis: int, sign: float) -> float:
         def value(draws: Draws) -> Floats:
@@ -102,6 +104,15 @@ def filled(steps: Sequence[Step], setup: Setup, *, stated: bool, size: int, roun
         return largest(fresh, value, size, rounds, seed=axis)
 
     return np.array([along(axis, 1.0) + along(axis, -1.0) for axis in range(3)])
+
+
+def varying(draws: Draws, setup: Setup, rng: np.random.Generator) -> Draws:
+    """The same with friction that changes on the way, as the promise allows it to at every instant."""
+    if draws.wander is not None:
+        return draws  # its legs are those of the path
+    u, shape = setup.uncertainty, (*draws.sensing.shape[:2], LEGS)
+    own = spread(u.friction.lo, u.friction.hi, (*shape, 1 if setup.friction_common else TIPS), rng)
+    return replace(draws, tip_friction=np.broadcast_to(own, (*shape, TIPS)).copy())
 
 
 def kept(folder: Path) -> list[Width]:

@@ -247,12 +247,16 @@ def test_margins_hold_in_every_motion() -> None:
     tube = enclose_slide(REAL, start_of(REAL), END)
     part, room, label = samples(REAL, 40)
     state, rng = started(part, room, label, start_of(REAL)), np.random.default_rng(2)
+    least = np.inf
     while float(state.h.min()) - STEP > END:
         found, valid = solutions(state, part)
-        assert found[:, :, 5][valid].min() > tube.force_margin * (1 - 1e-6)
+        least = min(least, found[:, :, 5][valid].min())
+        assert least > tube.force_margin * (1 - 1e-6)
         assert found[:, :, [3, 5]][valid].max() < tube.largest_force * (1 + 1e-6)
         assert (950 * UM - np.abs(state.slide(part))).min() > tube.edge_margin - TOLERANCE
         state = push(state, part, 5 * STEP, rng)
+    # from forces in which terms cancel it would be an eighth
+    assert tube.force_margin > 0.25 * least
 
 
 def test_rates_and_forces_are_those_of_the_balance() -> None:
