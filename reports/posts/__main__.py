@@ -98,7 +98,7 @@ def filled(steps: Sequence[Step], setup: Setup, *, stated: bool, size: int, roun
 
     def along(axis: int, sign: float) -> float:
         def value(draws: Draws) -> Floats:
-            runs = run(rules, own, draws, engine="events")
+            runs = run(rules, own, at_tips(draws), engine="events")
             return np.where(runs.completed, sign * runs.final[:, axis], -np.inf)
 
         return largest(fresh, value, size, rounds, seed=axis)
@@ -107,12 +107,21 @@ def filled(steps: Sequence[Step], setup: Setup, *, stated: bool, size: int, roun
 
 
 def varying(draws: Draws, setup: Setup, rng: np.random.Generator) -> Draws:
-    """The same with friction that changes on the way, as the promise allows it to at every instant."""
+    """The same with friction that changes on the way, as the promise allows it to at every instant.
+
+    One number a stretch where all tips have the same; see :func:`at_tips`.
+    """
     if draws.wander is not None:
         return draws  # its legs are those of the path
     u, shape = setup.uncertainty, (*draws.sensing.shape[:2], LEGS)
     own = spread(u.friction.lo, u.friction.hi, (*shape, 1 if setup.friction_common else TIPS), rng)
-    return replace(draws, tip_friction=np.broadcast_to(own, (*shape, TIPS)).copy())
+    return replace(draws, tip_friction=own)
+
+
+def at_tips(draws: Draws) -> Draws:
+    """The same with a number for every tip."""
+    own = draws.tip_friction
+    return draws if own is None else replace(draws, tip_friction=own + np.zeros(TIPS))
 
 
 def kept(folder: Path) -> list[Width]:

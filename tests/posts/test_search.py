@@ -9,7 +9,7 @@ import numpy as np
 from meso_robust.laboratory.draws import Draws, draw
 from meso_robust.primitives.setup import setup_of
 from meso_robust.types import Floats
-from reports.posts.__main__ import Width, page
+from reports.posts.__main__ import LEGS, Width, at_tips, page, varying
 from reports.posts.search import bred, largest
 from tests.paper import paper_task
 
@@ -68,3 +68,15 @@ def test_the_page_tells_the_largest_ratio_of_each_action() -> None:
         Width(task="b", move=1, action="tilt", certified=(1.0, 2.0, 1.0), found=(1.0, 1.0, 1.0)),
     ]
     assert "| tilt | 2 | 1.25, 1.50 | 1.50, 2.00 | 1.00, 1.00 |" in page(rows)
+
+
+def test_friction_varies_on_the_way_as_the_promise_allows() -> None:
+    """At every stretch another one, but the same at all tips where the task says so."""
+    drawn = varying(draw(SETUP, 4, 60, np.random.default_rng(0)), SETUP, np.random.default_rng(1))
+    friction, u = at_tips(drawn).tip_friction, SETUP.uncertainty
+    assert SETUP.friction_common
+    assert friction is not None
+    assert drawn.legs == LEGS
+    assert (np.ptp(friction, axis=3) == 0.0).all()
+    assert (np.ptp(friction, axis=2) > 0.0).mean() > 0.9
+    assert u.friction.lo <= friction.min() < friction.max() <= u.friction.hi
