@@ -193,7 +193,7 @@ def _thinning() -> Claim:
             for_all(
                 "two cells, one that adds to a mean and one that takes from it",
                 [
-                    *(0 <= low, low <= K[0], K[0] <= top, 0 < least, least <= K[1], K[1] <= most),
+                    *(low >= 0, low <= K[0], K[0] <= top, least > 0, least <= K[1], K[1] <= most),
                     *(X[0] >= 0, X[1] >= 0, of >= 0, top * X[0] - least * X[1] <= of),
                 ],
                 (K[0] * X[0] - K[1] * X[1]) * (low + least) <= of * (K[0] + K[1]),
