@@ -211,6 +211,7 @@ def shear_thinning(ranges: Ranges, budget: Budget) -> Absorbed:
         drag_centre_um=far,
         centre_moves=True,
         ratio_share=share,
+        condition="the film lies under a rectangle about the part's centre, with the part's proportions",
     )
 
 

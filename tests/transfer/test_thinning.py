@@ -86,6 +86,9 @@ def test_a_promise_with_thinning_is_of_a_centre_that_moves() -> None:
 
     assert made()[1].proved
     assert u.drag_centre_moves is True
+    (said,) = [one.absorbed for one in made()[1].standings if one.name == "shear_thinning"]
+    assert said is not None
+    assert "the part's proportions" in said.condition
     assert u.drag_centre_um is not None
     assert 30.4 < u.drag_centre_um < 36.0
     assert 0.66 + 2.9 < u.film_ratio_percent < 0.66 + 3.6
