@@ -22,14 +22,17 @@ z, C = sp.symbols("z C", positive=True)
 w_1, w_2, s_1, s_2 = sp.symbols("w_1 w_2 s_1 s_2", positive=True)
 t_1, t_2, g_1, g_2, e_1, e_2 = sp.symbols("t_1 t_2 g_1 g_2 e_1 e_2", real=True)
 r_1, r_2 = sp.symbols("r_1 r_2", positive=True)
+r, R, turn = sp.symbols("r R Omega", positive=True)
+drop = sp.Symbol("e", positive=True)
+low, top, least, most, of = sp.symbols("k_low k_top K_low K_top f", real=True)
 
 
 def derive() -> Derivation:
-    """Derive centre and ratio of any positive drag, and how far a gradient moves the centre."""
+    """Derive centre and ratio of any positive drag, and how far a gradient or thinning moves the centre."""
     return Derivation(
         name="uneven_film",
         summary="A film whose drag differs from place to place, at one instant.",
-        claims=(_at_an_instant(), _gradient()),
+        claims=(_at_an_instant(), _gradient(), _thinning()),
     )
 
 
@@ -139,6 +142,61 @@ def _gradient() -> Claim:
                     X[0]: sp.Integer(1),
                     X[1]: sp.Integer(-1),
                 },
+            ),
+        ),
+    )
+
+
+def _thinning() -> Claim:
+    centre = (K[0] * X[0] + K[1] * X[1]) / (K[0] + K[1])
+    return Claim(
+        key="uneven-film-thinning",
+        title="A film that thins as a power of the speed: its centre and ratio hang on the centre of turning alone",
+        place="new",
+        derived=r"Let a place drag by $k = |u|^{-e}$, $e < 2$. While the part turns about $p$, $k$ is in proportion "
+        r"to $|x - p|^{-e}$ over the area, whatever the speed; while it does not turn, $k$ is even. So bounds of "
+        r"$c$ and $\rho_c$ over all $p$ hold for every motion. Over a cell of area $\pi R^2$ the mean of $|x - "
+        r"p|^{-e}$, $0 \le e < 2$, is at most $2 R^{-e} / (2 - e)$.",
+        steps=(
+            r"$|u| = |\omega|\,|x - p|$; a factor on all of $k$ cancels in $c$ and in $\rho_c$.",
+            r"Of all areas of one size the disc about $p$ has the largest mean of a function that falls with "
+            r"$|x - p|$.",
+            r"With $k$ between $k_{low}$ and $k_{top}$ at the places of a cell of half side $a$ about $x_0$, the mean of "
+            r"$k (x - x_0)$ is at most $(k_{top} - k_{low}) a / 4$ in size, as the mean of $|x - x_0|$ is $a / 2$ and "
+            r"that of $x - x_0$ is 0; it is also at most $a$ times the mean of $k$.",
+        ),
+        hypotheses=(
+            "the drag of a place is a power of its speed, and otherwise even",
+            "the film lies under a rectangle with its centre at the reference point",
+        ),
+        checks=(
+            identity(
+                "a factor on all of the drag moves no centre",
+                centre.subs({k: turn**-drop * k for k in K[:2]}, simultaneous=True),
+                centre,
+            ),
+            identity(
+                "speed and place are factors of the drag",
+                (turn * r) ** -drop,
+                turn**-drop * r**-drop,
+            ),
+            identity(
+                r"$2 r^{2 - e} / (2 - e)$, which vanishes at 0, grows as the drag of a ring, $2 r\, r^{-e}$",
+                sp.Derivative(2 * r ** (2 - drop) / (2 - drop), r),
+                as_written(lambda: 2 * r * r**-drop),
+            ),
+            for_all(
+                "two places of a cell on either side of its middle",
+                [low <= K[0], K[0] <= top, low <= K[1], K[1] <= top, of >= 0],
+                of * (K[0] - K[1]) <= of * (top - low),
+            ),
+            for_all(
+                "two cells, one that adds to a mean and one that takes from it",
+                [
+                    *(low >= 0, low <= K[0], K[0] <= top, least > 0, least <= K[1], K[1] <= most),
+                    *(X[0] >= 0, X[1] >= 0, of >= 0, top * X[0] - least * X[1] <= of),
+                ],
+                (K[0] * X[0] - K[1] * X[1]) * (low + least) <= of * (K[0] + K[1]),
             ),
         ),
     )

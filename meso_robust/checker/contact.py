@@ -3,11 +3,12 @@
 The part's edge has direction ``a = (c, s)`` and outward normal ``n = (s, -c)``; the contact is at
 ``d2 a + d1 n`` from the reference point, the tip's centre its radius farther out.
 
-A point tip that sticks on an even film: the part's point under the tip, at ``r`` from the centre of
-drag, moves with it, ``v + omega z x r = (-1, 0)`` for one unit of travel, so that ``r`` keeps its length
+A point tip that sticks on an even film: the part's point under the tip, at ``r`` from its centre, moves
+with it, ``v + omega z x r = (-1, 0)`` for one unit of travel, so that ``r`` keeps its length
 and turns by ``omega = r_y/(rho + r^2)``. Written as ``r = R (tanh u, +-sech u)`` this is ``du/d(travel) =
 -R/(rho + R^2)``: the motion is uniform in ``u``, and the angle of ``r`` is known from ``u`` (the
-Gudermannian). Any other tip and film: ``roll.py``.
+Gudermannian). Any other tip and film: ``roll.py``, also one whose centre of drag is known no better than
+within some micrometres: there the closed form's ranges lose what its terms have in common.
 """
 
 from __future__ import annotations
@@ -76,8 +77,8 @@ class Turning:
     def uniform(self) -> bool:
         """Whether there is a closed form."""
         film = self.film
-        exact = (self.start.radius, film.stretch, film.shear, film.bend)
-        return not film.moves and all(one is EVEN for one in exact)
+        exact = (film.stretch, film.shear, film.bend, film.drag_a, film.drag_n)
+        return all(one is EVEN for one in (self.start.radius, *exact))
 
     def after(self, travel: Number) -> Dual:
         """Turn after ``travel``, counter-clockwise."""
@@ -96,7 +97,7 @@ class Turning:
 
     def contact_after(self, travel: Number) -> tuple[Dual, Dual, Dual]:
         """Turn, and arm of the tip, after ``travel``."""
-        if self.uniform and self.film.drag_a is EVEN and self.film.drag_n is EVEN:
+        if self.uniform:
             about = _Uniform.of(self.start, self.film, self.side)
             tanh, sech = about.last(travel).tanh_sech()
             return self.after(travel), about.R * tanh, about.R * sech * self.side
@@ -131,7 +132,7 @@ class Turning:
 
 @dataclass(frozen=True, slots=True)
 class _Uniform:
-    """The arm of a point tip from the centre of drag, which turns uniformly in ``first``."""
+    """The arm of a point tip from the part, which turns uniformly in ``first``."""
 
     R: Dual
     first: Dual
@@ -139,8 +140,7 @@ class _Uniform:
     """By how much ``u`` falls per travel."""
 
     @classmethod
-    def of(cls, contact: Contact, film: Film, side: int) -> _Uniform:
-        arm = Contact(contact.c, contact.s, contact.d1 - film.drag_n, contact.d2 - film.drag_a)
+    def of(cls, arm: Contact, film: Film, side: int) -> _Uniform:
         square = arm.d2.squared() + (
             arm.d1.squared() if isinstance(arm.d1, Dual) else arm.d1 * arm.d1
         )

@@ -184,6 +184,8 @@ def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing
         return _broken(effect, line, _size(effect, ranges))
     if ranges.get(FORM, OFF) != OFF:  # the bounds are derived of the first form of a law
         return _broken(effect, line, ", by another form of the law: " + _form(effect, ranges))
+    if line.even and not budget.slender:
+        return _broken(effect, line, ", and the film is not even but for it")
     found = line.absorb(ranges, budget)
     if why and found != line.absorb(_anything(effect), budget):
         return _standing(effect, "not identified", line, why)

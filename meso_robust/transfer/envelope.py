@@ -17,7 +17,7 @@ from meso_robust.transfer.running import HANDLING_S
 _ROUNDING = 1.0 + 1e-9  # of lengths and times that are computed in plain doubles
 
 
-def needed(chain: Chain, task: Task) -> Budget:
+def needed(chain: Chain, task: Task, slender: float) -> Budget:
     """What the certified steps need, with everything that is added to a sensed pose.
 
     Parameters
@@ -26,6 +26,8 @@ def needed(chain: Chain, task: Task) -> Budget:
         The steps, as far as they go, and all poses on the way.
     task
         The task that they were certified for: its bound of sensing holds all that is added.
+    slender
+        Of the film, as in `Budget`.
     """
     added = math.sqrt(2.0) * task.uncertainty.sensed_position_um
     radius = max(_farthest(step) for step in chain.steps)
@@ -35,6 +37,7 @@ def needed(chain: Chain, task: Task) -> Budget:
         radius_um=(radius + added) * _ROUNDING,
         seconds=seconds * _ROUNDING,
         ratio_um2=largest_ratio(task),
+        slender=slender,
     )
 
 
@@ -74,4 +77,5 @@ def roomier(need: Budget) -> Budget:
         radius_um=float(math.ceil(1.02 * need.radius_um)),
         seconds=float(math.ceil(1.05 * need.seconds)),
         ratio_um2=need.ratio_um2,
+        slender=need.slender,
     )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
+from meso_robust.transfer.thinning import MOST, thinned
 from meso_robust.wording import down_to, up_to
 
 Ends = tuple[float, float]
@@ -37,6 +38,8 @@ class Budget:
     """Longest time from the zero of a drift to the last pose that is sensed."""
     ratio_um2: float
     """Largest ratio of rotational to translational drag of the film, as it would be if it were even."""
+    slender: float
+    """Length over width of the part; 0 where something besides keeps its film from being even."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,6 +192,26 @@ def drag_gradient(ranges: Ranges, budget: Budget) -> Absorbed:
         centre_moves=True,
         ratio_share=share,
         bounded_by="place",
+    )
+
+
+def shear_thinning(ranges: Ranges, budget: Budget) -> Absorbed:
+    """The drag of a place is a power of its speed: centre and ratio depend on where the part turns about.
+
+    derivations/uneven_film.py. The film is that of a part of its shape, enlarged until it has its ratio.
+    """
+    drop = ranges["exponent_drop"]
+    far, share = math.sqrt(3.0), 2.0
+    if largest(drop) <= MOST:
+        far, share = thinned(drop, budget.slender)
+    far = rounded_up(far * math.sqrt(budget.ratio_um2))
+    return Absorbed(
+        said=f"drag centre anywhere within {far:g} µm at every instant, and ρ ± "
+        f"{up_to(100 * share, 3)} % more, whatever the speed",
+        drag_centre_um=far,
+        centre_moves=True,
+        ratio_share=share,
+        condition="the film lies under a rectangle about the part's centre, with the part's proportions",
     )
 
 

@@ -41,6 +41,8 @@ class Line:
     """What breaks, or why nothing does."""
     absorb: Absorb | None = None
     """How it is absorbed in the task; None: it is not, and nothing is proved."""
+    even: bool = False
+    """Whether the bound is of a film that nothing else keeps from being even."""
 
 
 def _one_point(claim: str, premise: Premise, why: str) -> Line:
@@ -83,10 +85,13 @@ LINES: Mapping[str, Line] = {
         Premise.FILM_DRAG,
         "a dry force that falls with the speed: the path depends on the speed",
     ),
-    "shear_thinning": _one_point(
-        "sticking-arc",
-        Premise.FILM_DRAG,
-        "the drag is not linear in the twist: force over turning is no longer that of one ρ",
+    "shear_thinning": Line(
+        premise=Premise.FILM_DRAG,
+        claim="uneven-film-thinning",
+        derivation="derivations/uneven_film.py",
+        why="slower places drag more for their speed: the centre moves towards where the part turns about",
+        absorb=inflation.shear_thinning,
+        even=True,
     ),
     "anisotropic_drag": _tensor(
         "the drag has a preferred direction on the stage", inflation.drag_anisotropy

@@ -29,6 +29,7 @@ from meso_robust.certificates.document import (
     step_document,
     undecided_document,
 )
+from meso_robust.certificates.premise import Premise
 from meso_robust.certificates.words import words
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.identification.document import ModelDocument, read_model
@@ -51,6 +52,7 @@ from meso_robust.transfer.assumption_check import (
 from meso_robust.transfer.changing import Changed, changed, check_part
 from meso_robust.transfer.envelope import enough, largest_ratio, needed, roomier
 from meso_robust.transfer.inflation import Budget
+from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.running import Evidence, evidence
 
 MOST_RUNS = 200
@@ -220,12 +222,15 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
     """
     start, goal = task.start, task.goal
     far = max((one.x_um**2 + one.y_um**2) ** 0.5 for one in (start, goal))
-    budget = Budget(radius_um=far, seconds=0.0, ratio_um2=_largest_ratio(task, document))
+    slender = _slender(task, document)
+    budget = Budget(
+        radius_um=far, seconds=0.0, ratio_um2=_largest_ratio(task, document), slender=slender
+    )
     for _ in range(_ROUNDS):
         found = standings(document, budget)
         after = changed(task, document, found)
         plan, wide = _plan(after)
-        need = needed(wide, after.task)
+        need = needed(wide, after.task, slender)
         kept = not _bounded(found) or enough(budget, need)
         if kept or wide.verdict is not Verdict.PROVED:
             break
@@ -245,6 +250,15 @@ def _largest_ratio(task: Task, document: ModelDocument) -> float:
     fitted = document.parameters.get(RATIO)
     stated = largest_ratio(task)
     return stated if fitted is None else max(stated, fitted.high)
+
+
+def _slender(task: Task, document: ModelDocument) -> float:
+    """Length over width of the part; 0 if the task or more than one effect keeps its film from being even."""
+    _, *effects = document.model.split("+")
+    uneven = sum(LINES[one].premise is Premise.FILM_DRAG for one in effects if one in LINES)
+    u, part = task.uncertainty, task.rectangle("planning with a fitted model")
+    stated = bool(u.drag_centre_um or u.drag_anisotropy_percent)
+    return 0.0 if stated or uneven > 1 else part.length_um / part.width_um
 
 
 def _bounded(found: Sequence[Standing]) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from meso_robust.checker.inputs import given
+from meso_robust.checker.moves import verify_move
 from meso_robust.primitives.move import Action, MoveRule, Point, from_part
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.primitives.straighten import certify_straighten
@@ -22,6 +23,7 @@ from tests.checker.test_turns import (
     changing,
     drawn,
     push_of,
+    rule as stated,
     task,
 )
 
@@ -90,3 +92,18 @@ def test_pushes_end_in_the_proved_boxes_wherever_the_centre_is_at_each_instant(
 
     assert max(far[0]) < ROOM
     assert not more or min(far[1]) > ROOM
+
+
+def test_a_fixed_centre_of_drag_is_checked_as_closely_as_it_is_planned_with() -> None:
+    """A certificate states a hundredth of a box's width on either side for the checker."""
+    fixed = task({"uncertainty": {"drag_centre_um": 30.0}})
+    setup, known = setup_of(fixed), given(fixed)
+    step, _ = certify_tilt(rule("tilt", TILT, 1), setup.start, setup)
+    scene, found = verify_move(stated("tilt", TILT), known.start, known, None)
+    assert step.post is not None
+
+    for name in ("x", "y", "theta"):
+        low, high = getattr(scene.frame.world(found.post), name)
+        side = getattr(step.post, name)
+        assert float(low) > side.lo - 0.01 * side.width
+        assert float(high) < side.hi + 0.01 * side.width

@@ -11,7 +11,7 @@ from meso_robust.transfer.assumption_check import by_name, standings
 from meso_robust.transfer.inflation import Budget
 from tests.transfer.models import model, values
 
-BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3)
+BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3, slender=1616 / 837)
 
 
 def test_the_ranges_of_a_plain_model_survive() -> None:

@@ -17,7 +17,7 @@ from tests.conftest import paper_task
 from tests.strategies import REPEATABLE
 from tests.transfer.models import model
 
-BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3)
+BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3, slender=1616 / 837)
 
 
 def made(*args: object, **rest: object) -> Changed:

@@ -18,7 +18,7 @@ from tests.paper import paper_task
 from tests.transfer.models import model
 
 RATIO = 380e3
-BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=RATIO)
+BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=RATIO, slender=1616 / 837)
 SIZE = {"drag_gradient.x_per_mm": (0.05, 0.07), "drag_gradient.y_per_mm": (-0.06, -0.04)}
 
 

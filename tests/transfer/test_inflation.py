@@ -15,7 +15,7 @@ from meso_robust.transfer.inflation import Absorbed, Budget, Ends, rounded_up, s
 from meso_robust.transfer.lines import LINES
 
 Floats = npt.NDArray[np.float64]
-BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=380e3)
+BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=380e3, slender=1616 / 837)
 SEEN = {
     "camera_rotation": {
         "angle_deg": (-0.2, 0.1),

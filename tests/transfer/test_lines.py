@@ -21,7 +21,7 @@ REGISTER = {
     claim["key"]: claim
     for claim in json.loads((ROOT / "reports/derivations/register.json").read_text())["claims"]
 }
-BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3)
+BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3, slender=1616 / 837)
 
 
 def test_every_effect_of_the_catalogue_has_its_line() -> None:
@@ -81,6 +81,7 @@ def test_which_effects_are_absorbed_is_said_here_once_more() -> None:
         "part_anisotropic_drag",
         "drag_centre_offset",
         "drag_gradient",
+        "shear_thinning",
         "edge_dependent_friction",
         "probe_drift",
     }

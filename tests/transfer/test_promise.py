@@ -95,7 +95,7 @@ def test_what_is_not_kept_is_said_line_by_line(
     dry: ModelDocument, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = made(dry)
-    budget = Budget(radius_um=1.0, seconds=1.0, ratio_um2=380e3)
+    budget = Budget(radius_um=1.0, seconds=1.0, ratio_um2=380e3, slender=1616 / 837)
     open_ = replace(found, standings=standings(model(open_=("mu",)), budget))
     monkeypatch.delitem(LINES, "dry_friction")
     no_line = replace(found, standings=standings(dry, budget))
@@ -234,7 +234,7 @@ def test_bounds_that_grow_with_place_and_time_are_those_of_the_plan_that_was_fou
         "camera_scale.percent": (-0.02, 0.02),
     }
     found = searched(model(drift))
-    need = needed(found.wide, found.changed.task)
+    need = needed(found.wide, found.changed.task, 1616 / 837)
 
     assert found.kept
     assert found.wide.verdict is Verdict.PROVED

@@ -141,7 +141,7 @@ def test_values_come_from_the_intervals_and_open_sides_end_at_the_best_value() -
 def test_a_plan_needs_the_place_of_its_start_and_the_time_of_its_travels() -> None:
     chain, task = paper_chain(), paper_task()
 
-    need = needed(chain, task)
+    need = needed(chain, task, 1616 / 837)
 
     # the start is farthest out: (2060.4 + 5, 9.2 + 5) um, and a sensed pose may be 5 um off each way; the
     # first push moves the part by some 50 um across while it hardly comes nearer
@@ -153,8 +153,20 @@ def test_a_plan_needs_the_place_of_its_start_and_the_time_of_its_travels() -> No
     assert least <= need.seconds <= least + 2.0
     assert enough(roomier(need), need)
     assert not enough(
-        Budget(radius_um=need.radius_um, seconds=0.99 * need.seconds, ratio_um2=380e3), need
+        Budget(
+            radius_um=need.radius_um,
+            seconds=0.99 * need.seconds,
+            ratio_um2=380e3,
+            slender=1616 / 837,
+        ),
+        need,
     )
     assert not enough(
-        Budget(radius_um=0.99 * need.radius_um, seconds=need.seconds, ratio_um2=380e3), need
+        Budget(
+            radius_um=0.99 * need.radius_um,
+            seconds=need.seconds,
+            ratio_um2=380e3,
+            slender=1616 / 837,
+        ),
+        need,
     )
