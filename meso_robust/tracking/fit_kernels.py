@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -27,6 +29,34 @@ def _tukey(residual: float, scale: float) -> float:
     return max(1.0 - (residual / (_TUKEY * scale)) ** 2, 0.0) ** 2
 
 
+@inner
+def _correlated(profile: Floats, mean: Floats, agreement: Floats, energy: Floats) -> int:
+    """Products with a pattern at each shift, energies there, and the best shift."""
+    agreement[:], energy[:] = 0.0, 0.0
+    for k in range(len(mean)):
+        for s in range(len(agreement)):
+            agreement[s] += mean[k] * profile[s + k]
+            energy[s] += profile[s + k] ** 2
+    # a weak but clean edge must not beat a strong one, nor clutter the outline
+    best, most = 0, -1.0
+    for s in range(len(agreement)):
+        size = agreement[s] ** 2 / math.sqrt(max(energy[s], 1e-12))
+        if size > most:
+            best, most = s, size
+    return best
+
+
+@inner
+def _refined(profile: Floats, filters: Floats, nearest: int) -> float:
+    """Displacement in px from the sample ``nearest`` by the filters; NaN where they do not hold."""
+    gain, moment = 0.0, 0.0
+    for k in range(filters.shape[1]):
+        gain += filters[0, k] * profile[nearest + k]
+        moment += filters[1, k] * profile[nearest + k]
+    # without a gain there is no edge, and far from the sample the filters are not linear
+    return moment / gain if abs(moment) < _LINEAR * abs(gain) else np.nan
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def match(
     derivative: Floats,
@@ -41,48 +71,50 @@ def match(
 
     ``filters`` (2, L) refine it, or (0, L).
     """
-    length = len(mean)
-    shifts = derivative.shape[1] - length + 1
-    power = np.sum(mean**2)
+    shifts = derivative.shape[1] - len(mean) + 1
+    middle = 0.5 * (shifts - 1)
+    size = math.sqrt(np.sum(mean**2))
     agreement, energy = np.empty(shifts), np.empty(shifts)
     for n in range(len(derivative)):
         profile = derivative[n]
         offset[n], quality[n], polarity[n] = np.nan, 0.0, 0.0
         if not np.isfinite(profile).all():
             continue
-        agreement[:], energy[:] = 0.0, 0.0
-        for k in range(length):
-            for s in range(shifts):
-                agreement[s] += mean[k] * profile[s + k]
-                energy[s] += power * profile[s + k] ** 2
-        # a weak but clean edge must not beat a strong one, nor clutter the outline
-        best, most = 0, -1.0
-        for s in range(shifts):
-            size = agreement[s] ** 2 / np.sqrt(max(energy[s], 1e-12))
-            if size > most:
-                best, most = s, size
+        best = _correlated(profile, mean, agreement, energy)
         polarity[n] = np.sign(agreement[best])
-        middle = min(max(best, 1), shifts - 2)
-        left, right = abs(agreement[middle - 1]), abs(agreement[middle + 1])
-        bend = left - 2.0 * abs(agreement[middle]) + right
-        shift = 0.0
-        if best == middle and bend < 0.0:
-            shift = 0.5 * (left - right) / bend
-            quality[n] = most / max(abs(agreement[best]), 1e-300)
-        offset[n] = step * (middle + shift - 0.5 * (shifts - 1))
+        at = min(max(best, 1), shifts - 2)
+        left, right = abs(agreement[at - 1]), abs(agreement[at + 1])
+        bend = left - 2.0 * abs(agreement[at]) + right
+        peak = best == at and bend < 0.0
+        offset[n] = step * (at + (0.5 * (left - right) / bend if peak else 0.0) - middle)
+        if peak:
+            quality[n] = abs(agreement[best]) / (size * math.sqrt(max(energy[best], 1e-12)))
         if len(filters):
-            nearest = int(np.rint(offset[n] / step + 0.5 * (shifts - 1)))
-            nearest = min(max(nearest, 0), shifts - 1)
-            gain, moment = 0.0, 0.0
-            for k in range(length):
-                gain += filters[0, k] * profile[nearest + k]
-                moment += filters[1, k] * profile[nearest + k]
-            offset[n] = step * (nearest - 0.5 * (shifts - 1))
-            # without a gain there is no edge, and far from the sample the filters are not linear
-            if abs(moment) < _LINEAR * abs(gain):
-                offset[n] += moment / gain
-            else:
-                quality[n] = 0.0
+            nearest = min(max(int(np.rint(offset[n] / step + middle)), 0), shifts - 1)
+            further = _refined(profile, filters, nearest)
+            offset[n] = step * (nearest - middle) + (0.0 if np.isnan(further) else further)
+            quality[n] = 0.0 if np.isnan(further) else quality[n]
+
+
+@inner
+def _summed(design: Floats, weight: Floats, offset: Floats, normal: Floats, right: Floats) -> None:
+    """Normal matrix and right side of weighted least squares with four unknowns."""
+    normal[:], right[:] = 0.0, 0.0
+    for n in range(len(design)):
+        if weight[n] > 0.0:
+            for i in range(4):
+                scaled = weight[n] * design[n, i]
+                right[i] += scaled * offset[n]
+                for j in range(4):
+                    normal[i, j] += scaled * design[n, j]
+
+
+@inner
+def _left(row: Floats, solution: Floats, value: float) -> float:
+    """What a solution leaves of a value."""
+    for i in range(len(solution)):
+        value -= row[i] * solution[i]
+    return value
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -106,27 +138,16 @@ def reweighted(
     scale = max(_spread(residual, used), least_scale)
     normal, right = np.empty((4, 4)), np.empty(4)
     for _ in range(rounds):
-        normal[:], right[:] = 0.0, 0.0
-        for n in range(len(design)):
-            if weight[n] > 0.0:
-                for i in range(4):
-                    scaled = weight[n] * design[n, i]
-                    right[i] += scaled * offset[n]
-                    for j in range(4):
-                        normal[i, j] += scaled * design[n, j]
+        _summed(design, weight, offset, normal, right)
         normal[3, 3] += (scale / delta_sigma) ** 2
         for i in range(4):
             normal[i, i] += 1e-9 * normal[i, i] + 1e-9
         solution[:] = np.linalg.solve(normal, right)
-        for n in range(len(design)):
-            if used[n]:
-                residual[n] = offset[n]
-                for i in range(4):
-                    residual[n] -= design[n, i] * solution[i]
+        for n in np.flatnonzero(used):
+            residual[n] = _left(design[n], solution, offset[n])
         scale = max(_spread(residual, used), least_scale)
-        for n in range(len(design)):
-            if used[n]:
-                weight[n] = base[n] * _tukey(residual[n], scale)
+        for n in np.flatnonzero(used):
+            weight[n] = base[n] * _tukey(residual[n], scale)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -20,15 +20,15 @@ from meso_robust.tracking.alpha_matting import (
     AHEAD,
     ALONG,
     ASIDE,
-    FINER,
     HALO_COUNT,
     OWN_COUNT,
     Window,
-    layers,
+    blurred,
     sampled,
+    sharp,
 )
 from meso_robust.tracking.backdrop import Backdrop
-from meso_robust.tracking.needle import Needle
+from meso_robust.tracking.needle import FINER, Needle
 from meso_robust.types import Floats, Singles
 
 _NOISE = 4.0  # grey values²
@@ -126,7 +126,7 @@ def fit_matte(
             own_step = solved @ (pull - cross @ step)
             places[k] = _within(seen[k], places[k] + np.clip(own_step[:2], -1.0, 1.0))
             films[k] += own_step[2:]
-    fine = _with_slopes(_joined(layers(shape, window), bright))
+    fine = _with_slopes(blurred(_joined(sharp(shape, window), bright), shape))
     return Matte(needle=shape, brightness=bright, fine=fine), places
 
 
@@ -183,12 +183,12 @@ def _with_slopes(both: Singles) -> Singles:
 
 def _all_layers(shape: Needle, bright: Floats, window: Window) -> Singles:
     """The six images of a matte, its parts, and how transmission and brightness vary with shape."""
-    parts = layers(shape, window)
+    parts = blurred(sharp(shape, window), shape)
     both = _joined(parts, bright)
-    varied = [
-        (_joined(layers(_changed(shape, step), window), bright) - both) / step.sum()
-        for step in np.diag(_TRIED)
-    ]
+    varied = []
+    for step in np.diag(_TRIED):
+        other = _changed(shape, step)
+        varied.append((blurred(_joined(sharp(other, window), bright), other) - both) / step.sum())
     return np.concatenate([_with_slopes(both), parts[1:], *varied]).astype(np.float32)
 
 
