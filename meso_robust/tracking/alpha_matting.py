@@ -18,7 +18,7 @@ from meso_robust.types import Floats, Singles
 
 AHEAD, ALONG, ASIDE = 8.0, 22.0, 9.0
 """px ahead of the tip, along and beside the axis that are compared."""
-_PAD = 6  # px around the window, so that neither blur nor shift meets its border
+PAD = 6  # px around the window, so that neither blur nor shift meets its border
 HALO_COUNT = 6
 """Unknown shares of the transmission; the other brightnesses are the needle's own."""
 OWN_COUNT = 6
@@ -48,8 +48,8 @@ def sharp(needle: Needle, window: Window) -> Singles:
     """(1 + HALO_COUNT + OWN_COUNT, h, w) fine images about the tip: T's parts, then R's."""
     from meso_robust.tracking.needle_kernels import layers
 
-    rows, columns = (FINER * (k + 2 * _PAD) for k in window.shape)
-    first = np.array(window.low) + 0.5 / FINER - 0.5 - _PAD
+    rows, columns = (FINER * (k + 2 * PAD) for k in window.shape)
+    first = np.array(window.low) + 0.5 / FINER - 0.5 - PAD
     out = np.empty((1 + HALO_COUNT + OWN_COUNT, rows, columns), np.float32)
     layers(first, needle.axis, np.array([needle.taper, needle.radius, needle.rise]), FINER, out)
     return out
@@ -63,11 +63,8 @@ def blurred(images: Singles, needle: Needle) -> Singles:
 
 def sampled(fine: Singles, window: Window, part: Floats) -> Singles:
     """(K, h, w) pixels of fine images when the tip is a ``part`` (2,) of a pixel right and down."""
-    at = FINER * (_PAD - part) + 0.5 * (FINER - 1)
-    low = np.floor(at).astype(int)
-    fu, fv = (at - low).astype(np.float32)
-    h, w = window.shape
-    rows = fine[:, low[1] : low[1] + FINER * h + 1]
-    down = (1 - fv) * rows[:, :-1:FINER] + fv * rows[:, 1::FINER]
-    columns = down[:, :, low[0] : low[0] + FINER * w + 1]
-    return np.asarray((1 - fu) * columns[:, :, :-1:FINER] + fu * columns[:, :, 1::FINER])
+    from meso_robust.tracking.tip_kernels import sample
+
+    out = np.empty((len(fine), *window.shape), np.float32)
+    sample(fine, FINER * (PAD - part) + 0.5 * (FINER - 1), FINER, out)
+    return out
