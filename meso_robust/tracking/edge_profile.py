@@ -62,14 +62,13 @@ class Behind:
 
     def at(self, shift: Floats) -> tuple[Singles, Singles]:
         """Change (M,) in grey values, and its variance over the noise's, after a shift (2,)."""
-        distance = self.distance + self.normals @ shift
+        from meso_robust.tracking.edge_profile_kernels import across
+
         change = np.zeros(len(self.rows), np.float32)
-        variance = np.full(len(self.rows), _UNKNOWN, np.float32)
-        for k, (mean, spread) in enumerate(self.profiles):
-            here = self.edge == k
-            change[here] = np.interp(distance[here], DISTANCES, mean)
-            variance[here] = np.interp(distance[here], DISTANCES, spread) / _NOISE
-        return change, variance
+        variance = np.full(len(self.rows), _NOISE * _UNKNOWN, np.float32)
+        distance = self.distance + self.normals @ shift
+        across(distance, self.edge, self.profiles, DISTANCES[0], (change, variance))
+        return change, variance / np.float32(_NOISE)
 
 
 def behind(

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numba import njit
 
-from meso_robust.types import Flags, Floats, Image, Ints
+from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _CORNER = 7.0  # px from a corner that count as neither of its edges
 _STRAIGHT = 0.97  # cosine; edges that turn less are one
@@ -119,3 +119,22 @@ def rays(
                 found[count, :, i] = start + distances * outward[k, i]
             count += 1
     return found[:count]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def across(
+    distance: Floats, edge: Ints, profiles: Floats, first: float, out: tuple[Singles, Singles]
+) -> None:
+    """Mean change and its variance (M,) at distances from edges, −1: none, there nothing is changed.
+
+    ``profiles`` (K, 2, D) over distances from ``first`` on, 1 px apart.
+    """
+    last = profiles.shape[2] - 1
+    for n in range(len(distance)):
+        if edge[n] < 0:
+            continue
+        at = min(max(distance[n] - first, 0.0), float(last))
+        k = min(int(at), last - 1)
+        for i in range(2):
+            left, right = profiles[edge[n], i, k], profiles[edge[n], i, k + 1]
+            out[i][n] = left + (right - left) * (at - k)
