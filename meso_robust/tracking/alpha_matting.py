@@ -63,7 +63,7 @@ def blurred(images: Singles, needle: Needle) -> Singles:
 
 def sampled(fine: Singles, window: Window, part: Floats) -> Singles:
     """(K, h, w) pixels of fine images when the tip is a ``part`` (2,) of a pixel right and down."""
-    from meso_robust.tracking.tip_kernels import sample
+    from meso_robust.tracking.fit_kernels import sample
 
     out = np.empty((len(fine), *window.shape), np.float32)
     sample(fine, FINER * (PAD - part) + 0.5 * (FINER - 1), FINER, out)

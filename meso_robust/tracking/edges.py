@@ -32,7 +32,6 @@ CLUSTER = 6
 """Points in a run that errors are taken to share: 18 px, two blocks of compression."""
 ALIKE = 0.5
 """Least normalised correlation of a profile with the pattern to count as the outline."""
-_ROUNDS = 5
 _LEAST_SCALE = 0.05  # px, of residuals: quantisation and texture leave no less
 
 
@@ -210,9 +209,9 @@ def robust_fit(
     """
     from meso_robust.tracking.fit_kernels import reweighted
 
-    base = np.where(np.isfinite(offset) & (quality >= ALIKE), quality**2, 0.0)
-    solution, weight = np.zeros(4), np.empty(len(base))
-    reweighted(design, offset, base, delta_sigma, _LEAST_SCALE, _ROUNDS, solution, weight)
+    weight = np.where(np.isfinite(offset) & (quality >= ALIKE), quality**2, 0.0)
+    solution, rows = np.zeros(4), np.flatnonzero(weight)
+    reweighted(design, offset, rows, delta_sigma, _LEAST_SCALE, solution, weight)
     return solution, weight
 
 

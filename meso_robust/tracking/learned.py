@@ -195,7 +195,7 @@ class Learned:
 
     def _view(self, grey: Singles, inside: Flags, scene: Behind | None, moved: Floats) -> _View:
         """What is compared with the learned image, with the part's edge behind it taken out."""
-        from meso_robust.tracking.registration_kernels import before_edge, gathered
+        from meso_robust.tracking.fit_kernels import before_edge, gathered
 
         target, weight = np.empty((2, len(self._rows)), np.float32)
         gathered(grey, inside, self._seen, self._rows, target, weight)
@@ -273,20 +273,27 @@ class _Solved:
 
 
 def _solve(view: _View, robust: Singles) -> _Solved:
-    from meso_robust.tracking.registration_kernels import solve
+    from meso_robust.tracking.fit_kernels import weighed
 
-    residual = np.empty(len(view.target), np.float32)
-    x, inverse = solve(view.target, view.weight * robust, view.columns, residual)
+    weighted = np.empty_like(view.columns)
+    weighed(view.weight * robust, view.columns, weighted)
+    gram = (weighted.T @ view.columns).astype(float)
+    gram[np.diag_indices_from(gram)] += 1e-2  # a segment that does not show stays at none
+    inverse = np.linalg.inv(gram)
+    x = inverse @ (weighted.T @ view.target)
     seen = abs(x[0]) > _LEAST_GAIN
     gain = float(x[0]) if seen else 1.0
     return _Solved(
-        step=x[1:3] / gain, inverse=inverse[1:3, 1:3] / gain**2, residual=residual, seen=bool(seen)
+        step=x[1:3] / gain,
+        inverse=inverse[1:3, 1:3] / gain**2,
+        residual=view.target - view.columns @ x.astype(np.float32),
+        seen=bool(seen),
     )
 
 
 def _robust(view: _View, residual: Singles) -> Singles:
     """(N,) Tukey's weights."""
-    from meso_robust.tracking.registration_kernels import robust
+    from meso_robust.tracking.fit_kernels import robust
 
     out = np.empty(len(residual), np.float32)
     robust(residual, view.weight, out)

@@ -128,10 +128,10 @@ def fit_matte(
 
 def place(one: Backdrop, tip: Floats, matte: Matte, window: Window) -> Placed:
     """The tip in one frame, from a start (2,) right to about a pixel."""
-    from meso_robust.tracking.tip_kernels import place as fitted
+    from meso_robust.tracking.fit_kernels import place as fitted
 
-    part, covariance = _within(one, tip) - one.near, np.empty((2, 2))
-    fitted(
+    part, normal = _within(one, tip) - one.near, np.empty((6, 6))
+    square = fitted(
         matte.fine,
         _stacked(one),
         one.film,
@@ -141,9 +141,9 @@ def place(one: Backdrop, tip: Floats, matte: Matte, window: Window) -> Placed:
         matte.needle.blur**2 + _PIXEL,
         _BOUNDS,
         np.array([FINER, PAD, _REACH]),
-        covariance,
+        normal,
     )
-    return Placed(tip=one.near + part, covariance=covariance)
+    return Placed(tip=one.near + part, covariance=square * np.linalg.inv(normal)[:2, :2])
 
 
 def _within(one: Backdrop, tip: Floats) -> Floats:
@@ -189,7 +189,7 @@ def _rows(
     one: Backdrop, tip: Floats, film: Floats, shape: Needle, fine: Singles, window: Window
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Slopes in the frame's unknowns and in the shared ones, what is left, and weights."""
-    from meso_robust.tracking.tip_kernels import behind, compare, through
+    from meso_robust.tracking.fit_kernels import behind, compare, through
 
     images = sampled(fine, window, tip - one.near)
     scene = np.empty((5, *images.shape[1:]))
@@ -217,7 +217,7 @@ def _stacked(one: Backdrop) -> Singles:
 
 def _tukey(left: Floats, weight: Floats) -> Floats:
     """(N,) weights of what is left."""
-    from meso_robust.tracking.tip_kernels import tukey_weights
+    from meso_robust.tracking.fit_kernels import tukey_weights
 
     out = np.empty(len(left))
     tukey_weights(left, weight, out)
