@@ -114,9 +114,10 @@ def rays(
         first = max(_CORNER if sharp[k] else 0.0, foot - reach)
         last = lengths[k] - (_CORNER if sharp[(k + 1) % len(sharp)] else 0.0)
         for j in range(math.ceil((min(last, foot + reach) - first) / apart)):
-            for i in range(2):
-                start = starts[k, i] + (first + j * apart) * along[k, i]
-                found[count, :, i] = start + distances * outward[k, i]
+            for d in range(len(distances)):
+                for i in range(2):
+                    start = starts[k, i] + (first + j * apart) * along[k, i]
+                    found[count, d, i] = start + distances[d] * outward[k, i]
             count += 1
     return found[:count]
 

@@ -201,7 +201,8 @@ def reweighted(
         for i in range(4):
             normal[i, i] += 1e-9 * normal[i, i] + 1e-9
         _eliminated(normal, right)
-        solution[:] = right
+        for i in range(4):
+            solution[i] = right[i]
         for k in range(len(rows)):
             residual[k] = _left(design[rows[k]], solution, offset[rows[k]])
             sizes[k] = abs(residual[k])
@@ -232,7 +233,7 @@ def face_step(
     normal = design.T @ scaled
     for i in range(len(normal)):
         normal[i, i] *= 1.0 + 1e-9
-    solution[:] = scaled.T @ seen
+    np.dot(scaled.T, seen, solution)
     _eliminated(normal, solution)
     sizes, count = np.empty(len(grey)), 0
     for n in range(len(grey)):
@@ -402,7 +403,9 @@ def compare(
             at, s, n = i * width + j, scene[0, i, j], scene[1, i, j]
             weight[at] = 0.0
             if not (-bounds[0] < s < bounds[1] and abs(n) < bounds[2] + 0.1 * max(s, 0.0)):
-                left[at], own[:, at] = 0.0, 0.0
+                left[at] = 0.0
+                for k in range(5):
+                    own[k, at] = 0.0
                 continue
             clear = images[0, i, j]
             model = _through(scene, variance, images[0], i, j) + film * images[1, i, j]
@@ -412,6 +415,34 @@ def compare(
             own[2, at], own[3, at], own[4, at] = model / film, lit * s, lit * n
             left[at] = seen[0, i, j] - model
             weight[at] = seen[3, i, j] / (_NOISE + seen[2, i, j] * (film * clear) ** 2)
+
+
+@inner
+def _columns_scaled(columns: Floats, weight: Floats, out: Floats) -> None:
+    """Columns (K, N) times their weights."""
+    for k in range(len(columns)):
+        for n in range(len(weight)):
+            out[k, n] = weight[n] * columns[k, n]
+
+
+@inner
+def _variance(left: Floats, weight: Floats) -> float:
+    """Mean of weighted squares over what counts at all."""
+    counted, total = 0, 0.0
+    for n in range(len(left)):
+        counted += weight[n] > 0.0
+        total += weight[n] * left[n] ** 2
+    return total / max(counted, 1)
+
+
+@inner
+def _brighter(images: Singles, gain: float, film: float, slope: Floats) -> None:
+    """Multiply a needle's brightness and its slopes by a gain; ``slope`` (N,) of the model in that."""
+    for i in range(images.shape[1]):
+        for j in range(images.shape[2]):
+            slope[i * images.shape[2] + j] = film * images[1, i, j]
+            for k in range(1, 6, 2):
+                images[k, i, j] *= gain
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -450,31 +481,27 @@ def place(
     around, gain, solved = np.array([film, 0.0, 0.0]), 1.0, np.empty((6, 6))
     for count in range(_STEPS):
         sample(fine, finer * (grid[1] - part) + 0.5 * (finer - 1), finer, images)
-        images[1::2] *= np.float32(gain)
+        _brighter(images, gain, around[0], own[5])
         behind(seen[1], part - low, axis, around, scene)
         compare(images, scene, variance, seen, around[0], bounds, own[:5], left, weight)
-        own[5] = around[0] / gain * images[1].ravel()
         if count:
             for k in range(len(left)):
                 weight[k] *= _biweight(left[k] ** 2 * weight[k] / _TIP_TUKEY**2)
-        for k in range(6):
-            for n in range(len(left)):
-                scaled[k, n] = weight[n] * own[k, n]
-        normal[:] = scaled @ own.T
+        _columns_scaled(own, weight, scaled)
+        np.dot(scaled, own.T, normal)
         right = scaled @ left
         normal[5, 5] += _GAIN**-2
         for k in range(6):
             normal[k, k] += 1e-9
         right[5] -= (gain - 1.0) * _GAIN**-2
-        solved[:] = normal
+        for i in range(6):
+            for j in range(6):
+                solved[i, j] = normal[i, j]
         _eliminated(solved, right)
         for k in range(2):
             moved = part[k] + min(max(right[k], -1.5), 1.5)
             part[k] = min(max(moved, -grid[2]), grid[2])
-        around += right[2:5]
+        for k in range(3):
+            around[k] += right[2 + k]
         gain += min(max(right[5], -0.3), 0.3)
-    counted, total = 0, 0.0
-    for n in range(many):
-        counted += weight[n] > 0.0
-        total += weight[n] * left[n] ** 2
-    return total / max(counted, 1)
+    return _variance(left, weight)
