@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable
 from concurrent.futures import ThreadPoolExecutor
 
 from meso_robust.tracking.frames import Frame
@@ -11,7 +11,7 @@ from meso_robust.tracking.frames import Frame
 _DEPTH = 4  # frames that wait at most: what the reader may be ahead, and the memory that this takes
 
 
-def read_ahead(frames: Iterable[Frame]) -> Iterator[Frame]:
+def read_ahead(frames: Iterable[Frame]) -> Generator[Frame, None, None]:
     """The same frames in the same order, read before they are asked for.
 
     Parameters
