@@ -130,14 +130,28 @@ def canvas(glimpses: Sequence[Glimpse], needle: Needle) -> Canvas | None:
         cv2.fillPoly(hidden, [np.rint(corners * 16.0).astype(np.int32)], 1, cv2.LINE_8, 4)
         clear = (1.0 - hidden) * _in_frame(one)
         move = _affine(border - low, outline, one.tip - low)
-        shape, flags = (width, height), cv2.INTER_CUBIC
-        grey = cv2.warpAffine(one.grey.astype(np.float32), move, shape, flags=flags)
+        first, shape = _reached(move, one.grey.shape, (width, height))
+        move[:, 2] -= first
+        grey = cv2.warpAffine(one.grey.astype(np.float32), move, shape, flags=cv2.INTER_CUBIC)
         free = cv2.warpAffine(clear.astype(np.float32), move, shape, flags=cv2.INTER_LINEAR) > 0.99
-        total += free * grey
-        count += free
+        where = np.s_[first[1] : first[1] + shape[1], first[0] : first[0] + shape[0]]
+        total[where] += free * grey
+        count[where] += free
     return Canvas(
         mean=(total / np.maximum(count, 1.0)).astype(np.float32), count=count, outline=outline
     )
+
+
+def _reached(
+    move: Floats, shape: tuple[int, ...], size: tuple[int, int]
+) -> tuple[Ints, tuple[int, int]]:
+    """First pixel (u, v), and width and height, of what a moved piece can reach in a frame."""
+    ends = np.array([[0, 0], [shape[1], 0], [0, shape[0]], [shape[1], shape[0]]])
+    there = ends @ move[:, :2].T + move[:, 2]
+    limit = np.array(size)
+    first = np.clip(np.floor(there.min(axis=0)).astype(int) - 1, 0, limit - 1)
+    last = np.clip(np.ceil(there.max(axis=0)).astype(int) + 2, first + 1, limit)
+    return first, (int(last[0] - first[0]), int(last[1] - first[1]))
 
 
 def backdrop(one: Glimpse, window: Window, needle: Needle, part: Canvas | None) -> Backdrop:

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -33,10 +32,6 @@ CLUSTER = 6
 """Points in a run that errors are taken to share: 18 px, two blocks of compression."""
 ALIKE = 0.5
 """Least normalised correlation of a profile with the pattern to count as the outline."""
-_LINEAR = 2.0  # px, displacement beyond which the filters of a pattern say nothing
-_TUKEY = 4.0  # scales at which Tukey's weight vanishes (4.685 is 95 % efficient; shadows abound)
-_ROUNDS = 5
-_DIAGONAL = np.diag_indices(4)
 _LEAST_SCALE = 0.05  # px, of residuals: quantisation and texture leave no less
 
 
@@ -194,66 +189,14 @@ def slopes(of: Patch, seen: Floats, normals: Floats, reach: float) -> Floats:
     return (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
 
 
-@lru_cache(maxsize=16)
-def _band(size: int, length: int) -> tuple[Ints, Floats]:
-    """(size, size - length + 1) which element of a pattern meets which sample, and 1 where one does."""
-    index = np.arange(size)[:, None] - np.arange(size - length + 1)
-    return np.clip(index, 0, length - 1), ((index >= 0) & (index < length)).astype(float)
-
-
 def matched(derivative: Floats, pattern: Pattern) -> Matched:
     """Where each profile agrees best with ``pattern``, either way round."""
-    size, length = derivative.shape[1], len(pattern.mean)
-    shifts = size - length + 1
-    visible = np.asarray(np.isfinite(derivative).all(axis=1))
-    clean = np.where(visible[:, None], derivative, 0.0)
-    index, inside = _band(size, length)
-    agreement = clean @ (pattern.mean[index] * inside)
-    energy = (clean**2) @ inside * np.sum(pattern.mean**2)
-    likeness = agreement / np.sqrt(np.maximum(energy, 1e-12))
-    # a weak but clean edge must not beat a strong one, nor clutter the outline
-    best = np.argmax(np.abs(agreement * likeness), axis=1)
-    rows = np.arange(len(derivative))
-    polarity = np.sign(agreement[rows, best])
-    inner = np.clip(best, 1, shifts - 2)
-    left, centre, right = (np.abs(agreement[rows, inner + k]) for k in (-1, 0, 1))
-    bend = left - 2.0 * centre + right
-    peak = visible & (best == inner) & (bend < 0.0)
-    shift = np.where(peak, 0.5 * (left - right) / np.where(peak, bend, 1.0), 0.0)
-    offset = STEP * (inner + shift - 0.5 * (shifts - 1))
-    quality = np.where(peak, np.abs(likeness[rows, best]), 0.0)
-    if pattern.filters is not None:
-        offset, trusted = _refined(clean, pattern.filters, offset, shifts)
-        quality = np.where(trusted, quality, 0.0)
-    return Matched(np.where(visible, offset, np.nan), quality, polarity)
+    from meso_robust.tracking.fit_kernels import match
 
-
-def _refined(
-    derivative: Floats, filters: Floats, offset: Floats, shifts: int
-) -> tuple[Floats, Flags]:
-    """Displacements (N,) px by the filters at the sample nearest to ``offset``; whether they hold."""
-    nearest = np.rint(offset / STEP + 0.5 * (shifts - 1)).astype(int)
-    nearest = np.clip(nearest, 0, shifts - 1)
-    rows = np.arange(len(derivative))[:, None]
-    around = derivative[rows, nearest[:, None] + np.arange(filters.shape[1])]
-    gain, moment = filters @ around.T
-    # without a gain there is no edge, and far from the sample the filters are not linear
-    trusted = np.abs(moment) < _LINEAR * np.abs(gain)
-    further = np.where(trusted, moment / np.where(trusted, gain, 1.0), 0.0)
-    return STEP * (nearest - 0.5 * (shifts - 1)) + further, np.asarray(trusted)
-
-
-def tukey(residual: Floats, scale: float) -> Floats:
-    """Tukey's biweight of residuals, ``scale`` in their unit."""
-    return np.maximum(1.0 - (residual / (_TUKEY * scale)) ** 2, 0.0) ** 2
-
-
-def spread(residual: Floats) -> float:
-    """Robust standard deviation (median absolute value); 1 of nothing."""
-    if not residual.size:
-        return 1.0
-    middle = residual.size // 2
-    return 1.4826 * float(np.partition(np.abs(residual), middle)[middle])
+    filters = np.empty((0, 0)) if pattern.filters is None else pattern.filters
+    found = Matched(*np.empty((3, len(derivative))))
+    match(derivative, pattern.mean, filters, STEP, *found)
+    return found
 
 
 def robust_fit(
@@ -264,20 +207,11 @@ def robust_fit(
     ``delta_sigma`` in px is how well δ is known to be zero beforehand; what does not look like the
     outline (quality below ALIKE) has no weight.
     """
-    base = np.where(np.isfinite(offset) & (quality >= ALIKE), quality**2, 0.0)
-    used = base > 0.0
-    e = np.where(used, offset, 0.0)
-    weight, solution = base, np.zeros(design.shape[1])
-    scale = max(spread(e[used]), _LEAST_SCALE)
-    for _ in range(_ROUNDS):
-        normal = (design * weight[:, None]).T @ design
-        normal[3, 3] += (scale / delta_sigma) ** 2
-        normal[_DIAGONAL] *= 1.0 + 1e-9
-        normal[_DIAGONAL] += 1e-9
-        solution = np.linalg.solve(normal, design.T @ (weight * e))
-        residual = e - design @ solution
-        scale = max(spread(residual[used]), _LEAST_SCALE)
-        weight = base * tukey(residual, scale)
+    from meso_robust.tracking.fit_kernels import reweighted
+
+    weight = np.where(np.isfinite(offset) & (quality >= ALIKE), quality**2, 0.0)
+    solution, rows = np.zeros(4), np.flatnonzero(weight)
+    reweighted(design, offset, rows, delta_sigma, _LEAST_SCALE, solution, weight)
     return solution, weight
 
 

@@ -30,7 +30,6 @@ _LEAST_GAIN = 0.2  # brightness of the needle over the learned one
 _LEAST_PIXELS = 150.0
 _SEARCH = 40  # px around the last place, when lost
 _LEAST_APART = 1.0  # px between two fits of a tip that are worth a word
-_TUKEY = 4.7  # standard deviations beyond which a pixel does not count
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -196,17 +195,16 @@ class Learned:
 
     def _view(self, grey: Singles, inside: Flags, scene: Behind | None, moved: Floats) -> _View:
         """What is compared with the learned image, with the part's edge behind it taken out."""
-        target = grey.ravel()[self._rows]
-        weight = (inside & self._seen).ravel()[self._rows].astype(np.float32)
+        from meso_robust.tracking.fit_kernels import before_edge, gathered
+
+        target, weight = np.empty((2, len(self._rows)), np.float32)
+        gathered(grey, inside, self._seen, self._rows, target, weight)
         if scene is None:
             return _View(target=target, weight=weight, columns=self._columns)
         change, variance = scene.at(moved)
-        clear = self._clear[scene.rows]
-        target[scene.rows] -= clear * change
-        weight[scene.rows] /= 1.0 + clear**2 * variance
         columns = self._columns.copy()
-        # the needle stands out against what is behind it there, not against film
-        columns[scene.rows, 1:3] -= self._fading[scene.rows] * change[:, None]
+        view = (target, weight, columns)
+        before_edge(scene.rows, change, variance, self._clear, self._fading, self._columns, view)
         return _View(target=target, weight=weight, columns=columns)
 
     def _tip_inside(self, frame: Image, shift: Floats) -> bool:
@@ -275,7 +273,10 @@ class _Solved:
 
 
 def _solve(view: _View, robust: Singles) -> _Solved:
-    weighted = view.columns * (view.weight * robust)[:, None]
+    from meso_robust.tracking.fit_kernels import weighed
+
+    weighted = np.empty_like(view.columns)
+    weighed(view.weight * robust, view.columns, weighted)
     gram = (weighted.T @ view.columns).astype(float)
     gram[np.diag_indices_from(gram)] += 1e-2  # a segment that does not show stays at none
     inverse = np.linalg.inv(gram)
@@ -283,18 +284,20 @@ def _solve(view: _View, robust: Singles) -> _Solved:
     seen = abs(x[0]) > _LEAST_GAIN
     gain = float(x[0]) if seen else 1.0
     return _Solved(
-        step=np.asarray(x[1:3] / gain, dtype=float),
-        inverse=np.asarray(inverse[1:3, 1:3] / gain**2),
-        residual=np.asarray(view.target - view.columns @ x.astype(np.float32), np.float32),
+        step=x[1:3] / gain,
+        inverse=inverse[1:3, 1:3] / gain**2,
+        residual=view.target - view.columns @ x.astype(np.float32),
         seen=bool(seen),
     )
 
 
 def _robust(view: _View, residual: Singles) -> Singles:
     """(N,) Tukey's weights."""
-    rough = np.abs(residual) * np.sqrt(view.weight)
-    sigma = max(1.4826 * float(np.median(rough[view.weight > 0.0][::2])), 0.5)
-    return np.asarray(np.maximum(1.0 - (rough / (_TUKEY * sigma)) ** 2, 0.0) ** 2, np.float32)
+    from meso_robust.tracking.fit_kernels import robust
+
+    out = np.empty(len(residual), np.float32)
+    robust(residual, view.weight, out)
+    return out
 
 
 def _systematic(axis: Floats) -> Floats:

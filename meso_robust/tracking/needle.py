@@ -11,21 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import least_squares
-from scipy.special import ndtr
 
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
-_FINER = 3  # samples a pixel and direction
+FINER = 3
+"""Samples a pixel and direction."""
 _AHEAD, _ALONG, _ASIDE = 9.0, 20.0, 8.0  # px; the piece of the image that the tip is fitted to
-_HALOS = (1.5, 4.0)  # px; lengths over which the film may darken or brighten towards the needle
-_KNOTS = np.linspace(-1.0, 1.0, 5)  # of the brightness across the needle, in half widths
-_PAD = 5  # px around the piece, so that the blur does not meet its border
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,14 +63,17 @@ class Needle:
 
     def distance(self, s: Floats, n: Floats) -> Floats:
         """Signed distance to the outline, negative inside, px."""
-        c, d = math.cos(self.taper), math.sin(self.taper)
-        flank = np.abs(n) * c - s * d - self.radius
-        return np.where(s * c + np.abs(n) * d >= 0.0, flank, np.hypot(s, n) - self.radius)
+        from meso_robust.tracking.needle_kernels import distances
 
-    def half_width(self, s: Floats) -> Floats:
+        out = np.empty(s.size)
+        distances(s.ravel(), n.ravel(), self.taper, self.radius, out)
+        return out.reshape(s.shape)
+
+    def half_width(self, s: float) -> float:
         """Half the width at a place along the axis, at least the radius, px."""
-        wide = self.radius / math.cos(self.taper) + s * math.tan(self.taper)
-        return np.maximum(wide, self.radius)
+        from meso_robust.tracking.needle_kernels import half_width
+
+        return half_width(s, math.cos(self.taper), math.sin(self.taper), self.radius)
 
     def moved(self, shift: Floats) -> Needle:
         """The needle shifted by (2,) px."""
@@ -84,7 +82,7 @@ class Needle:
     def polygon(self, margin: float, length: float) -> Floats:
         """(V, 2) outline, wider by a margin, of the first ``length`` px of the needle."""
         wide = self.radius + margin
-        end = float(self.half_width(np.array(length))) + margin
+        end = self.half_width(length) + margin
         arc = np.linspace(0.5 * math.pi, 1.5 * math.pi, 9)
         cap = wide * np.stack([np.cos(arc), np.sin(arc)], axis=1)
         local = np.vstack([cap, np.array([[length, -end], [length, end]])])
@@ -112,10 +110,17 @@ class Fit:
     contrast: float
 
 
+def pixel_weights(blur: float) -> Floats:
+    """(K,) weights in a pixel of fine samples around it, for a blur in px; K − FINER is even."""
+    size = 2 * math.ceil(3.5 * blur * FINER) + 1
+    optics = cv2.getGaussianKernel(size, blur * FINER, cv2.CV_64F)
+    return np.convolve(optics.ravel(), np.full(FINER, 1.0 / FINER))
+
+
 def coverage(needle: Needle, corner: Floats, shape: tuple[int, int]) -> Floats:
     """(h, w) share of each pixel that the needle covers, blurred; ``corner`` (u, v) is the first."""
-    s, _, dist = _fine(needle, corner, shape)
-    return _seen(_inside(needle, s, dist)[..., None], needle.blur)[..., 0]
+    whole = np.tile([0, shape[1]], (shape[0], 1))
+    return np.asarray(1.0 - _basis(needle, corner, whole, shape[1])[..., 0])
 
 
 def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None = None) -> Fit:
@@ -184,11 +189,15 @@ class _Piece:
     weight: Floats
     corner: Floats
 
+    columns: Ints
+    """(h, 2) first of each row that counts, and the one after the last."""
+
     def miss(self, needle: Needle) -> Floats:
-        """What the best brightnesses leave of the piece, (h w,)."""
-        basis = _basis(needle, self.corner, self.grey.shape) * self.weight[..., None]
-        flat = basis.reshape(-1, basis.shape[-1]).astype(np.float64)
-        target = (self.grey * self.weight).ravel()
+        """What the best brightnesses leave of the pixels that count, (N,)."""
+        basis = _basis(needle, self.corner, self.columns, self.grey.shape[1])
+        counts = self.weight > 0.0
+        weight = self.weight[counts]
+        flat, target = basis[counts] * weight[:, None], self.grey[counts] * weight
         # a little ridge: a halo or a brightness that the data do not tell is taken as none
         gram = flat.T @ flat + 1e-3 * np.eye(flat.shape[1])
         return np.asarray(flat @ np.linalg.solve(gram, flat.T @ target) - target)
@@ -206,7 +215,12 @@ def _piece(image: Floats, corner: Floats, start: Needle, used: Floats | None) ->
     weight = near.astype(float)
     if used is not None:
         weight *= used[low[1] : high[1], low[0] : high[0]]
-    return _Piece(grey=grey, weight=weight, corner=first)
+    counts = weight > 0.0
+    columns = np.stack(
+        [np.argmax(counts, axis=1), grey.shape[1] - np.argmax(counts[:, ::-1], axis=1)], axis=1
+    )
+    columns[~counts.any(axis=1)] = 0
+    return _Piece(grey=grey, weight=weight, corner=first, columns=columns)
 
 
 def _contrast(piece: Floats, needle: Needle, corner: Floats, noise: float) -> float:
@@ -217,54 +231,12 @@ def _contrast(piece: Floats, needle: Needle, corner: Floats, noise: float) -> fl
     return float(abs(inside.mean() - np.median(outside)) / max(noise, 0.3))
 
 
-def _fine(needle: Needle, corner: Floats, shape: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
-    """Along, across and distance on the fine grid, padded."""
-    rows, columns = (_FINER * (k + 2 * _PAD) for k in shape[:2])
-    u = (np.arange(columns) + 0.5) / _FINER - 0.5 - _PAD + corner[0]
-    v = (np.arange(rows) + 0.5) / _FINER - 0.5 - _PAD + corner[1]
-    s, n = needle.along_across(u[None, :], v[:, None])
-    return s, n, needle.distance(s, n)
+def _basis(needle: Needle, corner: Floats, columns: Ints, width: int) -> Floats:
+    """(h, w, K) images whose sum, each times a brightness, is the piece; drawn in some columns only."""
+    from meso_robust.tracking.needle_kernels import BASIS, basis
 
-
-def _inside(needle: Needle, s: Floats, distance: Floats) -> Floats:
-    """Share of each fine sample that the needle covers."""
-    return np.asarray(ndtr(-distance / np.maximum(needle.rise * s, 0.3 / _FINER)))
-
-
-def _basis(needle: Needle, corner: Floats, shape: tuple[int, ...]) -> Floats:
-    """(h, w, K) images whose sum, each times a brightness, is the piece."""
-    s, n, dist = _fine(needle, corner, shape)
-    inside = _inside(needle, s, dist)
-    film = 1.0 - inside
-    far = np.maximum(dist, 0.0)
-    halos = [film * np.exp(-far / length) for length in _HALOS]
-    across = n / needle.half_width(s)
-    hats = [inside * np.maximum(0.0, 1.0 - np.abs(across - knot) / 0.5) for knot in _KNOTS]
-    layers = [
-        film,
-        film * s / 10.0,
-        film * n / 10.0,
-        *halos,
-        *hats,
-        inside * s / 10.0,
-    ]
-    return _seen(np.stack(layers, axis=-1).astype(np.float32), needle.blur)
-
-
-def _seen(fine: npt.NDArray[Any], blur: float) -> Floats:
-    """What a camera sees of fine images (H, W, K): blurred and summed over pixels."""
-    size = 2 * math.ceil(3.5 * blur * _FINER) + 1
-    kernel = cv2.getGaussianKernel(size, blur * _FINER, cv2.CV_64F)
-    rows, columns, depth = fine.shape
-    # all images at once: side by side first, then, turned, on top of each other
-    down = _filtered(fine.reshape(rows, columns * depth), kernel).reshape(fine.shape)
-    turned = np.ascontiguousarray(down.transpose(1, 0, 2)).reshape(columns, rows * depth)
-    done = _filtered(turned, kernel)
-    tall, wide = rows // _FINER, columns // _FINER
-    binned = done.reshape(wide, _FINER, tall, _FINER, depth).mean(axis=(1, 3)).transpose(1, 0, 2)
-    return np.asarray(binned[_PAD:-_PAD, _PAD:-_PAD])
-
-
-def _filtered(image: npt.NDArray[Any], kernel: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Each column of an image filtered."""
-    return np.asarray(cv2.sepFilter2D(np.ascontiguousarray(image), -1, np.ones(1), kernel))
+    out = np.zeros((len(columns), width, BASIS))
+    shape = np.array([needle.taper, needle.radius, needle.rise])
+    tip = np.array(needle.tip) - corner
+    basis(tip, needle.axis, shape, pixel_weights(needle.blur), FINER, columns, out)
+    return out

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from meso_robust.errors import InputError
 from meso_robust.tracking.calibration import Calibration
+from meso_robust.tracking.reading_ahead import read_ahead
 from meso_robust.types import Floats
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def drawn_overlay(
             raise InputError(f"{folder}: the overlay cannot be written; give --no-overlay")
         film = path.open("rb")  # keeps what the writer writes when the name is gone
     try:
-        for frame, k in zip(track.frames, range(len(track.times)), strict=False):
+        for frame, k in zip(read_ahead(track.frames), range(len(track.times)), strict=False):
             picture = np.asarray(cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR), np.uint8)
             _draw(picture, track, k, outline, tip_radius, calibration)
             writer.write(picture)
@@ -114,7 +115,7 @@ def stills(
     """
     wanted = _worth_a_look(track)
     found = []
-    for k, frame in enumerate(track.frames):
+    for k, frame in enumerate(read_ahead(track.frames)):
         if k in wanted:
             picture = np.asarray(cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR), np.uint8)
             _draw(picture, track, k, outline, tip_radius, calibration)

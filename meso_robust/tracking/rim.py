@@ -42,6 +42,7 @@ _EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
 _SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4, 0.5])
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+_LEVELS, _SHARED = [0, 1, 3, 4], [2, 5, 6, 7]  # of the shapes: of each side, and of all alike
 _LOOSEST = 2.5  # px; a larger displacement is no rim
 
 
@@ -124,7 +125,7 @@ def _whitener(mean: Floats, count: Floats, noise: Floats) -> Floats:
 
 
 def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: float) -> Floats:
-    """(B, 6) background, its slope, meniscus, face, its slope, chamfer; each blurred."""
+    """(..., 6) background, its slope, meniscus, face, its slope, chamfer; each blurred."""
     z = x / blur
     out = ndtr(z)
 
@@ -143,21 +144,22 @@ def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: flo
     straight = (inner - rising) / chamfer - out
     rounded = 2.0 * inner / chamfer - 2.0 * (bend(x + chamfer) - bend(x)) / chamfer**2 - out
     rim = straight + round_ * (rounded - straight)
-    return np.column_stack((out, 0.1 * rising, tail, 1.0 - out, 0.1 * (x - rising), rim))
+    return np.stack((out, 0.1 * rising, tail, 1.0 - out, 0.1 * (x - rising), rim), axis=-1)
 
 
 def _design(given: _Profiles, unknown: Floats) -> Floats:
     """(S B, 4 S + 4): levels and slopes a side; meniscus, chamfer and its two cosines for all."""
     count = len(given.mean)
     blur, chamfer, meniscus = np.exp(unknown[3:6])
-    rows = np.zeros((count, len(_CENTRES), 4 * count + 4))
-    for s, n in enumerate(given.normal):
-        at = _CENTRES - n @ unknown[:2] - unknown[2]
-        shapes = _shapes(at, blur, chamfer, meniscus, unknown[6])
-        rows[s, :, 4 * s : 4 * s + 4] = shapes[:, [0, 1, 3, 4]]
-        rows[s, :, -4], rows[s, :, -3] = shapes[:, 2], shapes[:, 5]
-        rows[s, :, -2:] = shapes[:, 5:] * n
-    return (given.whitener @ rows).reshape(-1, 4 * count + 4)
+    at = _CENTRES - (given.normal @ unknown[:2])[:, None] - unknown[2]
+    shapes = _shapes(at, blur, chamfer, meniscus, unknown[6])
+    lit = shapes[..., 5:] * given.normal[:, None]
+    seen = given.whitener @ np.concatenate((shapes, lit), axis=-1)
+    design = np.zeros((count, len(_CENTRES), 4 * count + 4))
+    for s in range(count):
+        design[s, :, 4 * s : 4 * s + 4] = seen[s][:, _LEVELS]
+    design[..., -4:] = seen[..., _SHARED]
+    return design.reshape(-1, 4 * count + 4)
 
 
 def lamp_displacement(

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from meso_robust.tracking.covariance import clustered, turned
-from meso_robust.tracking.edges import Lens, moved, placed, rotation, spread, tukey
+from meso_robust.tracking.edges import Lens, moved, placed, rotation
 from meso_robust.tracking.sampling import Patch, sample
 from meso_robust.types import Floats, Ints
 
@@ -28,6 +28,7 @@ BLOCK = 16.0
 _LEAST = 60  # points and
 _LEAST_BLOCKS = 12  # blocks below which nothing is compared
 _ROUNDS = 3
+_LEAST_SCALE = 0.3  # grey steps, of residuals
 _STILL = 5e-3  # px: a step below this ends the iteration
 _LIGHT = 5  # unknowns that are not motion
 
@@ -147,25 +148,15 @@ def registered(piece: Patch, of: Template, pose: Floats, lens: Lens) -> SsdFit |
     Starts within about 2 px. The covariance holds noise and what is correlated within blocks, not
     an error of the poses that the appearance was learned with.
     """
-    visible = np.zeros(0, dtype=bool)
-    weight: Floats = np.zeros(0)
-    residual: Floats = np.zeros(0)
-    solution: Floats = np.zeros(0)
-    for round_ in range(_ROUNDS):
+    from meso_robust.tracking.fit_kernels import face_step
+
+    solution, residual = np.empty(of.design.shape[1]), np.empty(len(of.points))
+    weight = np.ones(len(of.points))
+    for _ in range(_ROUNDS):
         grey = sample(piece, lens.seen(placed(of.points, pose)))
-        visible = np.isfinite(grey)
-        if visible.sum() < max(_LEAST, 0.2 * len(grey)):
+        if np.isfinite(grey).sum() < max(_LEAST, 0.2 * len(grey)):
             return None
-        grey = np.asarray(np.where(visible, grey, 0.0), dtype=float)
-        if round_ == 0:
-            weight = visible.astype(float)
-        weighted = weight[:, None] * of.design
-        normal = of.design.T @ weighted
-        normal[np.diag_indices(len(normal))] *= 1.0 + 1e-9
-        solution = np.asarray(np.linalg.solve(normal, weighted.T @ grey), dtype=np.float64)
-        residual = grey - of.design @ solution
-        scale = max(spread(residual[visible]), 0.3)
-        weight = visible * tukey(residual, scale)
+        face_step(of.design, grey, _LEAST_SCALE, weight, solution, residual)
         if not solution[0] > 0.1:
             return None
         motion = -solution[_LIGHT:] / solution[0]

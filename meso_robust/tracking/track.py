@@ -16,6 +16,7 @@ from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.pose import Lens, PartTracker, Sighting
 from meso_robust.tracking.probe_search import SPREAD, moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker
+from meso_robust.tracking.reading_ahead import read_ahead
 from meso_robust.tracking.scene import Scene as Scene, Start as Start
 from meso_robust.types import Flags, Floats, Image
 
@@ -105,7 +106,7 @@ def track(frames: Frames, scene: Scene, each: Callable[[], object] = lambda: Non
     tips: list[list[Tip]] = []
     repeats: list[bool] = []
     before: Image | None = None
-    for frame in frames:
+    for frame in read_ahead(frames):
         seen, found = follower.step(frame.image)
         times.append(frame.time)
         sightings.append(seen)

@@ -1,7 +1,8 @@
 """Speed of the whole tracker: ``python -m reports.benchmarks.tracking``.
 
-A rendered push of 640 x 480 pixels (MJPG) is tracked with one thread, decoding included, without the
-overlay and the report. It asserts nothing about time.
+A rendered push of 640 x 480 pixels (MJPG) is tracked by one thread and decoded by another, without the
+overlay and the report. Processor time counts both; the clock is worth reading on a quiet machine only.
+It asserts nothing about time.
 """
 
 import tempfile
@@ -34,17 +35,18 @@ def scene_of(filmed: Filmed, probes: bool) -> Scene:
 
 
 def row(filmed: Filmed, name: str, probes: bool) -> list[str]:
-    """Cells of one way of tracking; CPU time, so that a shared machine does not matter."""
+    """Cells of one way of tracking: processor time, so that a shared machine matters less; the clock."""
     scene = scene_of(filmed, probes)
     track(open_frames(filmed.path), scene)  # compiles
     marks: list[float] = []
-    start = time.process_time()
+    start, clock = time.process_time(), time.perf_counter()
     track(open_frames(filmed.path), scene, lambda: marks.append(time.process_time()))
-    whole = time.process_time() - start
+    whole, waited = time.process_time() - start, time.perf_counter() - clock
     after_first = (len(marks) - 1) / (marks[-1] - marks[0])
     total = len(marks) / whole
-    target = reached(total, TARGET) if probes else ("", "")
-    return [name, number(total), number(after_first), *target]
+    by_clock = len(marks) / waited
+    target = reached(by_clock, TARGET) if probes else ("", "")
+    return [name, number(total), number(after_first), number(by_clock), *target]
 
 
 def main() -> None:
@@ -55,9 +57,16 @@ def main() -> None:
         start = time.process_time()
         count = sum(1 for _ in open_frames(filmed.path))
         decoding = count / (time.process_time() - start)
-        heads = ["640 x 480, MJPG, one thread", "frames/s", "after the first", "target", "met"]
+        heads = [
+            "640 x 480, MJPG",
+            "frames/s of CPU",
+            "after the first",
+            "by the clock",
+            "target",
+            "met",
+        ]
         rows = [
-            ["decoding alone", number(decoding), "", "", ""],
+            ["decoding alone", number(decoding), "", "", "", ""],
             row(filmed, "part", probes=False),
             row(filmed, "part and probe", probes=True),
         ]
