@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,9 @@ from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.result import Result
 from meso_robust.api.run import Ran
 from meso_robust.errors import InputError, NotApplicableError
+from meso_robust.identification.document import parse_model
+from meso_robust.live.setting_right import SetRight, set_right
+from meso_robust.toml_files import toml_of
 
 SET_RIGHT: Mapping[str, str] = {
     "camera_rotation": "put rotation_deg of the camera in lab.toml right by it",
@@ -26,6 +30,10 @@ SET_RIGHT: Mapping[str, str] = {
     "tip_radius": "put radius_um of the tip in lab.toml right by it",
 }
 """What a laboratory can do about an effect that it need not put up with."""
+
+
+RIGHTED = "lab.toml"
+"""Name among the results of the laboratory's file with its camera put right."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -38,6 +46,9 @@ class Explored(Result):
         The pushes.
     identified, diagnosed, planned
         What followed; None from where it could not go on.
+    set_right
+        The laboratory that the plan is for, if it is proved with the camera put right only; None if it is
+        for the laboratory as it was.
     why
         Why it could not; empty if it ended with a plan.
     """
@@ -46,6 +57,7 @@ class Explored(Result):
     identified: Identified | None = None
     diagnosed: Diagnosed | None = None
     planned: Planned | None = None
+    set_right: SetRight | None = None
     why: str = ""
 
     @property
@@ -84,6 +96,11 @@ class Explored(Result):
     def __str__(self) -> str:
         parts = (self.ran, self.identified, self.diagnosed, self.planned)
         said = [str(one) for one in parts if one is not None]
+        if self.set_right is not None:
+            said.append(
+                f"proved of the laboratory put right by this: {self.set_right.words}; use {RIGHTED} of the "
+                "results. What is left of the camera's error is in the plan's bounds"
+            )
         ended = [f"ended there: {self.why}"] if self.why else []
         advice = [f"to go on: {self.advice}"] if self.advice and self.advice != self.why else []
         return "\n".join([*said, *ended, *advice])
@@ -101,6 +118,9 @@ class Explored(Result):
         for folder, one in parts.items():
             if one is not None:
                 found |= {f"{folder}/{name}": text for name, text in one.files().items()}
+        if self.set_right is not None:
+            found[RIGHTED] = toml_of(self.set_right.lab)
+            found["plan/model.toml"] = toml_of(self.set_right.model)
         return found
 
 
@@ -128,16 +148,30 @@ def explored(
     made = ran.recordings()
     if made is None or ran.document.outcome != "done":
         return Explored(ran=ran, why="not all pushes were made")
-    identified = diagnosed = None
+    identified = diagnosed = right = None
     try:
         identified = identify(made, starts=4, seed=seed, progress=progress)
         diagnosed = diagnose(made, quick=True, seed=seed, progress=progress)
-        model = Path(folder) / ".model.toml"
-        model.write_text(diagnosed.model_toml, encoding="utf-8")
-        try:
-            planned = plan(task_of(task), model=model, seed=seed, progress=progress)
-        finally:
-            os.unlink(model)
+        planned = _planned(task, diagnosed.model_toml, folder, seed, progress)
+        if not planned.positive:
+            right = set_right(
+                ran.header.lab, parse_model(tomllib.loads(diagnosed.model_toml), "the diagnosis")
+            )
+        if right is not None:
+            again = _planned(task, toml_of(right.model), folder, seed, progress)
+            planned, right = (again, right) if again.positive else (planned, None)
     except (InputError, NotApplicableError) as error:
         return Explored(ran=ran, identified=identified, diagnosed=diagnosed, why=str(error))
-    return Explored(ran=ran, identified=identified, diagnosed=diagnosed, planned=planned)
+    return Explored(
+        ran=ran, identified=identified, diagnosed=diagnosed, planned=planned, set_right=right
+    )
+
+
+def _planned(task: Any, model: str, folder: StrPath, seed: int, progress: Progress) -> Planned:
+    """A plan with a model, of which this is the text of its file."""
+    path = Path(folder) / ".model.toml"
+    path.write_text(model, encoding="utf-8")
+    try:
+        return plan(task_of(task), model=path, seed=seed, progress=progress)
+    finally:
+        os.unlink(path)

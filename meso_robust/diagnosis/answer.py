@@ -15,7 +15,7 @@ from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.folds import RollOut
-from meso_robust.diagnosis.grading import NAMED
+from meso_robust.diagnosis.grading import NAMED, SURE, Explained
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection
@@ -202,7 +202,16 @@ def _why(found: Diagnosis) -> str:
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
     if found.verdict == "unknown":
         return f"{said}: too little for a name{reach}"
-    return f"{said}: {'not all of it' if grade.explained.share < NAMED else 'not in every fold'}{reach}"
+    return f"{said}: {_lacking(grade.explained)}{reach}"
+
+
+def _lacking(explained: Explained) -> str:
+    """Why a set that explains a part is not named."""
+    if explained.share < NAMED:
+        return "not all of it"
+    if explained.low < SURE:
+        return f"{100.0 * explained.low:.0f} % of it surely"
+    return "not in every fold"
 
 
 def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:

@@ -30,6 +30,9 @@ from meso_robust.types import Floats, Ints
 
 NAMED, PARTIAL = 0.8, 0.2
 """Shares of the explainable error from which on a set is named, and partly named."""
+SURE = 0.7
+"""Share from which on the lower end of the interval of a named set is: with another draw of recordings a
+law that makes half of the motion alike explains as much."""
 RELEVANT = 1e-7
 """m: size of an error that matters, where no noise is known to compare it with."""
 RELEVANT_SHARE = 0.2
@@ -39,7 +42,7 @@ _JUDGED = {True: 4, False: 8}  # sets that are predicted fold by fold, if quick 
 _MEMBER_SHARE = 0.05
 # of it, by which a member may raise the error of one fold: a few pushes tell no more
 _FOLD_SHARE = 0.02
-_SURE = 3.0  # standard deviations of noise, that the explainable error must be beyond
+_CHANCE = 3.0  # standard deviations of noise, that the explainable error must be beyond
 _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set is down to the noise
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
@@ -243,7 +246,7 @@ def graded(
     rivals: tuple[Candidate, ...] = ()
     everywhere = True
     # sums of squares of noise vary by themselves, by √(2 N) of N data
-    chance = _SURE * float(np.sqrt(2.0 * bench.seen.sum()))
+    chance = _CHANCE * float(np.sqrt(2.0 * bench.seen.sum()))
     missing = naming is not None and size >= matters and judge.explainable > chance
     # of a single recording none can be left out: what its own fit explains proves nothing
     if naming and pool and missing and bench.count > 1:
@@ -281,7 +284,8 @@ def _verdict(
         return "unknown"
     if rivals:
         return "ambiguous"
-    return "named" if everywhere and explained.share >= NAMED else "partial"
+    sure = explained.share >= NAMED and explained.low >= SURE
+    return "named" if everywhere and sure else "partial"
 
 
 def _tells(explained: Explained) -> bool:

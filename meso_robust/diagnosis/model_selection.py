@@ -34,6 +34,8 @@ from meso_robust.types import Floats
 
 _REFITTED_FORMS = 2  # of an effect, those that promise most
 _EXTENDED_SETS = {True: 2, False: 3}  # that a further effect is added to, if quick and if not
+# cosine of what two sets change in the predictions, from which on they explain much the same
+_SAME_CHANGE = 0.85
 _ADDED_EFFECTS = {True: 3, False: 5}  # that are added to each, those that promise most
 _LARGEST_SET = {True: 2, False: 3}  # effects of a set, if quick and if not
 # behind the best, beyond which a set is neither refined nor asked: e²⁵ times less likely
@@ -44,6 +46,8 @@ _REFINED_SHARE = {True: 0.2, False: 0.5}
 _FORM_SHARE = 0.02
 # times the sizes that a signature was made with, beyond which nothing is linear any more
 _LINEAR_SIZES = 10.0
+# of the best rough fit, that one behind its own linear estimate has, to be taken to its end
+_UNFINISHED_SHARE = 0.3
 # of the best gain so far, that a linear estimate must reach in a quick search
 _PROMISING_SHARE = 0.5
 
@@ -100,13 +104,25 @@ class Contest:
         """Every effect by itself."""
         chosen = sorted(self._forms(None, ()), key=lambda form: -form.gain)
         fits: list[Refit] = []
+        short: set[int] = set()
         for done, form in enumerate(chosen):
             self.told("naming", done, len(chosen))
             best = max((fit.gain for fit in fits), default=0.0)
             if self.quick and form.linear and form.gain <= _PROMISING_SHARE * best - _EXAMINED_NATS:
                 continue
-            fits += self._tried((form.signature,), None)
-        return self._refined(fits)
+            tried = self._tried((form.signature,), None)
+            short |= {id(fit) for fit in tried if fit.gain < form.gain}
+            fits += tried
+        best = max((fit.gain for fit in fits), default=0.0)
+        # a strong effect may need more steps than a rough fit has only to get as far as a linear estimate
+        return self._refined(
+            [
+                self._ended(fit)
+                if id(fit) in short and fit.gain > _UNFINISHED_SHARE * best
+                else fit
+                for fit in fits
+            ]
+        )
 
     def _choices(self, effect: str) -> float:
         return float(np.log(sum(one.trial.effect == effect for one in self.signatures)))
@@ -167,19 +183,20 @@ class Contest:
         return [form for own in promised.values() for form in self._first(own)]
 
     def _first(self, own: list[Form]) -> list[Form]:
-        """Of the forms of an effect, those that are refitted: some of every form of its law."""
+        """Of the forms of an effect, those that are refitted: some of every form of its law.
+
+        So are some with other numbers to fit: what a linear estimate promises does not count those of the form.
+        """
         most = 1 if self.quick and own[0].signature.trial.sizes else _REFITTED_FORMS
-        laws: dict[float, list[Form]] = {}
+        laws: dict[tuple[float, frozenset[str]], list[Form]] = {}
         for form in sorted(own, key=lambda form: -form.gain):
-            laws.setdefault(form.signature.trial.law, []).append(form)
+            trial = form.signature.trial
+            laws.setdefault((trial.law, frozenset(trial.free)), []).append(form)
         return [form for law in laws.values() for form in law[:most]]
 
     def _extended(self, field: list[Candidate]) -> list[Candidate]:
         """Sets with one effect more, built on the best of the largest ones."""
-        size = max(len(one.refit.trials) for one in field)
-        bases = [one for one in field if len(one.refit.trials) == size][
-            : _EXTENDED_SETS[self.quick]
-        ]
+        bases = self._bases(field)
         known = {one.effects for one in field}
         fits: list[Refit] = []
         for base in bases:
@@ -202,6 +219,25 @@ class Contest:
                 )
                 fits += self._tried((*self._chosen(base.refit), one), base.refit)
         return self._refined(fits)
+
+    def _bases(self, field: list[Candidate]) -> list[Candidate]:
+        """The best of the largest sets, of those that explain much the same only the best.
+
+        A drift is told before long from a turn or a scale of the image about a place far out; together they
+        would leave no room for what else there is.
+        """
+        size = max(len(one.refit.trials) for one in field)
+        taken: list[Floats] = []
+        bases = []
+        for one in field:
+            if len(one.refit.trials) != size:
+                continue
+            change = (self.baseline.rows - one.refit.rows).ravel()
+            change = change / max(float(np.linalg.norm(change)), 1e-12)
+            if all(float(change @ other) < _SAME_CHANGE for other in taken):
+                taken.append(change)
+                bases.append(one)
+        return bases[: _EXTENDED_SETS[self.quick]]
 
     def _chosen(self, base: Refit) -> tuple[Signature, ...]:
         """Signatures of the effects of a set, in its order."""

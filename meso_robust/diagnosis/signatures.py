@@ -8,7 +8,7 @@ import numpy as np
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.tangent import Tangent
-from meso_robust.diagnosis.trials import Trial
+from meso_robust.diagnosis.trials import Trial, shown
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.models import Model, Parameter, with_effects
 from meso_robust.identification.prepared import Prepared
@@ -25,6 +25,8 @@ _STRONGEST = 1000.0
 _RATIOS = ("dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support")
 _INSIDE = ("drag_centre_offset", "reference_offset", "registration_shift")
 """Effects whose place cannot be outside the part."""
+_IN_THE_IMAGE = ("camera_scale", "camera_rotation")
+"""Effects about the middle of an image, which lies within what the image shows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,20 +62,22 @@ def extended(model: Model, trials: tuple[Trial, ...], prepared: Prepared) -> Mod
         tip_radius=prepared.tip_radius,
     )
     base = len(model.parameters)
-    lasted = float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
-    added = tuple(_physical(one, prepared.length, lasted) for one in made.parameters[base:])
+    added = tuple(_physical(one, prepared) for one in made.parameters[base:])
     return replace(made, parameters=(*made.parameters[:base], *added))
 
 
-def _physical(parameter: Parameter, length: float, lasted: float) -> Parameter:
-    """The parameter in the range that it can have with a part of a length, m, and recordings of a time, s."""
+def _physical(parameter: Parameter, prepared: Prepared) -> Parameter:
+    """The parameter in the range that it can have with the part and the motion of some recordings."""
+    length = prepared.length
     effect, key = parameter.key.split(".")
     low, high = parameter.likely or (-np.inf, np.inf)
     if effect == "camera_latency":
         low = 0.0  # a camera cannot see ahead
     elif key == "time_s":
         # what settles within the shortest recording is an offset rather than a drift
-        low = 0.5 * lasted
+        low = 0.5 * float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
+    elif effect in _IN_THE_IMAGE and key.startswith("about_"):
+        low, high = shown(prepared)[:, "xy".index(key[6])]
     elif effect in _INSIDE:
         low, high = -length, length
     elif effect in _RATIOS and key == "ratio":
@@ -107,15 +111,16 @@ def signatures(baseline: Baseline, trials: list[Trial]) -> list[Signature]:
 
 
 def _of_effect(baseline: Baseline, trials: list[Trial], plain: Floats) -> list[Signature]:
-    """Signatures of the trials of one effect, in one batch for each set of held numbers."""
+    """Signatures of the trials of one effect, in one batch for each set of held and of fitted numbers."""
     rows, poses, ended = [], [], []
-    groups: dict[tuple[tuple[str, float], ...], list[Trial]] = {}
+    groups: dict[tuple[frozenset[tuple[str, float]], frozenset[str]], list[Trial]] = {}
     for trial in trials:
-        groups.setdefault(tuple(sorted(trial.held.items())), []).append(trial)
-    for group in groups.values():
-        model = extended(baseline.model, (group[0],), baseline.prepared)
+        group = frozenset(trial.held.items()), frozenset(trial.scales)
+        groups.setdefault(group, []).append(trial)
+    for alike in groups.values():
+        model = extended(baseline.model, (alike[0],), baseline.prepared)
         values, owners = [], []
-        for trial in group:
+        for trial in alike:
             for sizes in np.eye(len(trial.sizes)) if trial.sizes else np.zeros((1, 0)):
                 values.append(np.append(baseline.fits.values[0], start_of(trial, sizes)))
                 owners.append(trial)

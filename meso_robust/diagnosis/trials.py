@@ -182,19 +182,30 @@ def _least_gaps(prepared: Prepared, points: Floats) -> Floats:
     return least
 
 
+def shown(prepared: Prepared) -> Floats:
+    """(2, 2) least and largest x and y in m of what the images show of the part at least."""
+    places = prepared.seen[..., :2].reshape(-1, 2)
+    reach = np.linalg.norm(prepared.outline, axis=1).max()
+    return np.array([np.nanmin(places, axis=0) - reach, np.nanmax(places, axis=0) + reach])
+
+
 def _about_a_place(**size: float) -> Forms:
-    """An error of the image about a place of the stage: the origin, and others that an image shows."""
-    far = 300.0
-    places = ((0.0, 0.0), *itertools.product((-far, far), repeat=2))
-    return lambda effect, _: [
-        Trial(
-            effect=effect,
-            sizes=size,
-            shape={"about_x_um": x, "about_y_um": y},
-            free={"about_x_um": 100.0, "about_y_um": 100.0},
-        )
-        for x, y in places
-    ]
+    """An error of the image about the origin of the stage, or about a place that the image shows."""
+
+    def forms(effect: str, prepared: Prepared) -> Iterable[Trial]:
+        yield Trial(effect=effect, sizes=size)
+        scale = 1e6 * REFERENCE_LENGTH / prepared.length
+        ends = scale * shown(prepared)
+        places = itertools.product(*np.quantile(ends, (0.25, 0.75), axis=0).T.tolist())
+        for x, y in ((0.0, 0.0), *places):
+            yield Trial(
+                effect=effect,
+                sizes=size,
+                shape={"about_x_um": x, "about_y_um": y},
+                free={"about_x_um": 100.0, "about_y_um": 100.0},
+            )
+
+    return forms
 
 
 _LAYS = (0.0, 22.5, 45.0, 67.5)
@@ -291,9 +302,9 @@ TRIALS: Mapping[str, Try] = {
     ),
     "probe_drift": Try("hold the tip on the part for ten seconds", _DRIFT),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
-    # about the origin alone: a slight scale about a place far out moves everything, as the part's own
-    # reference offset does
-    "camera_scale": Try("long pushes along x and along y; a calibration grid", sized(percent=0.3)),
+    "camera_scale": Try(
+        "long pushes along x and along y; a calibration grid", _about_a_place(percent=0.3)
+    ),
     "camera_rotation": Try(
         "long pushes along x and along y; a calibration grid", _about_a_place(angle_deg=0.2)
     ),

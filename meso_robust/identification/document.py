@@ -330,7 +330,19 @@ def read_model(path: Path) -> ModelDocument:
 
 
 def parse_model(values: Mapping[str, Any], source: str) -> ModelDocument:
-    """Check the values of a ``model.toml``; ``source`` names them in messages.
+    """Check the values of a ``model.toml``.
+
+    Parameters
+    ----------
+    values
+        As TOML has them.
+    source
+        Names them in messages.
+
+    Returns
+    -------
+    ModelDocument
+        In the units of the file.
 
     Raises
     ------

@@ -11,6 +11,7 @@ import numpy as np
 
 from meso_robust.live.lab_file import CameraSection, Lab
 from meso_robust.tracking.calibration import Calibration
+from meso_robust.tracking.frame_estimate import size_words
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.pose import Lens, PartTracker
 from meso_robust.tracking.template import symmetry
@@ -138,7 +139,8 @@ class Eye:
             return _nothing(seen.state, seen.reason)
         pose = self.calibration.pose_to_world(seen.pose)
         spread = self.calibration.pose_covariance(seen.covariance)
-        return self._judged(pose, spread, seen.state, seen.reason)
+        words = "; ".join(filter(None, (seen.reason, size_words(seen.size))))
+        return self._judged(pose, spread, seen.state, words)
 
     def _judged(self, pose: Floats, spread: Floats, state: str, reason: str) -> Sight:
         scale = np.array([1.0 / UM, 1.0 / UM, 1.0 / DEG])

@@ -16,6 +16,8 @@ from meso_robust.diagnosis.document import (
 )
 from meso_robust.reporting.pages import Colour
 from meso_robust.reporting.words import number, signed, significant
+from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.stage import FORM
 from meso_robust.wording import counted, down, down_to, up, up_to
 
 MOST_SPANS = 3
@@ -55,6 +57,8 @@ PHASES = {
     "rest": "rest",
 }
 COMPONENTS = {"x": "x", "y": "y", "theta": "θ"}
+_IN_WORDS = (FORM, "turned")
+"""Numbers that say how an effect acts: where they were held, words say more."""
 _UNITS = {"_um2": " µm²", "_um_s": " µm/s", "_um": " µm", "_deg": "°", "_ms": " ms", "_s": " s"}
 
 
@@ -141,7 +145,22 @@ def effect_words(effect: EffectSection) -> str:
     str
         Name, stage and values with their intervals and units.
     """
-    return f"{effect.name} ({effect.stage}): {parameters_words(effect.parameters)}"
+    told = {
+        key: one
+        for key, one in effect.parameters.items()
+        if key not in _IN_WORDS or one.low != one.high
+    }
+    parts = (parameters_words(told), *_form_words(effect))
+    return f"{effect.name} ({effect.stage}): {', '.join(filter(None, parts))}"
+
+
+def _form_words(effect: EffectSection) -> tuple[str, str]:
+    """The form of the effect's law: nothing of the usual one, or where the recordings do not tell it."""
+    number, share = (effect.parameters.get(key) for key in _IN_WORDS)
+    form = CATALOGUE[effect.name].forms[int(number.value)] if number and number.value else ""
+    turns = share is not None and share.low == share.high != 0.0
+    shear = f"{100.0 * share.value:.0f} % of its shear taken for a turn" if share and turns else ""
+    return form if form in effect.form else "", shear
 
 
 def parameters_words(parameters: dict[str, ValueSection]) -> str:

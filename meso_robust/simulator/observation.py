@@ -2,12 +2,12 @@
 
 A pose x, θ of the part at time t is seen as
 
-    y(t) = A (1 + s) D(R(φ) (x(t - τ) - m) + m) + d t + c,    D(r) = r (1 + k1 |r|²),
+    y(t) = A S(D(R(φ) (x(t - τ) - m) + m)) + d t + c,    D(r) = r (1 + k1 |r|²),    S(r) = r + s (r - m'),
     θ_seen(t) = θ(t - τ) + φ + q ψ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
 
-world frame, about the world origin but for the rotation, which has a middle m of its own: delay τ,
-rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the axes, drift d
-and shift c. The lens shears what is off its axis; ψ is the angle by which the
+world frame, about the world origin but for rotation and scale, which have middles m and m' of their
+own: delay τ, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
+axes, drift d and shift c. The lens shears what is off its axis; ψ is the angle by which the
 x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. Then `sense` samples at the frames of the camera, adds noise and
 loses frames. NumPy only; the kernels do not come here.
 """
@@ -25,6 +25,22 @@ from meso_robust.types import Flags, Floats
 _UM, _DEG = 1e-6, np.pi / 180.0
 
 _FARTHEST = 50e3  # µm from the world origin, of the middle of an image
+
+
+def _middle(of: str) -> tuple[Parameter, ...]:
+    """The place of the stage that an error of the image leaves where it is."""
+    return tuple(
+        Parameter(
+            key=f"about_{axis}_um",
+            unit="µm",
+            to_si=_UM,
+            meaning=f"m_{axis} of the place that {of}, such as the middle of the image",
+            low=-_FARTHEST * _UM,
+            high=_FARTHEST * _UM,
+            size=False,
+        )
+        for axis in "xy"
+    )
 
 
 OBSERVATION = Stage(
@@ -49,7 +65,7 @@ OBSERVATION = Stage(
         ),
         Effect(
             name="camera_scale",
-            equation="y = (1 + s) x about the world origin",
+            equation="y = x + s (x − m)",
             source="scale of a similarity transform, doi:10.1109/34.88573",
             parameters=(
                 Parameter(
@@ -60,6 +76,7 @@ OBSERVATION = Stage(
                     low=-0.2,
                     high=0.2,
                 ),
+                *_middle("lengths are seen too long from"),
             ),
         ),
         Effect(
@@ -75,18 +92,7 @@ OBSERVATION = Stage(
                     low=-45.0 * _DEG,
                     high=45.0 * _DEG,
                 ),
-                *(
-                    Parameter(
-                        key=f"about_{axis}_um",
-                        unit="µm",
-                        to_si=_UM,
-                        meaning=f"m_{axis} of the place that stays where it is, such as the middle of the image",
-                        low=-_FARTHEST * _UM,
-                        high=_FARTHEST * _UM,
-                        size=False,
-                    )
-                    for axis in "xy"
-                ),
+                *_middle("the image is turned about"),
             ),
         ),
         Effect(
@@ -216,6 +222,8 @@ OBSERVATION = Stage(
 
 CAMERA_LATENCY_TIME = OBSERVATION.slot("camera_latency", "time_ms")
 CAMERA_SCALE_PERCENT = OBSERVATION.slot("camera_scale", "percent")
+CAMERA_SCALE_ABOUT_X = OBSERVATION.slot("camera_scale", "about_x_um")
+CAMERA_SCALE_ABOUT_Y = OBSERVATION.slot("camera_scale", "about_y_um")
 CAMERA_ROTATION_ANGLE = OBSERVATION.slot("camera_rotation", "angle_deg")
 CAMERA_ROTATION_ABOUT_X = OBSERVATION.slot("camera_rotation", "about_x_um")
 CAMERA_ROTATION_ABOUT_Y = OBSERVATION.slot("camera_rotation", "about_y_um")
@@ -232,6 +240,7 @@ CAMERA_ANISOTROPY_TURNED = OBSERVATION.slot("camera_anisotropy", "turned")
 REGISTRATION_SHIFT_X = OBSERVATION.slot("registration_shift", "x_um")
 REGISTRATION_SHIFT_Y = OBSERVATION.slot("registration_shift", "y_um")
 
+_SCALE_ABOUT = [CAMERA_SCALE_ABOUT_X, CAMERA_SCALE_ABOUT_Y]
 _ROTATION_ABOUT = [CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y]
 _ROUNDS = 50  # of Newton's rule, which converges quadratically but where the lens folds the image
 _LEAST = 1e-6  # slope of the lens, below which its inverse is not to be had
@@ -383,7 +392,9 @@ def unseen(times: Floats, points: Floats, effects_table: Floats) -> Floats:
     shown -= table[:, None, None, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]]
     on = _stretched(table)
     shown[on] = np.einsum("nij,ntqj->ntqi", np.linalg.inv(_axes(table[on])), shown[on])
-    shown /= 1.0 + table[:, None, None, None, CAMERA_SCALE_PERCENT]
+    error = table[:, None, None, None, CAMERA_SCALE_PERCENT]
+    shown += error * table[:, None, None, _SCALE_ABOUT]
+    shown /= 1.0 + error
     _straighten(shown, table[:, LENS_DISTORTION_K1])
     _rotate(shown, -table[:, CAMERA_ROTATION_ANGLE], table[:, _ROTATION_ABOUT])
     return np.asarray(shown)
@@ -449,7 +460,7 @@ def _show(times: Floats, points: Floats, table: Floats) -> None:
     """Take points (N, T, Q, 2) through rotation, lens, scale and drift."""
     _rotate(points, table[:, CAMERA_ROTATION_ANGLE], table[:, _ROTATION_ABOUT])
     _distort(points, table[:, LENS_DISTORTION_K1])
-    _scale(points, table[:, CAMERA_SCALE_PERCENT])
+    _scale(points, table[:, CAMERA_SCALE_PERCENT], table[:, _SCALE_ABOUT])
     _deform(points, table)
     _drift(_lasted(times[None], table), points, table[:, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]])
     _shift(points, table[:, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]])
@@ -549,9 +560,9 @@ def _straighten(points: Floats, k1: Floats) -> None:
     points[on] *= np.where(far > 0.0, r / np.maximum(far, 1e-300), 1.0)[..., None]
 
 
-def _scale(points: Floats, error: Floats) -> None:
+def _scale(points: Floats, error: Floats, about: Floats) -> None:
     on = error != 0.0
-    points[on] *= 1.0 + error[on, None, None, None]
+    points[on] += error[on, None, None, None] * (points[on] - about[on, None, None])
 
 
 def _lasted(times: Floats, table: Floats) -> Floats:

@@ -63,7 +63,8 @@ class Systematic(NamedTuple):
     sigma
         (2 S,) px; standard deviation of each mode.
     response
-        (2 S, 3) by how much each displaces the pose (u, v, angle) in the part's axes, a px.
+        (2 S, k) by how much each displaces the solution, a px: the pose (u, v, angle) in the part's axes
+        first.
     """
 
     sigma: Floats
@@ -75,7 +76,7 @@ class Systematic(NamedTuple):
         ``known`` (2 S, 2) are displacements by the modes that were measured and are taken off: what
         is left of them is how much they differ from those of the present frame.
         """
-        moved = self.response.copy()
+        moved = self.response[:, :3].copy()
         moved[:, :2] = self.displacement(turn) - (0.0 if known is None else known)
         scaled = moved * self.sigma[:, None]
         return scaled.T @ scaled
@@ -104,7 +105,7 @@ def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) 
         free = float(np.sum((left[kind, kind] ** 2)[used[kind]][:, used[kind]]))
         total = SIDE_COUNT * expected + float(np.sum(seen[kind] ** 2))
         sigma[kind] = np.sqrt(total / (SIDE_COUNT + free))
-    return Systematic(sigma, response[:, :3])
+    return Systematic(sigma, response)
 
 
 def lamp_covariance(fit: Floats) -> Floats:

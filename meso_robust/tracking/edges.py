@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meso_robust.tracking.covariance import side_modes
+from meso_robust.tracking.covariance import clustered, side_modes, systematic
 from meso_robust.tracking.edge_pattern import PATTERN_HALF, STEP, Pattern, learned
 from meso_robust.tracking.sampling import Patch, profiles
 from meso_robust.types import Flags, Floats, Ints
@@ -202,15 +202,15 @@ def matched(derivative: Floats, pattern: Pattern) -> Matched:
 def robust_fit(
     design: Floats, offset: Floats, quality: Floats, delta_sigma: float
 ) -> tuple[Floats, Floats]:
-    """Solution (4,) of weighted least squares and its weights (N,), by reweighting.
+    """Solution (k,) of weighted least squares and its weights (N,), by reweighting.
 
-    ``delta_sigma`` in px is how well δ is known to be zero beforehand; what does not look like the
+    ``delta_sigma`` in px is how well δ, the fourth, is known to be zero beforehand; what does not look like the
     outline (quality below ALIKE) has no weight.
     """
     from meso_robust.tracking.fit_kernels import reweighted
 
     weight = np.where(np.isfinite(offset) & (quality >= ALIKE), quality**2, 0.0)
-    solution, rows = np.zeros(4), np.flatnonzero(weight)
+    solution, rows = np.zeros(design.shape[1]), np.flatnonzero(weight)
     reweighted(design, offset, rows, delta_sigma, _LEAST_SCALE, solution, weight)
     return solution, weight
 
@@ -225,6 +225,46 @@ def edge_fit(
     delta_sigma: float,
 ) -> EdgeFit:
     """One step towards the pose from the edges within ``reach`` px of the outline at ``pose``."""
+    offset, quality = _offsets(of, outline, pose, lens, pattern, reach)
+    solution, weight = robust_fit(outline.design, offset, quality, delta_sigma)
+    residual = np.nan_to_num(offset) - outline.design @ solution
+    return EdgeFit(moved(pose, solution), float(solution[3]), residual, weight, np.isfinite(offset))
+
+
+def seen_size(
+    of: Patch,
+    outline: Outline,
+    pose: Floats,
+    lens: Lens,
+    pattern: Pattern,
+    reach: float,
+    delta_sigma: float,
+) -> tuple[float, float]:
+    """By how much longer than stated the part is seen, as a share of its lengths; and the standard deviation.
+
+    Of a part as wide as it is long, that is the same as an outline displaced alike on all sides, and is not told.
+    """
+    offset, quality = _offsets(of, outline, pose, lens, pattern, reach)
+    design = np.column_stack((outline.design, np.sum(outline.points * outline.normals, axis=1)))
+    solution, weight = robust_fit(design, offset, quality, delta_sigma)
+    residual = np.nan_to_num(offset) - design @ solution
+    sides = systematic(design, weight, residual, outline.modes)
+    variance = clustered(design, weight, residual, outline.starts)[4, 4]
+    variance += float(np.sum((sides.sigma * sides.response[:, 4]) ** 2))
+    # what the size takes of a displacement that was held to be small beforehand
+    normal = (design * weight[:, None]).T @ design
+    left = np.abs(residual[weight > 0.0])
+    scale = 1.4826 * float(np.median(left)) if left.size else 1.0
+    prior = (max(scale, _LEAST_SCALE) / delta_sigma) ** 2
+    normal[3, 3] += prior
+    taken = delta_sigma * prior * np.linalg.pinv(normal, hermitian=True)[4, 3]
+    return float(solution[4]), math.sqrt(variance + taken**2)
+
+
+def _offsets(
+    of: Patch, outline: Outline, pose: Floats, lens: Lens, pattern: Pattern, reach: float
+) -> tuple[Floats, Floats]:
+    """(N,) ideal px outward of the outline at which edges are found, NaN where not visible; and quality."""
     q, seen, normals = seen_normals(outline, pose, lens)
     found = matched(slopes(of, seen, normals, reach), pattern)
     offset = found.offset
@@ -232,11 +272,7 @@ def edge_fit(
         n = outline.normals @ rotation(pose[2]).T
         at = seen + np.nan_to_num(offset)[:, None] * normals
         offset = np.where(np.isfinite(offset), np.sum((lens.ideal(at) - q) * n, axis=1), np.nan)
-    solution, weight = robust_fit(outline.design, offset, found.quality, delta_sigma)
-    residual = np.nan_to_num(offset) - outline.design @ solution
-    return EdgeFit(
-        moved(pose, solution), float(solution[3]), residual, weight, np.isfinite(found.offset)
-    )
+    return offset, found.quality
 
 
 def learned_pattern(of: Patch, outline: Outline, pose: Floats, lens: Lens) -> Pattern:

@@ -155,14 +155,14 @@ def match(
 
 @inner
 def _summed(design: Floats, weight: Floats, offset: Floats, normal: Floats, right: Floats) -> None:
-    """Normal matrix and right side of weighted least squares with four unknowns."""
+    """Normal matrix and right side of weighted least squares."""
     normal[:], right[:] = 0.0, 0.0
     for n in range(len(design)):
         if weight[n] > 0.0:
-            for i in range(4):
+            for i in range(len(right)):
                 scaled = weight[n] * design[n, i]
                 right[i] += scaled * offset[n]
-                for j in range(4):
+                for j in range(len(right)):
                     normal[i, j] += scaled * design[n, j]
 
 
@@ -187,21 +187,21 @@ def reweighted(
     """Weighted least squares, reweighted by Tukey's biweight; see `edges.robust_fit`.
 
     Only ``rows`` are used; ``weight`` (N,) is at first what they count anyway, elsewhere 0, and is
-    replaced; ``solution`` (4,) is filled.
+    replaced; ``solution`` (k,) is filled; the fourth is known beforehand to be about zero.
     """
     base, residual, sizes = np.empty(len(rows)), np.empty(len(rows)), np.empty(len(rows))
     for k in range(len(rows)):
         base[k], residual[k] = weight[rows[k]], offset[rows[k]]
         sizes[k] = abs(residual[k])
     scale = max(_spread(sizes), least_scale)
-    normal, right = np.empty((4, 4)), np.empty(4)
+    normal, right = np.empty((len(solution), len(solution))), np.empty(len(solution))
     for _ in range(_ROUNDS):
         _summed(design, weight, offset, normal, right)
         normal[3, 3] += (scale / delta_sigma) ** 2
-        for i in range(4):
+        for i in range(len(right)):
             normal[i, i] += 1e-9 * normal[i, i] + 1e-9
         _eliminated(normal, right)
-        for i in range(4):
+        for i in range(len(right)):
             solution[i] = right[i]
         for k in range(len(rows)):
             residual[k] = _left(design[rows[k]], solution, offset[rows[k]])

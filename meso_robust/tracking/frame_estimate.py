@@ -55,6 +55,8 @@ class Sighting:
         Share of all edge points that were used.
     turns
         1, or n if the part looks alike in n orientations and nothing chose one.
+    size
+        Share of its lengths by which the part is seen longer than stated; 0 where that is not told.
     """
 
     pose: Floats
@@ -65,6 +67,7 @@ class Sighting:
     score: float
     share: float
     turns: int = 1
+    size: float = 0.0
 
 
 class Measured(NamedTuple):
@@ -159,7 +162,12 @@ def apart(a: Floats, b: Floats, turns: int) -> bool:
 
 
 def sighting(
-    measured: Measured, outline: Outline, lens: Lens, shape: tuple[int, ...], turns: int
+    measured: Measured,
+    outline: Outline,
+    lens: Lens,
+    shape: tuple[int, ...],
+    turns: int,
+    size: float,
 ) -> Sighting:
     """What is reported of an accepted pose in a frame of ``shape`` (height, width)."""
     seen = lens.seen(placed(outline.corners, measured.pose))
@@ -182,6 +190,29 @@ def sighting(
         measured.score,
         measured.share,
         turns,
+        size,
+    )
+
+
+def size_words(size: float) -> str:
+    """What to know of a part that is seen longer than stated.
+
+    Parameters
+    ----------
+    size
+        Share of its lengths by which it is; negative: shorter.
+
+    Returns
+    -------
+    str
+        In words; empty if it is not.
+    """
+    if size == 0.0:
+        return ""
+    more = "larger" if size > 0.0 else "smaller"
+    return (
+        f"the part is seen {100 * abs(size):.1f} % {more} than stated; "
+        "check the size of a pixel and that of the part"
     )
 
 

@@ -13,6 +13,7 @@ from meso_robust.tracking.edges import (
     edge_fit,
     placed,
     sampled_outline,
+    seen_size,
 )
 from meso_robust.tracking.frame_estimate import (
     Measured,
@@ -42,6 +43,9 @@ _NEAR, _FAR, _FINE = 6.0, 14.0, 3.0  # reach in px of the edges: following, sear
 _UNLEARNED, _LEARNED = 3.0, 0.3  # px, standard deviation of δ before and after learning
 _TRIED = 10  # candidates of the search that are measured
 _ALIKE = 0.9  # share of the best score from which another place fits alike
+_SURE = 3.0  # standard deviations from which on a part is taken for larger or smaller than stated
+_MISFIT = 0.5  # px, of one pair of sides against another: oblique light on rims makes less of it
+_SIZED = 3  # times that its size is measured, the later ones where its edges are near
 
 
 class PartTracker:
@@ -64,12 +68,13 @@ class PartTracker:
     def __init__(self, outline_px: Floats, lens: Lens | None = None) -> None:
         """Check the outline and take its points."""
         corners = _checked_outline(np.asarray(outline_px, dtype=float))
-        self._outline = sampled_outline(corners)
+        self._stated = sampled_outline(corners)
         self._lens = Lens() if lens is None else lens
         self._turns = symmetry(corners)
         self._start()
 
     def _start(self) -> None:
+        self._outline, self._size = self._stated, 0.0
         self._memory = untaught(self._outline.corners)
         self._pose: Floats | None = None
         self._motion = np.zeros(3)
@@ -146,7 +151,12 @@ class PartTracker:
         good = sorted((m for m in tried if not m.fault), key=lambda m: -m.score * m.share)
         if not good:
             best = max(tried, key=lambda m: m.score * m.share, default=None)
-            return lost("no place fits the outline", best)
+            if best is not None and self._memory.frames == 0:
+                # one that is seen much larger or smaller fits nowhere as stated
+                best = self._sized(frame, mask, best)
+            if best is None or best.fault:
+                return lost("no place fits the outline", best)
+            good = [best]
         rivals = [m for m in good[1:] if apart(m.pose, good[0].pose, self._turns)]
         rivals = [m for m in rivals if m.score * m.share > _ALIKE * good[0].score * good[0].share]
         if rivals and not placed_near:
@@ -157,9 +167,38 @@ class PartTracker:
             chosen = min((good[0], *rivals), key=lambda m: np.hypot(*(m.pose - near)[:2]))
         angle = chosen.pose[2] if near is None else near[2]
         measured = self._measure(frame, mask, self._turned(chosen, angle), _NEAR)
+        if self._memory.frames == 0:
+            measured = self._sized(frame, mask, measured)
         if measured.fault:
             return lost(measured.fault, measured)
         return self._accepted(frame, mask, measured)
+
+    def _sized(self, frame: Bytes, mask: Bytes | None, measured: Measured) -> Measured:
+        """The same with an outline of the size that the part is seen with, where that is surely another.
+
+        Of two opposite edges that do not both fit, one would be taken for clutter, and the pose be wrong by the
+        whole misfit of the other. The size is measured with a single step first, then with what the outline
+        looks like: a step may meet the rim's inner edge on one pair of sides.
+        """
+        stated, share, seen = self._stated, 0.0, measured
+        for _ in range(_SIZED):
+            more, sigma = seen_size(
+                seen.piece, self._outline, seen.edges.pose, self._lens,
+                self._memory.pattern, _NEAR, _UNLEARNED,
+            )  # fmt: skip
+            share += more * (1.0 + share)
+            self._outline = sampled_outline((1.0 + share) * stated.corners)
+            self._memory = untaught(self._outline.corners)
+            seen = self._measure(frame, mask, seen.edges.pose, _NEAR)
+            self._memory = with_pattern(
+                self._memory, seen.piece, self._outline, seen.edges.pose, self._lens
+            )
+        away = np.sum(stated.points * stated.normals, axis=1)
+        if abs(share) > _SURE * sigma and abs(share) * float(np.ptp(away)) > _MISFIT:
+            self._size, self._memory = share, untaught(self._outline.corners)
+            return self._measure(frame, mask, seen.edges.pose, _NEAR)
+        self._outline, self._memory = stated, untaught(stated.corners)
+        return measured
 
     def _turned(self, measured: Measured, angle: float) -> Floats:
         """The pose among those that look alike: as the face was learned, else nearest to an angle."""
@@ -183,7 +222,7 @@ class PartTracker:
             measured = self._taught(frame, mask, measured)
         self._pose = measured.pose
         turns = self._turns if self._guess is None else 1
-        return sighting(measured, self._outline, self._lens, frame.shape, turns)
+        return sighting(measured, self._outline, self._lens, frame.shape, turns, self._size)
 
     def _taught(self, frame: Bytes, mask: Bytes | None, measured: Measured) -> Measured:
         """Learn from a frame, and measure it again with what was learned."""

@@ -10,6 +10,7 @@ from itertools import islice
 import numpy as np
 
 from meso_robust.tracking.calibration import Calibration
+from meso_robust.tracking.frame_estimate import size_words
 from meso_robust.tracking.frames import Frames
 from meso_robust.tracking.learned import Tip
 from meso_robust.tracking.needle import Needle
@@ -209,6 +210,8 @@ def _finished(
             f"the part looks alike in {turns} orientations and no start angle was given: every theta "
             f"is right up to {360 / turns:g} deg; give --start"
         )
+    if said := size_words(sightings[0].size):
+        notes.append(said)
     if scene.probes is None and not probes:
         notes.append("no probe was seen to move in from the border; give --probe if there is one")
     places, spreads = _placed(calibration, probes, tips, notes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.words import words
-from meso_robust.transfer.assumption_check import BREAKS, Standing, remedy
+from meso_robust.transfer.assumption_check import BREAKS, FRICTION, Standing, remedy
 from meso_robust.transfer.document import (
     BeyondMade,
     ChangeMade,
@@ -123,6 +123,9 @@ def cautions(made: Promise) -> tuple[str, ...]:
             f"the ranges are the model's intervals, {model.confidence:.0%} for each one alone: what is "
             "proved is proved for every value in them"
         )
+    friction = model.parameters.get(FRICTION)
+    if friction is not None and (friction.open_low or friction.open_high):
+        found += [f"{FRICTION}: {one.said}" for one in made.standings if one.name == FRICTION]
     if any(one.absorbed is not None and one.absorbed.sensed_um > 0.0 for one in made.standings):
         found.append(
             "start and goal are in the probes' axes; what is bounded is how the camera errs"

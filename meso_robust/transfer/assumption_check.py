@@ -93,6 +93,54 @@ def standings(document: ModelDocument, budget: Budget) -> tuple[Standing, ...]:
     )
 
 
+def lent(document: ModelDocument, task: Task) -> tuple[ModelDocument, str]:
+    """The model with the ends of µ that its recordings leave open taken from the task, and which these are.
+
+    A push that never slips bounds µ from below alone, and a single one that slips bounds it only as far as
+    nothing else was wrong with it. The task states a range of its own: where the recordings do not
+    contradict it, that is the premise that it was before them.
+
+    Parameters
+    ----------
+    document
+        A fitted model.
+    task
+        As the user stated it.
+
+    Returns
+    -------
+    ModelDocument
+        As it was, if µ is open on no side, or is beyond what the task states.
+    str
+        What µ is then, in words; empty if the model is as it was.
+    """
+    of = document.parameters.get(FRICTION)
+    if of is None or not (of.open_low or of.open_high) or document.interval == "last simplex":
+        return document, ""
+    stated = task.uncertainty.friction
+    low = stated[0] if of.open_low else of.low
+    high = stated[1] if of.open_high else of.high
+    unlike = of.open_low and of.open_high and not low <= of.value <= high
+    if low > high or unlike:
+        return document, ""
+    ends = {"low": low, "high": high, "open_low": False, "open_high": False}
+    section = of.model_copy(update={**ends, "value": min(max(of.value, low), high)})
+    made = document.model_copy(
+        update={
+            "parameters": {**document.parameters, FRICTION: section},
+            "not_identifiable": tuple(
+                one for one in document.not_identifiable if one.name != FRICTION
+            ),
+        }
+    )
+    if of.open_low and of.open_high:
+        lent_words = "as the task states it: the recordings agree with it, and do not bound it"
+    else:
+        side = "lower" if of.open_low else "upper"
+        lent_words = f"the {side} end as the task states it: the recordings do not bound it"
+    return made, f"a range of the task: {down_to(low, 6)} … {up_to(high, 6)}, {lent_words}"
+
+
 def _open(verdict: str | None) -> Standing:
     """A diagnosis that has not ended with one model: nothing is promised on its ground."""
     said = {

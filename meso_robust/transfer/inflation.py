@@ -267,8 +267,7 @@ def camera_latency(ranges: Ranges, _: Budget) -> Absorbed:
 def camera_rotation(ranges: Ranges, budget: Budget) -> Absorbed:
     """|R(φ) (x - m) + m - x| ≤ |φ| (|x| + |m|), and every orientation is off by φ."""
     angle = largest(ranges["angle_deg"])
-    middle = math.hypot(*(largest(ranges.get(f"about_{axis}_um", NOTHING)) for axis in "xy"))
-    reach = budget.radius_um + middle * _ROUNDING
+    reach = budget.radius_um + _from_origin(ranges)
     far, turn = rounded_up(math.radians(angle) * reach), rounded_up(angle)
     return Absorbed(
         said=f"sensed position ± {far:g} µm and orientation ± {turn:g}° more: |φ| (|x| + |m|) and |φ|, "
@@ -280,10 +279,11 @@ def camera_rotation(ranges: Ranges, budget: Budget) -> Absorbed:
 
 
 def camera_scale(ranges: Ranges, budget: Budget) -> Absorbed:
-    """|s| |x|."""
-    far = rounded_up(0.01 * largest(ranges["percent"]) * budget.radius_um)
+    """|s| (|x| + |m|)."""
+    reach = budget.radius_um + _from_origin(ranges)
+    far = rounded_up(0.01 * largest(ranges["percent"]) * reach)
     return Absorbed(
-        said=f"sensed position ± {far:g} µm more: |s| |x|, {_place(budget)}",
+        said=f"sensed position ± {far:g} µm more: |s| (|x| + |m|), {_place(budget)}",
         sensed_um=far,
         bounded_by="place",
     )
@@ -354,6 +354,12 @@ def camera_drift(ranges: Ranges, budget: Budget) -> Absorbed:
         bounded_by="time",
         condition=f"the last pose is sensed within {budget.seconds:g} s of the camera's calibration",
     )
+
+
+def _from_origin(ranges: Ranges) -> float:
+    """Largest distance of the place m that an error of the image leaves where it is; um."""
+    x, y = (largest(ranges.get(f"about_{axis}_um", NOTHING)) for axis in "xy")
+    return math.hypot(x, y) * _ROUNDING
 
 
 def _place(budget: Budget) -> str:

@@ -43,9 +43,11 @@ from meso_robust.stages import Doing
 from meso_robust.task import POINT_TIPS, Task
 from meso_robust.transfer.assumption_check import (
     BREAKS,
+    FRICTION,
     RATIO,
     Standing,
     in_place,
+    lent,
     remedy,
     standings,
 )
@@ -94,6 +96,8 @@ class Promise:
 class Recertified:
     """A plan for the task as changed for a budget."""
 
+    document: ModelDocument
+    """The model, with what the task lends it."""
     changed: Changed
     standings: tuple[Standing, ...]
     plan: Found
@@ -178,7 +182,7 @@ def promise(task: Task, document: ModelDocument, samples: int, seed: int, doing:
     ran, why = None, "the model has no effects: the runs of the certificate are of its physics"
     if "+" in document.model or any(not one.survives for one in found.standings):
         with doing("simulating under the model's own physics"):
-            ran, why = _ran(found, task, document, min(samples, MOST_RUNS), seed, planned)
+            ran, why = _ran(found, task, min(samples, MOST_RUNS), seed, planned)
     made = Promise(
         planned=_judged(planned, found, document, task),
         before=task,
@@ -220,6 +224,7 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
     NotApplicableError
         No primitive can handle the changed task.
     """
+    document, friction = lent(document, task)
     start, goal = task.start, task.goal
     far = max((one.x_um**2 + one.y_um**2) ** 0.5 for one in (start, goal))
     slender = _slender(task, document)
@@ -227,7 +232,10 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
         radius_um=far, seconds=0.0, ratio_um2=_largest_ratio(task, document), slender=slender
     )
     for _ in range(_ROUNDS):
-        found = standings(document, budget)
+        found = tuple(
+            replace(one, said=friction) if friction and one.name == FRICTION else one
+            for one in standings(document, budget)
+        )
         after = changed(task, document, found)
         plan, wide = _plan(after)
         need = needed(wide, after.task, slender)
@@ -237,6 +245,7 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
         budget = roomier(need)
     held = any(rule.single is not None for rule in plan.rules)
     return Recertified(
+        document=document,
         changed=after,
         standings=tuple(in_place(one, after.task, held=held) for one in found),
         plan=plan,
@@ -277,11 +286,11 @@ def _plan(after: Changed) -> tuple[Found, Chain]:
 
 
 def _ran(
-    found: Recertified, task: Task, document: ModelDocument, runs: int, seed: int, planned: Planned
+    found: Recertified, task: Task, runs: int, seed: int, planned: Planned
 ) -> tuple[Evidence | None, str]:
     x, y, theta = (CLEAR * error + ROUNDING for error in planned.check.error)
     try:
-        return evidence(found.plan.rules, task, document, runs, seed, (x, y, theta)), ""
+        return evidence(found.plan.rules, task, found.document, runs, seed, (x, y, theta)), ""
     except ValueError as error:  # the simulator refuses, say, a tip of a negative radius
         return None, f"the simulator cannot run this model: {error}"
 

@@ -74,6 +74,8 @@ class Answer:
     """On the laboratory's clock."""
     processor_s: float
     """From the recordings to the plan."""
+    set_right: str = ""
+    """What is put right in the laboratory's file that the plan is for; empty if it is for the one that was."""
 
     @property
     def right(self) -> bool:
@@ -158,6 +160,7 @@ def answer_of(name: str, found: Explored, processor_s: float) -> Answer:
         advice=found.advice,
         pushes_s=found.ran.document.duration_s,
         processor_s=processor_s,
+        set_right=found.set_right.words if found.set_right else "",
     )
 
 
@@ -235,6 +238,8 @@ def _row(one: Answer) -> str:
     planned = one.planned or "–"
     if one.margin is not None:
         planned += f", margin {one.margin:.2f}"
+    if one.set_right:
+        planned += f", with {one.set_right}"
     cells = (
         _concealed(one),
         one.verdict or "–",

@@ -25,11 +25,11 @@ from meso_robust.diagnosis.candidates import (
 from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.invariances import Pair
-from meso_robust.diagnosis.model_selection import Contest
+from meso_robust.diagnosis.model_selection import Contest, Form
 from meso_robust.diagnosis.nulls import null_rows
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
-from meso_robust.diagnosis.signatures import signatures
+from meso_robust.diagnosis.signatures import Signature, signatures
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.diagnosis.validation import Errors
 from meso_robust.simulator.catalogue import CATALOGUE
@@ -373,3 +373,57 @@ def test_a_form_with_more_numbers_is_compared_when_its_search_has_ended(
     (found,) = contest._refined([rough(0.0), rough(1.0), rough(2.0)])
     assert (found.refit.trials[0].law, found.refit.gain) == (1.0, 1040.0)
     assert found.refit.lead == pytest.approx(39.0)
+
+
+def test_a_rough_fit_behind_its_own_linear_estimate_is_taken_to_its_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A turn of the image by 12° needs more steps than a rough fit has; a poor fit that kept its promise does not."""
+    promised = {"camera_rotation": 900.0, "backlash": 350.0, "tip_radius": 200.0}
+    gains = {"camera_rotation": 400.0, "backlash": 390.0, "tip_radius": 100.0, "body_force": 1000.0}
+    asked: list[str] = []
+
+    def form(effect: str) -> Form:
+        trial = Trial(effect=effect, sizes={"x": 1.0})
+        signature = cast(Signature, SimpleNamespace(trial=trial))
+        return Form(gain=promised.get(effect, 950.0), signature=signature, linear=False)
+
+    def tried(_: Contest, chosen: tuple[Signature, ...], __: object) -> list[Refit]:
+        (one,) = chosen
+        base = candidate(one.trial.effect).refit
+        return [replace(base, trials=(one.trial,), gain=gains[one.trial.effect])]
+
+    def ended(_: Contest, one: Refit) -> Refit:
+        asked.append(one.trials[0].effect)
+        return replace(one, gain=one.gain + 700.0)
+
+    monkeypatch.setattr(Contest, "_forms", lambda *_: [form(effect) for effect in gains])
+    monkeypatch.setattr(Contest, "_tried", tried)
+    monkeypatch.setattr(Contest, "_ended", ended)
+    monkeypatch.setattr(Contest, "_choices", lambda *_: 0.0)
+    nothing = cast(Any, None)
+    field = Contest(nothing, [], (), np.zeros(0), True, lambda *_: None)._singles()
+    assert {one.effects[0] for one in field} == set(gains)
+    # a second time with the others that may win, as any close one
+    assert sorted(set(asked)) == ["body_force", "camera_rotation"]
+
+
+def test_sets_that_explain_much_the_same_are_extended_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Beside a drift, a turn of the image about a place far out says nothing new; a pull of the tip does."""
+    base = cast(Baseline, SimpleNamespace(rows=np.array([[5.0, 5.0], [5.0, 5.0]])))
+
+    def explaining(effect: str, *change: float) -> Candidate:
+        one = candidate(effect)
+        rows = base.rows - np.reshape(change, (2, 2))
+        return replace(one, refit=replace(one.refit, rows=rows))
+
+    turn = explaining("camera_rotation", 3.0, 0.1, 0.0, 0.0)
+    drift = explaining("camera_drift", 2.0, 0.0, 0.5, 0.0)
+    pull = explaining("tip_attraction", 0.5, 3.0, 0.0, 0.0)
+    play = explaining("backlash", 0.0, 0.0, 0.0, 1.0)
+    nothing = cast(Any, None)
+    quick = Contest(base, [], (), np.zeros(0), True, nothing)
+    assert quick._bases([turn, drift, pull, play]) == [turn, pull]
+    assert replace(quick, quick=False)._bases([turn, drift, pull, play]) == [turn, pull, play]

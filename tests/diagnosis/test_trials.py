@@ -88,15 +88,42 @@ def test_the_typical_speed_is_that_of_moving_tips(prepared: Prepared) -> None:
     assert typical_speed(still) == pytest.approx(75 * UM)
 
 
-def test_an_image_is_turned_about_the_origin_and_about_places_that_it_shows(
-    prepared: Prepared,
+@pytest.mark.parametrize("effect", ["camera_scale", "camera_rotation"])
+def test_an_image_is_tried_about_the_origin_and_about_places_that_it_shows(
+    effect: str, prepared: Prepared
 ) -> None:
     """An image is turned about its middle, not about the place that a stage counts from."""
-    own = [one for one in trials(prepared) if one.effect == "camera_rotation"]
+    plain, *own = [one for one in trials(prepared) if one.effect == effect]
+    assert not plain.shape
     places = {(one.shape["about_x_um"], one.shape["about_y_um"]) for one in own}
     assert len(places) == len(own) == 5
     assert (0.0, 0.0) in places
     assert all(set(one.free) == {"about_x_um", "about_y_um"} for one in own)
+    corners = UM * np.array([place for place in places if place != (0.0, 0.0)])
+    seen = prepared.seen[..., :2].reshape(-1, 2)
+    reach = np.hypot(*np.abs(prepared.outline).max(axis=0))
+    low, high = np.nanmin(seen, axis=0) - reach, np.nanmax(seen, axis=0) + reach
+    # in the middle of each quarter of what the images show of the part
+    assert sorted(set(corners[:, 0])) == pytest.approx(
+        [low[0] + k * (high - low)[0] for k in (0.25, 0.75)]
+    )
+    assert sorted(set(corners[:, 1])) == pytest.approx(
+        [low[1] + k * (high - low)[1] for k in (0.25, 0.75)]
+    )
+
+
+@pytest.mark.parametrize("effect", ["camera_scale", "camera_rotation"])
+def test_the_middle_of_an_image_lies_within_what_it_shows(effect: str, null: Diagnosis) -> None:
+    """A slight scale about a place far out would be a shift, which is another effect."""
+    prepared = null.baseline.prepared
+    about = next(one for one in trials(prepared) if one.effect == effect and one.free)
+    made = extended(null.baseline.model, (about,), prepared)
+    ends = {one.key: (one.low, one.high) for one in made.parameters}
+    seen = prepared.seen[..., :2].reshape(-1, 2)
+    reach = np.hypot(*np.abs(prepared.outline).max(axis=0))
+    for axis, name in enumerate("xy"):
+        low, high = np.nanmin(seen[:, axis]) - reach, np.nanmax(seen[:, axis]) + reach
+        assert ends[f"{effect}.about_{name}_um"] == pytest.approx((low, high))
 
 
 def test_every_edge_is_tried(prepared: Prepared) -> None:

@@ -89,6 +89,8 @@ def test_the_page_counts_what_is_right_and_says_what_to_do() -> None:
         RIGHT, concealed=NOTHING, values={}, told=[], words=[], verdict="consistent",
         planned="PROVED", margin=1.48, advice="",
     )  # fmt: skip
+    turned = replace(plain, set_right="rotation_deg 0 → −0.6")
+    assert "| PROVED, margin 1.48, with rotation_deg 0 → −0.6 |" in page([turned])
     text = page([plain, RIGHT, missed])
     assert "Of 2 effects that were concealed, one at a time, 1 are told" in text
     assert "1 of 3 experiments end with a plan that is PROVED" in text

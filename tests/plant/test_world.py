@@ -41,7 +41,7 @@ def test_names_and_parameters_are_those_of_the_catalogue() -> None:
     from meso_robust.plant.world import _EFFECTS
 
     for name, (defaults, _) in _EFFECTS.items():
-        # the plant has one form of each law, and turns an image about the origin of the stage
+        # the plant has one form of each law, and turns and scales an image about the origin of the stage
         other = {"turned", "form", "about_x_um", "about_y_um", "time_s", "growth_um_s_per_mm"}
         if name in ("probe_compliance", "body_force"):
             other.add("direction_deg")  # of their other forms

@@ -205,6 +205,48 @@ def test_what_was_not_fitted_has_no_interval_and_what_is_not_enough_no_probabili
     )
 
 
+@pytest.mark.parametrize(
+    ("number", "form", "said"),
+    [
+        (0.0, "constant until it breaks", ""),
+        (1.0, "falls linearly to nothing at r", ", falls linearly to nothing at r"),
+        (1.0, "form not told by these recordings", ""),
+    ],
+)
+def test_the_form_of_a_law_is_said_in_words_unless_it_is_the_usual_one(
+    number: float, form: str, said: str
+) -> None:
+    held = {"value": number, "low": number, "high": number}
+    adhesion = {
+        "name": "tip_adhesion",
+        "probability": 1.0,
+        "stage": "contact",
+        "equation": "F = s",
+        "parameters": {"pull_um_s": {"value": 5.0, "low": 4.0, "high": 6.0}, "form": held},
+        "form": form,
+    }
+    first = summary(document("named", effects=(adhesion,))).splitlines()[1]
+    assert first == f"  tip_adhesion (contact): pull_um_s 5 [4, 6] µm/s{said}, probability 1"
+
+
+@pytest.mark.parametrize(
+    ("share", "said"), [(0.0, ""), (1.0, ", 100 % of its shear taken for a turn")]
+)
+def test_what_a_tracker_takes_for_a_turn_is_said_in_words(share: float, said: str) -> None:
+    values = {"x_percent": {"value": 0.5, "low": 0.4, "high": 0.6}}
+    values |= {"turned": {"value": share, "low": share, "high": share}}
+    stretch = {
+        "name": "camera_anisotropy",
+        "probability": 1.0,
+        "stage": "observation",
+        "equation": "y = A x",
+        "parameters": values,
+    }
+    first = summary(document("named", effects=(stretch,))).splitlines()[1]
+    expected = f"  camera_anisotropy (observation): x_percent 0.5 [0.4, 0.6]{said}, probability 1"
+    assert first == expected
+
+
 def test_the_equation_is_set_and_its_parameter_explained(pages: dict[Verdict, str]) -> None:
     assert "<i>f</i> = −<i>τ</i> <i>u</i>/|<i>u</i>| on every part" in pages["named"]
     assert "force over film drag at 75 µm/s" in Reader(pages["named"]).text

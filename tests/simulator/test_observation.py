@@ -24,6 +24,8 @@ from meso_robust.simulator.observation import (
     CAMERA_ROTATION_ABOUT_X,
     CAMERA_ROTATION_ABOUT_Y,
     CAMERA_ROTATION_ANGLE,
+    CAMERA_SCALE_ABOUT_X,
+    CAMERA_SCALE_ABOUT_Y,
     CAMERA_SCALE_PERCENT,
     LENS_DISTORTION_K1,
     LENS_DISTORTION_TURNED,
@@ -43,7 +45,7 @@ Floats = npt.NDArray[np.float64]
 TIMES = np.array([-0.5, 0.0, 0.125, 0.5, 2.0])
 SLOT_OF = {
     "camera_latency": (CAMERA_LATENCY_TIME,),
-    "camera_scale": (CAMERA_SCALE_PERCENT,),
+    "camera_scale": (CAMERA_SCALE_PERCENT, CAMERA_SCALE_ABOUT_X, CAMERA_SCALE_ABOUT_Y),
     "camera_rotation": (CAMERA_ROTATION_ANGLE, CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y),
     "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y, CAMERA_DRIFT_TIME, CAMERA_DRIFT_FORM),
     "lens_distortion": (LENS_DISTORTION_K1, LENS_DISTORTION_TURNED),
@@ -57,7 +59,7 @@ SLOT_OF = {
 }
 ON: dict[str, dict[str, float | Floats]] = {
     "camera_latency": {"time_ms": 60.0},
-    "camera_scale": {"percent": 0.7},
+    "camera_scale": {"percent": 0.7, "about_x_um": 250.0, "about_y_um": -400.0},
     "camera_rotation": {"angle_deg": 1.3, "about_x_um": -600.0, "about_y_um": 150.0},
     "camera_drift": {"x_um_s": 0.4, "y_um_s": -0.2},
     "lens_distortion": {"k1_per_mm2": 0.01},
@@ -89,9 +91,9 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == list(range(80, 97))
+    assert slots == list(range(80, 99))
     table = Effects(ON).table[0]
-    expected = [0.06, 0.007, math.radians(1.3), -600e-6, 150e-6]
+    expected = [0.06, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
     expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0]
     expected += [-0.004, 0.023, 0.002, 0.0, 3e-6, -7e-6]
     columns = [slot for group in SLOT_OF.values() for slot in group]
@@ -131,13 +133,14 @@ def test_rotation_scale_lens_stretch_drift_and_shift_are_those_of_complex_number
     values = {name: given for name, given in ON.items() if name != "camera_latency"}
     out_poses, out_probes = seen(values)
     turn = cmath.rect(1.0, math.radians(1.3))
-    middle = complex(-600e-6, 150e-6)
+    turned_about, scaled_about = complex(-600e-6, 150e-6), complex(250e-6, -400e-6)
     for run, k in np.ndindex(3, TIMES.size):
         points = [poses[run, k, :2], *probes[run, k]]
         found = [out_poses[run, k, :2], *out_probes[run, k]]
         for point, image in zip(points, found, strict=True):
-            z = (complex(*point) - middle) * turn + middle
-            z *= (1.0 + 0.01e6 * abs(z) ** 2) * 1.007
+            z = (complex(*point) - turned_about) * turn + turned_about
+            z *= 1.0 + 0.01e6 * abs(z) ** 2
+            z = (z - scaled_about) * 1.007 + scaled_about
             z = complex(0.996 * z.real + 0.002 * z.imag, 0.002 * z.real + 1.023 * z.imag)
             z += complex(0.4e-6, -0.2e-6) * float(TIMES[k]) + complex(3e-6, -7e-6)
             assert complex(*image) == pytest.approx(z, abs=1e-17)

@@ -8,9 +8,18 @@ import numpy as np
 import pytest
 
 from meso_robust.errors import InputError
+from meso_robust.tracking.frame_estimate import size_words
 from meso_robust.tracking.pose import PartTracker, Sighting
 from meso_robust.types import Floats, Image as Bytes
-from tests.tracking.drawing import CORNERS, digitised, obliquely_lit, plain, textured
+from tests.tracking.drawing import (
+    CORNERS,
+    body_coordinates,
+    covered,
+    digitised,
+    obliquely_lit,
+    plain,
+    textured,
+)
 
 POSE = np.array([300.4, 236.7, 0.3])
 UP = np.array([np.nan, np.nan, 0.3])
@@ -182,3 +191,41 @@ def test_outlines_that_cannot_be_tracked_are_refused(corners: Floats, says: str)
 def test_frames_of_another_kind_are_refused(frame: Bytes, mask: Bytes | None, says: str) -> None:
     with pytest.raises(InputError, match=says):
         PartTracker(CORNERS).first(frame, None, mask)
+
+
+@pytest.mark.parametrize("share", [0.015, -0.015])
+def test_a_part_that_is_seen_larger_or_smaller_than_stated_is_found_where_it_is(
+    share: float,
+) -> None:
+    """Else of two opposite edges one is taken for clutter, and the pose is off by the misfit of the other."""
+    stated = CORNERS / (1.0 + share)
+    tracker = PartTracker(stated)
+    seen = [tracker.first(image(POSE), UP), *(tracker.next(image(POSE, k)) for k in (1, 2))]
+    assert all(close(one, POSE) for one in seen)
+    assert [one.size for one in seen] == pytest.approx(3 * [share], abs=0.002)
+
+
+def test_a_part_of_the_stated_size_is_not_said_to_have_another() -> None:
+    for seed in range(3):
+        assert PartTracker(CORNERS).first(image(POSE, seed), UP).size == 0.0
+
+
+def test_a_square_seen_larger_is_an_outline_displaced_alike_and_is_found_all_the_same() -> None:
+    """Its size and the displacement of all edges are one; neither moves it."""
+    half = 60.0
+    corners = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    x, y = body_coordinates(POSE)
+    grey = 60.0 + 110.0 * covered(x, 1.02 * half, 1.0) * covered(y, 1.02 * half, 1.0)
+    frame = digitised(grey, np.random.default_rng(0))
+    seen = PartTracker(corners).first(frame, UP)
+    assert close(seen, POSE)
+    assert seen.size == 0.0
+
+
+@pytest.mark.parametrize(
+    ("size", "said"),
+    [(0.0, ""), (0.0104, "seen 1.0 % larger than"), (-0.02, "seen 2.0 % smaller than")],
+)
+def test_the_size_is_said_in_words(size: float, said: str) -> None:
+    assert said in size_words(size)
+    assert bool(size_words(size)) == bool(size)

@@ -23,7 +23,11 @@ SEEN = {
         "about_y_um": (200.0, 400.0),
     },
     "lens_distortion": {"k1_per_mm2": (-1e-3, 4e-4), "turned": (0.2, 1.0)},
-    "camera_scale": {"percent": (-0.3, 0.2)},
+    "camera_scale": {
+        "percent": (-0.3, 0.2),
+        "about_x_um": (100.0, 200.0),
+        "about_y_um": (-700.0, 700.0),
+    },
     "camera_drift": {"x_um_s": (-0.05, 0.02), "y_um_s": (0.0, 0.1)},
     "reference_offset": {"x_um": (3.0, 8.0), "y_um": (-4.0, -2.0)},
     "part_yaw": {"angle_deg": (-0.3, 0.1)},
@@ -93,9 +97,10 @@ def test_bounds_by_hand() -> None:
     # 0.1 deg at 2.5 mm is 4.363 um; 0.2 % of it 5 um; 0.001/mm^2 of (2.5 mm)^3 15.625 um
     assert bound("camera_rotation", {"angle_deg": (-0.1, 0.05)}).sensed_um == pytest.approx(4.37)
     assert bound("camera_scale", {"percent": (0.0, 0.2)}).sensed_um == pytest.approx(5.0, abs=0.011)
-    # a middle 500 um from the origin: 0.1 deg of 3 mm is 5.236 um
+    # a middle 500 um from the origin: 0.2 % of 3 mm is 6 um, 0.1 deg of it 5.236 um
     middle = {"about_x_um": (-300.0, 100.0), "about_y_um": (0.0, 400.0)}
-    turn = {"angle_deg": (0.0, 0.1), **middle}
+    scale, turn = {"percent": (0.0, 0.2), **middle}, {"angle_deg": (0.0, 0.1), **middle}
+    assert bound("camera_scale", scale).sensed_um == pytest.approx(6.0, abs=0.011)
     assert bound("camera_rotation", turn).sensed_um == pytest.approx(5.24, abs=0.011)
     assert bound("lens_distortion", {"k1_per_mm2": (1e-3, 1e-3)}).sensed_um == pytest.approx(15.63)
     # b = 0.00625 of a lens of 0.001/mm^2 at 2.5 mm: arcsin(0.00625 / 0.9875) is 0.36264 deg

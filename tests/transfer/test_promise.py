@@ -14,7 +14,7 @@ from meso_robust.certificates.chain import certify
 from meso_robust.certificates.document import NamedDocument
 from meso_robust.certificates.premise import Premise
 from meso_robust.certificates.words import PREMISES
-from meso_robust.identification.document import ModelDocument
+from meso_robust.identification.document import ModelDocument, parse_model
 from meso_robust.pipeline import SimulatorContradictsProofError
 from meso_robust.planning.compose import Found
 from meso_robust.planning.remedy import Remedy
@@ -312,3 +312,48 @@ def test_a_certified_plan_stays_certified_for_any_size_within_the_interval() -> 
             assert alone.verdict is Verdict.PROVED
             assert alone.end is not None
             assert alone.end.within(ends)
+
+
+def half_open(low: float | None, high: float | None, value: float) -> ModelDocument:
+    """A model with a best value of µ, whose recordings give no bound where an end is None."""
+    given = values(base=SURE)
+    given["parameters"]["mu"] |= {
+        "value": value,
+        "low": 0.0 if low is None else low,
+        "high": 3.0 if high is None else high,
+        "open_low": low is None,
+        "open_high": high is None,
+    }
+    given["not_identifiable"] = [{"name": "mu", "why": "the recordings give no bound on one side"}]
+    return parse_model(given, "a model")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected", "side"),
+    [
+        (0.325, None, [0.325, 0.36], "the upper end"),
+        (None, 0.335, [0.3, 0.335], "the lower end"),
+        (None, None, [0.3, 0.36], "agree with it"),
+    ],
+)
+def test_the_task_lends_the_ends_of_friction_that_the_recordings_leave_open(
+    low: float | None, high: float | None, expected: list[float], side: str
+) -> None:
+    """What the user stated of µ is a premise as it was before the recordings; a measured end is theirs."""
+    given = half_open(low, high, 0.33)
+    found = made(given)
+    assert found.planned.certificate.verdict == "PROVED"
+    assert list(found.changed.task.uncertainty.friction) == expected
+    (said,) = [one for one in document(found).caution if "as the task states it" in one]
+    assert side in said
+    assert document(found).model.sha256 == model_hash(given)
+
+
+@pytest.mark.parametrize(("low", "value"), [(0.4, 0.5), (None, 0.5)])
+def test_the_task_lends_nothing_where_the_recordings_contradict_it(
+    low: float | None, value: float
+) -> None:
+    found = searched(half_open(low, None, value))
+    (friction,) = [one for one in found.standings if one.name == "mu"]
+    assert friction.word == "not identified"
+    assert list(found.changed.task.uncertainty.friction) == [0.3, 0.36]
