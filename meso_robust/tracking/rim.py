@@ -8,6 +8,7 @@ background to the rim does not move with the rim's brightness. So all sides are 
 background | meniscus | edge | chamfer with a brightness linear in the cosine to the lamp | face.
 Rolling lines, grain and dust beside an edge are no noise of pixels: along a side they are alike. How
 much of that there is shows deeper in the face and farther out, and the fit weighs the profiles by it.
+What the fit states of its error is scaled by what else a film shows of it (`_scatter`).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import erfcx, ndtr
@@ -43,13 +45,23 @@ _SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4, 0.5])
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
 _LOOSEST = 2.5  # px; a larger displacement is no rim
+# variance of errors over that of the fit: always, a px of displacement, and a step between blocks of
+# compression over those within; set on films of their own
+_OWN_ERROR, _BY_LIGHT, _BY_BLOCKS = 0.15, 0.5, 0.3
+_BLOCK = 8  # px, side of a block
+_DISTINCT, _DOUBT = 0.2, 2.0  # px between solutions, and decline of their likelihood by their cost
+_LEAST_STEP = 0.4  # of blocks; fine compression smooths their borders and still displaces edges
 
 
 class LampFit(NamedTuple):
-    """Displacement (2,) px of a pose from edges by oblique light, and its covariance (2, 2)."""
+    """Displacement (2,) px of a pose from edges by oblique light, and its covariance (2, 2).
+
+    ``doubt`` (2, 2) is the variance that other solutions add, which fit nearly as well.
+    """
 
     displacement: Floats
     covariance: Floats
+    doubt: Floats
 
 
 class _Profiles(NamedTuple):
@@ -185,7 +197,37 @@ def lamp_displacement(
     if np.hypot(*fit.x[:2]) > _LOOSEST:
         return None
     covariance = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)[:2, :2]
-    return LampFit(-fit.x[:2], covariance)
+    doubt = np.zeros((2, 2))
+    for other in fits:
+        away = other.x[:2] - fit.x[:2]
+        if np.hypot(*away) > _DISTINCT and np.hypot(*other.x[:2]) < _LOOSEST:
+            doubt += math.exp(_DOUBT * (fit.cost - other.cost)) * np.outer(away, away) / len(fits)
+    return LampFit(-fit.x[:2], _scatter(frame, fit.x[:2]) * covariance, doubt)
+
+
+def _scatter(frame: Bytes, displacement: Floats) -> float:
+    """Variance of errors over what the fit states.
+
+    Chamfer and blur vary less than it grants them, and where all sides are lit alike what they are
+    taken for displaces nothing. Compression errs alike along a side, which the fit does not know.
+    """
+    lit = _BY_LIGHT * float(np.hypot(*displacement))
+    return _OWN_ERROR + lit + _BY_BLOCKS * max(block_step(frame) - 1.0, _LEAST_STEP)
+
+
+def block_step(frame: Bytes) -> float:
+    """Step of grey values (H, W) at the borders of blocks of compression over that within; 1: none.
+
+    The borders may lie anywhere; medians leave out what edges in the image do to single columns.
+    """
+    ratio = 1.0
+    for image in (frame, np.ascontiguousarray(frame.T)):
+        steps = cv2.absdiff(image[:, 1:], image[:, :-1]).mean(axis=0)
+        whole = len(steps) // _BLOCK * _BLOCK
+        each = np.median(steps[:whole].reshape(-1, _BLOCK), axis=0)
+        within = (each.sum() - each.max()) / (_BLOCK - 1)
+        ratio *= float(each.max() / max(within, _FLOOR / 3.0))
+    return math.sqrt(ratio)
 
 
 def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
