@@ -41,13 +41,14 @@ _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
 # displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px): middle and spread
 # of what etched foil under a 4x objective shows; they bind only where the image says nothing
 _EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
-_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4, 0.5])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 0.35, 0.4, 0.5])
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+_UNEVEN = 0.03  # change of the film's brightness over 10 px, by which sides may differ
 _LOOSEST = 2.5  # px; a larger displacement is no rim
 # variance of errors over that of the fit: always, a px of displacement, and a step between blocks of
 # compression over those within; set on films of their own
-_OWN_ERROR, _BY_LIGHT, _BY_BLOCKS = 0.15, 0.5, 0.3
+_OWN_ERROR, _BY_LIGHT, _BY_BLOCKS = 0.1, 0.5, 0.25
 _BLOCK = 8  # px, side of a block
 _DISTINCT, _DOUBT = 0.2, 2.0  # px between solutions, and decline of their likelihood by their cost
 _LEAST_STEP = 0.4  # of blocks; fine compression smooths their borders and still displaces edges
@@ -159,17 +160,21 @@ def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: flo
 
 
 def _design(given: _Profiles, unknown: Floats) -> Floats:
-    """(S B, 4 S + 4): levels and slopes a side; meniscus, chamfer and its two cosines for all."""
+    """(S B + S, 4 S + 5): levels and slopes a side; the film's slope, meniscus, chamfer and its two
+    cosines for all. The last rows hold each side's slope of the film to that of all: a rim that is taken
+    for the edge leaves its own brightness to it."""
     count = len(given.mean)
     blur, chamfer, meniscus = np.exp(unknown[3:6])
-    rows = np.zeros((count, len(_CENTRES), 4 * count + 4))
+    rows = np.zeros((count, len(_CENTRES), 4 * count + 5))
     for s, n in enumerate(given.normal):
         at = _CENTRES - n @ unknown[:2] - unknown[2]
         shapes = _shapes(at, blur, chamfer, meniscus, unknown[6])
         rows[s, :, 4 * s : 4 * s + 4] = shapes[:, [0, 1, 3, 4]]
-        rows[s, :, -4], rows[s, :, -3] = shapes[:, 2], shapes[:, 5]
+        rows[s, :, -5:-2] = shapes[:, [1, 2, 5]]
         rows[s, :, -2:] = shapes[:, 5:] * n
-    return (given.whitener @ rows).reshape(-1, 4 * count + 4)
+    alike = np.zeros((count, rows.shape[2]))
+    alike[np.arange(count), 4 * np.arange(count) + 1] = 1.0 / (_UNEVEN * given.mean[:, -1].mean())
+    return np.concatenate([*(given.whitener @ rows), alike])
 
 
 def lamp_displacement(
@@ -232,7 +237,7 @@ def block_step(frame: Bytes) -> float:
 
 def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
     """Least squares over displacement (2), δ and shape, the levels being solved for within."""
-    target = (given.whitener @ given.mean[:, :, None]).ravel()
+    target = np.append(given.whitener @ given.mean[:, :, None], np.zeros(len(given.mean)))
 
     def misfit(unknown: Floats) -> Floats:
         design = _design(given, unknown)
