@@ -7,7 +7,19 @@ import math
 import numpy as np
 import pytest
 
-from reports.tracking.accuracy import Result, measured, pushing, row, tip_row, together
+from meso_robust.microscope import project, render
+from meso_robust.tracking.pose import PartTracker
+from reports.tracking.accuracy import (
+    BODY,
+    CONDITIONS,
+    Result,
+    measured,
+    motion,
+    pushing,
+    row,
+    tip_row,
+    together,
+)
 
 
 @pytest.fixture(scope="session")
@@ -52,3 +64,14 @@ def test_the_probe_meets_the_side_and_pushes() -> None:
         assert gap.min() > -1e-9
         assert gap[0] > 25e-6
         assert np.all(gap[1:][moves] < 1e-9)
+
+
+def test_a_strongly_lit_rim_is_not_taken_for_the_edge() -> None:
+    """A film in which another solution fits as well, but for a film uneven beside one side alone."""
+    rng = np.random.default_rng(np.random.SeedSequence(5).spawn(5)[4])
+    scene, (pose, *_) = CONDITIONS["light drifts and flickers"](rng), motion(rng, 16)
+    rng.uniform()  # another draw of noise: the two solutions are that near to each other
+    image = render(scene, pose, np.zeros((0, 2)), rng)
+    truth = np.append(project(scene.optics, pose[:2]), scene.optics.rotation - pose[2])
+    seen = PartTracker(BODY).first(image, truth * [np.nan, np.nan, 1.0])
+    assert np.abs(seen.pose - truth)[:2].max() < 0.3
