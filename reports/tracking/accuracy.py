@@ -31,6 +31,7 @@ from meso_robust.microscope import (
     render,
 )
 from meso_robust.tracking.edges import placed
+from meso_robust.tracking.learned import Tip
 from meso_robust.tracking.memory import LEARNING
 from meso_robust.tracking.pose import PartTracker, Sighting
 from meso_robust.tracking.probe_search import needle_at
@@ -262,7 +263,10 @@ def tip_errors(rng: Random) -> tuple[Floats, Floats]:
     """Errors (n, 2) px along and across a tip in one film, and the standard deviations stated."""
     scene, poses, tips = pushing(rng)
     truth = project(scene.optics, tips)
-    part, probe, outline, found = PartTracker(BODY), None, None, []
+    part = PartTracker(BODY)
+    probe: ProbeTracker | None = None
+    outline: Floats | None = None
+    found: list[Tip] = []
     for k, pose in enumerate(poses):
         image = render(scene, pose, tips[k][None], rng, time=k / 30.0)
         if probe is None:
