@@ -160,9 +160,11 @@ def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: flo
 
 
 def _design(given: _Profiles, unknown: Floats) -> Floats:
-    """(S B + S, 4 S + 5): levels and slopes a side; the film's slope, meniscus, chamfer and its two
-    cosines for all. The last rows hold each side's slope of the film to that of all: a rim that is taken
-    for the edge leaves its own brightness to it."""
+    """(S B + S, 4 S + 5): levels and slopes a side, then what is the same for all.
+
+    That is the film's slope, meniscus, chamfer and its two cosines. The last rows hold each side's slope
+    of the film to that of all: a rim that is taken for the edge leaves its own brightness to it.
+    """
     count = len(given.mean)
     blur, chamfer, meniscus = np.exp(unknown[3:6])
     rows = np.zeros((count, len(_CENTRES), 4 * count + 5))
