@@ -50,6 +50,7 @@ CELL = 1.0 / 90.0  # of the part's width: room of the tips followed together; mo
 COARSE = 2.0  # longer steps where each tip has its own coefficient of friction: four times the work
 AT_END = 4096  # boxes for the pose at the end
 ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013
+ROOM_EACH = 0.07  # the same where each tip has its own coefficient of friction; 0.05 was seen
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
@@ -172,7 +173,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
-    post = replace(at_end.pose, x=_roomy(at_end.pose.x), y=_roomy(at_end.pose.y))
+    room = ROOM if grip.common else ROOM_EACH
+    post = replace(at_end.pose, x=_roomy(at_end.pose.x, room), y=_roomy(at_end.pose.y, room))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
 
 
@@ -225,9 +227,9 @@ def reach(rule: MoveRule, pre: PoseBox, setup: Setup, coarse: float) -> Reach | 
     return Reach(h=float(tube.h[last]) + 0.5 * move.h_end.width, slide=slide)
 
 
-def _roomy(side: Interval) -> Interval:
+def _roomy(side: Interval, share: float) -> Interval:
     """A side of what is stated: others enclose the slide by other barriers, and are to meet it."""
-    more = ROOM * side.width
+    more = share * side.width
     return side + Interval(-more, more)
 
 

@@ -16,10 +16,8 @@ SIDE_TILT = 1.3
 """Displacement of a side's ends by its tilt, relative to that of the side as a whole."""
 LAMP_SIGMA = 0.5
 """px; by how much oblique light displaces a part, along each axis, before the image is seen."""
-LAMP_FLOOR = 0.015
+LAMP_FLOOR = 0.02
 """px; what the rim model (:mod:`meso_robust.tracking.rim`) gets wrong however well it fits."""
-LAMP_SCATTER = 0.75
-"""Errors over what the fit of that model states: chamfer and blur vary less than it grants them."""
 
 
 def clustered(design: Floats, weight: Floats, residual: Floats, starts: Ints) -> Floats:
@@ -111,7 +109,7 @@ def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) 
 def lamp_covariance(fit: Floats) -> Floats:
     """(3, 3) of the pose from the covariance (2, 2) px² of the displacement by oblique light."""
     full = np.zeros((3, 3))
-    full[:2, :2] = LAMP_SCATTER**2 * fit + LAMP_FLOOR**2 * np.eye(2)
+    full[:2, :2] = fit + LAMP_FLOOR**2 * np.eye(2)
     return full
 
 

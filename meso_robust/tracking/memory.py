@@ -64,7 +64,7 @@ class Memory:
             return np.zeros(2), LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
         middle = np.median([fit.displacement for fit in self.lamps], axis=0)
         mean = np.mean([fit.covariance for fit in self.lamps], axis=0)
-        return np.asarray(middle), lamp_covariance(np.asarray(mean))
+        return np.asarray(middle), lamp_covariance(mean + self.lamps[0].doubt)
 
     @property
     def anchor_covariance(self) -> Floats:

@@ -26,7 +26,10 @@ LEAST = 8
 _CANVAS = 32  # frames that the part's image is the mean of
 _CLEAR = 12.0  # px from the part where a tip counts as free
 _ROUNDS = 2
-_ALONG, _ACROSS = 0.115, 0.025  # px; what the needle's and the film's simplicity leave
+_ALONG, _ACROSS = 0.17, 0.035  # px; what the needle's and the film's simplicity leave
+_SHARED = (
+    3.0  # variance of a tip by grain and compression, which neighbours share, over that by noise
+)
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
 _UNSEEN = 0.5  # px along the axis, where the part may be in front of the tip but was not found
 _BLOCKED = 1.0  # px along the axis, where the part hides the end of the tip in all frames
@@ -95,7 +98,7 @@ def _each(
         if part is not None and one.outline is None:
             doubt = doubt + unseen
         tips.append(found.tip)
-        spreads.append(found.covariance + constant + doubt)
+        spreads.append(_SHARED * found.covariance + constant + doubt)
     return Refined(tips=np.array(tips), covariances=np.array(spreads), remark="")
 
 

@@ -8,6 +8,7 @@ background to the rim does not move with the rim's brightness. So all sides are 
 background | meniscus | edge | chamfer with a brightness linear in the cosine to the lamp | face.
 Rolling lines, grain and dust beside an edge are no noise of pixels: along a side they are alike. How
 much of that there is shows deeper in the face and farther out, and the fit weighs the profiles by it.
+What the fit states of its error is scaled by what else a film shows of it (`_scatter`).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import erfcx, ndtr
@@ -39,18 +41,29 @@ _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
 # displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px): middle and spread
 # of what etched foil under a 4x objective shows; they bind only where the image says nothing
 _EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
-_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.25, 0.5, 0.35, 0.4, 0.5])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 0.35, 0.4, 0.5])
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-_LEVELS, _SHARED = [0, 1, 3, 4], [2, 5, 6, 7]  # of the shapes: of each side, and of all alike
+_LEVELS, _SHARED = [0, 1, 3, 4], [1, 2, 5, 6, 7]  # of the shapes: of each side, and of all alike
+_UNEVEN = 0.03  # change of the film's brightness over 10 px, by which sides may differ
 _LOOSEST = 2.5  # px; a larger displacement is no rim
+# variance of errors over that of the fit: always, a px of displacement, and a step between blocks of
+# compression over those within; set on films of their own
+_OWN_ERROR, _BY_LIGHT, _BY_BLOCKS = 0.1, 0.5, 0.25
+_BLOCK = 8  # px, side of a block
+_DISTINCT, _DOUBT = 0.2, 2.0  # px between solutions, and decline of their likelihood by their cost
+_LEAST_STEP = 0.4  # of blocks; fine compression smooths their borders and still displaces edges
 
 
 class LampFit(NamedTuple):
-    """Displacement (2,) px of a pose from edges by oblique light, and its covariance (2, 2)."""
+    """Displacement (2,) px of a pose from edges by oblique light, and its covariance (2, 2).
+
+    ``doubt`` (2, 2) is the variance that other solutions add, which fit nearly as well.
+    """
 
     displacement: Floats
     covariance: Floats
+    doubt: Floats
 
 
 class _Profiles(NamedTuple):
@@ -148,18 +161,24 @@ def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: flo
 
 
 def _design(given: _Profiles, unknown: Floats) -> Floats:
-    """(S B, 4 S + 4): levels and slopes a side; meniscus, chamfer and its two cosines for all."""
+    """(S B + S, 4 S + 5): levels and slopes a side, then what is the same for all.
+
+    That is the film's slope, meniscus, chamfer and its two cosines. The last rows hold each side's slope
+    of the film to that of all: a rim that is taken for the edge leaves its own brightness to it.
+    """
     count = len(given.mean)
     blur, chamfer, meniscus = np.exp(unknown[3:6])
     at = _CENTRES - (given.normal @ unknown[:2])[:, None] - unknown[2]
     shapes = _shapes(at, blur, chamfer, meniscus, unknown[6])
     lit = shapes[..., 5:] * given.normal[:, None]
     seen = given.whitener @ np.concatenate((shapes, lit), axis=-1)
-    design = np.zeros((count, len(_CENTRES), 4 * count + 4))
+    design = np.zeros((count, len(_CENTRES), 4 * count + 5))
     for s in range(count):
         design[s, :, 4 * s : 4 * s + 4] = seen[s][:, _LEVELS]
-    design[..., -4:] = seen[..., _SHARED]
-    return design.reshape(-1, 4 * count + 4)
+    design[..., -5:] = seen[..., _SHARED]
+    alike = np.zeros((count, design.shape[2]))
+    alike[np.arange(count), 4 * np.arange(count) + 1] = 1.0 / (_UNEVEN * given.mean[:, -1].mean())
+    return np.concatenate([*design, alike])
 
 
 def lamp_displacement(
@@ -187,12 +206,42 @@ def lamp_displacement(
     if np.hypot(*fit.x[:2]) > _LOOSEST:
         return None
     covariance = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)[:2, :2]
-    return LampFit(-fit.x[:2], covariance)
+    doubt = np.zeros((2, 2))
+    for other in fits:
+        away = other.x[:2] - fit.x[:2]
+        if np.hypot(*away) > _DISTINCT and np.hypot(*other.x[:2]) < _LOOSEST:
+            doubt += math.exp(_DOUBT * (fit.cost - other.cost)) * np.outer(away, away) / len(fits)
+    return LampFit(-fit.x[:2], _scatter(frame, fit.x[:2]) * covariance, doubt)
+
+
+def _scatter(frame: Bytes, displacement: Floats) -> float:
+    """Variance of errors over what the fit states.
+
+    Chamfer and blur vary less than it grants them, and where all sides are lit alike what they are
+    taken for displaces nothing. Compression errs alike along a side, which the fit does not know.
+    """
+    lit = _BY_LIGHT * float(np.hypot(*displacement))
+    return _OWN_ERROR + lit + _BY_BLOCKS * max(block_step(frame) - 1.0, _LEAST_STEP)
+
+
+def block_step(frame: Bytes) -> float:
+    """Step of grey values (H, W) at the borders of blocks of compression over that within; 1: none.
+
+    The borders may lie anywhere; medians leave out what edges in the image do to single columns.
+    """
+    ratio = 1.0
+    for image in (frame, np.ascontiguousarray(frame.T)):
+        steps = cv2.absdiff(image[:, 1:], image[:, :-1]).mean(axis=0)
+        whole = len(steps) // _BLOCK * _BLOCK
+        each = np.median(steps[:whole].reshape(-1, _BLOCK), axis=0)
+        within = (each.sum() - each.max()) / (_BLOCK - 1)
+        ratio *= float(each.max() / max(within, _FLOOR / 3.0))
+    return math.sqrt(ratio)
 
 
 def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
     """Least squares over displacement (2), δ and shape, the levels being solved for within."""
-    target = (given.whitener @ given.mean[:, :, None]).ravel()
+    target = np.append(given.whitener @ given.mean[:, :, None], np.zeros(len(given.mean)))
 
     def misfit(unknown: Floats) -> Floats:
         design = _design(given, unknown)

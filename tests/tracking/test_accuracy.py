@@ -7,7 +7,19 @@ import math
 import numpy as np
 import pytest
 
-from reports.tracking.accuracy import Result, measured, row, together
+from meso_robust.microscope import project, render
+from meso_robust.tracking.pose import PartTracker
+from reports.tracking.accuracy import (
+    BODY,
+    CONDITIONS,
+    Result,
+    measured,
+    motion,
+    pushing,
+    row,
+    tip_row,
+    together,
+)
 
 
 @pytest.fixture(scope="session")
@@ -32,3 +44,34 @@ def test_the_table_says_what_was_measured() -> None:
     error = np.array([[0.3, -0.4, 0.0], [0.3, 0.4, 0.001]])
     line = row(Result("x", error, np.full((2, 3), 0.2), 1, np.array([1e-3, 3e-3, 5e-3])))
     assert line == "| x | 3 | 1 | 0.300 | 0.400 | 0.0405 | 0.40 | 0.057 | 100 / 0 / 100 | 3.00 |"
+
+
+def test_the_table_of_tips_says_what_was_measured() -> None:
+    here, there = np.array([[0.3, 0.0], [0.1, 0.0]]), np.array([[-0.2, 0.1], [np.nan, np.nan]])
+    sigma = np.full((2, 2), 0.1)
+    line = tip_row([(here, sigma), (there, sigma)])
+    assert line == "| pushing | 4 | 1 | 0.216 | 0.058 | 0.200 | 33 / 100 |"
+
+
+def test_the_probe_meets_the_side_and_pushes() -> None:
+    for seed in range(5):
+        scene, poses, tips = pushing(np.random.default_rng(seed))
+        c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+        away = tips - poses[:, :2]
+        local = np.column_stack((c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]))
+        gap = np.abs(local[:, 1]) - 418.5e-6 - scene.probes[0].tip_radius
+        moves = np.hypot(*np.diff(poses[:, :2], axis=0).T) > 1e-9
+        assert gap.min() > -1e-9
+        assert gap[0] > 25e-6
+        assert np.all(gap[1:][moves] < 1e-9)
+
+
+def test_a_strongly_lit_rim_is_not_taken_for_the_edge() -> None:
+    """A film in which another solution fits as well, but for a film uneven beside one side alone."""
+    rng = np.random.default_rng(np.random.SeedSequence(5).spawn(5)[4])
+    scene, (pose, *_) = CONDITIONS["light drifts and flickers"](rng), motion(rng, 16)
+    rng.uniform()  # another draw of noise: the two solutions are that near to each other
+    image = render(scene, pose, np.zeros((0, 2)), rng)
+    truth = np.append(project(scene.optics, pose[:2]), scene.optics.rotation - pose[2])
+    seen = PartTracker(BODY).first(image, truth * [np.nan, np.nan, 1.0])
+    assert np.abs(seen.pose - truth)[:2].max() < 0.3

