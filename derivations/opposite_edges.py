@@ -68,17 +68,16 @@ def pushes(arm: sp.Matrix, force: sp.Matrix) -> sp.Matrix:
     return sp.Matrix([force[0], force[1], arm[1] * force[0] - arm[0] * force[1]])
 
 
-def film(twist: sp.Matrix) -> sp.Matrix:
-    """What the film takes, over e_x, about S's contact."""
-    centre = arms()[1]
+def film(twist: sp.Matrix, centre: sp.Matrix) -> sp.Matrix:
+    """What the film takes, over e_x, about S's contact, with its centre of drag there."""
     force = sp.Matrix([[1 + stretch, shear], [shear, 1 - stretch]]) * moved(twist, centre)
     return pushes(centre, force) + sp.Matrix([0, 0, rho * twist[2]])
 
 
-def wrenches(ratio_D: sp.Expr, ratio_S: sp.Expr) -> tuple[sp.Matrix, sp.Matrix]:
+def wrenches(ratio_D: sp.Expr, ratio_S: sp.Expr, to_D: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix]:
     """Of a unit normal force at either contact, with the given ratios of friction."""
     on_S = sp.Matrix([SK + ratio_S * CK, CK - ratio_S * SK])
-    return pushes(arms()[0], sp.Matrix([ratio_D, -1])), pushes(sp.zeros(2, 1), on_S)
+    return pushes(to_D, sp.Matrix([ratio_D, -1])), pushes(sp.zeros(2, 1), on_S)
 
 
 def twists() -> tuple[sp.Matrix, sp.Matrix]:
@@ -111,10 +110,12 @@ def determinant(*columns: sp.Matrix) -> sp.Expr:
     return x.dot(y.cross(z))
 
 
-def balance(ratio_D: sp.Expr, ratio_S: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
+def balance(
+    ratio_D: sp.Expr, ratio_S: sp.Expr, to_D: sp.Matrix, centre: sp.Matrix
+) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     """Slide rate times grip, force at D times grip, force at S times grip, and the grip."""
-    on_D, on_S = wrenches(ratio_D, ratio_S)
-    still, sliding = (film(twist) for twist in twists())
+    on_D, on_S = wrenches(ratio_D, ratio_S, to_D)
+    still, sliding = (film(twist, centre) for twist in twists())
     return (
         determinant(on_D, on_S, still),
         -determinant(still, on_S, sliding),
@@ -219,17 +220,37 @@ def alone_rates() -> dict[str, sp.Expr]:
     }
 
 
-def offsets() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
-    """Of both contacts from the centre of drag: S's out and along its edge (negative), D's out and along its own."""
-    out_S, along_S = d_S + drag_n * CK + drag_a * SK, q + drag_a * CK - drag_n * SK
-    return out_S, along_S, d_D - drag_n, T - along_S * CK - (out_S + r_S) * SK
+class Offsets(NamedTuple):
+    """Of both contacts from the centre of drag: of S (far) out and, negative, along its edge; of D (near) out."""
+
+    far_out: sp.Expr
+    far_along: sp.Expr
+    near_out: sp.Expr
+
+    @property
+    def near_along(self) -> sp.Expr:
+        """D's contact along D's edge."""
+        return T - self.far_along * CK - (self.far_out + r_S) * SK
+
+    @property
+    def arms(self) -> tuple[sp.Matrix, sp.Matrix]:
+        """The same as of :func:`arms`."""
+        centre = sp.Matrix(
+            [self.far_along * CK + self.far_out * SK, self.far_out * CK - self.far_along * SK]
+        )
+        return sp.Matrix([T - r_S * SK, self.near_out + centre[1]]), centre
+
+
+OFFSETS = Offsets(d_S + drag_n * CK + drag_a * SK, q + drag_a * CK - drag_n * SK, d_D - drag_n)
+SOME = Offsets(*sp.symbols("G Q H", real=True))
+"""Any offsets, for what holds of all."""
 
 
 def drags() -> tuple[sp.Matrix, sp.Matrix]:
     """What the film takes at unit speed along S's edge, and out of it, in the frame (a, n)."""
     drag = sp.Matrix([[1 + stretch, shear], [shear, 1 - stretch]])
-    along_S, out_S = (sp.Matrix(axis) for axis in ([CK, -SK], [SK, CK]))
-    return drag * along_S, drag * out_S
+    far_along, far_out = (sp.Matrix(axis) for axis in ([CK, -SK], [SK, CK]))
+    return drag * far_along, drag * far_out
 
 
 class Pair(NamedTuple):
@@ -247,40 +268,40 @@ class Pair(NamedTuple):
     """Place at S's edge where the push meets that at D, from the centre of drag."""
 
 
-def pair(ratio_D: sp.Expr, ratio_S: sp.Expr, both: sp.Expr) -> Pair:
+def pair(ratio_D: sp.Expr, ratio_S: sp.Expr, both: sp.Expr, at: Offsets = OFFSETS) -> Pair:
     """Of two ratios with the sum ``both``."""
-    out_S, along_S, out_D, _ = offsets()
+    far_out, far_along, near_out = at
     tangent, normal = SK + ratio_S * CK, CK - ratio_S * SK
-    reach = normal * (T + ratio_D * out_D) - ratio_S * out_S
+    reach = normal * (T + ratio_D * near_out) - ratio_S * far_out
     return Pair(
-        reach=reach + SK * (tangent * along_S - normal * (out_S + r_S)),
+        reach=reach + SK * (tangent * far_along - normal * (far_out + r_S)),
         share=both * CK + (1 - ratio_D * ratio_S) * SK,
         ratio=tangent / normal,
         normal=normal,
-        lag=along_S - ratio_S * out_S,
+        lag=far_along - ratio_S * far_out,
     )
 
 
-def held(of: Pair) -> tuple[sp.Expr, sp.Expr]:
+def held(of: Pair, at: Offsets = OFFSETS) -> tuple[sp.Expr, sp.Expr]:
     """Slide and turn that balance, to one factor: with nothing that cancels in them."""
-    out_S, along_S, _, _ = offsets()
+    far_out, far_along, _ = at
     turns, slides = (
         of.reach * (column[0] - column[1] * of.ratio) + column[1] * of.lag * of.share / of.normal
         for column in drags()
     )
-    return along_S * slides + rho * of.share - (out_S + r_S) * turns, turns
+    return far_along * slides + rho * of.share - (far_out + r_S) * turns, turns
 
 
-def per_turn(of: Pair) -> sp.Expr:
+def per_turn(of: Pair, at: Offsets = OFFSETS) -> sp.Expr:
     """The slide per turn: a quotient of these, over the reach.
 
     What multiplies the share is nothing where the ratios cancel.
     """
-    out_S, along_S, _, _ = offsets()
+    far_out, far_along, _ = at
     uneven = of.share / of.reach
     cross = of.ratio - of.lag * uneven / of.normal
     turns, slides = (column[0] - column[1] * cross for column in drags())
-    return (along_S * slides + rho * uneven) / turns - (out_S + r_S)
+    return (far_along * slides + rho * uneven) / turns - (far_out + r_S)
 
 
 def sticks() -> tuple[sp.Expr, sp.Expr]:
@@ -309,26 +330,27 @@ def corner(ratio_D: sp.Expr, ratio_S: sp.Expr) -> tuple[sp.Expr, ...]:
     return rate(slide), *(above(slide, other) for other in sticks())
 
 
-def grip(ratio_D: sp.Expr, ratio_S: sp.Expr) -> sp.Expr:
+def grip(ratio_D: sp.Expr, ratio_S: sp.Expr, at: Offsets = OFFSETS) -> sp.Expr:
     """The grip, with nothing that cancels in it."""
-    slides, turns = held(pair(ratio_D, ratio_S, ratio_D + ratio_S))
+    slides, turns = held(pair(ratio_D, ratio_S, ratio_D + ratio_S, at), at)
     return turns + SK * slides / T
 
 
-def force_S(ratio_D: sp.Expr) -> sp.Expr:
+def force_S(ratio_D: sp.Expr, at: Offsets = OFFSETS) -> sp.Expr:
     """Force at S times grip, with nothing that cancels in it."""
-    _, along_S, out_D, along_D = offsets()
     tangent, plane = drags()[0], 1 - stretch**2 - shear**2
     film_takes = rho * (tangent[0] + ratio_D * tangent[1])
-    return APPROACH / T * (film_takes - plane * along_S * (along_D + ratio_D * out_D))
+    return (
+        APPROACH / T * (film_takes - plane * at.far_along * (at.near_along + ratio_D * at.near_out))
+    )
 
 
-def force_D(ratio_S: sp.Expr) -> sp.Expr:
+def force_D(ratio_S: sp.Expr, at: Offsets = OFFSETS) -> sp.Expr:
     """Force at D times grip, with nothing that cancels in it."""
-    out_S, along_S, _, _ = offsets()
+    far_out, far_along, _ = at
     tangent, plane = drags()[0], 1 - stretch**2 - shear**2
     film_takes = (CK - ratio_S * SK) * tangent[0] - (SK + ratio_S * CK) * tangent[1]
-    return APPROACH / T * (rho * film_takes + plane * along_S * (along_S - ratio_S * out_S))
+    return APPROACH / T * (rho * film_takes + plane * far_along * (far_along - ratio_S * far_out))
 
 
 FORCES = (
@@ -583,7 +605,7 @@ def _balance() -> Claim:
         across: sp.sin(theta), along: sp.cos(theta), q: sigma + T / 2,
     }  # fmt: skip
     slide, push_D, push_S, opening = (
-        part.subs(even, simultaneous=True) for part in balance(tau_D, tau_S)
+        part.subs(even, simultaneous=True) for part in balance(tau_D, tau_S, *arms())
     )
     p_S = -T / 2 - sigma
     s, c = sp.sin(theta), sp.cos(theta)
@@ -593,8 +615,11 @@ def _balance() -> Claim:
     middle = tau_D * L_D + tau_S * L_S + c / 2 + (r_D - r_S) * s / (2 * T)
     spread = -(h / T) / 2  # q = sigma + T/2
     on_law = {h: T * c + (2 * d1 + r_D + r_S) * s}
-    numerators = balance(tau_D, tau_S)
-    slides, _ = held(pair(tau_D, tau_S, tau_D + tau_S))
+    numerators = balance(tau_D, tau_S, *arms())
+    anywhere = balance(tau_D, tau_S, *SOME.arms)
+    slides, _ = held(pair(tau_D, tau_S, tau_D + tau_S, SOME), SOME)
+    cosine, sine = sp.symbols("x y", real=True)
+    short = {CK: cosine, SK: sine, bend: 0}
     some = Pair(*sp.symbols("reach share ratio normal lag", real=True))
     one, other = sp.symbols("y_1 y_2", real=True)
     return Claim(
@@ -621,14 +646,22 @@ def _balance() -> Claim:
                 for ratio in (tau_D, tau_S)
             ),
             identity(
-                "slide and grip, with nothing that cancels in them",
-                [numerators[0], numerators[3]],
-                [APPROACH * slides / T, grip(tau_D, tau_S)],
+                "D and the centre of drag from S's contact, by offsets from the centre of drag",
+                [*arms()[0], *arms()[1]],
+                [*OFFSETS.arms[0], *OFFSETS.arms[1]],
             ),
-            identity(
-                "both forces, with nothing that cancels in them",
-                list(numerators[1:3]),
-                [force_D(tau_S), force_S(tau_D)],
+            *(
+                identity(
+                    f"{name}, with nothing that cancels in it, at any offsets; s for s + e c",
+                    *(side.subs(short, simultaneous=True) for side in sides),
+                    on=[(cosine, sine)],
+                )
+                for name, *sides in (
+                    ("the slide", anywhere[0], APPROACH * slides / T),
+                    ("the force at D", anywhere[1], force_D(tau_S, SOME)),
+                    ("the force at S", anywhere[2], force_S(tau_D, SOME)),
+                    ("the grip", anywhere[3], grip(tau_D, tau_S, SOME)),
+                )
             ),
             identity(
                 "a slide rate by the slide per turn",
@@ -851,7 +884,7 @@ def _bounded_difference() -> Finding:
     even = {
         kappa: 0, drag_a: 0, drag_n: 0, stretch: 0, shear: 0, bend: 0, d_D: d1, d_S: d1,
     }  # fmt: skip
-    _, push_D, push_S, opening = (part.subs(even) for part in balance(tau_D, tau_S))
+    _, push_D, push_S, opening = (part.subs(even) for part in balance(tau_D, tau_S, *arms()))
     return identity(
         r"$L_D - L_S = q\sin\theta/T$ whatever the ratios: bounded",
         (push_D - push_S) / opening,
