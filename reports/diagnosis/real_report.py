@@ -12,9 +12,7 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from meso_robust import __version__
-from meso_robust.diagnosis.answer import document
-from meso_robust.diagnosis.diagnose import diagnose
+from meso_robust.api.diagnose import diagnose
 from meso_robust.diagnosis.document import DiagnosisDocument
 from meso_robust.files import write_all
 from meso_robust.recordings import RecordingSet
@@ -90,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     rows, sections = "", ""
     for name, recordings in sets(options.recordings):
         before = time.perf_counter()
-        found = document(diagnose(recordings, quick=options.quick), __version__)
+        found = diagnose(recordings, quick=options.quick).document
         seconds = time.perf_counter() - before
         rows += row(name, found, len(recordings.recordings)) + "\n"
         sections += section(name, found, seconds)
