@@ -13,7 +13,7 @@ from meso_robust.identification.models.model import characteristic_length
 from meso_robust.identification.paths import in_steps, smoothed, thinned, with_corners
 from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
-from meso_robust.recordings.contact import OVERLAP
+from meso_robust.recordings.contact import OVERLAP, gaps
 from meso_robust.recordings.direct.straight import path_sigma
 from meso_robust.recordings.noise import estimated_sensor, roughness
 from meso_robust.simulator import Point, Round
@@ -366,10 +366,14 @@ def _start(recording: Recording, whole: RecordingSet, tips: Floats, notes: list[
     radii = np.full((1, len(tips)), whole.tip_radius)
     shift, left = freed(start[None], tips[None], np.array(whole.part.outline)[None], radii)
     size = float(np.hypot(*shift[0]))
+    # judged by the tip, as `recordings` does: the way out of two of them is longer
+    depth = -float(
+        gaps(np.array(whole.part.outline), start[None], tips[None], whole.tip_radius).min()
+    )
     most = OVERLAP * characteristic_length(np.array(whole.part.outline))
-    if left[0] > EXACT or size > most:
+    if left[0] > EXACT or depth > most:
         raise InputError(
-            f"{recording.file}: at the first whole frame a tip is {1e6 * size:.3g} µm inside the "
+            f"{recording.file}: at the first whole frame a tip is {1e6 * depth:.3g} µm inside the "
             f"part; must not exceed {OVERLAP:g} of its size = {1e6 * most:.3g} µm; check "
             "part, tip radius, units and the sign of y, or leave the recording out"
         )

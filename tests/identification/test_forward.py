@@ -10,6 +10,8 @@ from meso_robust.identification.forward import corrected, predicted
 from meso_robust.identification.models import viscous, with_effects
 from meso_robust.identification.prepared import prepare
 from meso_robust.recordings import Recording, RecordingSet, SensorInfo
+from meso_robust.recordings.contact import OVERLAP
+from meso_robust.recordings.problems import problems
 from meso_robust.simulator import Film, Outcome
 from meso_robust.simulator.observation import Sensor
 from tests.identification.conftest import MU, RHO
@@ -107,6 +109,28 @@ def test_a_first_pose_that_noise_put_into_a_tip_is_moved_out_and_noted(
     assert 0.0 < np.hypot(*away[:2]) < 5 * UM
     with pytest.raises(InputError, match=r"push_00.csv.*inside the part"):
         prepare(moved_first_pose(replace(quiet, sensor=known), 250 * UM), step=MODEL.step)
+
+
+def test_two_tips_that_begin_inside_are_judged_each_by_itself_as_recordings_does(
+    film_set: RecordingSet,
+) -> None:
+    """A late camera puts both a little inside; the way out of both is longer than either is deep."""
+    outline = np.array(film_set.part.outline)
+    arm, (x, y) = float(np.hypot(*outline.T).max()), outline.max(axis=0)
+    deep = 0.11 * arm - film_set.tip_radius
+    tips = np.array([[x - deep, 0.0], [0.0, y - deep]])
+    one = Recording(
+        file="push_00.csv",
+        probe_names=("probe1", "probe2"),
+        times=np.linspace(0.0, 1.0, 11),
+        poses=np.zeros((11, 3)),
+        probes=tips + np.linspace(0.0, 2e-5, 11)[:, None, None],
+    )
+    both = replace(film_set, recordings=(one,))
+
+    assert not [p for p in problems(both) if p.kind == "overlap" and p.severity == "error"]
+    start = prepare(both, step=MODEL.step).starts[0]
+    assert np.hypot(*start[:2]) > OVERLAP * arm
 
 
 def test_what_cannot_be_used_is_refused_with_the_name_of_the_file(film_set: RecordingSet) -> None:
