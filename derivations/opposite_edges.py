@@ -653,10 +653,11 @@ def _balance() -> Claim:
             *(
                 identity(
                     f"{name}, with nothing that cancels in it, at any offsets; s for s + e c",
-                    *(side.subs(short, simultaneous=True) for side in sides),
+                    left.subs(short, simultaneous=True),
+                    right.subs(short, simultaneous=True),
                     on=[(cosine, sine)],
                 )
-                for name, *sides in (
+                for name, left, right in (
                     ("the slide", anywhere[0], APPROACH * slides / T),
                     ("the force at D", anywhere[1], force_D(tau_S, SOME)),
                     ("the force at S", anywhere[2], force_S(tau_D, SOME)),
