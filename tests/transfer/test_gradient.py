@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from meso_robust.identification.document import ModelDocument
-from meso_robust.laboratory.running import excess
 from meso_robust.transfer.inflation import Absorbed, Budget
 from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Recertified, recertified
-from meso_robust.transfer.running import outcomes_of
 from meso_robust.types import Floats
 from tests.paper import paper_task
 from tests.transfer.models import model
+from tests.transfer.runs import outside_boxes
 
 RATIO = 380e3
 BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=RATIO, slender=1616 / 837)
@@ -85,17 +84,7 @@ def test_runs_with_the_gradient_stay_in_the_boxes_and_leave_those_of_an_even_fil
     even = recertified(
         paper_task(), model(base={"rho_um2": (374_000.0, 379_000.0), "mu": (0.325, 0.335)})
     )
-    outside = []
-    for one in (made, even):
-        ran = outcomes_of(one.plan.rules, paper_task(), document, 60, 4)
-        assert ran.completed.all()
-        outside.append(
-            max(
-                float(excess(move.after, step.post)[:, :2].max())
-                for move, step in zip(ran.moves, one.wide.steps, strict=True)
-                if step.post is not None
-            )
-        )
+    outside = [outside_boxes(one, document) for one in (made, even)]
 
     assert outside[0] == 0.0
     assert outside[1] > 2e-7

@@ -9,17 +9,16 @@ import numpy as np
 import pytest
 
 from meso_robust.identification.document import ModelDocument
-from meso_robust.laboratory.running import excess
 from meso_robust.task import parse_task
 from meso_robust.transfer.assumption_check import standings
 from meso_robust.transfer.inflation import Budget
 from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Recertified, recertified
-from meso_robust.transfer.running import outcomes_of
 from meso_robust.transfer.thinning import thinned
 from meso_robust.types import Floats
 from tests.paper import paper_task
 from tests.transfer.models import model
+from tests.transfer.runs import outside_boxes
 
 BASE = {"rho_um2": (374_000.0, 379_000.0), "mu": (0.325, 0.335)}
 SIZE = {"shear_thinning.exponent_drop": (0.0494, 0.0825)}
@@ -117,17 +116,7 @@ def test_on_a_film_that_is_uneven_besides_nothing_is_promised() -> None:
 def test_runs_with_thinning_stay_in_the_boxes_and_leave_those_of_a_film_without() -> None:
     document, found = made()
     even = recertified(paper_task(), model(base=BASE))
-    outside = []
-    for one in (found, even):
-        ran = outcomes_of(one.plan.rules, paper_task(), document, 60, 4)
-        assert ran.completed.all()
-        outside.append(
-            max(
-                float(excess(move.after, step.post)[:, :2].max())
-                for move, step in zip(ran.moves, one.wide.steps, strict=True)
-                if step.post is not None
-            )
-        )
+    outside = [outside_boxes(one, document) for one in (found, even)]
 
     assert outside[0] == 0.0
     assert outside[1] > 2e-7
