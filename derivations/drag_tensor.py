@@ -50,9 +50,10 @@ slide = sp.Symbol("slide", real=True)
 """How fast the part slides along a over the tip, per progress of the tip."""
 start = sp.Symbol("theta_start", real=True)
 creep = sp.Symbol("creep", positive=True)
-SLIPPED = creep * (sp.cos(start) ** 3 - c**3)
+SLIPPED = creep * (sp.cos(start) ** 3 - c**3 + (sp.cos(start) - c) / 256)
 """How far a contact may have slipped since the touch. What makes it slip is that the edge leans: the
-slip per turn vanishes some way before the edge is upright, and grows from there about in proportion."""
+slip per turn vanishes some way before the edge is upright, and grows from there about in proportion. The
+small second term is for contacts far from the middle, which slip a little on an upright edge too."""
 PRESSING = A_CENTRED * ALONG + B_CENTRED * INWARD
 TANGENTIAL = -(C_CENTRED * ALONG + A_CENTRED * INWARD)
 PAIR_ALONG = -((1 + stretch) * ALONG + shear * INWARD)
@@ -410,7 +411,7 @@ def _slipping() -> Claim:
         r"$u(\mu) < 0$. It slides the farther, per travel, the smaller $\mu$ is. Per turn it slips by $u' = "
         r"\hat F u/(\ell + q u) = X/(\Delta (\sin\theta - e\cos\theta)(d_2 - \mu d_1))$ with $X = -(\mu\hat "
         r"N + \hat T)$ of a contact that sticks. If $m'\Delta(\sin\theta - e\cos\theta)(d_2 - \mu d_1) > X$ "
-        r"for $m = k(\cos^3\theta_0 - \cos^3\theta)$, wherever it has slipped by $m$, it never slips by more.",
+        r"for $m = k(\cos^3\theta_0 - \cos^3\theta + \tfrac{\cos\theta_0 - \cos\theta}{256})$, wherever it has slipped by $m$, it never slips by more.",
         steps=(
             r"The tip moves by less along $-a$ than the part's point under it: $u$ is taken off "
             r"that velocity in the balance of a contact that sticks.",
@@ -478,7 +479,7 @@ def _slipping() -> Claim:
             identity(
                 "change of the bound along the turn",
                 sp.Derivative(SLIPPED, theta),
-                3 * creep * c**2 * s,
+                creep * s * (3 * c**2 + sp.Rational(1, 256)),
             ),
         ),
     )

@@ -86,21 +86,23 @@ def slips_one_way(ops: Any, theta: Any, d1: Any, d2: Any, rho: Any, stretch: Any
 
 def creeps_less(ops: Any, theta: Any, d1: Any, d2: Any, rho: Any, stretch: Any, shear: Any, bend: Any, mu: Any, side: Any, creep: Any) -> tuple[Any, ...]:
     """Return m^2: positive where a contact that turns the part any way slips that way by less per turn than `slipped` grows, if at all."""
-    x0 = ops.sin(theta)
-    x1 = ops.cos(theta)
-    x2 = -bend*x1 + x0
+    x0 = ops.cos(theta)
+    x1 = ops.sin(theta)
+    x2 = -bend*x0 + x1
     x3 = -shear**2 - stretch**2 + 1
-    x4 = bend*x0 + x1
+    x4 = bend*x1 + x0
     x5 = d1*d2*x3 + rho*shear
     return (
-        3*creep*x0*x1**2*x2*x3*(-d1*mu + d2*side) + mu*(x2*(d1**2*x3 + rho*(1 - stretch)) + x4*x5) + side*(-x2*x5 - x4*(d2**2*x3 + rho*(stretch + 1))),
+        creep*x2*x3*(-d1*mu + d2*side)*(3*x0**2*x1 + (1/256)*x1) + mu*(x2*(d1**2*x3 + rho*(1 - stretch)) + x4*x5) + side*(-x2*x5 - x4*(d2**2*x3 + rho*(stretch + 1))),
     )
 
 
 def slipped(ops: Any, theta: Any, theta_start: Any, creep: Any) -> tuple[Any, ...]:
     """Return m: how far along a a contact has slipped at most since the edge was at theta_start, both from the push."""
+    x0 = ops.cos(theta)
+    x1 = ops.cos(theta_start)
     return (
-        creep*(-ops.cos(theta)**3 + ops.cos(theta_start)**3),
+        creep*(-x0**3 - 1/256*x0 + x1**3 + (1/256)*x1),
     )
 
 

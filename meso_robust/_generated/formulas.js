@@ -529,17 +529,19 @@ const formulas = {
     },
     // m^2: positive where a contact that turns the part any way slips that way by less per turn than `slipped` grows, if at all
     creeps_less(theta, d1, d2, rho, stretch, shear, bend, mu, side, creep) {
-      const x0 = Math.sin(theta);
-      const x1 = Math.cos(theta);
-      const x2 = -bend*x1 + x0;
+      const x0 = Math.cos(theta);
+      const x1 = Math.sin(theta);
+      const x2 = -bend*x0 + x1;
       const x3 = -Math.pow(shear, 2) - Math.pow(stretch, 2) + 1;
-      const x4 = bend*x0 + x1;
+      const x4 = bend*x1 + x0;
       const x5 = d1*d2*x3 + rho*shear;
-      return [3*creep*x0*Math.pow(x1, 2)*x2*x3*(-d1*mu + d2*side) + mu*(x2*(Math.pow(d1, 2)*x3 + rho*(1 - stretch)) + x4*x5) + side*(-x2*x5 - x4*(Math.pow(d2, 2)*x3 + rho*(stretch + 1)))];
+      return [creep*x2*x3*(-d1*mu + d2*side)*(3*Math.pow(x0, 2)*x1 + (1/256)*x1) + mu*(x2*(Math.pow(d1, 2)*x3 + rho*(1 - stretch)) + x4*x5) + side*(-x2*x5 - x4*(Math.pow(d2, 2)*x3 + rho*(stretch + 1)))];
     },
     // m: how far along a a contact has slipped at most since the edge was at theta_start, both from the push
     slipped(theta, theta_start, creep) {
-      return [creep*(-Math.pow(Math.cos(theta), 3) + Math.pow(Math.cos(theta_start), 3))];
+      const x0 = Math.cos(theta);
+      const x1 = Math.cos(theta_start);
+      return [creep*(-Math.pow(x0, 3) - 1/256*x0 + Math.pow(x1, 3) + (1/256)*x1)];
     },
     // m: where positive, one contact alone turns the part counter-clockwise (side = 1) or clockwise (-1), whether it sticks or slips
     turns_any_way(d1, d2, mu, side) {

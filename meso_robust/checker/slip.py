@@ -14,8 +14,8 @@ its forces times F, ``side u (C - side mu A) = X``. Per turn, ``F`` and the divi
 
     d(slip)/d(angle) = X / (D s (side d2 - mu d1)),    D = 1 - stretch^2 - shear^2
 
-The slip is thought to stay below ``m = creep |cos^3(first) - cos^3(now)|``, which grows along the turn by
-``3 creep c^2 s``. **If at slip ``m`` it grows more slowly than ``m``, whatever the instant, it never passes
+The slip is thought to stay below ``m = creep |f(first) - f(now)|`` with ``f = cos^3 + cos/256``, which grows along the turn
+by ``creep s (3 c^2 + 1/256)``. **If at slip ``m`` it grows more slowly than ``m``, whatever the instant, it never passes
 m**: both begin at zero, and at a first passage it would have to grow at least as fast. Where ``X`` is
 negative the contact sticks.
 
@@ -52,7 +52,7 @@ from meso_robust.checker.requirement import Part, Requirement, Variables
 from meso_robust.checker.scene import NAMES, Scene
 
 SLIPPED, MOST, TURNED = "creep_now", "creep_most", "turned"
-"""Variables: ``slip = creep_now |cos^3(first) - cos^3(now)|``, the largest ``creep_now``, and the turn so far."""
+"""Variables: ``slip = creep_now |f(first) - f(now)|``, the largest ``creep_now``, and the turn so far."""
 SMALLEST, LARGEST, GROWTH, HALVINGS = arb("0.25"), 40, arb("1.2"), 3
 """Of ``creep`` over the depth of the edge, and how closely the smallest one is looked for; effort of the
 search, no proof rests on it."""
@@ -77,7 +77,7 @@ class Slip:
 def slipped(creep: Dual, first: Dual, now: Dual) -> Dual:
     """How far a contact has slipped along ``a``; from the direction of the edge at the touch and now."""
     c, c_now = first.sin_cos()[1], now.sin_cos()[1]
-    return creep * (c.squared() * c - c_now.squared() * c_now)
+    return creep * (c.squared() * c - c_now.squared() * c_now + (c - c_now) / 256)
 
 
 def slip_of(scene: Scene, side: int, box: Box, aligned: Formula, offset: Offset) -> Slip | None:

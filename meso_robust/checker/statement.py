@@ -98,12 +98,12 @@ def _slips_one_way(at: Point) -> Values:
 
 
 def _creeps_less(at: Point) -> Values:
-    # slip per turn is what friction lacks over the turn's own factor; allowed is creep d(-cos^3)
+    # slip per turn is what friction lacks over the turn's own factor; allowed is creep d(-cos^3 - cos/256)
     s, c = at["theta"].sin_cos()
     arm, side = _arm(at), at["side"]
     turned = arm.film.along(c, s)[1] * (arm.d2 * side - at["mu"] * arm.d1) * arm.room
     lacking = -(arm.press(c, s) * at["mu"] + arm.shear(c, s) * side)
-    return (at["creep"] * c.squared() * s * turned * 3 - lacking,)
+    return (at["creep"] * (c.squared() * 3 + arb(1) / 256) * s * turned - lacking,)
 
 
 def _pair_sticks(at: Point) -> Values:
