@@ -24,9 +24,10 @@ from meso_robust.primitives.setup import PoseBox, Setup
 
 SEPARATION_STEPS_UM = (2.0, 10.0, 20.0, 40.0)  # beyond the smallest separation without jam
 SCOUT = 2.0  # how much coarser than the certificate the scouting tube is
+FINE_SCOUT = 1.0  # the same where what is left of the tilt decides whether a push can follow
 LONGEST = 0.6  # widths of the part by which the active tip may pass the passive one
 SHORTER_UM = 15.0  # from one push that is tried to the next
-HEIGHTS = (0.0, 0.025, 0.05)  # of half the length, where the pair may be if not where the goal asks
+HEIGHTS = (-0.05, -0.025, 0.0, 0.025)  # of half the length: the pair over the part, where it may be
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
 MOST_TRIALS = 6  # ends of the push; effort of the search, no proof rests on it
 
@@ -222,14 +223,16 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
 
 
 def _farthest(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
-    """The height of the pair at which the push can be longest, wherever the part ends (coarse)."""
+    """The height of the pair at which the push can be longest, wherever the part ends."""
     half_length, width = (units.to_um(side.mid) for side in (setup.half_length, setup.half_width))
     found: list[_Choice] = []
     for share in HEIGHTS:
         tried = _Choice(
-            separation=separation, h_end=-LONGEST * 2.0 * width, middle=share * half_length
+            separation=separation,
+            h_end=-LONGEST * 2.0 * width,
+            middle=units.to_um(pre.y.mid) + share * half_length,
         )
-        ends = reach(_rule(tried, pre, setup), pre, setup, SCOUT)
+        ends = reach(_rule(tried, pre, setup), pre, setup, FINE_SCOUT)
         if ends is not None:
             found.append(replace(tried, h_end=units.to_um(ends.h)))
     return min(found, key=lambda one: one.h_end, default=None)
