@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import Verdict
-from meso_robust.primitives.certify import Before, certify_move
+from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.grid import roomy
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, Reason, about
@@ -81,11 +81,11 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> C
     """
     state: PoseBox | None = setup.start
     steps: list[Step] = []
-    before: Before | None = None
+    before: Step | None = None
     for rule in rules:
         if state is None or not (whole or all(s.verdict is Verdict.PROVED for s in steps[-1:])):
             break
-        step, before = certify_move(rule, state, setup, before, whole=whole)
+        before = step = certify_move(rule, state, setup, before, whole=whole)
         if step.post is not None:
             step = replace(step, post=roomy(step.post))
         steps.append(step)

@@ -11,22 +11,23 @@ from flint import arb
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.ids import Named
 from meso_robust.checker.inputs import PoseBox
-from meso_robust.checker.ranges import Box
+from meso_robust.checker.ranges import Box, Formula
 from meso_robust.checker.requirement import Requirement
 from meso_robust.checker.scene import Scene
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Memory:
-    """How the height of the centre after a tilt hangs together with the angle."""
+class Known:
+    """How y before a move hangs on the direction of its edge, after the move before it."""
 
-    scene: Scene
-    height: Callable[[Point, Dual], Dual]
-    """y of the part, from the tilt's variables and the stated direction of the edge after it."""
+    box: Box
+    """Variables of the move before."""
+    height: Formula
+    """y, from those and the move's own variables."""
 
-    def about(self, scene: Scene) -> bool:
-        """Whether a move has the same axes and pushes the same edge."""
-        return self.scene.frame == scene.frame and self.scene.edge.name == scene.edge.name
+
+Memory: TypeAlias = Callable[[Scene], Known | None]
+"""What a move leaves known for the one whose scene is given, beyond a box of poses; None: nothing."""
 
 
 Pose: TypeAlias = tuple[Dual, Dual, Dual]

@@ -22,7 +22,7 @@ from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.film import EVEN
 from meso_robust.checker.ids import Must, Property, named
 from meso_robust.checker.inputs import PoseBox
-from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
+from meso_robust.checker.passage import Known, Memory, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     NEAR,
     TURNS,
@@ -39,7 +39,7 @@ from meso_robust.checker.pushing import (
 from meso_robust.checker.ranges import Box, Formula, Side, common, hull, shift, span
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables, holds, prove
-from meso_robust.checker.scene import NAMES, Scene, direction
+from meso_robust.checker.scene import NAMES, Scene, direction, negative
 from meso_robust.checker.slip import SLIPPED, Slip, slip_of, slipped, spare
 
 
@@ -51,7 +51,7 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
     scene
         The move.
     memory
-        The tilt just before, if any, in the same axes.
+        What the move just before, if any, leaves known.
 
     Raises
     ------
@@ -69,14 +69,16 @@ def check_straighten(scene: Scene, memory: Memory | None = None) -> Passage:
         cases.append(case)
         requirements += more
     theta = span(functools.partial(_aligned_as_stated, scene), scene.box)
+    known = None if memory is None else memory(scene)
     return Passage(
         does=named(Property.STRAIGHTENS),
         post=PoseBox(
             x=functools.reduce(hull, (span(case.x_end, case.box, within=NEAR) for case in cases)),
-            y=functools.reduce(hull, (case.height(memory) for case in cases)),
+            y=functools.reduce(hull, (case.height(known) for case in cases)),
             theta=shift(theta, scene.turn),
         ),
         requirements=tuple(requirements),
+        memory=functools.partial(_known, cases),
         swept=tuple(sweep for case in cases for sweep in case.swept(exact=len(cases) == 1)),
         slips=any(case.slip is not None for case in cases),
     )
@@ -109,6 +111,30 @@ def _proved(case: _Case) -> tuple[_Case, list[Requirement]]:
         requirements = case.requirements()
         _prove(requirements)
     return case, requirements
+
+
+def _known(cases: Sequence[_Case], scene: Scene) -> Known | None:
+    """What these cases of a straightening tell of y before a move across it.
+
+    The radii of the tips decide both where it leaves the part and at which orientation. The part that
+    then turns about a contact on an edge keeps ``y + d1 theta``, but for terms of second order: of that
+    a narrower range is known than y and theta have.
+    """
+    earlier, frame = cases[0].scene.frame, scene.frame
+    quarters = earlier.quarters - frame.quarters
+    if quarters % 2 == 0:
+        return None
+    mirrored, sign = (-1 if one else 1 for one in (frame.mirrored, earlier.mirrored))
+    to_y = mirrored if quarters % 4 == 1 else -mirrored
+    lever = -scene.d1 * to_y * mirrored * sign
+    ranges = (span(functools.partial(c.less_lever, lever), c.box, within=NEAR) for c in cases)
+    low, high = functools.reduce(hull, ranges)
+    across = (low, high) if to_y > 0 else negative((low, high))
+    turned = arb.pi() / 2 * (quarters * mirrored)
+    return Known(
+        box={"across": shift(across, scene.d1 * turned)},
+        height=lambda at: at["across"] - (at["theta"] + scene.turn) * scene.d1,
+    )
 
 
 def _aligned(scene: Scene, at: Point) -> Dual:
@@ -225,25 +251,21 @@ class _Case:
             Sweep(self.together, box, "share", exact=exact),
         )
 
-    def height(self, memory: Memory | None) -> Side:
+    def height(self, known: Known | None) -> Side:
         """Where y of the part is at the end."""
         plain = span(self.y_end, self.box, within=NEAR)
-        if memory is None or not memory.about(self.scene):
+        if known is None:
             return plain
-        return common(
-            plain, span(functools.partial(self.y_after, memory), self.joint(memory), within=NEAR)
-        )
+        both = {**self.box, **known.box}
+        return common(plain, span(functools.partial(self.y_after, known), both, within=NEAR))
 
-    def y_after(self, memory: Memory, at: Point) -> Dual:
-        """The same, from the tilt's own start: its height before follows from the angle."""
-        earlier = {key.removeprefix("tilt "): at[key] for key in at if key.startswith("tilt ")}
-        before = {**{name: at[name] for name in at if name in LASTING}, **earlier}
-        return self.y_end({**at, "y": memory.height(before, at["theta"])})
+    def y_after(self, known: Known, at: Point) -> Dual:
+        """The same, where y before follows from what is known of the move before."""
+        return self.y_end({**at, "y": known.height(at)})
 
-    def joint(self, memory: Memory) -> Box:
-        """The variables of both moves; what is constant during a run is shared."""
-        own = {f"tilt {n}": s for n, s in memory.scene.box.items() if n not in LASTING}
-        return {**self.box, **own}
+    def less_lever(self, lever: arb, at: Point) -> Dual:
+        """Where x of the part is at the end, less ``lever`` times its orientation."""
+        return self.x_end(at) - (_aligned_as_stated(self.scene, at) + self.scene.turn) * lever
 
     def requirements(self) -> list[Requirement]:
         scene, side, box = self.scene, self.side, self.box
@@ -389,23 +411,3 @@ class _Case:
             "rho": self.box["rho"],
             "side": (side, side),
         }
-
-
-LASTING = frozenset(
-    [
-        "beta",
-        "spacing",
-        "radius_upper",
-        "radius_lower",
-        "radius_passive",
-        "depth",
-        "kappa",
-        "size_other",
-        "kappa_other",
-        "drag_a",
-        "drag_n",
-        "rho",
-        "mu",
-    ]
-)
-"""What is constant during a run, or does not change where a tilt leaves the part at a given angle."""

@@ -13,7 +13,7 @@ from meso_robust.checker.film import EVEN
 from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Rectangle
-from meso_robust.checker.passage import Memory, Passage, Pose, Sweep
+from meso_robust.checker.passage import Known, Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
     NEAR,
     TURNS,
@@ -107,7 +107,7 @@ def check_tilt(scene: Scene) -> Passage:
         does=named(Property.TURNS_PART, turn=TURNS[side]),
         post=PoseBox(x=x, y=y, theta=shift(theta_end, scene.turn)),
         requirements=tuple(requirements),
-        memory=Memory(scene=scene, height=functools.partial(_height, scene)),
+        memory=functools.partial(_known, scene),
         swept=(
             Sweep(lambda at: _centre(scene, at, at["share"]), while_it_turns, "share", exact=True),
         ),
@@ -181,6 +181,21 @@ def _centre(scene: Scene, at: Point, left: Number) -> Pose:
     return at["x"] + x, at["y"] + y, at["theta"] + turned
 
 
+def _known(tilt: Scene, scene: Scene) -> Known | None:
+    """What a tilt tells of y before a move with the same axes that pushes the same edge."""
+    if tilt.frame != scene.frame or tilt.edge.name != scene.edge.name:
+        return None
+    own = {f"tilt {name}": side for name, side in tilt.box.items() if name not in LASTING}
+    return Known(box=own, height=functools.partial(_height_before, tilt))
+
+
+def _height_before(tilt: Scene, at: Point) -> Dual:
+    """Where y was, from the tilt's own start; what is constant during a run is shared."""
+    own = {key.removeprefix("tilt "): at[key] for key in at if key.startswith("tilt ")}
+    shared = {name: at[name] for name in at if name in LASTING}
+    return _height(tilt, {**shared, **own}, at["theta"])
+
+
 def _height(scene: Scene, at: Point, theta: Dual) -> Dual:
     """Height of the part once the edge has the stated direction ``theta``: so has the contact."""
     pushing, start = -scene.rule.side, _turning(scene, at)
@@ -189,3 +204,23 @@ def _height(scene: Scene, at: Point, theta: Dual) -> Dual:
     if scene.exact("direction"):
         return at["y"] + y
     return at["y"] + scene.from_travel(at, scene.ahead_end(at, pushing) - contact.arm_x, y)[1]
+
+
+LASTING = frozenset(
+    [
+        "beta",
+        "spacing",
+        "radius_upper",
+        "radius_lower",
+        "radius_passive",
+        "depth",
+        "kappa",
+        "size_other",
+        "kappa_other",
+        "drag_a",
+        "drag_n",
+        "rho",
+        "mu",
+    ]
+)
+"""What is constant during a run, or does not change where a tilt leaves the part at a given angle."""

@@ -100,8 +100,7 @@ def tilt_judge(move: _Move) -> Judge:
     def judge(height: Interval, angle: Interval) -> Region:
         rule = at_height(move.rule, height + raise_, ahead)
         pre = replace(move.pre, theta=move.edge.orientation(angle))
-        step, _ = certify_tilt(rule, pre, move.setup)
-        proved = step.verdict is Verdict.PROVED
+        proved = certify_tilt(rule, pre, move.setup).verdict is Verdict.PROVED
         return _verdict(proved, lambda: tilt_fails(rule, pre, points))
 
     return judge
@@ -156,10 +155,10 @@ def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
         return tuple(found)
 
     def judge(height: Interval, middle: Interval) -> Region:
-        step, turn = tilted(height)
+        step = tilted(height)
         rule = at_height(ample, middle, second)
         if step.verdict is Verdict.PROVED and step.post is not None:
-            then = certify_straighten(rule, step.post, straight.setup, turn)
+            then = certify_straighten(rule, step.post, straight.setup, step.leaves)
             if then.verdict is Verdict.PROVED:
                 return Region.CERTIFIED
         fails = broken(height) or any(

@@ -48,6 +48,8 @@ commanded from the sensed part, 0 if in the world."""
 BEFORE = (*POSE, *PLACE, *PATH)
 """Of the tilt just before a straightening: what has another value there."""
 BEFORE_AIM = AIM[1:]
+ACROSS, LEVER = "across", "lever"
+"""Of a coordinate that hangs on the orientation: what it is less ``lever`` times that, m, and m per rad."""
 ERRORS = frozenset((*PARAMETERS[len(POSE) :], *(f"tilt_{name}" for name in (*PLACE, *PATH)))) - {
     "share"
 }
@@ -331,7 +333,7 @@ def _prepared(
     residual: ca.SX,
     outputs: Symbols,
 ) -> Implicit:
-    names = {*PARAMETERS, *(f"tilt_{name}" for name in BEFORE)}
+    names = {*PARAMETERS, *(f"tilt_{name}" for name in BEFORE), ACROSS}
     free = {key: symbol for key, symbol in v.items() if symbol.is_symbolic()}
     return implicit(
         name,
@@ -466,6 +468,53 @@ def straighten_height(side: int, tilted: int, zero: frozenset[str] = NONE) -> Im
     needed = [(total, _needed(push, end))]
     return _prepared(
         "height after a tilt", v, end, needed, _flush(push, end), {"y": push.centre(end)[1]}
+    )
+
+
+@cache
+def left_ahead(side: int, zero: frozenset[str] = NONE) -> Implicit:
+    """Where a straightening leaves x, less ``LEVER`` times the orientation that it leaves.
+
+    The radii of the tips decide both, so that the difference is known better than its terms.
+
+    Parameters
+    ----------
+    side
+        Which way it turns the part.
+
+    Returns
+    -------
+    Implicit
+        With the one output ``ACROSS``.
+    """
+    v, end, total = _symbols(zero, (LEVER,))
+    push = _Push(v, side)
+    across = push.centre(end)[0] - v[LEVER] * (end + v["turn"] - v["kappa"])
+    needed = [(total, _needed(push, end))]
+    return _prepared("left ahead", v, end, needed, _flush(push, end), {ACROSS: across})
+
+
+@cache
+def straighten_across(side: int, zero: frozenset[str] = NONE) -> Implicit:
+    """Where a straightening leaves y if ``ACROSS`` of it is known before.
+
+    Parameters
+    ----------
+    side
+        As for `straighten`.
+
+    Returns
+    -------
+    Implicit
+        With the one output ``y``.
+    """
+    v, end, total = _symbols(zero, (LEVER,))
+    before = ca.SX.sym(ACROSS)
+    push = _Push({**v, "y": before + v[LEVER] * v["theta"]}, side)
+    v |= {"y": ca.SX(0), ACROSS: before}
+    needed = [(total, _needed(push, end))]
+    return _prepared(
+        "height after a push", v, end, needed, _flush(push, end), {"y": push.centre(end)[1]}
     )
 
 

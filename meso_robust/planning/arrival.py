@@ -16,11 +16,11 @@ from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.planning.clearance import fine
 from meso_robust.planning.x_translation import to_goal, upright
-from meso_robust.primitives.certify import certify_move
+from meso_robust.primitives.certify import certify_move, known_before
 from meso_robust.primitives.frame import Frame, Heading
 from meso_robust.primitives.grid import roomy
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.obligation import Leaves, Step
 from meso_robust.primitives.setup import PoseBox, Setup
 
 MOST_PUSHES = 3  # in a row; effort of the search, no proof rests on it
@@ -73,14 +73,18 @@ def across(state: PoseBox, setup: Setup, frame: Frame) -> Arrival | None:
     return Arrival(rules=(rule,), post=frame.box_to_world(step.post))
 
 
-def _along(state: PoseBox, setup: Setup, way: tuple[Frame, ...]) -> Arrival | None:
+def _along(
+    state: PoseBox, setup: Setup, way: tuple[Frame, ...], before: Step | None = None
+) -> Arrival | None:
     """Pushes in these frames, one after the other."""
     frame, rest = way[0], way[1:]
     there, own = frame.setup(setup), frame.from_world(state)
     edge = there.edge(own.theta.mid)
     if abs(edge.angle(own.theta).mid - HALF_PI.mid) > LEAN:
         return None
-    for step in _steps(own, there, back=any(_opposite(frame, one) for one in rest)):
+    known = None if before is None else known_before(before, own, frame, there)
+    back = any(_opposite(frame, one) for one in rest)
+    for step in _steps(own, there, known, back=back):
         if step.verdict is not Verdict.PROVED or step.post is None:
             continue
         rule, post = replace(step.rule, frame=frame), _given(step.post, setup)
@@ -89,7 +93,7 @@ def _along(state: PoseBox, setup: Setup, way: tuple[Frame, ...]) -> Arrival | No
             continue
         if not rest and post.within(there.goal):
             return Arrival(rules=(rule,), post=after)
-        found = _along(after, setup, rest) if rest else None
+        found = _along(after, setup, rest, replace(step, rule=rule)) if rest else None
         if found is not None:
             return replace(found, rules=(rule, *found.rules))
     return None
@@ -103,25 +107,28 @@ def _given(box: PoseBox, setup: Setup) -> PoseBox:
 @lru_cache(maxsize=256)  # several ways to the goal begin alike
 def _clear_of_walls(rule: MoveRule, state: PoseBox, setup: Setup) -> bool:
     """Whether the push is proved with the slot's walls around it."""
-    return certify_move(rule, state, setup)[0].verdict is Verdict.PROVED
+    return certify_move(rule, state, setup).verdict is Verdict.PROVED
 
 
-def _steps(own: PoseBox, there: Setup, *, back: bool) -> Iterator[Step]:
+def _steps(
+    own: PoseBox, there: Setup, known: Leaves | None = None, *, back: bool
+) -> Iterator[Step]:
     """What one push can do: end at the goal, or past it if a later one comes ``back``."""
     ahead = own.x.mid - there.goal.x.mid
     if not back:
         if ahead > 0.0:
-            yield from _some(to_goal(own, there, slipping=there.may_slip))
+            yield from _some(to_goal(own, there, before=known, slipping=there.may_slip))
         return
     past_um = fine(there) * ROOM_UM
     if ahead + units.UM * past_um > 0.0:
-        yield from _some(to_goal(own, there, past_um=past_um, slipping=there.may_slip))
-    yield from _some(_straightened(own, there))
+        yield from _some(to_goal(own, there, past_um, before=known, slipping=there.may_slip))
+    yield from _some(_straightened(own, there, known))
 
 
 @lru_cache(maxsize=256)
-def _straightened(own: PoseBox, there: Setup) -> Step | None:
-    return upright(own, there, step=3, primitive="x_translation", slipping=there.may_slip)
+def _straightened(own: PoseBox, there: Setup, known: Leaves | None) -> Step | None:
+    slips = there.may_slip
+    return upright(own, there, step=3, primitive="x_translation", before=known, slipping=slips)
 
 
 def _some(step: Step | None) -> tuple[Step, ...]:

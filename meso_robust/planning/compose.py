@@ -15,7 +15,7 @@ from meso_robust.planning.remedy import Remedy
 from meso_robust.planning.rotation import CLOSE_ENOUGH_UM, E, Finish, rotate_and_finish
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
-from meso_robust.primitives.certify import Before, certify_move
+from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, about
@@ -27,7 +27,7 @@ SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs le
 SMALL_FIRST = SHARES[::-1]  # where the gain is not what leads to the goal
 LARGEST_GAIN = 11e-6  # m, of one Y-translation (Table III)
 SMALLEST_GAIN = 2e-6  # m; effort of the search, no proof rests on it
-LEAST_SHARE = 0.05  # of the wanted gain: where room in x is scarce
+LEAST_SHARES = (0.05, 0.06, 0.08, 0.1)  # of the wanted gain: where room in x is scarce
 PER_SHARE = 10e-6  # m; a small share may be of a gain smaller than that
 MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
@@ -246,11 +246,11 @@ def _placed(steps: Sequence[Step], frame: Frame) -> tuple[MoveRule, ...]:
 def _proved(rules: Sequence[MoveRule], setup: Setup) -> bool:
     """Whether a plan is proved with the ways between the poses, which searches leave out, and the slot."""
     state: PoseBox | None = setup.start
-    before: Before | None = None
+    step: Step | None = None
     for rule in rules:
         if state is None:
             return False
-        step, before = certify_move(rule, state, setup, before)
+        step = certify_move(rule, state, setup, step)
         if step.verdict is not Verdict.PROVED:
             return False
         state = step.post
@@ -377,7 +377,7 @@ def _turn(
     """
     tried = set()
     # an edge on two unequal tips leans, so that to straighten it takes a long way after any tilt
-    shares = (LEAST_SHARE, *SMALL_FIRST) if setup.may_slip else SMALL_FIRST
+    shares = (*LEAST_SHARES, *SMALL_FIRST) if setup.may_slip else SMALL_FIRST
     for count in counts:
         for share in shares if count else (0.0,):
             first = _step_1(setup, count, share)

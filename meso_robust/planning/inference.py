@@ -9,9 +9,10 @@ from fractions import Fraction
 from meso_robust.bounds import Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.document import MoveDocument, PlanDocument, ProbeDocument
-from meso_robust.primitives.certify import Before, certify_move
+from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.frame import Frame, Heading
 from meso_robust.primitives.move import Action, Aim, Anchor, MoveRule, Point
+from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.task import Task
 
@@ -45,17 +46,16 @@ def inferred(plan: PlanDocument, task: Task, setup: Setup) -> tuple[MoveRule, ..
         A move is not made by a dual-tip probe of the task along an axis, with at most one passive tip.
     """
     state: PoseBox | None = setup.start
-    before: Before | None = None
+    step: Step | None = None
     rules: list[MoveRule] = []
     for k, move in enumerate(plan.moves):
         candidates = list(_candidates(move, k, task))
         if state is None:
             rules.append(candidates[0])
             continue
-        tried = [(rule, *certify_move(rule, state, setup, before)) for rule in candidates]
-        proved = [one for one in tried if one[1].verdict is Verdict.PROVED]
-        rule, step, before = (proved or tried)[0]
-        rules.append(rule)
+        tried = [certify_move(rule, state, setup, step) for rule in candidates]
+        step = next((one for one in tried if one.verdict is Verdict.PROVED), tried[0])
+        rules.append(step.rule)
         state = step.post
     return tuple(rules)
 

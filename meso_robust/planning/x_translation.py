@@ -14,10 +14,9 @@ from meso_robust.planning.clearance import errors_across, rise_of, start_ahead_u
 from meso_robust.planning.sampling import REFINED, best_robust
 from meso_robust.primitives.move import Aim, MoveRule, Point, from_part, in_world
 from meso_robust.primitives.names import ObligationId
-from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.obligation import Leaves, Step
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.straighten import certify_straighten
-from meso_robust.primitives.tilt import Turn
 
 T = TypeVar("T")
 
@@ -28,11 +27,16 @@ SPARE_UM = 2.0  # travel on top of what the bounds demand
 
 @lru_cache(maxsize=256)  # several ways to the goal begin alike
 def to_goal(
-    pre: PoseBox, setup: Setup, past_um: float = 0.0, *, slipping: bool = False
+    pre: PoseBox,
+    setup: Setup,
+    past_um: float = 0.0,
+    *,
+    before: Leaves | None = None,
+    slipping: bool = False,
 ) -> Step | None:
     """The robust t^2 push from ``pre`` that ends with the part's x at the goal, or ``past_um`` past it.
 
-    Of the samples of one level the one is taken that leaves most of the travel in reserve. If there is
+    ``before`` is as for `upright`. Of the samples of one level the one is taken that leaves most of the travel in reserve. If there is
     none, the first tip may slip where ``slipping``; that leaves the other coordinate less well known.
     """
     depth = setup.edge(pre.theta.mid).depth.mid + setup.uncertainty.tip_radius.mid
@@ -41,7 +45,7 @@ def to_goal(
 
     def attempt(middle: float, slipping: bool) -> tuple[float, Step] | None:
         rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
-        return _worth(certify_straighten(rule, pre, setup, whole=False, slipping=slipping))
+        return _worth(certify_straighten(rule, pre, setup, before, whole=False, slipping=slipping))
 
     return _sample(pre, setup, attempt, slipping=slipping)
 
@@ -52,7 +56,7 @@ def upright(
     *,
     step: int,
     primitive: str,
-    tilt: Turn | None = None,
+    before: Leaves | None = None,
     refined: int = REFINED,
     slipping: bool = False,
 ) -> Step | None:
@@ -64,8 +68,8 @@ def upright(
         All poses before the push, and the task, in its axes.
     step, primitive
         What the move is called.
-    tilt
-        The turn just before it, if there is one: what it leaves of y hangs on the orientation.
+    before
+        How y hangs on the orientation after the move just before it, if that is known.
     refined
         How far the search goes on beyond the first robust push; see `best_robust`.
     slipping
@@ -79,7 +83,7 @@ def upright(
 
     def attempt(middle: float, slipping: bool) -> tuple[float, MoveRule] | None:
         far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
-        found = _worth(certify_straighten(far, pre, setup, tilt, whole=False, slipping=slipping))
+        found = _worth(certify_straighten(far, pre, setup, before, whole=False, slipping=slipping))
         if found is None:
             return None
         left, trial = found
@@ -87,7 +91,7 @@ def upright(
         return left, replace(trial.rule, dual_end=end)
 
     rule = _sample(pre, setup, attempt, refined, slipping=slipping)
-    return None if rule is None else certify_straighten(rule, pre, setup, tilt, whole=False)
+    return None if rule is None else certify_straighten(rule, pre, setup, before, whole=False)
 
 
 def _sample(

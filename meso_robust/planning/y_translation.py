@@ -15,7 +15,7 @@ from meso_robust.planning.x_translation import upright
 from meso_robust.primitives.move import MoveRule, Point, from_part
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.tilt import Turn, certify_tilt
+from meso_robust.primitives.tilt import certify_tilt
 
 GUESSED_BACK = 0.4  # share of the half depth at which the straightening push is first expected
 LARGEST_TILT = 0.5  # rad
@@ -43,18 +43,15 @@ def y_translation(pre: PoseBox, setup: Setup, gain: float, step: int) -> tuple[S
     back = GUESSED_BACK * setup.edge(pre.theta.mid).depth.mid
     found = None
     for refined in (0, REFINED):  # the second round knows where the straightening push lands
-        tilt = _tilt(pre, setup, abs(gain), side, back, step, refined)
-        if tilt is None:
-            return None
-        tilted, turn = tilt
-        if tilted.post is None:
+        tilted = _tilt(pre, setup, abs(gain), side, back, step, refined)
+        if tilted is None or tilted.post is None:
             return None
         straight = upright(
             tilted.post,
             setup,
             step=step,
             primitive="y_translation",
-            tilt=turn,
+            before=tilted.leaves,
             refined=refined,
         )
         if straight is None:
@@ -66,12 +63,12 @@ def y_translation(pre: PoseBox, setup: Setup, gain: float, step: int) -> tuple[S
 
 def _tilt(
     pre: PoseBox, setup: Setup, gain: float, side: int, back: float, step: int, refined: int
-) -> tuple[Step, Turn] | None:
+) -> Step | None:
     """The robust tilt whose contact lies farthest from the middle: it needs the least travel."""
     edge = setup.edge(pre.theta.mid)
     spacing, half = setup.spacing.mid, edge.last.mid if side > 0 else -edge.first.mid
 
-    def attempt(offset: float) -> tuple[float, tuple[Step, Turn]] | None:
+    def attempt(offset: float) -> tuple[float, Step] | None:
         cosine = 1.0 - gain / (offset + back)
         if not math.cos(LARGEST_TILT) < cosine < 1.0:
             return None
@@ -79,10 +76,8 @@ def _tilt(
         if not nominal.sticks(start, start + side * tilt, side * offset, edge.depth.mid, setup):
             return None
         rule = _tilt_rule(offset, tilt, side, pre, setup, step)
-        tilted, turn = certify_tilt(rule, pre, setup, whole=False)
-        if tilted.verdict is not Verdict.PROVED or turn is None:
-            return None
-        return offset, (tilted, turn)
+        tilted = certify_tilt(rule, pre, setup, whole=False)
+        return (offset, tilted) if tilted.verdict is Verdict.PROVED else None
 
     smallest = max(setup.uncertainty.probe_position.hi, 1e-6)
     return best_robust(max(half - spacing, 0.0), half, smallest, attempt, refined)

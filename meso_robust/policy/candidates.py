@@ -180,7 +180,7 @@ class Kit:
         self, rule: MoveRule, own: PoseBox, frame: Frame, follows: tuple[bool, bool]
     ) -> Candidate | None:
         sensed, there = frame.box_to_world(own), replace(rule, frame=frame)
-        step, _ = certify_move(there, true_poses(sensed, self.setup), self.setup)
+        step = certify_move(there, true_poses(sensed, self.setup), self.setup)
         if step.verdict is not Verdict.PROVED or step.post is None:
             return None
         along, across = follows

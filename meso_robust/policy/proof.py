@@ -37,7 +37,7 @@ def certified(
     setup
         The task.
     """
-    step, _ = certify_move(rule, true_poses(sensed, setup), setup)
+    step = certify_move(rule, true_poses(sensed, setup), setup)
     if step.verdict is not Verdict.PROVED or step.post is None:
         return None
     ends = ends_in_goal(sensed, step.post, setup)

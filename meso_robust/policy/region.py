@@ -134,7 +134,7 @@ def tube(policy: Policy, start: PoseBox) -> tuple[Slice, ...]:
             to_go = max([to_go, *(cell.moves for cell in cells)])
             for cell in cells:
                 before = common(box, true_poses(cell.sensed, setup))
-                step, _ = certify_move(cell.rule, before, setup)
+                step = certify_move(cell.rule, before, setup)
                 if step.verdict is not Verdict.PROVED or step.post is None:
                     raise ValueError(f"the move of a certified cell is not proved from {before}")
                 (done if cell.ends else found).append(common(step.post, cell.post))

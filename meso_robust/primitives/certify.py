@@ -2,39 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.primitives.force import force_below_cap
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.obligation import Leaves, Step
+from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.regrasp import certify_regrasp
 from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.straighten import Across, Pushed, certify_straighten
 from meso_robust.primitives.tilt import Turn, certify_tilt
 from meso_robust.primitives.walls import part_clear, tips_clear
 
 SIDES = {"tilt": (1, -1), "rotate": (1,), "straighten": (0,), "regrasp": (0,)}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Before:
-    """What is known of the move just before, beyond the box of poses that it leaves."""
-
-    turn: Turn
-    """A tilt's start, in the axes of ``frame``."""
-    frame: Frame
-
-
 def certify_move(
     rule: MoveRule,
     pre: PoseBox,
     setup: Setup,
-    before: Before | None = None,
+    before: Step | None = None,
     *,
     whole: bool = True,
-) -> tuple[Step, Before | None]:
+) -> Step:
     """Certify one move from every pose in ``pre``.
 
     Parameters
@@ -42,14 +35,14 @@ def certify_move(
     rule, pre, setup
         The move, all poses before it and the task, world frame.
     before
-        What the move before left behind.
+        The move just before, of which more may be known than the box of poses that it leaves.
     whole
         False: nothing but the verdict and the box of poses after a proved move is wanted.
 
     Returns
     -------
-    tuple[Step, Before | None]
-        The step, its boxes in the world frame, and what the next move may use.
+    Step
+        Its boxes in the world frame.
 
     Raises
     ------
@@ -59,16 +52,15 @@ def certify_move(
     _check_shape(rule)
     frame = rule.frame
     own, there = frame.from_world(pre), frame.setup(setup)
-    turn: Turn | None = None
     whole = whole or bool(setup.blocks)  # of a wall every pose on the way must be clear
     if rule.action == "tilt":
-        step, turn = certify_tilt(rule, own, there, whole=whole)
+        step = certify_tilt(rule, own, there, whole=whole)
     elif rule.action == "rotate":
         step = certify_rotation(rule, own, there)
     elif rule.action == "regrasp":
         step = certify_regrasp(rule, own, there)
     else:
-        known = before.turn if before is not None and before.frame == frame else None
+        known = None if before is None else known_before(before, own, frame, there)
         step = certify_straighten(rule, own, there, known, whole=whole)
     seen = replace(
         step,
@@ -80,7 +72,42 @@ def certify_move(
     if setup.blocks:
         walls = (part_clear(seen.tube, setup), tips_clear(rule, own, there))
         seen = replace(seen, obligations=(*seen.obligations, *walls))
-    return seen, None if turn is None else Before(turn=turn, frame=frame)
+    return seen
+
+
+def known_before(before: Step, own: PoseBox, frame: Frame, there: Setup) -> Leaves | None:
+    """How y before a straightening hangs on the orientation; None: nothing is known of it.
+
+    Parameters
+    ----------
+    before
+        The move just before it, its rule in the world frame.
+    own, frame, there
+        All poses before the straightening, its axes, and the task seen from them.
+    """
+    if isinstance(before.leaves, Turn):
+        return before.leaves if before.rule.frame == frame else None
+    if isinstance(before.leaves, Pushed):
+        return _across(before.leaves, before.rule.frame, frame, there.edge(own.theta.mid))
+    return None
+
+
+def _across(pushed: Pushed, earlier: Frame, frame: Frame, edge: Edge) -> Across | None:
+    """What a push tells of y in the axes of another one across it.
+
+    Turned about a contact on an edge the part keeps ``y + depth theta`` but for terms of second order.
+    """
+    if (frame.quarters - earlier.quarters) % 2 == 0:
+        return None
+    x_to_y = float((frame.matrix.T @ earlier.matrix)[1, 0])
+    turned = -1.0 if frame.mirrored != earlier.mirrored else 1.0
+    lever = Interval.point(-edge.depth.mid)
+    ahead = pushed.ahead(Interval.point(x_to_y * turned) * lever)
+    if ahead is None:
+        return None
+    quarters = earlier.quarters - frame.quarters
+    constant = HALF_PI * Interval.point(-quarters if frame.mirrored else quarters)
+    return Across(lever=lever, range=Interval.point(x_to_y) * ahead - lever * constant)
 
 
 def _check_shape(rule: MoveRule) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -32,6 +32,11 @@ class Knot:
     box: PoseBox
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Leaves:
+    """How coordinates after a move hang on the orientation that it leaves, in its own axes."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
     """A move with what was proved of it."""
@@ -44,6 +49,8 @@ class Step:
     """All poses the part can have afterwards; None when the motion could not be enclosed."""
     obligations: tuple[Obligation, ...]
     tube: tuple[Knot, ...]
+    leaves: Leaves | None = field(default=None, compare=False, repr=False)
+    """What the move that follows may use, beyond the box of poses."""
 
     @property
     def verdict(self) -> Verdict:

@@ -37,18 +37,50 @@ from meso_robust.primitives.names import (
     Which,
     about,
 )
-from meso_robust.primitives.obligation import Knot, Obligation, Step
+from meso_robust.primitives.obligation import Knot, Leaves, Obligation, Step
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tilt import Turn
 from meso_robust.primitives.tube import turn_tube
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pushed(Leaves):
+    """What a straightening leaves behind for one across it that follows."""
+
+    cases: tuple[tuple[int, Mapping[str, Interval]], ...]
+    """Which tip may have touched first, and the base parameters then."""
+    guess: float
+
+    def ahead(self, lever: Interval) -> Interval | None:
+        """Range of x less ``lever`` (m per rad, a number) times the orientation, m; None: it is not bounded."""
+        found: Interval | None = None
+        for side, box in self.cases:
+            there = {**box, one_tip.LEVER: lever}
+            of = one_tip.left_ahead(side, one_tip.zeros(there))
+            ends = bound(of, there, self.guess, both=(one_tip.ACROSS,))
+            if ends is None:
+                return None
+            one = Interval(ends.lower[one_tip.ACROSS], ends.upper[one_tip.ACROSS])
+            found = one if found is None else found.hull(one)
+        return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Across(Leaves):
+    """What is known of y before a straightening, in its own axes, after one across it."""
+
+    lever: Interval
+    """A number, m per rad."""
+    range: Interval
+    """Of y less ``lever`` times the orientation, m."""
+
+
 def certify_straighten(
     rule: MoveRule,
     pre: PoseBox,
     setup: Setup,
-    tilt: Turn | None = None,
+    before: Leaves | None = None,
     *,
     whole: bool = True,
     slipping: bool = True,
@@ -59,9 +91,9 @@ def certify_straighten(
     ----------
     rule, pre, setup
         The move, all poses before it, the task; all in the move's axes.
-    tilt
-        The tilt that came just before, if any: y before the straightening hangs together with the
-        angle then, which is used if it is the same edge that is pushed.
+    before
+        How y before the straightening hangs on the orientation after the move just before it, if that
+        is known; of a tilt it is used if it pushed the same edge.
     whole
         False: nothing but the verdict and the box of poses after a proved move is wanted.
     slipping
@@ -73,11 +105,11 @@ def certify_straighten(
         In the move's axes; without a ``post`` where a tip is not proved to hold.
     """
     edge = setup.edge(pre.theta.mid)
-    tilt = tilt if tilt is not None and tilt.edge == edge else None
     box, aligned = base_box(rule, pre, setup, edge), _aligned(setup)
     obligations = [*free_at_start((1, -1), box, edge)]
     alike = len(obligations)
     posts: list[PoseBox | None] = []
+    left: list[tuple[int, Mapping[str, Interval]]] = []
     knots = [Knot(stage="at rest", box=pre)]
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
         case = _case(side, {**box, "theta": theta}, edge, aligned, whole=whole)
@@ -92,8 +124,8 @@ def certify_straighten(
             posts.append(None)
             continue
         post = pose_of(ends)
-        if tilt is not None:
-            post = replace(post, y=_nearer(post.y, _height(side, part, tilt, aligned.mid)))
+        post = replace(post, y=_nearer(post.y, _height(side, part, edge, before, aligned.mid)))
+        left.append((side, part))
         passage = _passage(side, part, ends, post) if whole else []
         posts.append(post if passage or not whole else None)
         knots += passage
@@ -104,6 +136,7 @@ def certify_straighten(
         post=functools.reduce(_hull, posts),
         obligations=tuple(obligations),
         tube=tuple(knots),
+        leaves=Pushed(cases=tuple(left), guess=aligned.mid) if len(left) == len(posts) else None,
     )
 
 
@@ -344,11 +377,23 @@ def _turns(side: int, inequality: Inequality, outputs: Sequence[str]) -> Wanted:
     return name, inequality, [*outputs]
 
 
-def _height(side: int, box: Mapping[str, Interval], tilt: Turn, guess: float) -> Interval | None:
-    """Height after the straightening, put together with the tilt before it."""
-    before = {f"tilt_{name}": tilt.box[name] for name in (*one_tip.BEFORE, *one_tip.BEFORE_AIM)}
-    both = {**box, **before}
-    of = one_tip.straighten_height(side, tilt.side, one_tip.zeros(both))
+def _height(
+    side: int,
+    box: Mapping[str, Interval],
+    edge: Edge,
+    before: Leaves | None,
+    guess: float,
+) -> Interval | None:
+    """Height after the straightening, put together with the move before it."""
+    if isinstance(before, Across):
+        both = {**box, one_tip.LEVER: before.lever, one_tip.ACROSS: before.range}
+        of = one_tip.straighten_across(side, one_tip.zeros(both))
+    elif isinstance(before, Turn) and before.edge == edge:
+        names = (*one_tip.BEFORE, *one_tip.BEFORE_AIM)
+        both = {**box, **{f"tilt_{name}": before.box[name] for name in names}}
+        of = one_tip.straighten_height(side, before.side, one_tip.zeros(both))
+    else:
+        return None
     ends = bound(of, both, guess, both=("y",))
     return None if ends is None else Interval(ends.lower["y"], ends.upper["y"])
 

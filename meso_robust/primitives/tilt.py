@@ -26,7 +26,7 @@ from meso_robust.primitives.names import (
     Which,
     about,
 )
-from meso_robust.primitives.obligation import Knot, Step
+from meso_robust.primitives.obligation import Knot, Leaves, Step
 from meso_robust.primitives.outline import Edge, Line, Rectangle
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tube import turn_tube
@@ -38,8 +38,8 @@ ENDS = Interval.point(0.0), Interval.point(1.0)
 """Of the share of a phase: a line may be cleared in its middle and not at its start."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Turn:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Turn(Leaves):
     """What a tilt leaves behind for the straightening that follows it."""
 
     side: int
@@ -50,9 +50,7 @@ class Turn:
     """The edge that was pushed: after a large tilt another one may face the pair."""
 
 
-def certify_tilt(
-    rule: MoveRule, pre: PoseBox, setup: Setup, *, whole: bool = True
-) -> tuple[Step, Turn | None]:
+def certify_tilt(rule: MoveRule, pre: PoseBox, setup: Setup, *, whole: bool = True) -> Step:
     """Certify a tilt from every pose in ``pre``.
 
     The lower tip pushes above the middle (``rule.side`` = 1) or the upper one below it (-1), while
@@ -67,9 +65,8 @@ def certify_tilt(
 
     Returns
     -------
-    tuple[Step, Turn | None]
-        The step, without a ``post`` where the turn could not be enclosed, and what a straightening
-        that follows may use of it.
+    Step
+        In the move's axes; without a ``post`` where the turn could not be enclosed.
     """
     side, edge = rule.side, setup.edge(pre.theta.mid)
     box = base_box(rule, pre, setup, edge)
@@ -84,7 +81,7 @@ def certify_tilt(
     if ends is not None and whole:
         passage = turn_tube(one_tip.tilt_tube(side, zero), box, ends.end.mid)
         ends = ends if passage else None
-    step = Step(
+    return Step(
         rule=rule,
         claim=about(Property.TURNS_PART, turn=TURNS[side]),
         pre=pre,
@@ -98,8 +95,8 @@ def certify_tilt(
             ),
         ),
         tube=(rest, *passage) if passage else (),
+        leaves=None if ends is None else Turn(side=side, box=box, edge=edge),
     )
-    return step, None if ends is None else Turn(side=side, box=box, edge=edge)
 
 
 def _wanted(side: int, edge: Edge) -> list[Wanted]:

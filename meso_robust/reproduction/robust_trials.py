@@ -103,7 +103,7 @@ def certified(trial: Trial) -> Step:
     """The conditions of the robust motion, each proved or not for all errors at once."""
     setup = trial.setup
     if trial.action == "tilt":
-        return certify_tilt(trial.rule, setup.start, setup)[0]
+        return certify_tilt(trial.rule, setup.start, setup)
     return certify_straighten(trial.rule, setup.start, setup)
 
 

@@ -138,7 +138,7 @@ def test_an_answered_box_holds_what_is_certified_from_the_pose_alone(small_polic
         for share in (0.0, 1.0, rng.random()):
             x, y = ((1.0 - share) * side.lo + share * side.hi for side in (pre.x, pre.y))
             now = PoseBox(x=Interval.point(x), y=Interval.point(y), theta=pre.theta)
-            step, _ = certify_move(cell.rule, now, setup)
+            step = certify_move(cell.rule, now, setup)
             assert step.post is not None
             answered = expected(cell.rule, now, pre, cell.post)
             room = PoseBox(

@@ -36,13 +36,13 @@ def again(
     old, given = chain.steps[index], setup(chain.setup)
     move = rule(old.rule)
     if index == TILT:
-        return certify_tilt(move, old.pre, given)[0]
+        return certify_tilt(move, old.pre, given)
     if index == ROTATE:
         return certify_rotation(move, old.pre, given)
     turn = None
     if index == STRAIGHTEN:
         first = chain.steps[TILT]
-        turn = certify_tilt(first.rule, first.pre, chain.setup)[1]
+        turn = certify_tilt(first.rule, first.pre, chain.setup).leaves
     return certify_straighten(move, old.pre, given, turn)
 
 
@@ -262,10 +262,10 @@ def test_mirrored_tilt_is_the_mirror_image() -> None:
             old.rule.dual, y=replace(old.rule.dual.y, offset_um=-old.rule.dual.y.offset_um)
         ),
     )
-    step, turn = certify_tilt(mirrored, old.pre, chain.setup)
+    step = certify_tilt(mirrored, old.pre, chain.setup)
     assert step.verdict is Verdict.PROVED
     assert step.post is not None
-    assert turn is not None
+    assert step.leaves is not None
     assert step.post.theta.mid + old.post.theta.mid == pytest.approx(
         2 * old.pre.theta.mid, abs=1e-6
     )
@@ -332,6 +332,6 @@ def test_an_idle_tip_that_would_strike_the_corner_on_its_way_is_seen(beyond_um: 
             dual_end=from_part(reach - 20.0),
         )
         setup = setup_of(task)
-        return certify_tilt(rule, setup.start, setup)[0]
+        return certify_tilt(rule, setup.start, setup)
 
     assert "idle_tip_passes/before_touch" in open_claims(tilt(400.0))

@@ -71,7 +71,7 @@ def test_pushes_end_in_the_proved_boxes_wherever_the_centre_is_at_each_instant(
     known, rng = Proved(given(tasks[0])), random.Random(7)
     worst = []
     for setup in map(setup_of, tasks):
-        tilted, _ = certify_tilt(rule("tilt", TILT, 1), setup.start, setup)
+        tilted = certify_tilt(rule("tilt", TILT, 1), setup.start, setup)
         assert tilted.post is not None
         straightened = certify_straighten(rule("straighten", STRAIGHTEN, 0), tilted.post, setup)
         worst.append((tilted.post, straightened.post))
@@ -98,7 +98,7 @@ def test_a_fixed_centre_of_drag_is_checked_as_closely_as_it_is_planned_with() ->
     """A certificate states a hundredth of a box's width on either side for the checker."""
     fixed = task({"uncertainty": {"drag_centre_um": 30.0}})
     setup, known = setup_of(fixed), given(fixed)
-    step, _ = certify_tilt(rule("tilt", TILT, 1), setup.start, setup)
+    step = certify_tilt(rule("tilt", TILT, 1), setup.start, setup)
     scene, found = verify_move(stated("tilt", TILT), known.start, known, None)
     assert step.post is not None
 

@@ -120,7 +120,7 @@ def first_touches(setup: Setup, rule: MoveRule) -> list[bool]:
 
 def test_a_tip_that_clears_the_next_edge_is_proved_to() -> None:
     setup, rule = shallow(0.0, 100.0)
-    step, _ = certify_move(rule, setup.start, setup)
+    step = certify_move(rule, setup.start, setup)
     assert [o.name for o in step.obligations if o.proof.verdict is not Verdict.PROVED] == []
     assert first_touches(setup, rule) == [False, True]
 
@@ -135,7 +135,7 @@ def test_a_tip_that_meets_the_next_edge_is_not() -> None:
     assert lower.lo > edge.first.hi
     assert lower.hi < edge.last.lo < lower.lo + setup.spacing.lo * np.cos(np.radians(7.2))
     assert first_touches(setup, rule)[0]
-    step, _ = certify_move(rule, setup.start, setup)
+    step = certify_move(rule, setup.start, setup)
     passing = [o for o in step.obligations if o.name.id is ObligationId.IDLE_TIP_PASSES]
     assert passing
     assert all(o.proof.verdict is not Verdict.PROVED for o in passing[:1])
@@ -166,7 +166,7 @@ def test_a_stated_rotation_of_a_polygon_is_undecided() -> None:
         action="rotate",
         single=Point(x=from_part(-460.0), y=in_world(-100.0)),
     )
-    step, _ = certify_move(rule, setup.start, setup)
+    step = certify_move(rule, setup.start, setup)
     assert step.verdict is Verdict.UNKNOWN
     assert step.post is None
 

@@ -80,6 +80,6 @@ def test_an_active_tip_below_the_passive_one_is_no_rotation() -> None:
     """The conditions hold the separation squared; its sign is asked for first."""
     assert ROTATE.single is not None
     below = replace(ROTATE, dual=replace(ROTATE.dual, y=in_world(-925.0)))
-    step, _ = certify_move(below, paper_chain().steps[2].pre, paper_chain().setup)
+    step = certify_move(below, paper_chain().steps[2].pre, paper_chain().setup)
     assert step.post is None
     assert step.obligations[-1].name.id is ObligationId.ACTIVE_ABOVE_PASSIVE

@@ -78,8 +78,7 @@ def test_known_parameters_give_the_replayed_pose(index: int, degrees: float) -> 
     x, y, theta = (Interval.point(value) for value in old.pre.mid)
     pre, exact = PoseBox(x=x, y=y, theta=theta), replace(setup, uncertainty=known)
     certified = certify_tilt if old.rule.action == "tilt" else certify_straighten
-    found = certified(old.rule, pre, exact)
-    step = found[0] if isinstance(found, tuple) else found
+    step = certified(old.rule, pre, exact)
     draw = Draws(1, 0)
     world = World(
         x=draw(x),

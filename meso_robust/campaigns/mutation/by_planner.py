@@ -63,7 +63,7 @@ def proves_too(original: Original, document: Document, where: Place) -> bool:
     }:
         return False
     setup = _widened(original.setup, wider)
-    step, _ = certify_move(
+    step = certify_move(
         original.rules(document["policy"])[move], _before(original, move, wider), setup
     )
     if number >= len(step.obligations) or str(step.obligations[number].name.id) != new["id"]:

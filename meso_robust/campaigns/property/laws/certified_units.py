@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from meso_robust.bounds import Interval
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Verdict
 from meso_robust.campaigns.property.laws.variants import Variant, paper_rules, variants
-from meso_robust.primitives.certify import Before, certify_move
+from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.move import Aim, MoveRule, Point
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.outline import Rectangle
@@ -74,14 +74,12 @@ def _rule(rule: MoveRule, factor: float) -> MoveRule:
 def _steps(rules: Sequence[MoveRule], setup: Setup) -> list[Step]:
     """The steps as they are certified, without the grid of decimals on which boxes are stated."""
     state: PoseBox | None = setup.start
-    before: Before | None = None
     found: list[Step] = []
     for rule in rules:
         if state is None:
             break
-        step, before = certify_move(rule, state, setup, before)
-        found.append(step)
-        state = step.post
+        found.append(certify_move(rule, state, setup, found[-1] if found else None))
+        state = found[-1].post
     return found
 
 
