@@ -10,12 +10,13 @@ from typing import Literal, cast
 import numpy as np
 
 from meso_robust.bounds import branch
-from meso_robust.bounds.bulk import Bounded, enclose_range
+from meso_robust.bounds.bulk import Bounded, enclose_many, enclose_range
 from meso_robust.bounds.interval import Interval
 from meso_robust.types import Floats
 
 Box = Mapping[str, Interval]
 
+POINTS = 2048  # of a box, at which a proof is seen to be in vain; drawn once and for all
 MOST_BOXES = 4096  # a proof that needs more is given up as UNKNOWN
 REASONS = {
     branch.TOO_MANY: f"{MOST_BOXES} boxes did not suffice",
@@ -91,6 +92,17 @@ def prove_positive(of: Bounded, box: Box, *, any_output: bool = False) -> Proof:
     return Proof(
         verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=boxes, box=at, reason=REASONS[outcome]
     )
+
+
+def fails_somewhere(of: Bounded, box: Box) -> bool:
+    """Whether an output of ``of`` is not positive at one of some points of ``box``, most at its corners.
+
+    It costs far less than a proof that is given up, where many are tried.
+    """
+    lo, hi = _ends(of, box)
+    share = np.clip(np.random.default_rng(0).uniform(-2.0, 3.0, (POINTS, lo.size)), 0.0, 1.0)
+    at = np.clip(lo + share * (hi - lo), lo, hi)
+    return bool(np.any(enclose_many(of, at, at, natural=True)[1] <= 0.0))
 
 
 def enclose(of: Bounded, box: Box, *, boxes: int = 64, slack: float = 0.02) -> tuple[Interval, ...]:

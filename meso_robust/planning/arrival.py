@@ -114,25 +114,22 @@ def _steps(
     own: PoseBox, there: Setup, known: Leaves | None = None, *, back: bool
 ) -> Iterator[Step]:
     """What one push can do: end at the goal, or past it if a later one comes ``back``."""
-    ahead = own.x.mid - there.goal.x.mid
-    if not back:
-        if ahead > 0.0:
-            yield from _some(to_goal(own, there, before=known, slipping=there.may_slip))
-        return
-    past_um = fine(there) * ROOM_UM
-    if ahead + units.UM * past_um > 0.0:
-        yield from _some(to_goal(own, there, past_um, before=known, slipping=there.may_slip))
-    yield from _some(_straightened(own, there, known))
+    straight = _straightened(own, there, known)
+    if straight is None or straight.post is None:
+        return  # what no push straightens none brings to the goal
+    past_um = fine(there) * ROOM_UM if back else 0.0
+    # the shortest push that straightens the part must not lead past where it shall end
+    if straight.post.x.hi > there.goal.x.mid - units.UM * past_um:
+        found = to_goal(own, there, past_um, before=known, slipping=there.may_slip)
+        yield from () if found is None else (found,)
+    if back:
+        yield straight
 
 
 @lru_cache(maxsize=256)
 def _straightened(own: PoseBox, there: Setup, known: Leaves | None) -> Step | None:
     slips = there.may_slip
     return upright(own, there, step=3, primitive="x_translation", before=known, slipping=slips)
-
-
-def _some(step: Step | None) -> tuple[Step, ...]:
-    return () if step is None else (step,)
 
 
 def _opposite(one: Frame, other: Frame) -> bool:

@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import HALF_PI, Interval, Proof, Verdict, enclose, prove_positive
+from meso_robust.bounds.prove import fails_somewhere
 from meso_robust.bounds.implicit import Ends, bound
 from meso_robust.bounds.interval import arcsin, cos
 from meso_robust.motion import one_tip
@@ -193,22 +194,27 @@ def _slip(side: int, box: Mapping[str, Interval], edge: Edge, aligned: Interval)
             one_tip.TURNED: turned,
         }
 
-    def proof(most: float) -> Proof:
+    def proof(most: float) -> Proof | None:
         there = at(most)
         of = one_tip.creeping(side, one_tip.zeros(there))
-        return prove_positive(of, {name: there[name] for name in of.inputs})
+        inputs = {name: there[name] for name in of.inputs}
+        return None if fails_somewhere(of, inputs) else prove_positive(of, inputs)
+
+    def proved(most: float) -> bool:
+        found = proof(most)
+        return found is not None and found.verdict is Verdict.PROVED
 
     grown = (SMALLEST * LARGER**k * edge.depth.hi for k in range(MOST_TRIALS))
-    most = next((m for m in grown if proof(m).verdict is Verdict.PROVED), None)
+    most = next(filter(proved, grown), None)
     if most is None:
         return None
     less = most / LARGER
     for _ in range(HALVINGS):
         middle = 0.5 * (less + most)
-        less, most = (less, middle) if proof(middle).verdict is Verdict.PROVED else (middle, most)
+        less, most = (less, middle) if proved(middle) else (middle, most)
     most *= FOR_OTHERS
     bounded = proof(most)
-    if bounded.verdict is not Verdict.PROVED:
+    if bounded is None or bounded.verdict is not Verdict.PROVED:
         return None
     there = at(most)
     return _Slip(
