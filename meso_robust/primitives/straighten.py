@@ -15,9 +15,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import HALF_PI, Interval, Proof, Verdict, enclose, prove_positive
-from meso_robust.bounds.prove import fails_somewhere
 from meso_robust.bounds.implicit import Ends, bound
 from meso_robust.bounds.interval import arcsin, cos
+from meso_robust.bounds.prove import fails_somewhere
 from meso_robust.motion import one_tip
 from meso_robust.primitives.base import (
     Wanted,
