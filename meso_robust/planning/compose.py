@@ -31,6 +31,7 @@ LEAST_SHARES = (0.05, 0.06, 0.08, 0.1)  # of the wanted gain: where room in x is
 PER_SHARE = 10e-6  # m; a small share may be of a gain smaller than that
 MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
+ROOM = 1.02  # on top, where boxes of a certificate leave room for another enclosure and little is to spare
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
 COMING_BACK_UM = 10.0  # of the goal in y is close enough after several pushes
@@ -143,7 +144,8 @@ def _with_most_in_hand(
     task: Task, ways: Sequence[_Way], headings: Sequence[Heading], *, clear: bool
 ) -> Found | None:
     """The plan that bears the most; where none bears the task's uncertainties none bears more."""
-    most, more, least = IN_HAND
+    room = ROOM if setup_of(task).may_slip else 1.0
+    most, more, least = (scale * room if scale > 1.0 else scale for scale in IN_HAND)
     rules = _rules(task, ways, headings, most, clear=clear)
     if rules is not None:
         return Found(rules=rules, scale=most)

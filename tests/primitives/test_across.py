@@ -6,6 +6,7 @@ import functools
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.planning.x_translation import rule_at
@@ -19,31 +20,55 @@ from tests.primitives.replay import Draws
 from tests.primitives.test_slip import Part
 from tests.primitives.test_tolerance import DEG, UM, real
 
-RUNS, SHORT = 300, 0.25 * UM
-START = PoseBox(
-    x=Interval(300 * UM, 320 * UM),
-    y=Interval(-320 * UM, -300 * UM),
-    theta=Interval(178.5 * DEG, 181.5 * DEG),
+RUNS, SHORT = 300, 0.5 * UM
+AHEAD, ASIDE, LEANING = (
+    Interval(300 * UM, 320 * UM),
+    Interval(-320 * UM, -300 * UM),
+    Interval(-1.5 * DEG, 1.5 * DEG),
 )
-FIRST, SECOND = Frame(heading="-x"), Frame(heading="+y", mirrored=True)
-DEPTHS = {FIRST: 808 * UM, SECOND: 418.5 * UM}
+WAYS = (
+    (Frame(heading="-x"), Frame(heading="+y", mirrored=True)),
+    (Frame(heading="+y"), Frame(heading="-x")),
+    (Frame(heading="-x", mirrored=True), Frame(heading="-y")),
+)
+"""The first push, on a short edge or on a long one, and one across it."""
+
+
+def start_of(way: tuple[Frame, Frame]) -> PoseBox:
+    """Ahead of both pushes, leaning either way, the short edges facing along x."""
+    x, y = (
+        next(a for a in (AHEAD, ASIDE) if all(faces(frame, axis, a) for frame in way))
+        for axis in (0, 1)
+    )
+    return PoseBox(x=x, y=y, theta=Interval(2.0 * HALF_PI.lo, 2.0 * HALF_PI.hi) + LEANING)
+
+
+def faces(frame: Frame, axis: int, side: Interval) -> bool:
+    """Whether a part there is ahead of a push along this axis; any other push does not mind."""
+    along = frame.matrix[axis, 0]
+    return bool(along == 0.0 or along * side.mid > 0.0)
+
+
+def depth(frame: Frame) -> float:
+    """Of the edge that is pushed, m."""
+    return (808 if frame.quarters % 2 == 0 else 418.5) * UM
 
 
 def rule_in(frame: Frame, box: PoseBox, setup: Setup) -> MoveRule:
     """A push that ends with the part's middle at zero."""
-    end = in_world(DEPTHS[frame] / UM + 7.5)
+    end = in_world(depth(frame) / UM + 7.5)
     own, there = frame.from_world(box), frame.setup(setup)
     rule = rule_at(0.0, own, there, end, step=4, primitive="x_translation")
     return replace(rule, frame=frame)
 
 
 @functools.cache
-def pushes() -> tuple[Setup, Step, Step, Step]:
+def pushes(way: tuple[Frame, Frame]) -> tuple[Setup, Step, Step, Step]:
     """The first, the second, and the second from the box of poses alone."""
-    setup = real(1.0, spacing=580 * UM)
-    first = certify_move(rule_in(FIRST, START, setup), START, setup)
+    setup, start = real(1.0, spacing=580 * UM), start_of(way)
+    first = certify_move(rule_in(way[0], start, setup), start, setup)
     assert first.post is not None
-    rule = rule_in(SECOND, first.post, setup)
+    rule = rule_in(way[1], first.post, setup)
     return (
         setup,
         first,
@@ -58,7 +83,7 @@ def pushed(step: Step, poses: Floats, setup: Setup, draw: Draws) -> Floats:
     u, count = frame.setup(setup).uncertainty, len(poses)
     part = Part(
         pose=frame.sensed(poses),
-        depth=DEPTHS[frame] + draw(u.size),
+        depth=depth(frame) + draw(u.size),
         kappa=draw(u.squareness),
         drag=np.stack([draw(u.drag_centre), draw(u.drag_centre)], 1),
         film=np.stack([draw(u.film_ratio), draw(u.drag_anisotropy), draw(u.drag_anisotropy)], 1),
@@ -95,28 +120,31 @@ def pushed(step: Step, poses: Floats, setup: Setup, draw: Draws) -> Floats:
     return np.column_stack([ends, sign * part.pose[:, 2] + HALF_PI.mid * frame.quarters])
 
 
-def test_runs_end_where_it_is_promised_and_the_promise_is_sharper_than_from_the_box() -> None:
-    setup, first, second, alone = pushes()
+@pytest.mark.parametrize("way", WAYS)
+def test_runs_end_where_it_is_promised_and_the_promise_is_sharper_than_from_the_box(
+    way: tuple[Frame, Frame],
+) -> None:
+    setup, first, second, alone = pushes(way)
     assert {step.verdict for step in (first, second, alone)} == {Verdict.PROVED}
     assert second.post is not None
     assert alone.post is not None
-    draw = Draws(RUNS, 3)
-    poses = np.stack([draw(START.x), draw(START.y), draw(START.theta)], 1)
+    draw, start = Draws(RUNS, 3), first.pre
+    poses = np.stack([draw(start.x), draw(start.y), draw(start.theta)], 1)
     ends = pushed(second, pushed(first, poses, setup, draw), setup, draw)
     low, high = second.post.ends
     room = np.array([0.3 * UM, 0.3 * UM, 0.002])  # a step of the runs
     assert np.all(ends >= low - room)
     assert np.all(ends <= high + room)
     # most of it is attained, which shows that the two pushes are looked at together
-    assert np.ptp(ends[:, 0]) > 0.7 * second.post.x.width
-    assert second.post.x.width < 0.9 * alone.post.x.width
-    assert second.post.y == alone.post.y
+    across = way[0].quarters % 2  # the coordinate that the first push sets
+    sharp, wide = ((box.x, box.y)[across].width for box in (second.post, alone.post))
+    assert np.ptp(ends[:, across]) > 0.7 * sharp
+    assert sharp < 0.92 * wide
+    assert (second.post.y, second.post.x)[across] == (alone.post.y, alone.post.x)[across]
 
 
 def test_after_a_push_along_the_same_line_nothing_is_known_beyond_the_box() -> None:
-    setup, first, _, _ = pushes()
+    setup, first, _, _ = pushes(WAYS[0])
     assert first.post is not None
-    back = Frame(heading="+x")
-    DEPTHS[back] = DEPTHS[FIRST]
-    rule = rule_in(back, first.post, setup)
+    rule = rule_in(Frame(heading="+x"), first.post, setup)
     assert certify_move(rule, first.post, setup, first) == certify_move(rule, first.post, setup)
