@@ -23,6 +23,7 @@ from meso_robust.bounds import (
     bounded,
     prove_positive,
 )
+from meso_robust.bounds.prove import fails_somewhere
 from meso_robust.conditions import condition
 from tests.bounds.formulas import NAMES, Formula, corner, formulas, together
 from tests.strategies import REPEATABLE, intervals
@@ -114,6 +115,17 @@ def test_bisection_proves_what_one_box_cannot() -> None:
     assert proof.verdict is Verdict.PROVED
     assert proof.boxes > 1
     assert 0.0 < proof.lower <= 0.125
+
+
+def test_a_proof_in_vain_is_seen_at_a_corner_or_inside() -> None:
+    box = {"x": Interval(-2.0, 2.0), "y": Interval(-1.0, 1.0)}
+    fails_at = {
+        "one corner": lambda x, y: [x + y + 2.75],
+        "the middle": lambda x, y: [x * x - 0.0625],
+    }
+    for build in fails_at.values():
+        assert fails_somewhere(function_of(build), box)
+    assert not fails_somewhere(function_of(lambda x, y: [x + y + 3.25]), box)
 
 
 def test_zero_is_not_positive() -> None:
