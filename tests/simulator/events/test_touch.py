@@ -18,15 +18,14 @@ from meso_robust.simulator import Outcome
 from meso_robust.task import load_task
 
 HERE = Path(__file__).parent
-REAL = HERE.parents[2] / "reports" / "real_paper"
 ENGINES: tuple[Engine, ...] = ("events", "stepper")
 
 
 @pytest.mark.parametrize("run", [1, 2, 3])
 def test_a_touch_just_before_another_event_is_not_passed(run: int) -> None:
     """The part was taken 0.1 nm into the tip, which then was no contact any more: a false jam."""
-    task = load_task(REAL / "task.toml")
-    plan = read_plan(REAL / "plan.json", task)
+    task = load_task(HERE / "touch_task.toml")
+    plan = read_plan(HERE / "touch_plan.json", task)
     player = player_of(plan, setup_of(task))
     assert isinstance(player, Feedback)
     row = read_witness(HERE / f"touch_{run}.json", task, plan, player).row[None]
