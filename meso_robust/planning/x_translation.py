@@ -36,8 +36,9 @@ def to_goal(
 ) -> Step | None:
     """The robust t^2 push from ``pre`` that ends with the part's x at the goal, or ``past_um`` past it.
 
-    ``before`` is as for `upright`. Of the samples of one level the one is taken that leaves most of the travel in reserve. If there is
-    none, the first tip may slip where ``slipping``; that leaves the other coordinate less well known.
+    ``before`` is as for `upright`. Of the samples of one level the one is taken that leaves most of the
+    travel in reserve. If there is none, the first tip may slip where ``slipping``; that leaves the other
+    coordinate less well known.
     """
     depth = setup.edge(pre.theta.mid).depth.mid + setup.uncertainty.tip_radius.mid
     end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
