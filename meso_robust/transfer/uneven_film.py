@@ -219,7 +219,7 @@ def _bounds(cells: _Cells, law: Law, at: _Places) -> Floats:
 
 
 def _mean(low: Floats, top: Floats, of: Floats, rest: Floats) -> Floats:
-    """(B,) upper bound of the mean of ``of``, weighted by drag, or zero; ``rest``: more of the sum at most.
+    """(B,) upper bound of the mean of ``of``, weighted by drag; ``rest``: more of the sum at most.
 
     No mean is above m by more than the largest sum of drag times ``of - m``, over the least sum of drag; nor,
     where that is negative, by more than it over the largest sum of drag.

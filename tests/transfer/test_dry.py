@@ -16,8 +16,8 @@ from meso_robust.transfer.assumption_check import standings
 from meso_robust.transfer.envelope import enough, needed, roomier
 from meso_robust.transfer.inflation import Absorbed
 from meso_robust.transfer.lines import LINES
-from meso_robust.transfer.promise import Recertified, recertified
-from meso_robust.transfer.uneven_film import rubbed
+from meso_robust.transfer.promise import Recertified, as_fast, recertified
+from meso_robust.transfer.uneven_film import _mean, rubbed
 from meso_robust.types import Floats
 from tests.paper import paper_task
 from tests.strategies import paper_chain
@@ -68,6 +68,24 @@ def test_centre_and_ratio_are_within_their_bounds_wherever_the_dry_contact_is(
 
     assert 0.65 * far < worst[0] <= far
     assert 0.5 * change < worst[1] <= change
+
+
+def test_the_mean_that_drags_between_bounds_can_have_is_bounded_closely() -> None:
+    """Where it is largest each drag is at one of its ends: here all ways are gone through."""
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        of = rng.normal(size=(1, 2, 4))
+        low = rng.uniform(0.1, 1.0, (1, 2, 4))
+        top = low + rng.uniform(0.0, 2.0, (1, 2, 4))
+        ends = np.stack([low, top]).reshape(2, -1)
+        drags = [[ends[pick, k] for k, pick in enumerate(way)] for way in np.ndindex(*(2,) * 8)]
+        most = max(float(k @ of.ravel() / k.sum()) for k in map(np.array, drags))
+        (found,) = _mean(low, top, of, np.zeros(1))
+        (more,) = _mean(low, top, of, np.full(1, 0.3))
+        assert most <= found + 1e-12
+        assert most + 0.3 / top.sum() <= more
+        if most > 0.2:
+            assert found < 2.0 * most
 
 
 def test_without_dry_contact_nothing_moves() -> None:
@@ -157,6 +175,9 @@ def test_a_promise_with_dry_contact_is_of_fast_probes_and_a_centre_that_moves() 
     (said,) = [one.absorbed for one in found.standings if one.name == "dry_friction"]
     assert said is not None
     assert "from its first touch to its stop" in said.condition
+    run = as_fast(paper_task(), found.changed.task)
+    assert run.probe.speed_um_s == 1200.0
+    assert run.uncertainty == paper_task().uncertainty
 
 
 def test_too_much_dry_contact_breaks_the_premise_and_leaves_the_speed_as_it_is() -> None:
