@@ -179,7 +179,18 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
 
 
 def held_poses(step: Step) -> list[PoseBox]:
-    """Of a rotation's tube, all poses in which the part is held between both tips."""
+    """Poses in which a rotation holds the part between both tips.
+
+    Parameters
+    ----------
+    step
+        A rotation as certified.
+
+    Returns
+    -------
+    list[PoseBox]
+        Boxes that hold all of them, world frame; none where the motion could not be enclosed.
+    """
     return [one.box for one in step.tube[2:]]  # after rest and the active tip alone
 
 

@@ -2,7 +2,7 @@
 
 PROVED takes three things: every parameter and effect of the model is absorbed over the whole of its
 interval; the plan is certified for the changed task, and for every size of the part; and the bounds
-were computed for places and times that the plan keeps within. Otherwise the verdict is UNKNOWN and
+were computed for places, times and speeds that the plan keeps within. Otherwise the verdict is UNKNOWN and
 names the premise.
 """
 
