@@ -12,6 +12,8 @@ import sympy as sp
 from derivations._claim import Claim
 from derivations._derivation import Derivation
 from derivations._statement import as_written, for_all, identity, there_is
+from derivations.opposite_edges import APPROACH, W, across, along, kappa, twists
+from derivations.two_sided_rotation import T, V, h
 
 v_x, v_y, omega = sp.symbols("v_x v_y omega", real=True)
 X, Y, K = (
@@ -24,6 +26,7 @@ t_1, t_2, g_1, g_2, e_1, e_2 = sp.symbols("t_1 t_2 g_1 g_2 e_1 e_2", real=True)
 r_1, r_2 = sp.symbols("r_1 r_2", positive=True)
 r, R, turn = sp.symbols("r R Omega", positive=True)
 drop = sp.Symbol("e", positive=True)
+tau, speed, far, half, slope, near = sp.symbols("tau v P a q r_c", positive=True)
 low, top, least, most, of = sp.symbols("k_low k_top K_low K_top f", real=True)
 
 
@@ -32,7 +35,7 @@ def derive() -> Derivation:
     return Derivation(
         name="uneven_film",
         summary="A film whose drag differs from place to place, at one instant.",
-        claims=(_at_an_instant(), _gradient(), _thinning()),
+        claims=(_at_an_instant(), _gradient(), _thinning(), _dry()),
     )
 
 
@@ -197,6 +200,88 @@ def _thinning() -> Claim:
                     *(X[0] >= 0, X[1] >= 0, of >= 0, top * X[0] - least * X[1] <= of),
                 ],
                 (K[0] * X[0] - K[1] * X[1]) * (low + least) <= of * (K[0] + K[1]),
+            ),
+        ),
+    )
+
+
+def _dry() -> Claim:
+    still, sliding = twists()
+    held = (still + sp.Symbol("rate", real=True) * sliding)[2]
+    law = {h: T * along + W * across, V: T * across - W * along}
+    place = sp.Symbol("x", real=True)
+    velocity = sp.Matrix([v_x, v_y])
+    return Claim(
+        key="uneven-film-dry",
+        title="Dry contact under an even film: its centre and ratio, by the least speed of the part",
+        place="new; the paper's film has no dry contact under it",
+        derived=r"Let a place of speed $|u|$ drag by $\tau u/|u|$ besides the film, $0 \le \tau \le \hat\tau$ "
+        r"(over the film's drag, a speed), with any $\tau$ at each place and instant. Then $1 \le k \le 1 + \hat\tau/|u|$. "
+        r"Turning about $p$ while a tip advances against the edge at $v_n$, its contact within $R$ of the centre, "
+        r"a place has $\hat\tau/|u| \le \hat\tau (R + |p|)/(v_n |x - p|)$. Between two tips on parallel edges the turn is "
+        r"$(\sin\theta + e\cos\theta)/T$ per travel whatever the slide, so that $\hat\tau/|u|$ is at most $\hat\tau$ over the least "
+        r"turn rate and $|x - p|$.",
+        steps=(
+            r"At the contact the part has at least the tip's speed against the edge, $v_n$, whether it sticks or slips: "
+            r"$|\omega|\,|x_c - p| \ge v_n$, and $|x_c - p| \le R + |p|$.",
+            r"Bounds over all $p$ are those of any $k$ between these two, by cells, as for a film that thins; the mean of "
+            r"$|x - p|^{-1}$ over a cell is at most $2/R$ of its disc.",
+            r"$T$ is $(V + W\cos\theta)/\sin\theta$, and for $\cos\theta < 0$ the moving tip is no farther ahead than $W\sin\theta$, "
+            r"so that $T^2 = h^2 + V^2 - W^2$ is bounded by the least $h$.",
+            r"A pressure $1 + q x$ on $|x| \le a$ with its centre at $c$ has $q = 3c/a^2$, and nowhere more than $1 + 3|c|/a$.",
+        ),
+        hypotheses=(
+            "dry contact lies under the film, which is even but for it and under a rectangle with its centre at the "
+            "reference point",
+            "a tip that touches the part advances at the stated speed from its first touch to its stop",
+            "of two tips: parallel edges",
+        ),
+        checks=(
+            identity(
+                "the force of a place is a positive drag times its velocity",
+                as_written(lambda: velocity + tau / speed * velocity),
+                list((1 + tau / speed) * velocity),
+            ),
+            for_all(
+                "how much a place drags beyond the film while one tip turns the part",
+                [turn * near >= speed, near <= R + far, of >= 0, sp.Eq(of * turn * r, tau)],
+                of * speed * r <= tau * (R + far),
+            ),
+            identity(
+                "the turn between two tips, whatever the slide",
+                sp.Subs(held, kappa, 0),
+                APPROACH / T,
+            ),
+            for_all(
+                "the least turn",
+                [sp.Eq(turn * T, of), of >= least, least > 0, far >= T, T > 0],
+                turn * far >= least,
+            ),
+            for_all(
+                "T by the distance of the tips across the travel",
+                [sp.Eq(V, law[V]), across > 0, V + W * along <= of * across],
+                of >= T,
+            ),
+            identity(
+                "T by both distances",
+                law[h] ** 2 + law[V] ** 2 - W**2,
+                T**2,
+                on=[(along, across)],
+            ),
+            for_all(
+                "the moving tip ahead of the passive one",
+                [along < 0, T > 0, sp.Eq(h, law[h])],
+                h < W * across,
+            ),
+            identity(
+                "the centre of a pressure that grows along x",
+                sp.Integral((1 + slope * place) * place / (2 * half), (place, -half, half)),
+                slope * half**2 / 3,
+            ),
+            for_all(
+                "the largest such pressure",
+                [place <= half, -place <= half],
+                1 + slope * place <= 1 + slope * half,
             ),
         ),
     )

@@ -101,8 +101,8 @@ _REASONS: Mapping[StrEnum, str] = {
     Reason.ENDS_IN_GOAL: "every final pose lies in the goal",
     Reason.PREMISE_KEPT: "premise: {premise}",
     Reason.EFFECT_BOUNDED: "bounds of {effect}",
-    Reason.WITHIN_BOUNDS: "the plan keeps within the places and times that the effects were bounded "
-    "for",
+    Reason.WITHIN_BOUNDS: "the plan keeps within the places and times, and to the least speeds, that the "
+    "effects were bounded for",
 }
 
 _REMEDIES: Mapping[StrEnum, str] = {

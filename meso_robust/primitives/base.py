@@ -31,7 +31,18 @@ BENDING = units.metres(100.0)
 
 
 def bend_of(u: Uncertainty) -> Interval:
-    """Tangent of the angle between a probe's path and its straight line."""
+    """Tangent of the angle between a probe's path and its straight line.
+
+    Parameters
+    ----------
+    u
+        Of which the wander counts.
+
+    Returns
+    -------
+    Interval
+        Exactly zero where no probe wanders.
+    """
     astray = u.probe_wander
     return astray / BENDING if astray.hi > 0.0 else astray
 

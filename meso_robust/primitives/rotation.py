@@ -178,6 +178,22 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
 
 
+def held_poses(step: Step) -> list[PoseBox]:
+    """Poses in which a rotation holds the part between both tips.
+
+    Parameters
+    ----------
+    step
+        A rotation as certified.
+
+    Returns
+    -------
+    list[PoseBox]
+        Boxes that hold all of them, world frame; none where the motion could not be enclosed.
+    """
+    return [one.box for one in step.tube[2:]]  # after rest and the active tip alone
+
+
 def _tube(grip: Grip, touch: Touch, h_end: float, coarse: float) -> SlideTube:
     width = grip.depth.mid + grip.depth_far.mid
     cells = max(1, math.ceil(grip.room.width / (CELL * width)))

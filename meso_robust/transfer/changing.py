@@ -74,8 +74,17 @@ def check_part(task: Task, document: ModelDocument, source: str) -> None:
         )
 
 
-def changed(task: Task, document: ModelDocument, found: Iterable[Standing]) -> Changed:
+def changed(
+    task: Task, document: ModelDocument, found: Iterable[Standing], speed_um_s: float | None = None
+) -> Changed:
     """Write what the model says into the task; what is not absorbed leaves it as it is.
+
+    Parameters
+    ----------
+    task, document, found
+        As the user stated it; the model; how it stands to the premises.
+    speed_um_s
+        Of the probes, if it is to be another than the task's.
 
     Raises
     ------
@@ -88,6 +97,7 @@ def changed(task: Task, document: ModelDocument, found: Iterable[Standing]) -> C
     after = {
         **before,
         "part": {**before["part"], **_part(before["part"], absorbed)},
+        "probe": {**before["probe"], "speed_um_s": speed_um_s or task.probe.speed_um_s},
         "uncertainty": {
             **before["uncertainty"],
             **_ranges(document, standings),
@@ -153,7 +163,7 @@ def _make_real(
     for share in (one.anisotropy for one in absorbed if one.anisotropy):
         known = u.get("drag_anisotropy_percent", 0.0)
         u["drag_anisotropy_percent"] = rounded_up(known + share * (200.0 + known))
-    _drift(u, sum(one.drift_um_s for one in absorbed) / task.probe.speed_um_s)
+    _drift(u, sum(one.drift_um_s for one in absorbed) / values["probe"]["speed_um_s"])
 
 
 def _drift(u: dict[str, Any], share: float) -> None:
@@ -281,9 +291,15 @@ def _reasons(standings: Mapping[str, Standing]) -> dict[str, str]:
         **found,
         "size_tolerance_um": ", ".join(filter(None, (found["length_um"], found["width_um"]))),
         "film_ratio_um2": RATIO,
+        "speed_um_s": ", ".join(one.name for one in effects if by_speed(one)),
         "film_ratio_percent": by("ratio_share", RATIO),
         "friction": by("friction", FRICTION),
     }
+
+
+def by_speed(one: Standing) -> bool:
+    """Whether an effect counts the less the faster the probes are."""
+    return one.absorbed is not None and one.absorbed.bounded_by == "speed"
 
 
 def _told(value: object) -> str:

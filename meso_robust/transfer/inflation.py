@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from meso_robust.transfer.thinning import MOST, thinned
+from meso_robust.simulator.stage import REFERENCE_SPEED
+from meso_robust.transfer.uneven_film import MOST, rubbed, thinned
 from meso_robust.wording import down_to, up_to
 
 Ends = tuple[float, float]
@@ -25,6 +26,10 @@ _ROUNDING = 1.0 + 1e-12  # far more than a few operations on doubles lose
 _DIGITS = 100  # steps of a unit that bounds are rounded up to
 _LEAST_DRAG = 0.05  # over that at the origin: a drag that falls along a line is not taken below it
 _NEARLY = 0.99  # of the place where a lens folds the image over: there roundings count for much
+_MOST_DRY = 1.0  # dry contact over film: nothing is gained by a closer bound of more
+_PROPORTIONS = (
+    "the film lies under a rectangle about the part's centre, with the part's proportions"
+)
 NOTHING: Ends = (0.0, 0.0)
 
 
@@ -38,8 +43,18 @@ class Budget:
     """Longest time from the zero of a drift to the last pose that is sensed."""
     ratio_um2: float
     """Largest ratio of rotational to translational drag of the film, as it would be if it were even."""
+    least_ratio_um2: float
+    """The smallest."""
     slender: float
     """Length over width of the part; 0 where something besides keeps its film from being even."""
+    reach_um: float
+    """Largest distance of a contact from the part's centre."""
+    speed_um_s: float
+    """Of a moving tip."""
+    press: float
+    """Least speed of such a tip against the edge of a part that it alone turns, over its speed."""
+    turn_per_um: float
+    """Least turn of a part between a moving and a passive tip, rad, per travel."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +96,7 @@ class Absorbed:
     """Speed of all probes besides their travel, in any direction; no probe then rests."""
     post: Post | None = None
     """What the part and the tips must stay clear of."""
-    bounded_by: Literal["", "place", "time"] = ""
+    bounded_by: Literal["", "place", "time", "speed"] = ""
     """What of the budget the bound rests on."""
     condition: str = ""
     """What the laboratory must keep to for the bound to hold."""
@@ -211,7 +226,53 @@ def shear_thinning(ranges: Ranges, budget: Budget) -> Absorbed:
         drag_centre_um=far,
         centre_moves=True,
         ratio_share=share,
-        condition="the film lies under a rectangle about the part's centre, with the part's proportions",
+        condition=_PROPORTIONS,
+    )
+
+
+def dry_friction(ranges: Ranges, budget: Budget) -> Absorbed:
+    """Every place drags by a force that does not grow with its speed, besides the film."""
+    return _dry(largest(ranges["ratio"]), budget)
+
+
+def uneven_support(ranges: Ranges, budget: Budget) -> Absorbed:
+    """The same, of a pressure 1 + q·x on a rectangle: no place has more than 1 + 3 |x| / a + 3 |y| / b.
+
+    Its half sides a, b are those of a film under a rectangle with the least ratio.
+    """
+    ratio, (x, y) = largest(ranges["ratio"]), (largest(ranges[key]) for key in ("x_um", "y_um"))
+    half = math.sqrt(3.0 * budget.least_ratio_um2 / (1.0 + budget.slender**2))
+    return _dry(ratio * (1.0 + 3.0 * (x / (half * budget.slender) + y / half)), budget)
+
+
+def _dry(ratio: float, budget: Budget) -> Absorbed:
+    """Dry contact of any size up to a ratio at each place and instant.
+
+    derivations/uneven_film.py: a place of the speed u drags by up to T / |u| beyond the film. A part that a
+    tip alone turns about p is passed by it with at least its speed against the edge, which is within
+    |p| and the farthest contact of p; one between two tips turns with at least its least turn.
+    """
+    strength, root = ratio * 1e6 * REFERENCE_SPEED * _ROUNDING, math.sqrt(budget.least_ratio_um2)
+    alone = strength / (budget.speed_um_s * budget.press) if budget.press else math.inf
+    held = strength / (budget.speed_um_s * budget.turn_per_um) if budget.turn_per_um else math.inf
+    # beyond the ratio of an even film, of what is no farther out than its area
+    far, share = math.sqrt(3.0), 2.0
+    if max(alone, held / root) < _MOST_DRY:
+        found = (
+            rubbed(alone * budget.reach_um / root, alone, budget.slender),
+            rubbed(held / root, 0.0, budget.slender),
+        )
+        far, share = (max(one[k] for one in found) for k in (0, 1))
+    far = rounded_up(far * math.sqrt(budget.ratio_um2))
+    return Absorbed(
+        said=f"drag centre anywhere within {far:g} µm at every instant, and ρ ± {up_to(100 * share, 3)} % more, "
+        f"at {budget.speed_um_s:g} µm/s",
+        drag_centre_um=far,
+        centre_moves=True,
+        ratio_share=share,
+        bounded_by="speed",
+        condition=f"a tip advances at {budget.speed_um_s:g} µm/s or more from its first touch to its stop; and "
+        f"{_PROPORTIONS}",
     )
 
 

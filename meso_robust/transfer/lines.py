@@ -58,6 +58,18 @@ def _tensor(why: str, absorb: Absorb) -> Line:
     )
 
 
+def _uneven(claim: str, why: str, absorb: Absorb) -> Line:
+    """Of a film that nothing else keeps from being even."""
+    return Line(
+        premise=Premise.FILM_DRAG,
+        claim=claim,
+        derivation="derivations/uneven_film.py",
+        why=why,
+        absorb=absorb,
+        even=True,
+    )
+
+
 def _invariance(claim: str, premise: Premise, why: str, absorb: Absorb | None = None) -> Line:
     file = "derivations/invariances.py"
     return Line(premise=premise, claim=claim, derivation=file, why=why, absorb=absorb)
@@ -74,24 +86,20 @@ def _sensing(why: str, absorb: Absorb) -> Line:
 
 
 LINES: Mapping[str, Line] = {
-    "dry_friction": _one_point(
-        "eq-5-ratio",
-        Premise.FILM_DRAG,
-        "a dry force does not grow with the velocity: the sticking condition of eq. (5) is another, "
-        "and the path depends on the speed",
+    "dry_friction": _uneven(
+        "uneven-film-dry",
+        "a dry force does not grow with the velocity: slower places drag more for their speed",
+        inflation.dry_friction,
     ),
-    "stribeck_friction": _invariance(
-        "rate-film",
-        Premise.FILM_DRAG,
-        "a dry force that falls with the speed: the path depends on the speed",
+    "stribeck_friction": _uneven(
+        "uneven-film-dry",
+        "a dry force that falls with the speed: slower places drag more",
+        inflation.dry_friction,
     ),
-    "shear_thinning": Line(
-        premise=Premise.FILM_DRAG,
-        claim="uneven-film-thinning",
-        derivation="derivations/uneven_film.py",
-        why="slower places drag more for their speed: the centre moves towards where the part turns about",
-        absorb=inflation.shear_thinning,
-        even=True,
+    "shear_thinning": _uneven(
+        "uneven-film-thinning",
+        "slower places drag more for their speed: the centre moves towards where the part turns about",
+        inflation.shear_thinning,
     ),
     "anisotropic_drag": _tensor(
         "the drag has a preferred direction on the stage", inflation.drag_anisotropy
@@ -121,8 +129,10 @@ LINES: Mapping[str, Line] = {
         Premise.FILM_DRAG,
         "a dry force that ages at rest: the path depends on times and speeds",
     ),
-    "uneven_support": _one_point(
-        "eq-5-turning", Premise.FILM_DRAG, "a dry force centred beside the part's centre"
+    "uneven_support": _uneven(
+        "uneven-film-dry",
+        "a dry force centred beside the part's centre",
+        inflation.uneven_support,
     ),
     "body_force": _one_point(
         "eq-5-normal-force",

@@ -2,7 +2,7 @@
 
 PROVED takes three things: every parameter and effect of the model is absorbed over the whole of its
 interval; the plan is certified for the changed task, and for every size of the part; and the bounds
-were computed for places and times that the plan keeps within. Otherwise the verdict is UNKNOWN and
+were computed for places, times and speeds that the plan keeps within. Otherwise the verdict is UNKNOWN and
 names the premise.
 """
 
@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -51,8 +53,8 @@ from meso_robust.transfer.assumption_check import (
     remedy,
     standings,
 )
-from meso_robust.transfer.changing import Changed, changed, check_part
-from meso_robust.transfer.envelope import enough, largest_ratio, needed, roomier
+from meso_robust.transfer.changing import Changed, by_speed, changed, check_part
+from meso_robust.transfer.envelope import enough, needed, ratio_ends, reach_um, roomier
 from meso_robust.transfer.inflation import Budget
 from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.running import Evidence, evidence
@@ -60,6 +62,8 @@ from meso_robust.transfer.running import Evidence, evidence
 MOST_RUNS = 200
 """Runs under the model's own physics; some of them are slow."""
 _ROUNDS = 4  # of budgets that are tried
+_FASTER = 1, 4, 16  # times the task's speed
+_FAR_OFF = 0.06  # of the part's length
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -205,7 +209,9 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
     """A plan, and bounds of effects for as far out and as long as it goes.
 
     A first plan with small bounds tells how far that is; each further one gets bounds for the one
-    before, until a plan keeps within what its own bounds were computed for.
+    before, until a plan keeps within what its own bounds were computed for. Where some effect counts the
+    less the faster the probes are, and nothing is proved, they are made faster; where that does not do,
+    either, the effect breaks its premise.
 
     Parameters
     ----------
@@ -225,20 +231,60 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
         No primitive can handle the changed task.
     """
     document, friction = lent(document, task)
+    stated = _first_budget(task, document, 1.0)
+    known = standings(document, stated)
+    if not any(map(by_speed, known)):
+        return _within(task, document, friction, stated)
+    if all(one.survives for one in known):
+        for faster in _FASTER:
+            budget = _first_budget(task, document, faster)
+            if _hopeless(task, document, budget):
+                continue
+            with suppress(InputError, NotApplicableError):  # too wide to be stated, or not planned
+                found = _within(task, document, friction, budget)
+                if found.proved:
+                    return found
+    return _within(task, document, friction, stated, refused=True)
+
+
+def _hopeless(task: Task, document: ModelDocument, budget: Budget) -> bool:
+    """Whether the centre of drag may be so far off that no plan is looked for: effort only."""
+    absorbed = [one.absorbed for one in standings(document, budget) if one.absorbed is not None]
+    part = task.rectangle("planning with a fitted model")
+    return max(one.drag_centre_um for one in absorbed) > _FAR_OFF * part.length_um
+
+
+def _first_budget(task: Task, document: ModelDocument, faster: float) -> Budget:
+    """What a first plan is made for, with probes so many times as fast as stated."""
     start, goal = task.start, task.goal
-    far = max((one.x_um**2 + one.y_um**2) ** 0.5 for one in (start, goal))
-    slender = _slender(task, document)
-    budget = Budget(
-        radius_um=far, seconds=0.0, ratio_um2=_largest_ratio(task, document), slender=slender
+    low, high = _ratios(task, document)
+    return Budget(
+        radius_um=max((one.x_um**2 + one.y_um**2) ** 0.5 for one in (start, goal)),
+        seconds=0.0,
+        ratio_um2=high,
+        least_ratio_um2=low,
+        slender=_slender(task, document),
+        reach_um=reach_um(task),
+        speed_um_s=faster * task.probe.speed_um_s,
+        press=1.0,
+        turn_per_um=math.inf,
     )
+
+
+def _within(
+    task: Task, document: ModelDocument, friction: str, budget: Budget, *, refused: bool = False
+) -> Recertified:
+    """A plan within a budget that begins so; ``refused``: without what hangs on the speed."""
     for _ in range(_ROUNDS):
         found = tuple(
             replace(one, said=friction) if friction and one.name == FRICTION else one
             for one in standings(document, budget)
         )
-        after = changed(task, document, found)
+        if refused:
+            found = tuple(_too_slow(one) if by_speed(one) else one for one in found)
+        after = changed(task, document, found, budget.speed_um_s)
         plan, wide = _plan(after)
-        need = needed(wide, after.task, slender)
+        need = needed(wide, after.task, budget.slender)
         kept = not _bounded(found) or enough(budget, need)
         if kept or wide.verdict is not Verdict.PROVED:
             break
@@ -254,11 +300,18 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
     )
 
 
-def _largest_ratio(task: Task, document: ModelDocument) -> float:
-    """Of the drags of an even film, by the model and by the task, um^2."""
-    fitted = document.parameters.get(RATIO)
-    stated = largest_ratio(task)
-    return stated if fitted is None else max(stated, fitted.high)
+def _too_slow(known: Standing) -> Standing:
+    """An effect with which nothing is proved at any speed that was tried."""
+    said = (
+        f"{LINES[known.name].why}; not proved with probes up to {_FASTER[-1]} times as fast, either"
+    )
+    return replace(known, word=BREAKS, absorbed=None, said=said)
+
+
+def _ratios(task: Task, document: ModelDocument) -> tuple[float, float]:
+    """Smallest and largest one of the drags of an even film, by the model and by the task, um^2."""
+    fitted, (low, high) = document.parameters.get(RATIO), ratio_ends(task)
+    return (low, high) if fitted is None else (min(low, fitted.low), max(high, fitted.high))
 
 
 def _slender(task: Task, document: ModelDocument) -> float:
@@ -290,9 +343,16 @@ def _ran(
 ) -> tuple[Evidence | None, str]:
     x, y, theta = (CLEAR * error + ROUNDING for error in planned.check.error)
     try:
-        return evidence(found.plan.rules, task, found.document, runs, seed, (x, y, theta)), ""
+        stated = as_fast(task, found.changed.task)
+        return evidence(found.plan.rules, stated, found.document, runs, seed, (x, y, theta)), ""
     except ValueError as error:  # the simulator refuses, say, a tip of a negative radius
         return None, f"the simulator cannot run this model: {error}"
+
+
+def as_fast(task: Task, planned: Task) -> Task:
+    """A task as the user stated it, but with probes as fast as they are planned to be."""
+    speed = {"speed_um_s": planned.probe.speed_um_s}
+    return task.model_copy(update={"probe": task.probe.model_copy(update=speed)})
 
 
 def _judged(planned: Planned, found: Recertified, document: ModelDocument, task: Task) -> Planned:

@@ -39,9 +39,9 @@ def larger(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Path, Path]:
 
 
 @pytest.fixture(scope="module")
-def dry(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Path]:
-    folder = tmp_path_factory.mktemp("dry")
-    model = written(folder, {"dry_friction.ratio": (0.2, 0.3)})
+def sticky(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Path]:
+    folder = tmp_path_factory.mktemp("sticky")
+    model = written(folder, {"tip_adhesion.pull_um_s": (20.0, 30.0)})
     with pytest.MonkeyPatch.context() as patched:
         share(patched)
         return planned(model, folder / "out"), folder / "out"
@@ -97,22 +97,22 @@ def test_the_certificate_is_verified_for_the_changed_task_and_for_no_other(
     assert "about another task" in other.stderr
 
 
-def test_a_broken_premise_is_status_1_and_named_everywhere(dry: tuple[Any, Path]) -> None:
-    result, out = dry
+def test_a_broken_premise_is_status_1_and_named_everywhere(sticky: tuple[Any, Path]) -> None:
+    result, out = sticky
     told = json.loads((out / "premises.json").read_text())
 
     assert result.exit_code == 1
     assert result.stdout.startswith("UNKNOWN")
     for text in (result.stdout, told["why"], (out / "report.html").read_text()):
-        assert "film&#39;s drag is diag" in text or "film's drag is diag" in text
+        assert "Coulomb friction at point contacts" in text
         assert "derivations/one_point_sticking.py" in text
     assert told["evidence"]["runs"] == 10
     assert "Evidence, not proof" in (out / "report.html").read_text()
     assert sorted(path.name for path in out.iterdir()) == FILES
 
 
-def test_nothing_of_a_broken_promise_is_verified(dry: tuple[Any, Path]) -> None:
-    certificate, task = (str(dry[1] / name) for name in ("certificate.json", "task.toml"))
+def test_nothing_of_a_broken_promise_is_verified(sticky: tuple[Any, Path]) -> None:
+    certificate, task = (str(sticky[1] / name) for name in ("certificate.json", "task.toml"))
 
     result = RUNNER.invoke(app, ["check", certificate, task])
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from meso_robust.identification.document import ModelDocument, parse_model
 from meso_robust.toml_files import toml_of
+from meso_robust.transfer.inflation import Budget
 
 Ends = tuple[float, float]
 PLAIN: Mapping[str, Ends] = {"rho_um2": (372_000.0, 381_000.0), "mu": (0.32, 0.34)}
@@ -76,3 +77,13 @@ def written(folder: Path, *args: Any, **rest: Any) -> Path:
     path = folder / "model.toml"
     path.write_text(toml_of(model(*args, **rest)), encoding="utf-8")
     return path
+
+
+def budget(**changes: float) -> Budget:
+    """What effects on the paper's part are bounded for, with changes."""
+    plain = {
+        "radius_um": 2500.0, "seconds": 120.0, "ratio_um2": 380e3, "least_ratio_um2": 370e3,
+        "slender": 1616 / 837, "reach_um": 910.0, "speed_um_s": 75.0, "press": 0.99,
+        "turn_per_um": 1.5e-4,
+    }  # fmt: skip
+    return Budget(**{**plain, **changes})

@@ -8,10 +8,9 @@ from meso_robust.certificates.premise import Premise
 from meso_robust.certificates.words import PREMISES
 from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.transfer.assumption_check import by_name, standings
-from meso_robust.transfer.inflation import Budget
-from tests.transfer.models import model, values
+from tests.transfer.models import budget, model, values
 
-BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3, slender=1616 / 837)
+BUDGET = budget(radius_um=2000.0, seconds=100.0)
 
 
 def test_the_ranges_of_a_plain_model_survive() -> None:
@@ -54,10 +53,12 @@ def test_what_survives_any_size_needs_no_bounds() -> None:
 
 
 def test_an_effect_of_no_size_is_off_and_one_whose_interval_only_holds_zero_is_not() -> None:
-    assert standings(model({"dry_friction.ratio": (0.0, 0.0)}), BUDGET)[-1].word == "off"
-    assert (
-        standings(model({"dry_friction.ratio": (0.0, 1e-6)}), BUDGET)[-1].word == "breaks a premise"
+    off, on = (
+        standings(model({"tip_adhesion.pull_um_s": (0.0, most)}), BUDGET)[-1]
+        for most in (0.0, 1e-6)
     )
+
+    assert (off.word, on.word) == ("off", "breaks a premise")
 
 
 def test_a_base_on_dry_contact_breaks_the_premise_of_the_film() -> None:

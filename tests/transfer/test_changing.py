@@ -12,12 +12,11 @@ from meso_robust.task import Part, load_task, parse_task
 from meso_robust.toml_files import read_toml, toml_of
 from meso_robust.transfer.assumption_check import standings
 from meso_robust.transfer.changing import Changed, about_middle, changed, check_part
-from meso_robust.transfer.inflation import Budget
 from tests.conftest import paper_task
 from tests.strategies import REPEATABLE
-from tests.transfer.models import model
+from tests.transfer.models import budget, model
 
-BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3, slender=1616 / 837)
+BUDGET = budget(radius_um=2000.0, seconds=100.0)
 
 
 def made(*args: object, **rest: object) -> Changed:

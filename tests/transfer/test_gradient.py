@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from meso_robust.identification.document import ModelDocument
-from meso_robust.transfer.inflation import Absorbed, Budget
+from meso_robust.transfer.inflation import Absorbed
 from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Recertified, recertified
 from meso_robust.types import Floats
 from tests.paper import paper_task
-from tests.transfer.models import model
+from tests.transfer.models import budget, model
 from tests.transfer.runs import outside_boxes
 
 RATIO = 380e3
-BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=RATIO, slender=1616 / 837)
+BUDGET = budget(radius_um=2500.0, seconds=120.0)
 SIZE = {"drag_gradient.x_per_mm": (0.05, 0.07), "drag_gradient.y_per_mm": (-0.06, -0.04)}
 
 

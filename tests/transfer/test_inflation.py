@@ -11,11 +11,12 @@ import pytest
 from meso_robust.simulator import Effects, Push, simulate
 from meso_robust.simulator.geometry import tracked_of_reference
 from meso_robust.simulator.observation import observe
-from meso_robust.transfer.inflation import Absorbed, Budget, Ends, rounded_up, spelled
+from meso_robust.transfer.inflation import Absorbed, Ends, rounded_up, spelled
 from meso_robust.transfer.lines import LINES
+from tests.transfer.models import budget
 
 Floats = npt.NDArray[np.float64]
-BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=380e3, slender=1616 / 837)
+BUDGET = budget(radius_um=2500.0, seconds=120.0)
 SEEN = {
     "camera_rotation": {
         "angle_deg": (-0.2, 0.1),

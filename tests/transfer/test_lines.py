@@ -12,16 +12,15 @@ from meso_robust.identification.models import MODELS
 from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.transfer import assumption_check as standing_module
 from meso_robust.transfer.assumption_check import standings
-from meso_robust.transfer.inflation import Budget
 from meso_robust.transfer.lines import BASE, BASES, LINES, Ground
-from tests.transfer.models import model
+from tests.transfer.models import budget, model
 
 ROOT = Path(__file__).parents[2]
 REGISTER = {
     claim["key"]: claim
     for claim in json.loads((ROOT / "reports/derivations/register.json").read_text())["claims"]
 }
-BUDGET = Budget(radius_um=2000.0, seconds=100.0, ratio_um2=380e3, slender=1616 / 837)
+BUDGET = budget(radius_um=2000.0, seconds=100.0)
 
 
 def test_every_effect_of_the_catalogue_has_its_line() -> None:
@@ -42,7 +41,7 @@ def test_a_line_names_a_premise_of_certificates_and_a_claim_that_stands(name: st
     assert line.why
 
 
-@pytest.mark.parametrize("name", ["backlash", "drag_drift", "dry_friction"])
+@pytest.mark.parametrize("name", ["backlash", "drag_drift", "tip_adhesion"])
 def test_an_effect_without_a_line_breaks_a_premise_whatever_it_is(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -82,6 +81,9 @@ def test_which_effects_are_absorbed_is_said_here_once_more() -> None:
         "drag_centre_offset",
         "drag_gradient",
         "shear_thinning",
+        "dry_friction",
+        "stribeck_friction",
+        "uneven_support",
         "edge_dependent_friction",
         "probe_drift",
     }

@@ -25,13 +25,12 @@ from meso_robust.transfer.answer import document, summary, why, worst_words
 from meso_robust.transfer.assumption_check import standings
 from meso_robust.transfer.document import EvidenceMade
 from meso_robust.transfer.envelope import needed
-from meso_robust.transfer.inflation import Budget
 from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Promise, model_hash, promise
 from meso_robust.transfer.running import Evidence
 from tests.conftest import paper_task
 from tests.strategies import paper_chain
-from tests.transfer.models import model, values
+from tests.transfer.models import budget, model, values
 from tests.transfer.plans import SAMPLES, share
 
 SURE = {"rho_um2": (374_000.0, 379_000.0), "mu": (0.325, 0.335)}
@@ -58,56 +57,57 @@ def _larger() -> Any:
 
 
 @pytest.fixture(scope="module")
-def dry() -> ModelDocument:
-    return model({"dry_friction.ratio": (0.2, 0.3)})
+def sticky() -> ModelDocument:
+    return model({"tip_adhesion.pull_um_s": (20.0, 30.0)})
 
 
 def test_a_broken_premise_is_unknown_although_the_plain_model_s_plan_is_certified(
-    dry: ModelDocument,
+    sticky: ModelDocument,
 ) -> None:
-    found = made(dry)
+    found = made(sticky)
     certificate, told = found.planned.certificate, document(found)
 
     assert found.planned.chain.verdict is Verdict.PROVED
     assert certificate.verdict == told.verdict == "UNKNOWN"
     assert certificate.undecided is not None
     assert certificate.undecided.reason == NamedDocument(
-        id=Reason.PREMISE_KEPT, about={"premise": Premise.FILM_DRAG, "effect": "dry_friction"}
+        id=Reason.PREMISE_KEPT,
+        about={"premise": Premise.COULOMB_FRICTION, "effect": "tip_adhesion"},
     )
     assert certificate.undecided.settled_by.id == Remedy.WITHOUT_EFFECT
     assert certificate.reading.undecided is not None
-    assert PREMISES[Premise.FILM_DRAG] in certificate.reading.undecided.claim
+    assert PREMISES[Premise.COULOMB_FRICTION] in certificate.reading.undecided.claim
     assert "derivations/one_point_sticking.py" in certificate.reading.undecided.inequality
     assert certificate.margin.factor == 0.0
     assert certificate.margin.limit is not None
     assert (
         certificate.reading.limit == certificate.reading.undecided.claim
     )  # never "None" on the page
-    assert certificate.made_with["model"] == model_hash(dry) == told.model.sha256
+    assert certificate.made_with["model"] == model_hash(sticky) == told.model.sha256
     assert certificate.task_hash == told.task_hash != told.task_hash_before == paper_task().hash
     assert told.evidence is not None
     assert told.evidence.runs == 10
-    assert "eq-5-ratio" in why(found)
+    assert "eq-5-normal-force" in why(found)
     assert "evidence, not proof" in summary(found)
 
 
 def test_what_is_not_kept_is_said_line_by_line(
-    dry: ModelDocument, monkeypatch: pytest.MonkeyPatch
+    sticky: ModelDocument, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = made(dry)
-    budget = Budget(radius_um=1.0, seconds=1.0, ratio_um2=380e3, slender=1616 / 837)
-    open_ = replace(found, standings=standings(model(open_=("mu",)), budget))
-    monkeypatch.delitem(LINES, "dry_friction")
-    no_line = replace(found, standings=standings(dry, budget))
+    found = made(sticky)
+    given = budget(radius_um=1.0, seconds=1.0)
+    open_ = replace(found, standings=standings(model(open_=("mu",)), given))
+    monkeypatch.delitem(LINES, "tip_adhesion")
+    no_line = replace(found, standings=standings(sticky, given))
 
-    assert "premise not kept: the film's drag is diag" in summary(found)
-    assert "[eq-5-ratio, derivations/one_point_sticking.py]" in summary(found)
+    assert "premise not kept: Coulomb friction at point contacts" in summary(found)
+    assert "[eq-5-normal-force, derivations/one_point_sticking.py]" in summary(found)
     assert "no bounds of mu: the recordings give mu no lower and upper bound" in summary(open_)
     assert "premise not kept" not in summary(open_)
-    assert "no premise is known to survive [dry_friction has no line of its own]" in summary(
+    assert "no premise is known to survive [tip_adhesion has no line of its own]" in summary(
         no_line
     )
-    assert "dry_friction has no line of its own" in why(no_line)
+    assert "tip_adhesion has no line of its own" in why(no_line)
 
 
 def test_runs_that_contradict_an_absorbed_effect_are_no_answer(

@@ -11,18 +11,17 @@ import pytest
 from meso_robust.identification.document import ModelDocument
 from meso_robust.task import parse_task
 from meso_robust.transfer.assumption_check import standings
-from meso_robust.transfer.inflation import Budget
 from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Recertified, recertified
-from meso_robust.transfer.thinning import thinned
+from meso_robust.transfer.uneven_film import thinned
 from meso_robust.types import Floats
 from tests.paper import paper_task
-from tests.transfer.models import model
+from tests.transfer.models import budget, model
 from tests.transfer.runs import outside_boxes
 
 BASE = {"rho_um2": (374_000.0, 379_000.0), "mu": (0.325, 0.335)}
 SIZE = {"shear_thinning.exponent_drop": (0.0494, 0.0825)}
-BUDGET = Budget(radius_um=2500.0, seconds=120.0, ratio_um2=380e3, slender=1616 / 837)
+BUDGET = budget(radius_um=2500.0, seconds=120.0)
 
 
 def area(slender: float, count: int = 300) -> Floats:

@@ -1,0 +1,13 @@
+; the moving tip ahead of the passive one
+(set-logic QF_NRA)
+(declare-const T Real)
+(declare-const W Real)
+(declare-const c Real)
+(declare-const h Real)
+(declare-const s Real)
+(assert (> T 0))
+(assert (< c 0))
+(assert true)
+(assert (= h (+ (* T c) (* W s))))
+(assert (>= h (* W s)))
+(check-sat)

@@ -1,0 +1,11 @@
+; the largest such pressure
+(set-logic QF_NRA)
+(declare-const a Real)
+(declare-const q Real)
+(declare-const x Real)
+(assert (> a 0))
+(assert (> q 0))
+(assert (<= x a))
+(assert (<= (* (- 1) x) a))
+(assert (> (+ (* q x) 1) (+ (* a q) 1)))
+(check-sat)
