@@ -221,7 +221,7 @@ class Probe(_Section):
     max_force_un: Annotated[FiniteFloat, Field(gt=0, le=1e9)] | None = None
     """Schema 2. Largest force that a contact may have, uN; proved if given. Needs film.drag_un_s_per_um."""
     speed_um_s: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
-    """Speed of every move, um/s; the path does not depend on it."""
+    """Speed of every move, um/s; on a viscous film the path does not depend on it."""
     headings: Annotated[tuple[Heading, ...], Field(min_length=1)] | None = None
     """Directions in which the active probe can push, one dual-tip probe each; the moves of a plan may
     have different ones. Absent: any, and a plan keeps to one where it can. The passive tip can stand anywhere."""
