@@ -183,7 +183,7 @@ def backdrop(one: Glimpse, window: Window, needle: Needle, part: Canvas | None) 
         edge = behind(one.grey, outline, places, here)
         used *= _known(outline, edge, one.grey.shape)[inner]
         if edge is not None:
-            change, spread = edge.at(np.zeros(2))
+            change, spread = edge.here()
             if part is not None:
                 _refine(change, spread, edge, one, part, here, places, outline)
             relative.ravel()[edge.rows] += change / film
@@ -219,7 +219,7 @@ def _refine(
     film = (edge.distance > _FILM_FAR - 3.0) & (seen > _SEEN)
     if film.sum() < 6:
         return
-    light, rest = edge.of(differs).at(np.zeros(2))
+    light, rest = edge.of(differs).here()
     ends = np.clip((_FILM_FAR - edge.distance) / (_FILM_FAR - _FILM_NEAR), 0.0, 1.0)
     good = seen > _SEEN
     better = ends * (mean + light - np.median(mean[film]))

@@ -6,10 +6,14 @@ import math
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 import pytest
 
-from meso_robust.tracking.fit_kernels import face_step, reweighted, robust
+from meso_robust.tracking.edge_profile import behind
+from meso_robust.tracking.fit_kernels import face_step, reweighted, robust, shifted
 from meso_robust.tracking.needle import Needle, coverage
+
+Floats = npt.NDArray[np.float64]
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.5 * math.pi, math.pi])
@@ -84,3 +88,49 @@ def test_a_face_is_solved_as_by_least_squares() -> None:
     assert residual[seen] == pytest.approx((grey - design @ expected)[seen], abs=1e-6)
     assert np.all(weight[~seen] == 0.0)
     assert np.all(weight[seen] > 0.0)
+
+
+def test_a_moved_piece_of_a_parabola_is_exact_and_told_from_what_lies_beyond() -> None:
+    v, u = np.mgrid[:20, :30].astype(float)
+
+    def height(x: Floats, y: Floats) -> Floats:
+        return np.asarray(0.25 * (x - 12.0) ** 2 + 0.5 * x + 2.0 * y + 10.0)
+
+    frame = (4.0 * height(u, v)).astype(np.uint8)
+    grey, inside = np.empty((6, 8), np.float32), np.empty((6, 8), np.bool_)
+
+    shifted(frame, np.array([7, 5]), np.array([0.25, 0.75]), grey, inside)
+    assert inside.all()
+    assert grey == pytest.approx(4.0 * height(u[5:11, 7:15] + 0.25, v[5:11, 7:15] + 0.75), abs=1e-3)
+
+    shifted(frame, np.array([24, -2]), np.zeros(2), grey, inside)
+    # a cubic needs a pixel before and two after
+    assert np.array_equal(np.flatnonzero(inside.any(axis=0)), [0, 1, 2, 3])
+    assert np.array_equal(np.flatnonzero(inside.any(axis=1)), [3, 4, 5])
+    assert np.array_equal(grey[2:, :6], frame[:4, 24:])
+    assert np.array_equal(grey[0, :6], frame[0, 24:])
+
+
+def test_an_edge_behind_a_needle_is_read_beside_it() -> None:
+    """A part below the line v = 60: a ramp of 5 px before it, and a rim of its own; the needle comes from above."""
+    v, u = np.mgrid[:120, :160].astype(float)
+    away = 60.0 - v
+    drawn = 100.0 - np.clip(10.0 - 2.0 * np.abs(away), 0.0, None)
+    needle = Needle(tip=(80.0, 50.0), direction=-0.5 * math.pi, taper=0.0, radius=4.0)
+    drawn[(np.abs(u - 80.0) < 9.0) & (v < 54.0)] = 10.0
+    outline = np.array([[20.0, 60.0], [140.0, 60.0], [140.0, 110.0], [20.0, 110.0]])
+    places = np.array([[80.0, 47.0], [80.5, 48.75], [83.0, 58.5], [21.0, 61.0], [80.0, 75.0]])
+
+    found = behind(drawn.astype(np.uint8), outline, places, needle)
+
+    assert found is not None
+    assert found.rows.tolist() == [1, 2, 3]  # others are farther than 11.5 px
+    assert found.distance[:2] == pytest.approx([11.25, 1.5])
+    assert found.normals[:2] == pytest.approx(np.array([[0.0, -1.0], [0.0, -1.0]]))
+    change, variance = found.here()
+    assert change[:2] == pytest.approx([0.0, -7.0], abs=0.6)  # grey values are whole
+    assert variance[1] < 0.5
+    assert found.edge[2] == -1  # beside a corner
+    assert change[2] == 0.0
+    assert variance[2] > 1e5
+    assert behind(drawn.astype(np.uint8), outline, places[:1], needle) is None
