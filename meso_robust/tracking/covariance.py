@@ -33,11 +33,12 @@ def clustered(design: Floats, weight: Floats, residual: Floats, starts: Ints) ->
     starts
         (G,) index of each cluster's first row, G > k.
     """
+    from meso_robust.tracking.covariance_kernels import scattered
+
     bread = _bread(design, weight)
-    scores = np.add.reduceat((weight * residual)[:, None] * design, starts, axis=0)
-    used = int(np.count_nonzero(np.add.reduceat(weight, starts) > 0.0))
+    scatter, used = scattered(design, weight, residual, starts)
     few = used / max(used - design.shape[1], 1)  # a fit to few clusters hides their scatter
-    return few * bread @ (scores.T @ scores) @ bread
+    return few * bread @ scatter @ bread
 
 
 def side_modes(side: Ints) -> Floats:
@@ -128,8 +129,10 @@ def turned(covariance: Floats, rotation: Floats) -> Floats:
 
 def _bread(design: Floats, weight: Floats) -> Floats:
     """(k, k) inverse of the normal matrix; of what is not determined, a very large variance."""
-    normal = design.T @ (weight[:, None] * design)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-12))
-    unit = normal * scale[:, None] * scale
-    unit[np.diag_indices(len(unit))] += 1e-9
+    from meso_robust.tracking.covariance_kernels import normal
+
+    found = normal(design, weight)
+    scale = 1.0 / np.sqrt(np.maximum(found.diagonal(), 1e-12))
+    unit = found * scale[:, None] * scale
+    unit.flat[:: len(unit) + 1] += 1e-9
     return np.linalg.inv(unit) * scale[:, None] * scale

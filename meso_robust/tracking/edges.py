@@ -72,6 +72,8 @@ class Outline:
     design
         (N, 4) displacement along the normal per unit of (u, v, angle, δ), the first two along
         the axes of the part's frame.
+    moves
+        (N, 3) the first three of them.
     starts
         First point of every run of CLUSTER points along one side: errors within one are correlated.
     modes
@@ -83,6 +85,7 @@ class Outline:
     normals: Floats
     side: Ints
     design: Floats
+    moves: Floats
     starts: Ints
     modes: Floats
 
@@ -168,7 +171,8 @@ def sampled_outline(corners: Floats) -> Outline:
     side = np.concatenate(sides)
     first = np.searchsorted(side, side)
     starts = np.flatnonzero((np.arange(len(side)) - first) % CLUSTER == 0)
-    return Outline(corners, p, n, side, design, starts, side_modes(side))
+    moves = np.ascontiguousarray(design[:, :3])
+    return Outline(corners, p, n, side, design, moves, starts, side_modes(side))
 
 
 def seen_normals(outline: Outline, pose: Floats, lens: Lens) -> tuple[Floats, Floats, Floats]:

@@ -99,11 +99,15 @@ def _scaled(rows: Floats | Singles, weight: Floats | Singles, out: Floats | Sing
 @inner
 def _correlated(profile: Floats, mean: Floats, agreement: Floats, energy: Floats) -> int:
     """Products with a pattern at each shift, energies there, and the best shift."""
-    agreement[:], energy[:] = 0.0, 0.0
-    for k in range(len(mean)):
-        for s in range(len(agreement)):
+    agreement[:] = 0.0
+    for k in range(np.uintp(len(mean))):
+        for s in range(np.uintp(len(agreement))):
             agreement[s] += mean[k] * profile[s + k]
-            energy[s] += profile[s + k] ** 2
+    energy[0] = 0.0
+    for k in range(len(mean)):
+        energy[0] += profile[k] ** 2
+    for s in range(1, len(energy)):
+        energy[s] = energy[s - 1] + profile[s - 1 + len(mean)] ** 2 - profile[s - 1] ** 2
     # a weak but clean edge must not beat a strong one, nor clutter the outline
     best, most = 0, -1.0
     for s in range(len(agreement)):

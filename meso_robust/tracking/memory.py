@@ -35,6 +35,10 @@ class Memory:
         How many frames were learned from.
     lamps
         Displacement by oblique light in each frame where it could be measured.
+    lamp
+        (2,) px to be taken off a pose from edges: the median of them.
+    lamp_covariance
+        (3, 3) of what is left after that; the model errs alike in every frame.
     lit
         (2 S, 2) displacement by a px of each side's modes in the first of them; None: in none.
     edge_covariance
@@ -46,25 +50,10 @@ class Memory:
     template: Template | None
     frames: int
     lamps: tuple[LampFit, ...]
+    lamp: Floats
+    lamp_covariance: Floats
     lit: Floats | None
     edge_covariance: Floats
-
-    @property
-    def lamp(self) -> Floats:
-        """(2,) px to be taken off a pose from edges."""
-        return self._lamp()[0]
-
-    @property
-    def lamp_covariance(self) -> Floats:
-        """(3, 3) of what is left after that; the model errs alike in every frame."""
-        return self._lamp()[1]
-
-    def _lamp(self) -> tuple[Floats, Floats]:
-        if not self.lamps:
-            return np.zeros(2), LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
-        middle = np.median([fit.displacement for fit in self.lamps], axis=0)
-        mean = np.mean([fit.covariance for fit in self.lamps], axis=0)
-        return np.asarray(middle), lamp_covariance(mean + self.lamps[0].doubt)
 
     @property
     def anchor_covariance(self) -> Floats:
@@ -75,7 +64,9 @@ class Memory:
 
 def untaught(corners: Floats) -> Memory:
     """Nothing learned yet of the part with ``corners`` (V, 2) px."""
-    return Memory(single_step(), blank(corners), None, 0, (), None, np.zeros((3, 3)))
+    unlit = LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
+    nothing = np.zeros((3, 3))
+    return Memory(single_step(), blank(corners), None, 0, (), np.zeros(2), unlit, None, nothing)
 
 
 def with_pattern(of: Memory, piece: Patch, outline: Outline, pose: Floats, lens: Lens) -> Memory:
@@ -97,7 +88,15 @@ def with_light(
     if lit is None:
         sides = systematic(outline.design, edges.weight, edges.residual, outline.modes)
         lit = sides.displacement(rotation(edges.pose[2]))
-    return replace(of, lamps=(*of.lamps, lamp), lit=lit)
+    lamps = (*of.lamps, lamp)
+    mean = np.mean([fit.covariance for fit in lamps], axis=0)
+    return replace(
+        of,
+        lamps=lamps,
+        lamp=np.median([fit.displacement for fit in lamps], axis=0),
+        lamp_covariance=lamp_covariance(mean + lamps[0].doubt),
+        lit=lit,
+    )
 
 
 def with_face(of: Memory, piece: Patch, pose: Floats, covariance: Floats, lens: Lens) -> Memory:

@@ -44,10 +44,11 @@ def patch(frame: Image, mask: Image | None, points: Floats, margin: float) -> Pa
     u1, v1 = np.clip(high, (u0 + 1, v0 + 1), (width, height))
     piece = frame[v0:v1, u0:u1]
     smooth = cv2.sepFilter2D(piece, cv2.CV_32F, _KERNEL, _KERNEL, borderType=cv2.BORDER_REPLICATE)
-    covered = np.zeros(piece.shape, np.uint8)
-    if mask is not None:
-        covered[mask[v0:v1, u0:u1] != 0] = 1
-        covered = np.asarray(cv2.dilate(covered, _SPREAD), dtype=np.uint8)
+    if mask is None:
+        covered = np.zeros(piece.shape, np.uint8)
+    else:
+        hidden = (mask[v0:v1, u0:u1] != 0).view(np.uint8)
+        covered = np.asarray(cv2.dilate(hidden, _SPREAD), dtype=np.uint8)
     return Patch(np.asarray(smooth, dtype=np.float32), covered, np.array([u0, v0], dtype=float))
 
 
