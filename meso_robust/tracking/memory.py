@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,7 +22,7 @@ LAMP_FRAMES = 4
 _REBUILT = 4  # frames between two templates while learning
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # no slots: what each frame asks for is worked out once
 class Memory:
     """What was learned so far.
 
@@ -35,10 +36,6 @@ class Memory:
         How many frames were learned from.
     lamps
         Displacement by oblique light in each frame where it could be measured.
-    lamp
-        (2,) px to be taken off a pose from edges: the median of them.
-    lamp_covariance
-        (3, 3) of what is left after that; the model errs alike in every frame.
     lit
         (2 S, 2) displacement by a px of each side's modes in the first of them; None: in none.
     edge_covariance
@@ -50,10 +47,26 @@ class Memory:
     template: Template | None
     frames: int
     lamps: tuple[LampFit, ...]
-    lamp: Floats
-    lamp_covariance: Floats
     lit: Floats | None
     edge_covariance: Floats
+
+    @property
+    def lamp(self) -> Floats:
+        """(2,) px to be taken off a pose from edges."""
+        return self._lamp[0]
+
+    @property
+    def lamp_covariance(self) -> Floats:
+        """(3, 3) of what is left after that; the model errs alike in every frame."""
+        return self._lamp[1]
+
+    @cached_property
+    def _lamp(self) -> tuple[Floats, Floats]:
+        if not self.lamps:
+            return np.zeros(2), LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
+        middle = np.median([fit.displacement for fit in self.lamps], axis=0)
+        mean = np.mean([fit.covariance for fit in self.lamps], axis=0)
+        return np.asarray(middle), lamp_covariance(mean + self.lamps[0].doubt)
 
     @property
     def anchor_covariance(self) -> Floats:
@@ -64,9 +77,7 @@ class Memory:
 
 def untaught(corners: Floats) -> Memory:
     """Nothing learned yet of the part with ``corners`` (V, 2) px."""
-    unlit = LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
-    nothing = np.zeros((3, 3))
-    return Memory(single_step(), blank(corners), None, 0, (), np.zeros(2), unlit, None, nothing)
+    return Memory(single_step(), blank(corners), None, 0, (), None, np.zeros((3, 3)))
 
 
 def with_pattern(of: Memory, piece: Patch, outline: Outline, pose: Floats, lens: Lens) -> Memory:
@@ -88,15 +99,7 @@ def with_light(
     if lit is None:
         sides = systematic(outline.design, edges.weight, edges.residual, outline.modes)
         lit = sides.displacement(rotation(edges.pose[2]))
-    lamps = (*of.lamps, lamp)
-    mean = np.mean([fit.covariance for fit in lamps], axis=0)
-    return replace(
-        of,
-        lamps=lamps,
-        lamp=np.median([fit.displacement for fit in lamps], axis=0),
-        lamp_covariance=lamp_covariance(mean + lamps[0].doubt),
-        lit=lit,
-    )
+    return replace(of, lamps=(*of.lamps, lamp), lit=lit)
 
 
 def with_face(of: Memory, piece: Patch, pose: Floats, covariance: Floats, lens: Lens) -> Memory:

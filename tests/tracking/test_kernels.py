@@ -12,6 +12,7 @@ import pytest
 from meso_robust.tracking.edge_profile import behind
 from meso_robust.tracking.fit_kernels import face_step, reweighted, robust, shifted
 from meso_robust.tracking.needle import Needle, coverage
+from meso_robust.tracking.rim_kernels import misfit, slopes
 
 Floats = npt.NDArray[np.float64]
 
@@ -134,3 +135,23 @@ def test_an_edge_behind_a_needle_is_read_beside_it() -> None:
     assert change[2] == 0.0
     assert variance[2] > 1e5
     assert behind(drawn.astype(np.uint8), outline, places[:1], needle) is None
+
+
+def test_slopes_of_the_rim_are_differences_of_what_it_leaves() -> None:
+    rng = np.random.default_rng(5)
+    centres = np.arange(-10.0, 9.0, 0.25) + 0.125
+    angles = np.array([0.3, 0.3 + 0.5 * math.pi, 0.3 + math.pi, 0.3 + 1.5 * math.pi])
+    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    whitener = (
+        np.eye(len(centres)) + np.tril(rng.normal(size=(4, len(centres), len(centres)))) / 20.0
+    )
+    target = np.append(np.tile(100.0 + 50.0 * np.tanh(centres), 4), np.zeros(4))
+    target[:-4] += rng.normal(size=4 * len(centres))
+    given = (centres, normals, whitener, target, 1.0)
+    unknown = np.array([0.2, -0.3, 0.05, 0.1, 0.9, 0.8, 0.4])
+
+    found = slopes(given, unknown)
+
+    for k, step in enumerate(1e-4 * np.eye(7)):
+        change = (misfit(given, unknown + step) - misfit(given, unknown - step)) / 2e-4
+        assert found[:, k] == pytest.approx(change, abs=1e-4 * np.abs(change).max())
