@@ -7,7 +7,6 @@ how much it varies there, which says how far it can be trusted.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -87,11 +86,8 @@ def behind(
         return None
     from meso_robust.tracking.needle_kernels import border, profiles
 
-    turn = (math.cos(needle.direction), math.sin(needle.direction))
-    taper = (math.cos(needle.taper), math.sin(needle.taper))
-    shape = np.array([*needle.tip, *turn, *taper, needle.radius])
     size = np.array(frame.shape[::-1], dtype=float)
-    near, rays, counts = border(outline, places, shape, size, _READ, len(DISTANCES))
+    near, rays, counts = border(outline, places, needle.drawn(), size, _READ, len(DISTANCES))
     rows, distance, normals, edge = near
     if not len(rows):
         return None

@@ -289,6 +289,59 @@ def across(distance: Floats, edge: Ints, profiles: Floats) -> tuple[Floats, Floa
     return change, variance
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def carried(source: Floats, target: Floats, about: Floats, local: float) -> Floats:
+    """(2, 3) map of an image that carries one outline (V, 2) to another, best within ``local`` px of a place."""
+    normal, right = np.zeros((3, 3)), np.zeros((2, 3))
+    row, solved = np.ones(3), np.empty((3, 3))
+    for n in range(len(source)):
+        row[0], row[1] = source[n, 0] - about[0], source[n, 1] - about[1]
+        weight = 1.0 / (1.0 + (row[0] ** 2 + row[1] ** 2) / local**2) ** 2
+        for i in range(3):
+            for j in range(3):
+                normal[i, j] += weight * row[i] * row[j]
+            for k in range(2):
+                right[k, i] += weight * row[i] * target[n, k]
+    for k in range(2):
+        solved[:] = normal
+        _eliminated(solved, right[k])
+        right[k, 2] -= right[k, 0] * about[0] + right[k, 1] * about[1]
+    return right
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def owned(
+    own: tuple[Singles, Singles],
+    at: Ints,
+    distance: Floats,
+    light: tuple[Floats, Floats],
+    ends: tuple[float, float, float],
+    out: tuple[Floats, Floats],
+) -> None:
+    """Replace the edge's change and its variance over the noise's, ``out`` (M,), by the part's own image.
+
+    ``own`` (h, w) that image and how many it is the mean of; ``at`` (M, 2) pixels; ``light`` (M,) what
+    differs from it beside the needle, and the variance of that; ``ends`` px from the part where film
+    begins and where it is all there is, and the least count of a pixel that was seen.
+    """
+    mean, count = own
+    film, many = np.empty(len(at), np.float32), 0
+    for n in range(len(at)):
+        u, v = at[n]
+        if distance[n] > ends[1] - 3.0 and count[v, u] > ends[2]:
+            film[many] = mean[v, u]
+            many += 1
+    if many < 6:
+        return
+    bright = np.median(film[:many])
+    for n in range(len(at)):
+        u, v = at[n]
+        if count[v, u] > ends[2]:
+            share = min(max((ends[1] - distance[n]) / (ends[1] - ends[0]), 0.0), 1.0)
+            out[0][n] = share * (mean[v, u] + light[0][n] - bright)
+            out[1][n] = light[1][n] + 1.25 / max(count[v, u], 1.0)
+
+
 @inner
 def _keys(part: float, out: Singles) -> None:
     """Weights (4,) of Keys' cubic convolution at a share of a pixel, doi:10.1109/TASSP.1981.1163711."""

@@ -76,6 +76,11 @@ class Needle:
 
         return half_width(s, math.cos(self.taper), math.sin(self.taper), self.radius)
 
+    def drawn(self) -> tuple[float, float, float, float, float, float, float]:
+        """As kernels take it: tip, axis, cosine and sine of the taper, radius."""
+        axis = math.cos(self.direction), math.sin(self.direction)
+        return *self.tip, *axis, math.cos(self.taper), math.sin(self.taper), self.radius
+
     def moved(self, shift: Floats) -> Needle:
         """The needle shifted by (2,) px."""
         return replace(self, tip=(float(self.tip[0] + shift[0]), float(self.tip[1] + shift[1])))

@@ -30,6 +30,8 @@ _LEAST = 8  # places along an edge that tell its profile
 
 Sides: TypeAlias = tuple[Floats, Floats, Floats, Floats, Flags, Ints]
 """Of each side (V): start, direction, outward normal, length, whether it starts at a corner, its edge."""
+Needle: TypeAlias = tuple[float, float, float, float, float, float, float]
+"""Tip (u, v), axis, cosine and sine of the taper, radius; px."""
 Near: TypeAlias = tuple[Ints, Floats, Floats, Ints]
 """Rows (M,) of places near a border, their distance outward, (M, 2) its normals, and its edge or −1."""
 
@@ -71,6 +73,27 @@ def distances(s: Floats, n: Floats, taper: float, radius: float, out: Floats) ->
     c, d = math.cos(taper), math.sin(taper)
     for k in range(len(out)):
         out[k] = _distance(s[k], n[k], c, d, radius)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def film_beside(grey: Image, needle: Needle, near: float, far: float) -> float:
+    """Median of the grey values (h, w) between two distances from a needle; NaN of none."""
+    counts, total = np.zeros(256, np.int64), 0
+    for i in range(grey.shape[0]):
+        for j in range(grey.shape[1]):
+            u, v = j - needle[0], i - needle[1]
+            s, n = u * needle[2] + v * needle[3], v * needle[2] - u * needle[3]
+            if near < _distance(s, n, needle[4], needle[5], needle[6]) < far:
+                counts[grey[i, j]] += 1
+                total += 1
+    if total == 0:
+        return np.nan
+    low, high, before = -1, -1, 0
+    for value in range(256):
+        before += counts[value]
+        low = value if low < 0 and before > (total - 1) // 2 else low
+        high = value if high < 0 and before > total // 2 else high
+    return 0.5 * (low + high)
 
 
 @inner
@@ -278,7 +301,7 @@ def _near(sides: Sides, places: Floats, reach: float) -> tuple[Near, Flags]:
 
 
 @inner
-def _free(ray: Floats, needle: Floats, near: float, size: Floats) -> bool:
+def _free(ray: Floats, needle: Needle, near: float, size: Floats) -> bool:
     """Whether places (D, 2) lie in the frame and farther than ``near`` from a needle."""
     for d in range(len(ray)):
         u, v = ray[d, 0] - needle[0], ray[d, 1] - needle[1]
@@ -321,11 +344,11 @@ def _rays(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def border(
-    outline: Floats, places: Floats, needle: Floats, size: Floats, reach: Floats, many: int
+    outline: Floats, places: Floats, needle: Needle, size: Floats, reach: Floats, many: int
 ) -> tuple[Near, Floats, Ints]:
     """The part's border near places (N, 2), and where it is read beside a needle; see `edge_profile`.
 
-    ``needle`` (7,) tip, axis, cosine and sine of the taper, radius; ``size`` (2,) of the frame; ``reach``
+    ``size`` (2,) of the frame; ``reach``
     (4,) px from the border that count, from the needle, along the border, and between the places along it;
     ``many`` places across it. Returns what is near, with the edges counted among those that are read,
     (K, L, D, 2) where they are read, and (K,) how many of L.
