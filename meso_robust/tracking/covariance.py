@@ -91,13 +91,12 @@ def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) 
     What the fit could not absorb of such displacements shows in the residuals. Those by light, which
     displace sides without tilting them, say nothing of tilts: the two kinds are told apart.
     """
-    weighted, squared = modes * weight, modes**2
-    pull = weighted @ design
-    response = pull @ _bread(design, weight)
-    power = squared @ weight
-    used = power > 0.05 * squared.sum(axis=1)
-    left = np.eye(len(modes)) - response @ pull.T / np.maximum(power, 1e-9)
-    seen = np.where(used, weighted @ residual / np.maximum(power, 1e-9), 0.0)
+    from meso_robust.tracking.covariance_kernels import modes_seen
+
+    bread = _bread(design, weight)
+    response, left, power, most, seen = modes_seen(design, weight, residual, modes, bread)
+    used = power > 0.05 * most
+    seen[~used] = 0.0
     expected = SIDE_SHARE**2 * float(weight @ residual**2) / max(float(weight.sum()), 1e-9)
     sigma = np.empty(len(modes))
     for kind in (slice(0, None, 2), slice(1, None, 2)):

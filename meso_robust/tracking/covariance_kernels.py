@@ -29,11 +29,11 @@ def _mirrored(matrix: Floats) -> None:
 @njit(cache=True, nogil=True, error_model="numpy")
 def normal(design: Floats, weight: Floats) -> Floats:
     """Normal matrix (k, k) of rows (N, k) with weights (N,)."""
-    out = np.zeros((design.shape[1], design.shape[1]))
+    scaled = np.empty(design.shape)
     for n in range(len(design)):
-        _added(design[n], weight[n], out)
-    _mirrored(out)
-    return out
+        for k in range(np.uintp(design.shape[1])):
+            scaled[n, k] = weight[n] * design[n, k]
+    return np.dot(design.T, scaled)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -54,3 +54,35 @@ def scattered(design: Floats, weight: Floats, residual: Floats, starts: Ints) ->
         used += counts > 0.0
     _mirrored(out)
     return out, used
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def modes_seen(
+    design: Floats, weight: Floats, residual: Floats, modes: Floats, bread: Floats
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """What displaced sides (M, N) do to a fit; see `covariance.systematic`.
+
+    Returns by how much each displaces the solution (M, k), by how much it displaces what is left along
+    each other (M, M), its weight (M,), the most that could have, and the displacement that is seen.
+    """
+    many = len(modes)
+    pull, power, most = np.zeros((many, design.shape[1])), np.zeros(many), np.zeros(many)
+    seen = np.zeros(many)
+    for m in range(many):
+        for n in range(len(weight)):
+            if modes[m, n] == 0.0:
+                continue
+            scaled = weight[n] * modes[m, n]
+            most[m] += modes[m, n] ** 2
+            power[m] += scaled * modes[m, n]
+            seen[m] += scaled * residual[n]
+            for k in range(design.shape[1]):
+                pull[m, k] += scaled * design[n, k]
+    response = np.dot(pull, bread)
+    left = -np.dot(response, pull.T)
+    for m in range(many):
+        seen[m] /= max(power[m], 1e-9)
+        for other in range(many):
+            left[other, m] /= max(power[m], 1e-9)
+        left[m, m] += 1.0
+    return response, left, power, most, seen

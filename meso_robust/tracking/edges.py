@@ -19,7 +19,7 @@ import numpy as np
 
 from meso_robust.tracking.covariance import clustered, side_modes, systematic
 from meso_robust.tracking.edge_pattern import PATTERN_HALF, STEP, Pattern, learned
-from meso_robust.tracking.sampling import Patch, profiles
+from meso_robust.tracking.sampling import Patch, derivatives
 from meso_robust.types import Flags, Floats, Ints
 
 Map = Callable[[Floats], Floats]
@@ -138,7 +138,10 @@ def rotation(angle: float) -> Floats:
 
 def placed(points: Floats, pose: Floats) -> Floats:
     """(N, 2) ``points`` of the part in ideal px of the image, for a pose (3,)."""
-    return points @ rotation(pose[2]).T + pose[:2]
+    from meso_robust.tracking.sampling_kernels import placed as fill
+
+    turn = math.cos(pose[2]), math.sin(pose[2])
+    return fill(points, turn, (float(pose[0]), float(pose[1])))
 
 
 def moved(pose: Floats, motion: Floats) -> Floats:
@@ -189,8 +192,7 @@ def seen_normals(outline: Outline, pose: Floats, lens: Lens) -> tuple[Floats, Fl
 def slopes(of: Patch, seen: Floats, normals: Floats, reach: float) -> Floats:
     """(N, K) derivative of the profiles, long enough to move a pattern by ``reach`` px."""
     half = PATTERN_HALF + math.ceil(reach / STEP) + 1
-    values = profiles(of, seen, normals, half, STEP)
-    return (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
+    return derivatives(of, seen, normals, half, STEP)
 
 
 def matched(derivative: Floats, pattern: Pattern) -> Matched:
@@ -282,7 +284,6 @@ def _offsets(
 def learned_pattern(of: Patch, outline: Outline, pose: Floats, lens: Lens) -> Pattern:
     """How the outline looks across at a pose (3,), all sides alike."""
     _, seen, normals = seen_normals(outline, pose, lens)
-    values = profiles(of, seen, normals, PATTERN_HALF + 1, STEP)
-    derivative = (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
+    derivative = derivatives(of, seen, normals, PATTERN_HALF + 1, STEP)
     visible = np.isfinite(derivative).all(axis=1)
     return learned(derivative[visible], outline.side[visible])

@@ -61,8 +61,8 @@ def sample(of: Patch, points: Floats) -> Floats:
     return values
 
 
-def profiles(of: Patch, points: Floats, normals: Floats, half: int, step: float) -> Floats:
-    """Grey values along normals, averaged over 3 px along the edge.
+def derivatives(of: Patch, points: Floats, normals: Floats, half: int, step: float) -> Floats:
+    """Derivatives of grey values along normals, averaged over 3 px along the edge.
 
     Parameters
     ----------
@@ -71,15 +71,15 @@ def profiles(of: Patch, points: Floats, normals: Floats, half: int, step: float)
     points, normals
         (N, 2) in px of the frame, and unit normals there.
     half, step
-        ``half`` samples either side of each point, ``step`` px apart.
+        ``half`` samples either side of each point, ``step`` px apart, are differentiated.
 
     Returns
     -------
     Floats
-        (N, 2 half + 1), NaN where a sample is hidden or outside the frame.
+        (N, 2 half - 1) grey values a px, NaN where a sample is hidden or outside the frame.
     """
-    from meso_robust.tracking.sampling_kernels import profiles as fill
+    from meso_robust.tracking.sampling_kernels import derivatives as fill
 
-    values = np.empty((len(points), 2 * half + 1))
+    values = np.empty((len(points), 2 * half - 1))
     fill(of.grey, of.hidden, points - of.corner, normals, step, values)
     return values
