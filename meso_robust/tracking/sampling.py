@@ -26,12 +26,15 @@ class Patch(NamedTuple):
         (h, w) smoothed grey values.
     hidden
         (h, w) non-zero where a probe hides the scene or reaches through the smoothing.
+    covered
+        First column and row, width and height of the box that holds all that is hidden.
     corner
         (u, v) in px of the piece's first pixel.
     """
 
     grey: Singles
     hidden: Image
+    covered: tuple[int, int, int, int]
     corner: Floats
 
 
@@ -45,11 +48,14 @@ def patch(frame: Image, mask: Image | None, points: Floats, margin: float) -> Pa
     piece = frame[v0:v1, u0:u1]
     smooth = cv2.sepFilter2D(piece, cv2.CV_32F, _KERNEL, _KERNEL, borderType=cv2.BORDER_REPLICATE)
     if mask is None:
-        covered = np.zeros(piece.shape, np.uint8)
+        hidden, covered = np.zeros(piece.shape, np.uint8), (0, 0, 0, 0)
     else:
-        hidden = (mask[v0:v1, u0:u1] != 0).view(np.uint8)
-        covered = np.asarray(cv2.dilate(hidden, _SPREAD), dtype=np.uint8)
-    return Patch(np.asarray(smooth, dtype=np.float32), covered, np.array([u0, v0], dtype=float))
+        near = (mask[v0:v1, u0:u1] != 0).view(np.uint8)
+        hidden = np.asarray(cv2.dilate(near, _SPREAD), dtype=np.uint8)
+        u, v, wide, high = cv2.boundingRect(hidden)
+        covered = (u, v, wide, high)
+    corner = np.array([u0, v0], dtype=float)
+    return Patch(np.asarray(smooth, dtype=np.float32), hidden, covered, corner)
 
 
 def sample(of: Patch, points: Floats) -> Floats:
@@ -81,5 +87,5 @@ def derivatives(of: Patch, points: Floats, normals: Floats, half: int, step: flo
     from meso_robust.tracking.sampling_kernels import derivatives as fill
 
     values = np.empty((len(points), 2 * half - 1))
-    fill(of.grey, of.hidden, points - of.corner, normals, step, values)
+    fill(of.grey, of.hidden, of.covered, points - of.corner, normals, step, values)
     return values

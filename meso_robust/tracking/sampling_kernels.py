@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import inner
 from meso_robust.types import Floats, Image, Singles
 
 
@@ -46,20 +46,6 @@ def placed(points: Floats, turn: tuple[float, float], to: tuple[float, float]) -
     return out
 
 
-@maker
-def _covered(hidden: Image) -> tuple[int, int, int, int]:
-    """First and last rows and columns in which anything is hidden; of nothing, none."""
-    rows, columns = np.zeros(hidden.shape[0], np.uint8), np.zeros(hidden.shape[1], np.uint8)
-    for i in range(np.uintp(len(rows))):
-        for j in range(np.uintp(len(columns))):
-            columns[j] |= hidden[i, j]
-            rows[i] |= hidden[i, j]
-    down, right = np.flatnonzero(rows), np.flatnonzero(columns)
-    if len(down) == 0:
-        return 1, 0, 1, 0
-    return down[0], down[-1], right[0], right[-1]
-
-
 @inner
 def _added(grey: Singles, u: float, v: float, du: float, dv: float, line: Singles) -> None:
     """Add grey values from (u, v) on in steps of (du, dv), none of which is hidden or outside."""
@@ -76,19 +62,25 @@ def _added(grey: Singles, u: float, v: float, du: float, dv: float, line: Single
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def derivatives(
-    grey: Singles, hidden: Image, points: Floats, normals: Floats, step: float, out: Floats
+    grey: Singles,
+    hidden: Image,
+    covered: tuple[int, int, int, int],
+    points: Floats,
+    normals: Floats,
+    step: float,
+    out: Floats,
 ) -> None:
-    """Derivatives (N, K) of grey values along normals."""
+    """Derivatives (N, K) of grey values along normals; nothing is hidden but in ``covered``, see `Patch`."""
     half, line = 0.5 * (out.shape[1] + 1), np.empty(out.shape[1] + 2, np.float32)
     height, width = grey.shape
-    top, bottom, first, last = _covered(hidden)
+    first, top = covered[0] - 2.0, covered[1] - 2.0
+    last, bottom = first + covered[2] + 3.0, top + covered[3] + 3.0
     for n in range(len(points)):
         u, v, nu, nv = points[n, 0], points[n, 1], normals[n, 0], normals[n, 1]
         # a profile is a narrow rectangle, and inside if its corners are
         wide, high = half * step * abs(nu) + abs(nv), half * step * abs(nv) + abs(nu)
         clear = 1.0 + wide < u < width - 2.0 - wide and 1.0 + high < v < height - 2.0 - high
-        beside = u + wide < first - 2.0 or u - wide > last + 2.0
-        beside = beside or v + high < top - 2.0 or v - high > bottom + 2.0
+        beside = u + wide < first or u - wide > last or v + high < top or v - high > bottom
         line[:] = 0.0
         for side in range(-1, 2):  # along the edge: thrice the light
             x, y = u - side * nv - half * step * nu, v + side * nu - half * step * nv
