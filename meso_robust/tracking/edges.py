@@ -168,10 +168,19 @@ def sampled_outline(corners: Floats) -> Outline:
         points.append(start + at[:, None] * along)
         normals.append(np.tile(turn * np.array([along[1], -along[0]]), (count, 1)))
         sides.append(np.full(count, index))
-    p, n = np.concatenate(points), np.concatenate(normals)
+    return _outline(corners, np.concatenate(points), np.concatenate(normals), np.concatenate(sides))
+
+
+def thinned(outline: Outline) -> Outline:
+    """Every second point of an outline."""
+    points, normals, side = outline.points[::2], outline.normals[::2], outline.side[::2]
+    return _outline(outline.corners, points.copy(), normals.copy(), side.copy())
+
+
+def _outline(corners: Floats, p: Floats, n: Floats, side: Ints) -> Outline:
+    """Of points (N, 2), their normals and sides."""
     moment = p[:, 0] * n[:, 1] - p[:, 1] * n[:, 0]
     design = np.column_stack((n, moment, np.ones(len(p))))
-    side = np.concatenate(sides)
     first = np.searchsorted(side, side)
     starts = np.flatnonzero((np.arange(len(side)) - first) % CLUSTER == 0)
     moves = np.ascontiguousarray(design[:, :3])
