@@ -50,10 +50,12 @@ def patch(frame: Image, mask: Image | None, points: Floats, margin: float) -> Pa
     if mask is None:
         hidden, covered = np.zeros(piece.shape, np.uint8), (0, 0, 0, 0)
     else:
-        near = (mask[v0:v1, u0:u1] != 0).view(np.uint8)
-        hidden = np.asarray(cv2.dilate(near, _SPREAD), dtype=np.uint8)
+        hidden = (mask[v0:v1, u0:u1] != 0).view(np.uint8)
         u, v, wide, high = cv2.boundingRect(hidden)
-        covered = (u, v, wide, high)
+        u, v = max(u - _RADIUS, 0), max(v - _RADIUS, 0)
+        covered = (u, v, wide + 2 * _RADIUS, high + 2 * _RADIUS)
+        box = hidden[v : v + covered[3], u : u + covered[2]]
+        box[:] = cv2.dilate(box, _SPREAD)
     corner = np.array([u0, v0], dtype=float)
     return Patch(np.asarray(smooth, dtype=np.float32), hidden, covered, corner)
 
