@@ -14,8 +14,8 @@ from numba import njit
 from meso_robust.kernels import inner, maker
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
-HALOS = (1.5, 4.0)
-"""px; lengths over which the film may darken or brighten towards the needle."""
+_HALO = 12.0
+"""px; the film may darken or brighten towards the needle over an eighth of it and over a third."""
 KNOTS = 5
 """Of the brightness across the needle, evenly from one flank to the other."""
 CLIMB = 9.0
@@ -59,6 +59,13 @@ def _covered(distance: float, s: float, rise: float) -> float:
     if abs(z) > _CERTAIN:
         return 0.0 if z > 0.0 else 1.0
     return 0.5 * math.erfc(z / math.sqrt(2.0))
+
+
+@inner
+def _halos(distance: float) -> tuple[float, float]:
+    """Shares of the two halos at a distance from a needle."""
+    part = math.exp(-max(distance, 0.0) / _HALO)  # a root of both, as an exponential takes long
+    return part**8, part**3
 
 
 @inner
@@ -108,11 +115,11 @@ def _samples(
         s, n = x * axis[0] + v * axis[1], v * axis[0] - x * axis[1]
         distance = _distance(s, n, c, d, radius)
         inside = _covered(distance, s, rise)
-        film, far = 1.0 - inside, max(distance, 0.0)
+        film = 1.0 - inside
         out = line[j - first]
         out[0], out[1], out[2] = film, 0.1 * film * s, 0.1 * film * n
-        out[3] = film * math.exp(-far / HALOS[0]) if film > 0.0 else 0.0
-        out[4] = film * math.exp(-far / HALOS[1]) if film > 0.0 else 0.0
+        near, wide = _halos(distance) if film > 0.0 else (0.0, 0.0)
+        out[3], out[4] = film * near, film * wide
         across = n / _half_width(s, c, d, radius) if inside > 0.0 else 0.0
         for knot in range(KNOTS):
             out[5 + knot] = inside * _hat(across, knot) if inside > 0.0 else 0.0
@@ -185,17 +192,22 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
             s, n = u * axis[0] + v * axis[1], v * axis[0] - u * axis[1]
             distance = _distance(s, n, c, d, radius)
             inside = _covered(distance, s, rise)
-            clear, far = 1.0 - inside, max(distance, 0.0)
+            clear = 1.0 - inside
             out[0, i, j] = clear
-            for h in range(len(HALOS)):
-                halo = clear * math.exp(-far / HALOS[h]) if clear > 0.0 else 0.0
-                # how far the meniscus reaches up the needle is not known: three hats along the axis
-                out[1 + 3 * h, i, j] = halo * min(max(1.0 - s / CLIMB, 0.0), 1.0)
-                out[2 + 3 * h, i, j] = halo * max(1.0 - abs(s - CLIMB) / CLIMB, 0.0)
-                out[3 + 3 * h, i, j] = halo * min(max((s - CLIMB) / CLIMB, 0.0), 1.0)
-            across = n / _half_width(s, c, d, radius)
+            # how far the meniscus reaches up the needle is not known: three hats along the axis
+            up = s / CLIMB
+            hats = (
+                min(max(1.0 - up, 0.0), 1.0),
+                max(1.0 - abs(up - 1.0), 0.0),
+                min(max(up - 1.0, 0.0), 1.0),
+            )
+            near, wide = _halos(distance) if clear > 0.0 else (0.0, 0.0)
+            for k in range(3):
+                out[1 + k, i, j] = clear * near * hats[k]
+                out[4 + k, i, j] = clear * wide * hats[k]
+            across = n / _half_width(s, c, d, radius) if inside > 0.0 else 0.0
             for knot in range(KNOTS):
-                out[7 + knot, i, j] = inside * _hat(across, knot)
+                out[7 + knot, i, j] = inside * _hat(across, knot) if inside > 0.0 else 0.0
             out[7 + KNOTS, i, j] = 0.1 * inside * s
 
 
