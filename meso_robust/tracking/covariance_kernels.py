@@ -43,8 +43,9 @@ def scattered(design: Floats, weight: Floats, residual: Floats, starts: Ints) ->
     out, score, used = np.zeros((many, many)), np.empty(many), 0
     for k in range(len(starts)):
         last = starts[k + 1] if k + 1 < len(starts) else len(design)
-        score[:] = 0.0
         counts = 0.0
+        for i in range(many):
+            score[i] = 0.0
         for n in range(starts[k], last):
             counts += weight[n]
             scaled = weight[n] * residual[n]
@@ -79,10 +80,10 @@ def modes_seen(
             for k in range(design.shape[1]):
                 pull[m, k] += scaled * design[n, k]
     response = np.dot(pull, bread)
-    left = -np.dot(response, pull.T)
+    left = np.dot(response, pull.T)
     for m in range(many):
         seen[m] /= max(power[m], 1e-9)
         for other in range(many):
-            left[other, m] /= max(power[m], 1e-9)
+            left[other, m] /= -max(power[m], 1e-9)
         left[m, m] += 1.0
     return response, left, power, most, seen

@@ -61,7 +61,8 @@ def _least(values: Floats | Singles, k: int) -> float:
     They are counted by their leading bits first: comparisons that fall either way cost more.
     """
     single, counts = np.empty(len(values), np.float32), np.zeros(1 << 11, np.int32)
-    single[:] = values
+    for n in range(len(values)):
+        single[n] = values[n]
     bits, drop = single.view(np.uint32), np.uint32(20)
     for n in range(np.uintp(len(bits))):
         counts[np.uintp(bits[n] >> drop)] += 1
@@ -121,7 +122,8 @@ def _scaled(rows: Floats | Singles, weight: Floats | Singles, out: Floats | Sing
 @inner
 def _correlated(profile: Floats, mean: Floats, agreement: Floats, energy: Floats) -> int:
     """Products with a pattern at each shift, energies there, and the best shift."""
-    agreement[:] = 0.0
+    for s in range(len(agreement)):
+        agreement[s] = 0.0
     for k in range(np.uintp(len(mean))):
         for s in range(np.uintp(len(agreement))):
             agreement[s] += mean[k] * profile[s + k]
@@ -325,7 +327,9 @@ def carried(source: Floats, target: Floats, about: Floats, local: float) -> Floa
             for k in range(2):
                 right[k, i] += weight * row[i] * target[n, k]
     for k in range(2):
-        solved[:] = normal
+        for i in range(3):
+            for j in range(3):
+                solved[i, j] = normal[i, j]
         _eliminated(solved, right[k])
         right[k, 2] -= right[k, 0] * about[0] + right[k, 1] * about[1]
     return right
@@ -355,7 +359,9 @@ def owned(
             many += 1
     if many < 6:
         return
-    bright = np.median(film[:many])
+    bright = _selected(film[:many], many // 2)
+    if many % 2 == 0:
+        bright = 0.5 * (bright + _selected(film[: many // 2], many // 2 - 1))
     for n in range(len(at)):
         u, v = at[n]
         if count[v, u] > ends[2]:
@@ -429,9 +435,30 @@ def _looked(
 
 
 @inner
+def _times(weight: Singles, trust: Singles, out: Singles) -> float:
+    """Weights (N,) times what they are trusted; the sum of the weights."""
+    total = 0.0
+    for n in range(len(weight)):
+        out[n] = weight[n] * trust[n]
+        total += weight[n]
+    return total
+
+
+@inner
+def _rest(columns: Singles, solution: Floats, target: Singles, out: Singles) -> None:
+    """What a solution leaves (N,)."""
+    for n in range(len(target)):
+        value = 0.0
+        for k in range(np.uintp(len(solution))):
+            value += columns[n, k] * solution[k]
+        out[n] = target[n] - value
+
+
+@inner
 def _before_edge(
     edge: Edge,
-    moved: Floats,
+    shift: Floats,
+    start: Floats,
     needle: Needle,
     target: Singles,
     weight: Singles,
@@ -442,7 +469,9 @@ def _before_edge(
     learned, clear, fading = needle[1], needle[2], needle[3]
     for k in range(len(rows)):
         n = rows[k]
-        away = distance[k] + normals[k, 0] * moved[0] + normals[k, 1] * moved[1]
+        away = distance[k]
+        for i in range(2):
+            away += normals[k, i] * (shift[i] - start[i])
         change, variance = _edge_at(profiles, edges[k], away)
         target[n] -= clear[n] * change
         weight[n] /= 1.0 + clear[n] ** 2 * variance
@@ -514,21 +543,24 @@ def registered(
     target, weight = np.empty(many, np.float32), np.empty(many, np.float32)
     weights, residual = np.empty(many, np.float32), np.empty(many, np.float32)
     trust = np.ones(many, np.float32)
-    columns, scaled, start = learned.copy(), np.empty((many, count), np.float32), shift.copy()
+    columns, scaled = learned.copy(), np.empty((many, count), np.float32)
+    gram, right, start = np.empty((count, count)), np.empty(count), shift.copy()
     for k in range(_NEEDLE_STEPS):
         _looked(frame, pixels, seen, shift, target, weight)
-        _before_edge(edge, shift - start, needle, target, weight, columns)
-        visible = float(weight.sum())
+        _before_edge(edge, shift, start, needle, target, weight, columns)
+        visible = _times(weight, trust, weights)
         if visible < limits[0]:
             return visible, 0.0, 0.0
-        weights[:] = weight * trust
         _scaled(columns, weights, scaled)
-        gram = np.dot(scaled.T, columns).astype(np.float64)
+        products, pulls = np.dot(scaled.T, columns), np.dot(scaled.T, target)
         for i in range(count):
+            for j in range(count):
+                gram[i, j] = products[i, j]
+            right[i] = pulls[i]
             gram[i, i] += 1e-2  # a segment that does not show stays at none
         inverse = np.linalg.inv(gram)
-        solution = inverse @ np.dot(scaled.T, target).astype(np.float64)
-        residual[:] = target - np.dot(columns, solution.astype(np.float32))
+        solution = np.dot(inverse, right)
+        _rest(columns, solution, target, residual)
         gain = solution[0] if abs(solution[0]) > limits[2] else 1.0
         step = 0.0
         for i in range(2):
@@ -538,7 +570,7 @@ def registered(
             break
         if k < 3:  # afterwards the weights rest, so that the steps end
             robust(residual, weight, trust)
-    weights[:] = weight * trust
+    _times(weight, trust, weights)
     score, variance = _judged(target, residual, weights, count, beside)
     for i in range(2):
         for j in range(2):

@@ -292,12 +292,13 @@ def _near(sides: Sides, places: Floats, reach: float) -> tuple[Near, Flags]:
     """Places (N, 2) within reach of the border, and which edges they are nearest to."""
     low, high = np.empty(2), np.empty(2)
     _extent(places, low, high)
-    tried, edges = np.empty(len(sides[3]), np.bool_), sides[5]
+    tried, edges, most, many = np.empty(len(sides[3]), np.bool_), sides[5], 0, 0
     for k in range(len(tried)):
         tried[k] = _touches(sides, k, low, high, reach)
-    many = len(places) if tried.any() else 0
+        many = len(places) if tried[k] else many
+        most = max(most, edges[k])
     rows, distance, normals = np.empty(many, np.int64), np.empty(many), np.empty((many, 2))
-    edge, present, count = np.empty(many, np.int64), np.zeros(edges.max() + 1, np.bool_), 0
+    edge, present, count = np.empty(many, np.int64), np.zeros(most + 1, np.bool_), 0
     for n in range(many):
         side, foot, square = _nearest(sides, tried, places[n, 0], places[n, 1])
         if square > reach**2:
@@ -367,18 +368,24 @@ def border(
     """
     sides = _sides(outline)
     near, present = _near(sides, places, reach[0])
-    low, high = np.empty(2), np.empty(2)
-    _extent(places[near[0]], low, high)
+    about, low, high = np.empty((len(near[0]), 2)), np.empty(2), np.empty(2)
+    for n in range(len(about)):
+        about[n, 0], about[n, 1] = places[near[0][n], 0], places[near[0][n], 1]
+    _extent(about, low, high)
+    middle = np.empty(2)
+    middle[0], middle[1] = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])
     wide = reach.copy()
     wide[2] += 0.5 * max(high[0] - low[0], high[1] - low[1])
-    most = 1
+    most, kept = 1, 0
+    for edge in range(len(present)):
+        kept += present[edge]
     for k in range(len(sides[3]) if len(near[0]) else 0):
         most += int(min(sides[3][k], 2.0 * wide[2]) / reach[3]) + 2
-    rays = np.empty((present.sum(), most, many, 2))
-    counts, index, used = np.empty(len(rays), np.int64), np.full(len(present), -1), 0
+    rays = np.empty((kept, most, many, 2))
+    counts, index, used = np.empty(kept, np.int64), np.empty(len(present), np.int64), 0
     for edge in range(len(present)):
+        index[edge] = -1
         if present[edge]:
-            middle = 0.5 * (low + high)
             counts[used] = _rays(sides, edge, middle, wide, needle, size, rays[used])
             if counts[used] >= _LEAST:
                 index[edge] = used

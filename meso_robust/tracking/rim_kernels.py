@@ -89,27 +89,66 @@ def design(given: Given, unknown: Floats) -> Floats:
 
 
 @maker
-def _solved(given: Given, unknown: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Columns of unit length, those lengths, the inverse of their products, and the levels that fit best."""
+def _solved(given: Given, unknown: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Columns of unit length, those lengths, the inverse of their products, the levels that fit best, and the rest.
+
+    Of a shape that ran to infinity nothing is a number.
+    """
     unit = design(given, unknown)
-    size = np.empty(unit.shape[1])
+    size, finite = np.zeros(unit.shape[1]), True
+    for n in range(len(unit)):
+        for k in range(len(size)):
+            size[k] += unit[n, k] ** 2
     for k in range(len(size)):
-        size[k] = math.sqrt(np.sum(unit[:, k] ** 2)) + 1e-9
-        unit[:, k] /= size[k]
+        size[k] = math.sqrt(size[k]) + 1e-9
+        finite = finite and math.isfinite(size[k])
+    for n in range(len(unit)):
+        for k in range(len(size)):
+            unit[n, k] = unit[n, k] / size[k] if finite else 0.0
     normal = np.dot(unit.T, unit)
     for k in range(len(size)):
         normal[k, k] += _RIDGE
-    if not np.isfinite(normal).all():
-        return unit, size, normal, np.full(len(size), np.nan)
     inverse = np.linalg.inv(normal)
-    return unit, size, inverse, np.dot(inverse, np.dot(unit.T, given[3]))
+    levels = np.dot(inverse, np.dot(unit.T, given[3]))
+    rest = np.dot(unit, levels)
+    for n in range(len(rest)):
+        rest[n] = given[3][n] - rest[n] if finite else np.nan
+    return unit, size, inverse, levels, rest
+
+
+@inner
+def _brightness(levels: Floats, size: Floats, side: int, count: int, out: Floats) -> None:
+    """Of each shape of one side (8,), its own and what is shared."""
+    for k in range(len(out)):
+        out[k] = 0.0
+    for k in range(4):
+        out[_LEVELS[k]] += levels[4 * side + k] / size[4 * side + k]
+    for k in range(5):
+        out[_SHARED[k]] += levels[4 * count + k] / size[4 * count + k]
+
+
+@inner
+def _differences(here: Floats, bright: Floats, step: float, there: Floats, line: Floats) -> None:
+    """Turn shapes (B, 8) after a step into slopes, and sum them up with their brightnesses (B,)."""
+    for b in range(len(line)):
+        line[b] = 0.0
+        for k in range(len(bright)):
+            there[b, k] = (there[b, k] - here[b, k]) / step
+            line[b] += there[b, k] * bright[k]
+
+
+@inner
+def _less(first: Floats, second: Floats, sign: float) -> None:
+    """Take a matrix off another, which is changed, and give it a sign."""
+    for n in range(len(first)):
+        for j in range(first.shape[1]):
+            first[n, j] = sign * (first[n, j] - second[n, j])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def misfit(given: Given, unknown: Floats) -> Floats:
     """What the best levels leave (S B + S,) at displacement (2,), δ, and shape (4,)."""
-    unit, _, _, levels = _solved(given, unknown)
-    return given[3] - np.dot(unit, levels)
+    return _solved(given, unknown)[4]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -118,37 +157,34 @@ def slopes(given: Given, unknown: Floats) -> Floats:
 
     Levels that fit best vary, too: Golub and Pereyra, doi:10.1137/0710036.
     """
-    unit, size, inverse, levels = _solved(given, unknown)
-    rest = given[3] - np.dot(unit, levels)
+    unit, size, inverse, levels, rest = _solved(given, unknown)
     count, bins = len(given[1]), len(given[0])
     here, there = np.empty((bins, _SHAPES + 2)), np.empty((bins, _SHAPES + 2))
     model, pull = np.zeros((len(rest), 7)), np.zeros((len(size), 7))
-    bright, line = np.empty(_SHAPES + 2), np.empty(bins)
+    bright, line, own = np.empty(_SHAPES + 2), np.empty(bins), np.empty(bins)
     for side in range(count):
-        whitener = given[2][side]
-        weights = np.dot(whitener.T, rest[side * bins : (side + 1) * bins])
-        bright[:] = 0.0
-        for k in range(4):
-            bright[_LEVELS[k]] += levels[4 * side + k] / size[4 * side + k]
-        for k in range(5):
-            bright[_SHARED[k]] += levels[4 * count + k] / size[4 * count + k]
+        for b in range(bins):
+            own[b] = rest[side * bins + b]
+        weights = np.dot(given[2][side].T, own)
+        _brightness(levels, size, side, count, bright)
         _side(given, side, unknown, here)
         for j in range(7):
             moved = unknown.copy()
             moved[j] += _STEP * max(1.0, abs(unknown[j]))
             _side(given, side, moved, there)
-            there -= here
-            there /= moved[j] - unknown[j]
-            line[:] = np.dot(there, bright)
-            model[side * bins : (side + 1) * bins, j] = np.dot(whitener, line)
+            _differences(here, bright, moved[j] - unknown[j], there, line)
+            seen = np.dot(given[2][side], line)
             drawn = np.dot(there.T, weights)
+            for b in range(bins):
+                model[side * bins + b, j] = seen[b]
             for k in range(4):
                 pull[4 * side + k, j] += drawn[_LEVELS[k]] / size[4 * side + k]
             for k in range(5):
                 pull[4 * count + k, j] += drawn[_SHARED[k]] / size[4 * count + k]
-    pull -= np.dot(unit.T, model)
-    pull[:] = np.dot(inverse, pull)
-    return -model - np.dot(unit, pull)
+    _less(pull, np.dot(unit.T, model), -1.0)
+    turned = np.dot(unit, np.dot(inverse, pull))
+    _less(turned, model, 1.0)
+    return turned
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

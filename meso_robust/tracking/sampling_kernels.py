@@ -81,7 +81,8 @@ def derivatives(
         wide, high = half * step * abs(nu) + abs(nv), half * step * abs(nv) + abs(nu)
         clear = 1.0 + wide < u < width - 2.0 - wide and 1.0 + high < v < height - 2.0 - high
         beside = u + wide < first or u - wide > last or v + high < top or v - high > bottom
-        line[:] = 0.0
+        for k in range(len(line)):
+            line[k] = 0.0
         for side in range(-1, 2):  # along the edge: thrice the light
             x, y = u - side * nv - half * step * nu, v + side * nu - half * step * nv
             if clear and beside:

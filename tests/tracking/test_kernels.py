@@ -10,9 +10,11 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.tracking.edge_profile import behind
-from meso_robust.tracking.fit_kernels import face_step, reweighted, robust, shifted
+from meso_robust.tracking.fit_kernels import carried, face_step, reweighted, robust, shifted
 from meso_robust.tracking.needle import Needle, coverage
+from meso_robust.tracking.needle_kernels import film_beside
 from meso_robust.tracking.rim_kernels import misfit, slopes
+from meso_robust.tracking.sampling import Patch, derivatives, sample
 
 Floats = npt.NDArray[np.float64]
 
@@ -155,3 +157,48 @@ def test_slopes_of_the_rim_are_differences_of_what_it_leaves() -> None:
     for k, step in enumerate(1e-4 * np.eye(7)):
         change = (misfit(given, unknown + step) - misfit(given, unknown - step)) / 2e-4
         assert found[:, k] == pytest.approx(change, abs=1e-4 * np.abs(change).max())
+
+
+def test_profiles_are_differentiated_wherever_nothing_is_hidden() -> None:
+    """A plane has the same derivative everywhere; the slow way is to ask for each value on its own."""
+    v, u = np.mgrid[:60, :80].astype(np.float32)
+    hidden = np.zeros((60, 80), np.uint8)
+    hidden[20:32, 35:40] = 1
+    piece = Patch(2.0 * u + 3.0 * v, hidden, (35, 20, 5, 12), np.zeros(2))
+    rng = np.random.default_rng(6)
+    points = rng.uniform((5.0, 5.0), (75.0, 55.0), (400, 2))
+    angle = rng.uniform(0.0, 2.0 * math.pi, 400)
+    normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    found = derivatives(piece, points, normals, 4, 0.5)
+
+    aside = np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+    values = np.zeros((400, 9))
+    for k in range(9):
+        for side in (-1.0, 0.0, 1.0):
+            values[:, k] += sample(piece, points + 0.5 * (k - 4) * normals + side * aside) / 3.0
+    expected = values[:, 2:] - values[:, :-2]
+    assert 20 < np.isnan(expected).any(axis=1).sum() < 200
+    assert np.array_equal(np.isnan(found), np.isnan(expected))
+    slope = np.broadcast_to((normals @ [2.0, 3.0])[:, None], found.shape)
+    assert found[np.isfinite(found)] == pytest.approx(slope[np.isfinite(found)], abs=1e-3)
+
+
+def test_an_image_is_carried_by_the_map_of_its_outline() -> None:
+    rng = np.random.default_rng(7)
+    source, move = rng.uniform(0.0, 300.0, (6, 2)), np.array([[0.9, -0.2, 4.0], [0.25, 1.1, -30.0]])
+    target = source @ move[:, :2].T + move[:, 2]
+
+    assert carried(source, target, np.array([100.0, 40.0]), 100.0) == pytest.approx(move)
+
+
+@pytest.mark.parametrize("film", [[100], [90, 101]])
+def test_film_is_seen_beside_a_needle(film: list[int]) -> None:
+    needle = Needle(tip=(30.0, 20.0), direction=0.5 * math.pi, taper=0.0, radius=3.0)
+    v, u = np.mgrid[:60, :60].astype(float)
+    distance = needle.distance(*needle.along_across(u, v))
+    grey = np.full((60, 60), 7, np.uint8)  # the needle, and dirt elsewhere
+    beside = (distance > 4.0) & (distance < 8.0)
+    grey[beside] = np.resize(film, int(beside.sum()))
+
+    assert film_beside(grey, needle.drawn(), 4.0, 8.0) == np.median(grey[beside])
