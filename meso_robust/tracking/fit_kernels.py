@@ -390,14 +390,14 @@ def _cubic(frame: Image, row: int, column: int, across: Singles, down: Singles) 
             for j in range(np.uintp(4)):
                 value += across[j] * np.float32(frame[top + i, left + j])
             total += down[i] * value
-        return total
+        return float(total)
     height, width = frame.shape
     for i in range(4):
         above = min(max(row + i - 1, 0), height - 1)
         for j in range(4):
             beside = min(max(column + j - 1, 0), width - 1)
             total += down[i] * across[j] * frame[above, beside]
-    return total
+    return float(total)
 
 
 @inner

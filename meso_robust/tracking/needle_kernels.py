@@ -332,7 +332,7 @@ def _rays(
     edge: int,
     middle: Floats,
     reach: Floats,
-    needle: Floats,
+    needle: Needle,
     size: Floats,
     out: Floats,
 ) -> int:

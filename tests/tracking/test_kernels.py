@@ -166,7 +166,7 @@ def test_profiles_are_differentiated_wherever_nothing_is_hidden() -> None:
     hidden[20:32, 35:40] = 1
     piece = Patch(2.0 * u + 3.0 * v, hidden, (35, 20, 5, 12), np.zeros(2))
     rng = np.random.default_rng(6)
-    points = rng.uniform((5.0, 5.0), (75.0, 55.0), (400, 2))
+    points = rng.uniform((1.0, 1.0), (78.0, 58.0), (400, 2))
     angle = rng.uniform(0.0, 2.0 * math.pi, 400)
     normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
