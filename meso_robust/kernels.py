@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+_T = TypeVar("_T")
 
 
 def inner(function: Callable[_P, _R]) -> Callable[_P, _R]:
@@ -138,6 +140,27 @@ def threads() -> int:
         At least one.
     """
     return _threads[-1] if _threads else os.cpu_count() or 1
+
+
+def spread(function: Callable[[_T], _R], items: Iterable[_T]) -> list[_R]:
+    """What a function says of each item, worked out by as many threads as :func:`threads`.
+
+    Of use where a call is long and mostly in compiled code that lets others run.
+
+    Parameters
+    ----------
+    function
+        Of one item; it changes nothing that another call reads.
+    items
+        Any number.
+
+    Returns
+    -------
+    list
+        In the order of the items, whichever thread was quicker.
+    """
+    with ThreadPoolExecutor(threads()) as pool:
+        return list(pool.map(function, items))
 
 
 @contextmanager

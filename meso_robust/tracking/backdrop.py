@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -21,6 +22,7 @@ from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _AROUND = 32  # px of the frame around the window that are kept
 _MARGIN = 6.0  # px beside the needle that its meniscus changes
+_BESIDE = (4.0, 8.0)  # px from the needle, between which the film is seen
 _NOISE = 4.0  # grey values², as a camera of eight bits has it
 _FILM_NEAR, _FILM_FAR = 8.0, 12.0  # px from the part; the film begins, and is all there is
 _LOCAL = 100.0  # px within which a bent image counts as straight
@@ -99,15 +101,23 @@ def glimpse(frame: Image, tip: Floats, window: Window, outline: Floats | None) -
     """Cut the surroundings of a tip (2,) out of a frame (H, W)."""
     height, width = frame.shape
     corner = np.rint(tip).astype(np.int64) + np.array(window.low) - _AROUND
-    rows = np.clip(corner[1] + np.arange(window.shape[0] + 2 * _AROUND), 0, height - 1)
-    columns = np.clip(corner[0] + np.arange(window.shape[1] + 2 * _AROUND), 0, width - 1)
+    shape = (window.shape[0] + 2 * _AROUND, window.shape[1] + 2 * _AROUND)
     return Glimpse(
         tip=np.array(tip),
         corner=corner,
-        grey=frame[np.ix_(rows, columns)],
+        grey=_cut(frame, corner, shape),
         size=(width, height),
         outline=outline,
     )
+
+
+def _cut(frame: Image, low: Ints, shape: tuple[int, int]) -> Image:
+    """A copy of a piece (h, w) of a frame from (u, v) on, what lies beyond its border being as at it."""
+    rows, columns = low[1] + np.arange(shape[0]), low[0] + np.arange(shape[1])
+    (height, width), high = frame.shape, (rows[-1], columns[-1])
+    if low.min() >= 0 and high[0] < height and high[1] < width:
+        return frame[rows[0] : high[0] + 1, columns[0] : high[1] + 1].copy()
+    return frame[np.ix_(np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1))]
 
 
 def glimpse_at(one: Glimpse, offset: Floats) -> Glimpse:
@@ -128,12 +138,12 @@ def canvas(glimpses: Sequence[Glimpse], needle: Needle) -> Canvas | None:
         hidden = np.zeros(one.grey.shape, np.uint8)
         corners = _placed(needle, one.tip - low).polygon(_MARGIN, math.hypot(*one.grey.shape))
         cv2.fillPoly(hidden, [np.rint(corners * 16.0).astype(np.int32)], 1, cv2.LINE_8, 4)
-        clear = (1.0 - hidden) * _in_frame(one)
+        clear = (1 - hidden) * _in_frame(one.corner, one.grey.shape, one.size)
         move = _affine(border - low, outline, one.tip - low)
         first, shape = _reached(move, one.grey.shape, (width, height))
         move[:, 2] -= first
         grey = cv2.warpAffine(one.grey.astype(np.float32), move, shape, flags=cv2.INTER_CUBIC)
-        free = cv2.warpAffine(clear.astype(np.float32), move, shape, flags=cv2.INTER_LINEAR) > 0.99
+        free = cv2.warpAffine(clear, move, shape, flags=cv2.INTER_LINEAR) > 0.99
         where = np.s_[first[1] : first[1] + shape[1], first[0] : first[0] + shape[0]]
         total[where] += free * grey
         count[where] += free
@@ -168,24 +178,24 @@ def backdrop(one: Glimpse, window: Window, needle: Needle, part: Canvas | None) 
     part
         The part without needles, as far as it is known.
     """
-    here = _placed(needle, one.tip - one.corner)
+    from meso_robust.tracking.needle_kernels import film_beside
+
+    first = one.corner + _AROUND
     inner = np.s_[_AROUND : _AROUND + window.shape[0], _AROUND : _AROUND + window.shape[1]]
-    v, u = np.mgrid[inner].astype(float)
-    grey = one.grey[inner].astype(np.float32)
-    distance = here.distance(*here.along_across(u, v))
-    film = float(np.median(grey[(distance > 4.0) & (distance < 8.0)]))
+    seen = np.ascontiguousarray(one.grey[inner])
+    film = film_beside(seen, _placed(needle, one.tip - first).drawn(), *_BESIDE)
     film = max(film, 1.0)
+    grey = seen.astype(np.float32)
     relative, variance = np.ones_like(grey), np.zeros_like(grey)
-    used = _in_frame(one)[inner].astype(np.float32)
+    used = _in_frame(first, window.shape, one.size)
     if one.outline is not None:
-        outline = one.outline - one.corner
-        places = np.stack([u.ravel(), v.ravel()], axis=1)
-        edge = behind(one.grey, outline, places, here)
-        used *= _known(outline, edge, one.grey.shape)[inner]
+        here, outline = _placed(needle, one.tip - one.corner), one.outline - one.corner
+        edge = behind(one.grey, outline, _places(window), here)
+        used[_within_part(outline - _AROUND, edge, window.shape)] = 0.0
         if edge is not None:
-            change, spread = edge.at(np.zeros(2))
+            change, spread = edge.here()
             if part is not None:
-                _refine(change, spread, edge, one, part, here, places, outline)
+                _refine(change, spread, edge, one, part, window, outline)
             relative.ravel()[edge.rows] += change / film
             variance.ravel()[edge.rows] = spread * _NOISE / film**2
     return Backdrop(
@@ -193,64 +203,64 @@ def backdrop(one: Glimpse, window: Window, needle: Needle, part: Canvas | None) 
         relative=relative,
         variance=variance,
         used=used,
-        near=one.corner + _AROUND - np.array(window.low),
+        near=first - np.array(window.low),
         film=film,
     )
 
 
+@lru_cache(8)  # the same for all frames of a film
+def _places(window: Window) -> Floats:
+    """(N, 2) places of a window's pixels in the piece around it."""
+    v, u = np.mgrid[: window.shape[0], : window.shape[1]].astype(float) + _AROUND
+    return np.stack([u.ravel(), v.ravel()], axis=1)
+
+
 def _refine(
-    change: Singles,
-    spread: Singles,
+    change: Floats,
+    spread: Floats,
     edge: Behind,
     one: Glimpse,
     part: Canvas,
-    needle: Needle,
-    places: Floats,
+    window: Window,
     outline: Floats,
 ) -> None:
     """Replace the edge's mean by the part's own image where that was seen, in place."""
-    move = _affine(outline, part.outline, np.array(needle.tip))
+    from meso_robust.tracking.fit_kernels import owned
+
+    move = _affine(outline, part.outline, one.tip - one.corner)
     shape, back = (one.grey.shape[1], one.grey.shape[0]), cv2.WARP_INVERSE_MAP
     own = cv2.warpAffine(part.mean, move, shape, flags=cv2.INTER_CUBIC | back)
     count = cv2.warpAffine(part.count, move, shape, flags=cv2.INTER_LINEAR | back)
-    differs = np.where(count > _SEEN, one.grey - own, 0.0).astype(np.float32)
-    at = places[edge.rows].astype(int)
-    mean, seen = own[at[:, 1], at[:, 0]], count[at[:, 1], at[:, 0]]
-    film = (edge.distance > _FILM_FAR - 3.0) & (seen > _SEEN)
-    if film.sum() < 6:
-        return
-    light, rest = edge.of(differs).at(np.zeros(2))
-    ends = np.clip((_FILM_FAR - edge.distance) / (_FILM_FAR - _FILM_NEAR), 0.0, 1.0)
-    good = seen > _SEEN
-    better = ends * (mean + light - np.median(mean[film]))
-    change[good] = better[good]
-    spread[good] = (rest + 1.25 / np.maximum(seen, 1.0))[good]
+    differs = np.where(count > _SEEN, one.grey - own, np.float32(0.0))
+    at = _places(window)[edge.rows].astype(int)
+    ends = (_FILM_NEAR, _FILM_FAR, _SEEN)
+    owned((own, count), at, edge.distance, edge.of(differs).here(), ends, (change, spread))
 
 
 def _placed(needle: Needle, tip: Floats) -> Needle:
     return replace(needle, tip=(float(tip[0]), float(tip[1])))
 
 
-def _in_frame(one: Glimpse) -> Flags:
-    """(h, w) which pixels are not repeated ones."""
-    v, u = np.mgrid[: one.grey.shape[0], : one.grey.shape[1]]
-    u, v = u + one.corner[0], v + one.corner[1]
-    return np.asarray((u >= 1) & (u < one.size[0] - 1) & (v >= 1) & (v < one.size[1] - 1))
+def _in_frame(first: Ints, shape: tuple[int, ...], size: tuple[int, int]) -> Singles:
+    """(h, w) 1 where pixels from ``first`` (u, v) on are not repeated ones, nor at the border, else 0."""
+    used = np.zeros(shape, np.float32)
+    low, high = np.maximum(1 - first, 0), np.maximum(np.array(size) - 1 - first, 0)
+    used[low[1] : high[1], low[0] : high[0]] = 1.0
+    return used
 
 
-def _known(outline: Floats, edge: Behind | None, shape: tuple[int, ...]) -> Singles:
-    """(h, w) 0 in the part, away from its edge, whose brightness there is not known."""
-    inside = np.zeros(shape[:2], np.uint8)
-    cv2.fillPoly(inside, [np.rint(outline * 16.0).astype(np.int32)], 1, cv2.LINE_8, 4)
+def _within_part(outline: Floats, edge: Behind | None, shape: tuple[int, int]) -> Flags:
+    """(h, w) what lies in the part, away from its edge, whose brightness there is not known."""
+    inside = np.zeros(shape, np.uint8)
+    corners = [np.rint(outline * 16.0).astype(np.int32)]
+    cv2.fillPoly(inside, corners, 1, cv2.LINE_8, 4)
     if edge is not None:
-        rim = np.zeros(shape[:2], np.uint8)
-        cv2.polylines(rim, [np.rint(outline * 16.0).astype(np.int32)], True, 1, 19, cv2.LINE_8, 4)
-        inside[rim > 0] = 0
-    return (1.0 - inside).astype(np.float32)
+        cv2.polylines(inside, corners, True, 0, 19, cv2.LINE_8, 4)
+    return np.asarray(inside != 0)
 
 
 def _affine(source: Floats, target: Floats, about: Floats) -> Floats:
     """(2, 3) map of an image that carries one outline to another, best near a place of the first."""
-    weight = 1.0 / (1.0 + (np.hypot(*(source - about).T) / _LOCAL) ** 2)
-    points = np.column_stack([source, np.ones(len(source))]) * weight[:, None]
-    return np.asarray(np.linalg.lstsq(points, target * weight[:, None], rcond=None)[0].T)
+    from meso_robust.tracking.fit_kernels import carried
+
+    return carried(source, target, about, _LOCAL)

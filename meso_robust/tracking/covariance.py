@@ -33,11 +33,12 @@ def clustered(design: Floats, weight: Floats, residual: Floats, starts: Ints) ->
     starts
         (G,) index of each cluster's first row, G > k.
     """
+    from meso_robust.tracking.covariance_kernels import scattered
+
     bread = _bread(design, weight)
-    scores = np.add.reduceat((weight * residual)[:, None] * design, starts, axis=0)
-    used = int(np.count_nonzero(np.add.reduceat(weight, starts) > 0.0))
+    scatter, used = scattered(design, weight, residual, starts)
     few = used / max(used - design.shape[1], 1)  # a fit to few clusters hides their scatter
-    return few * bread @ (scores.T @ scores) @ bread
+    return few * bread @ scatter @ bread
 
 
 def side_modes(side: Ints) -> Floats:
@@ -90,13 +91,12 @@ def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) 
     What the fit could not absorb of such displacements shows in the residuals. Those by light, which
     displace sides without tilting them, say nothing of tilts: the two kinds are told apart.
     """
-    weighted, squared = modes * weight, modes**2
-    pull = weighted @ design
-    response = pull @ _bread(design, weight)
-    power = squared @ weight
-    used = power > 0.05 * squared.sum(axis=1)
-    left = np.eye(len(modes)) - response @ pull.T / np.maximum(power, 1e-9)
-    seen = np.where(used, weighted @ residual / np.maximum(power, 1e-9), 0.0)
+    from meso_robust.tracking.covariance_kernels import modes_seen
+
+    bread = _bread(design, weight)
+    response, left, power, most, seen = modes_seen(design, weight, residual, modes, bread)
+    used = power > 0.05 * most
+    seen[~used] = 0.0
     expected = SIDE_SHARE**2 * float(weight @ residual**2) / max(float(weight.sum()), 1e-9)
     sigma = np.empty(len(modes))
     for kind in (slice(0, None, 2), slice(1, None, 2)):
@@ -128,8 +128,10 @@ def turned(covariance: Floats, rotation: Floats) -> Floats:
 
 def _bread(design: Floats, weight: Floats) -> Floats:
     """(k, k) inverse of the normal matrix; of what is not determined, a very large variance."""
-    normal = design.T @ (weight[:, None] * design)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-12))
-    unit = normal * scale[:, None] * scale
-    unit[np.diag_indices(len(unit))] += 1e-9
+    from meso_robust.tracking.covariance_kernels import normal
+
+    found = normal(design, weight)
+    scale = 1.0 / np.sqrt(np.maximum(found.diagonal(), 1e-12))
+    unit = found * scale[:, None] * scale
+    unit.flat[:: len(unit) + 1] += 1e-9
     return np.linalg.inv(unit) * scale[:, None] * scale

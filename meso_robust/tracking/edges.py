@@ -19,7 +19,7 @@ import numpy as np
 
 from meso_robust.tracking.covariance import clustered, side_modes, systematic
 from meso_robust.tracking.edge_pattern import PATTERN_HALF, STEP, Pattern, learned
-from meso_robust.tracking.sampling import Patch, profiles
+from meso_robust.tracking.sampling import Patch, derivatives
 from meso_robust.types import Flags, Floats, Ints
 
 Map = Callable[[Floats], Floats]
@@ -72,6 +72,8 @@ class Outline:
     design
         (N, 4) displacement along the normal per unit of (u, v, angle, δ), the first two along
         the axes of the part's frame.
+    moves
+        (N, 3) the first three of them.
     starts
         First point of every run of CLUSTER points along one side: errors within one are correlated.
     modes
@@ -83,6 +85,7 @@ class Outline:
     normals: Floats
     side: Ints
     design: Floats
+    moves: Floats
     starts: Ints
     modes: Floats
 
@@ -135,7 +138,10 @@ def rotation(angle: float) -> Floats:
 
 def placed(points: Floats, pose: Floats) -> Floats:
     """(N, 2) ``points`` of the part in ideal px of the image, for a pose (3,)."""
-    return points @ rotation(pose[2]).T + pose[:2]
+    from meso_robust.tracking.sampling_kernels import placed as fill
+
+    turn = math.cos(pose[2]), math.sin(pose[2])
+    return fill(points, turn, (float(pose[0]), float(pose[1])))
 
 
 def moved(pose: Floats, motion: Floats) -> Floats:
@@ -162,13 +168,23 @@ def sampled_outline(corners: Floats) -> Outline:
         points.append(start + at[:, None] * along)
         normals.append(np.tile(turn * np.array([along[1], -along[0]]), (count, 1)))
         sides.append(np.full(count, index))
-    p, n = np.concatenate(points), np.concatenate(normals)
+    return _outline(corners, np.concatenate(points), np.concatenate(normals), np.concatenate(sides))
+
+
+def thinned(outline: Outline) -> Outline:
+    """Every second point of an outline."""
+    points, normals, side = outline.points[::2], outline.normals[::2], outline.side[::2]
+    return _outline(outline.corners, points.copy(), normals.copy(), side.copy())
+
+
+def _outline(corners: Floats, p: Floats, n: Floats, side: Ints) -> Outline:
+    """Of points (N, 2), their normals and sides."""
     moment = p[:, 0] * n[:, 1] - p[:, 1] * n[:, 0]
     design = np.column_stack((n, moment, np.ones(len(p))))
-    side = np.concatenate(sides)
     first = np.searchsorted(side, side)
     starts = np.flatnonzero((np.arange(len(side)) - first) % CLUSTER == 0)
-    return Outline(corners, p, n, side, design, starts, side_modes(side))
+    moves = np.ascontiguousarray(design[:, :3])
+    return Outline(corners, p, n, side, design, moves, starts, side_modes(side))
 
 
 def seen_normals(outline: Outline, pose: Floats, lens: Lens) -> tuple[Floats, Floats, Floats]:
@@ -185,8 +201,7 @@ def seen_normals(outline: Outline, pose: Floats, lens: Lens) -> tuple[Floats, Fl
 def slopes(of: Patch, seen: Floats, normals: Floats, reach: float) -> Floats:
     """(N, K) derivative of the profiles, long enough to move a pattern by ``reach`` px."""
     half = PATTERN_HALF + math.ceil(reach / STEP) + 1
-    values = profiles(of, seen, normals, half, STEP)
-    return (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
+    return derivatives(of, seen, normals, half, STEP)
 
 
 def matched(derivative: Floats, pattern: Pattern) -> Matched:
@@ -278,7 +293,6 @@ def _offsets(
 def learned_pattern(of: Patch, outline: Outline, pose: Floats, lens: Lens) -> Pattern:
     """How the outline looks across at a pose (3,), all sides alike."""
     _, seen, normals = seen_normals(outline, pose, lens)
-    values = profiles(of, seen, normals, PATTERN_HALF + 1, STEP)
-    derivative = (values[:, 2:] - values[:, :-2]) / (2.0 * STEP)
+    derivative = derivatives(of, seen, normals, PATTERN_HALF + 1, STEP)
     visible = np.isfinite(derivative).all(axis=1)
     return learned(derivative[visible], outline.side[visible])

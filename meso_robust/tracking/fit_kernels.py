@@ -6,12 +6,20 @@ They are in one file, since a kernel kept on disk is renewed when its own file c
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner
-from meso_robust.types import Flags, Floats, Ints, Singles
+from meso_robust.kernels import inner, maker
+from meso_robust.types import Flags, Floats, Image, Ints, Singles
+
+Needle: TypeAlias = tuple[Ints, Singles, Singles, Floats, Flags, Ints]
+"""Of N pixels of a learned needle: (N, 2) u, v; (N, K) what they are made of; transmission; its slopes
+(N, 2); whether each was seen; and (N, 2) which are to the right and below, or −1."""
+Edge: TypeAlias = tuple[Ints, Floats, Floats, Ints, Floats]
+"""Rows, distance, normals, edge and profiles of `edge_profile.Behind`; no rows if there is no edge."""
+Limits: TypeAlias = tuple[float, float, float]
 
 _LINEAR = 2.0  # px, displacement beyond which the filters of a pattern say nothing
 _EDGE_TUKEY = (
@@ -22,6 +30,8 @@ _TIP_TUKEY = 5.0
 _ROUNDS = 5  # of reweighting
 _LEAST_SIGMA = 0.5  # grey values, of what a learned needle leaves
 _NOISE = 4.0  # grey values²
+_UNKNOWN = 1e6  # variance over the noise's where nothing is known
+_NEEDLE_STEPS = 12
 _GAIN = 0.05  # by which the needle's brightness over the film's may vary
 _STEPS = 3  # towards a tip
 
@@ -42,6 +52,29 @@ def _selected(values: Floats | Singles, k: int) -> float:
                 i, j = i + 1, j - 1
         low, high = (low, j) if k <= j else (i, high) if k >= i else (k, k)
     return values[k]
+
+
+@maker
+def _least(values: Floats | Singles, k: int) -> float:
+    """The k-th least of values that are not negative, in single precision.
+
+    They are counted by their leading bits first: comparisons that fall either way cost more.
+    """
+    single, counts = np.empty(len(values), np.float32), np.zeros(1 << 11, np.int32)
+    for n in range(len(values)):
+        single[n] = values[n]
+    bits, drop = single.view(np.uint32), np.uint32(20)
+    for n in range(np.uintp(len(bits))):
+        counts[np.uintp(bits[n] >> drop)] += 1
+    before, box = 0, 0
+    while before + counts[box] <= k:
+        before += counts[box]
+        box += 1
+    inside, found = np.empty(counts[box] + 1, np.float32), 0
+    for n in range(np.uintp(len(bits))):
+        inside[np.uintp(found)] = single[n]
+        found += (bits[n] >> drop) == box and found < counts[box]
+    return _selected(inside[: counts[box]], k - before)
 
 
 @inner
@@ -72,10 +105,10 @@ def _biweight(square: float) -> float:
     return max(1.0 - square, 0.0) ** 2
 
 
-@inner
+@maker
 def _spread(sizes: Floats) -> float:
-    """Robust standard deviation (median) of absolute values, which are reordered; 1 of nothing."""
-    return 1.4826 * _selected(sizes, len(sizes) // 2) if len(sizes) else 1.0
+    """Robust standard deviation (median) of absolute values; 1 of nothing."""
+    return 1.4826 * _least(sizes, len(sizes) // 2) if len(sizes) else 1.0
 
 
 @inner
@@ -89,11 +122,16 @@ def _scaled(rows: Floats | Singles, weight: Floats | Singles, out: Floats | Sing
 @inner
 def _correlated(profile: Floats, mean: Floats, agreement: Floats, energy: Floats) -> int:
     """Products with a pattern at each shift, energies there, and the best shift."""
-    agreement[:], energy[:] = 0.0, 0.0
-    for k in range(len(mean)):
-        for s in range(len(agreement)):
+    for s in range(len(agreement)):
+        agreement[s] = 0.0
+    for k in range(np.uintp(len(mean))):
+        for s in range(np.uintp(len(agreement))):
             agreement[s] += mean[k] * profile[s + k]
-            energy[s] += profile[s + k] ** 2
+    energy[0] = 0.0
+    for k in range(len(mean)):
+        energy[0] += profile[k] ** 2
+    for s in range(1, len(energy)):
+        energy[s] = energy[s - 1] + profile[s - 1 + len(mean)] ** 2 - profile[s - 1] ** 2
     # a weak but clean edge must not beat a strong one, nor clutter the outline
     best, most = 0, -1.0
     for s in range(len(agreement)):
@@ -246,50 +284,203 @@ def face_step(
         weight[n] = _biweight((residual[n] / (_EDGE_TUKEY * scale)) ** 2) if visible else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def gathered(
-    grey: Singles, inside: Flags, seen: Flags, rows: Ints, target: Singles, weight: Singles
-) -> None:
-    """Grey values (N,) of some pixels of an image (h, w), and whether each can be compared."""
-    width = grey.shape[1]
-    for n in range(len(rows)):
-        i, j = rows[n] // width, rows[n] % width
-        target[n] = grey[i, j]
-        weight[n] = 1.0 if inside[i, j] and seen[i, j] else 0.0
+@inner
+def _between(profile: Floats, at: float) -> float:
+    """Value of a profile between its places, held beyond its ends."""
+    at = min(max(at, 0.0), len(profile) - 1.0)
+    k = min(int(at), len(profile) - 2)
+    return profile[k] + (profile[k + 1] - profile[k]) * (at - k)
+
+
+@inner
+def _edge_at(profiles: Floats, edge: int, distance: float) -> tuple[float, float]:
+    """Change by an edge, −1: none is known, at a distance from it, and its variance over the noise's."""
+    if edge < 0:
+        return 0.0, _UNKNOWN
+    at = distance + 0.5 * (profiles.shape[2] - 1)
+    return _between(profiles[edge, 0], at), _between(profiles[edge, 1], at) / _NOISE
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def before_edge(
-    rows: Ints,
-    change: Singles,
-    variance: Singles,
-    clear: Singles,
-    fading: Floats,
-    learned: Singles,
-    view: tuple[Singles, Singles, Singles],
-) -> None:
-    """Take the part's edge behind a needle out of a view: target, weight and columns are changed.
+def across(distance: Floats, edge: Ints, profiles: Floats) -> tuple[Floats, Floats]:
+    """Mean change (M,) at distances from edges, and its variance over the noise's.
 
-    ``clear`` (N,) and ``fading`` (N, 2) are the needle's transmission and its slopes, ``learned`` (N, K)
-    the columns without an edge.
+    ``profiles`` (K, 2, D) over distances 1 px apart, as many to either side.
     """
-    target, weight, columns = view
+    change, variance = np.empty(len(distance)), np.empty(len(distance))
+    for n in range(len(distance)):
+        change[n], variance[n] = _edge_at(profiles, edge[n], distance[n])
+    return change, variance
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def carried(source: Floats, target: Floats, about: Floats, local: float) -> Floats:
+    """(2, 3) map of an image that carries one outline (V, 2) to another, best within ``local`` px of a place."""
+    normal, right = np.zeros((3, 3)), np.zeros((2, 3))
+    row, solved = np.ones(3), np.empty((3, 3))
+    for n in range(len(source)):
+        row[0], row[1] = source[n, 0] - about[0], source[n, 1] - about[1]
+        weight = 1.0 / (1.0 + (row[0] ** 2 + row[1] ** 2) / local**2) ** 2
+        for i in range(3):
+            for j in range(3):
+                normal[i, j] += weight * row[i] * row[j]
+            for k in range(2):
+                right[k, i] += weight * row[i] * target[n, k]
+    for k in range(2):
+        for i in range(3):
+            for j in range(3):
+                solved[i, j] = normal[i, j]
+        _eliminated(solved, right[k])
+        right[k, 2] -= right[k, 0] * about[0] + right[k, 1] * about[1]
+    return right
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def owned(
+    own: tuple[Singles, Singles],
+    at: Ints,
+    distance: Floats,
+    light: tuple[Floats, Floats],
+    ends: tuple[float, float, float],
+    out: tuple[Floats, Floats],
+) -> None:
+    """Replace the edge's change and its variance over the noise's, ``out`` (M,), by the part's own image.
+
+    ``own`` (h, w) that image and how many it is the mean of; ``at`` (M, 2) pixels; ``light`` (M,) what
+    differs from it beside the needle, and the variance of that; ``ends`` px from the part where film
+    begins and where it is all there is, and the least count of a pixel that was seen.
+    """
+    mean, count = own
+    film, many = np.empty(len(at), np.float32), 0
+    for n in range(len(at)):
+        u, v = at[n]
+        if distance[n] > ends[1] - 3.0 and count[v, u] > ends[2]:
+            film[many] = mean[v, u]
+            many += 1
+    if many < 6:
+        return
+    bright = _selected(film[:many], many // 2)
+    if many % 2 == 0:
+        bright = 0.5 * (bright + _selected(film[: many // 2], many // 2 - 1))
+    for n in range(len(at)):
+        u, v = at[n]
+        if count[v, u] > ends[2]:
+            share = min(max((ends[1] - distance[n]) / (ends[1] - ends[0]), 0.0), 1.0)
+            out[0][n] = share * (mean[v, u] + light[0][n] - bright)
+            out[1][n] = light[1][n] + 1.25 / max(count[v, u], 1.0)
+
+
+@inner
+def _keys(part: float, out: Singles) -> None:
+    """Weights (4,) of Keys' cubic convolution at a share of a pixel, doi:10.1109/TASSP.1981.1163711."""
+    for k in range(4):
+        t = abs(k - 1.0 - part)
+        near = 1.5 * t**3 - 2.5 * t**2 + 1.0
+        out[k] = near if t <= 1.0 else -0.5 * t**3 + 2.5 * t**2 - 4.0 * t + 2.0
+
+
+@inner
+def _cubic(frame: Image, row: int, column: int, across: Singles, down: Singles) -> float:
+    """Grey value right and down of a pixel, those beyond the border being as at it."""
+    total = np.float32(0.0)
+    if _inside(frame, row, column):
+        top, left = np.uintp(row - 1), np.uintp(column - 1)  # a sign would be looked at at each use
+        for i in range(np.uintp(4)):
+            value = np.float32(0.0)
+            for j in range(np.uintp(4)):
+                value += across[j] * np.float32(frame[top + i, left + j])
+            total += down[i] * value
+        return float(total)
+    height, width = frame.shape
+    for i in range(4):
+        above = min(max(row + i - 1, 0), height - 1)
+        for j in range(4):
+            beside = min(max(column + j - 1, 0), width - 1)
+            total += down[i] * across[j] * frame[above, beside]
+    return float(total)
+
+
+@inner
+def _inside(frame: Image, row: int, column: int) -> bool:
+    """Whether a cubic about a pixel needs none beyond the border."""
+    return 1 <= row < frame.shape[0] - 2 and 1 <= column < frame.shape[1] - 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def shifted(frame: Image, low: Ints, part: Floats, grey: Singles, inside: Flags) -> None:
+    """Piece (h, w) of a frame from a pixel (u, v) and a part of one on, and whether it is within it."""
+    across, down = np.empty(4, np.float32), np.empty(4, np.float32)
+    _keys(part[0], across)
+    _keys(part[1], down)
+    for i in range(grey.shape[0]):
+        for j in range(grey.shape[1]):
+            row, column = low[1] + i, low[0] + j
+            grey[i, j] = _cubic(frame, row, column, across, down)
+            inside[i, j] = _inside(frame, row, column)
+
+
+@maker
+def _looked(
+    frame: Image, pixels: Ints, seen: Flags, shift: Floats, target: Singles, weight: Singles
+) -> None:
+    """Grey values (N,) of a frame where some pixels (N, 2) came to lie, and whether each can be compared."""
+    across, down = np.empty(4, np.float32), np.empty(4, np.float32)
+    right, below = int(np.floor(shift[0])), int(np.floor(shift[1]))
+    _keys(shift[0] - right, across)
+    _keys(shift[1] - below, down)
+    for n in range(len(pixels)):
+        row, column = pixels[n, 1] + below, pixels[n, 0] + right
+        target[n] = _cubic(frame, row, column, across, down)
+        weight[n] = 1.0 if seen[n] and _inside(frame, row, column) else 0.0
+
+
+@inner
+def _times(weight: Singles, trust: Singles, out: Singles) -> float:
+    """Weights (N,) times what they are trusted; the sum of the weights."""
+    total = 0.0
+    for n in range(len(weight)):
+        out[n] = weight[n] * trust[n]
+        total += weight[n]
+    return total
+
+
+@inner
+def _rest(columns: Singles, solution: Floats, target: Singles, out: Singles) -> None:
+    """What a solution leaves (N,)."""
+    for n in range(len(target)):
+        value = 0.0
+        for k in range(np.uintp(len(solution))):
+            value += columns[n, k] * solution[k]
+        out[n] = target[n] - value
+
+
+@inner
+def _before_edge(
+    edge: Edge,
+    shift: Floats,
+    start: Floats,
+    needle: Needle,
+    target: Singles,
+    weight: Singles,
+    columns: Singles,
+) -> None:
+    """Take the part's edge behind a needle out of what is compared."""
+    rows, distance, normals, edges, profiles = edge
+    learned, clear, fading = needle[1], needle[2], needle[3]
     for k in range(len(rows)):
         n = rows[k]
-        target[n] -= clear[n] * change[k]
-        weight[n] /= np.float32(1.0) + clear[n] ** 2 * variance[k]
+        away = distance[k]
+        for i in range(2):
+            away += normals[k, i] * (shift[i] - start[i])
+        change, variance = _edge_at(profiles, edges[k], away)
+        target[n] -= clear[n] * change
+        weight[n] /= 1.0 + clear[n] ** 2 * variance
         # the needle stands out against what is behind it there, not against film
         for i in range(2):
-            columns[n, 1 + i] = learned[n, 1 + i] - fading[n, i] * change[k]
+            columns[n, 1 + i] = learned[n, 1 + i] - fading[n, i] * change
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def weighed(weight: Singles, columns: Singles, out: Singles) -> None:
-    """Rows (N, K) times their weights."""
-    _scaled(columns, weight, out)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@maker
 def robust(residual: Singles, weight: Singles, out: Singles) -> None:
     """Tukey's weights (N,) of residuals."""
     every, count = np.empty(len(residual), np.float32), 0
@@ -299,12 +490,92 @@ def robust(residual: Singles, weight: Singles, out: Singles) -> None:
         count += weight[n] > 0.0
     every = every[: (count + 1) // 2]
     half = len(every) // 2
-    middle = _selected(every, half)
+    middle = _least(every, half)
     if len(every) % 2 == 0:
-        middle = 0.5 * (middle + _selected(every[:half], half - 1))
+        middle = 0.5 * (middle + _least(every, half - 1))
     sigma = max(1.4826 * middle, _LEAST_SIGMA)
     for n in range(len(out)):
         out[n] = _biweight((out[n] / (_NEEDLE_TUKEY * sigma)) ** 2)
+
+
+@inner
+def _alike(residual: Singles, weight: Singles, beside: Ints) -> float:
+    """Factor by which noise common to neighbours (compression, resampling) widens a mean."""
+    power, right, down = 1e-9, 0.0, 0.0
+    for n in range(len(residual)):
+        own = residual[n] * math.sqrt(weight[n])
+        power += own**2
+        if beside[n, 0] >= 0:
+            right += own * residual[beside[n, 0]] * math.sqrt(weight[beside[n, 0]])
+        if beside[n, 1] >= 0:
+            down += own * residual[beside[n, 1]] * math.sqrt(weight[beside[n, 1]])
+    return (1.0 + 2.0 * max(right / power, 0.0)) * (1.0 + 2.0 * max(down / power, 0.0))
+
+
+@inner
+def _judged(
+    target: Singles, residual: Singles, weight: Singles, count: int, beside: Ints
+) -> tuple[float, float]:
+    """Share of the variance that is explained, and the variance of a grey value's mean, widened."""
+    total, mean, left, spread = 0.0, 0.0, 0.0, 0.0
+    for n in range(len(target)):
+        total += weight[n]
+        mean += weight[n] * target[n]
+        left += weight[n] * residual[n] ** 2
+    for n in range(len(target)):
+        spread += weight[n] * (target[n] - mean / total) ** 2
+    variance = left / max(total - count, 1.0)
+    return 1.0 - variance / max(spread / total, 1e-9), variance * _alike(residual, weight, beside)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def registered(
+    frame: Image, needle: Needle, edge: Edge, limits: Limits, shift: Floats, covariance: Floats
+) -> tuple[float, float, float]:
+    """Shift of a needle by Gauss-Newton, reweighted; see `learned.Learned.register`.
+
+    ``limits`` are the least sum of weights, the step in px that ends, and the least gain; ``shift`` (2,)
+    is where to start, and is replaced; ``covariance`` (2, 2) is filled. Returns the sum of weights, the
+    last step and the share of the variance that is explained.
+    """
+    pixels, learned, _, _, seen, beside = needle
+    many, count = learned.shape
+    target, weight = np.empty(many, np.float32), np.empty(many, np.float32)
+    weights, residual = np.empty(many, np.float32), np.empty(many, np.float32)
+    trust = np.ones(many, np.float32)
+    columns, scaled = learned.copy(), np.empty((many, count), np.float32)
+    gram, right, start = np.empty((count, count)), np.empty(count), shift.copy()
+    for k in range(_NEEDLE_STEPS):
+        _looked(frame, pixels, seen, shift, target, weight)
+        _before_edge(edge, shift, start, needle, target, weight, columns)
+        visible = _times(weight, trust, weights)
+        if visible < limits[0]:
+            return visible, 0.0, 0.0
+        _scaled(columns, weights, scaled)
+        products, pulls = np.dot(scaled.T, columns), np.dot(scaled.T, target)
+        for i in range(count):
+            for j in range(count):
+                gram[i, j] = products[i, j]
+            right[i] = pulls[i]
+            gram[i, i] += 1e-2  # a segment that does not show stays at none
+        inverse = np.linalg.inv(gram)
+        solution = np.dot(inverse, right)
+        _rest(columns, solution, target, residual)
+        gain = solution[0] if abs(solution[0]) > limits[2] else 1.0
+        step = 0.0
+        for i in range(2):
+            shift[i] += min(max(solution[1 + i] / gain, -3.0), 3.0)
+            step = max(step, abs(solution[1 + i] / gain))
+        if k and step < limits[1]:
+            break
+        if k < 3:  # afterwards the weights rest, so that the steps end
+            robust(residual, weight, trust)
+    _times(weight, trust, weights)
+    score, variance = _judged(target, residual, weights, count, beside)
+    for i in range(2):
+        for j in range(2):
+            covariance[i, j] = variance * inverse[1 + i, 1 + j] / gain**2
+    return visible, step, score if abs(solution[0]) > limits[2] else 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

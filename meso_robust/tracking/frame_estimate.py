@@ -115,7 +115,7 @@ def judged(piece: Patch, outline: Outline, fit: EdgeFit, memory: Memory, lens: L
             pose, covariance = fused(edge_pose, noise, face.pose, anchored)
     # a side's error was taken off together with the light's, as it was in the frames of that
     covariance = covariance + sides.covariance(turn, memory.lit) + memory.lamp_covariance
-    support = _support(outline.design[:, :3], fit.visible, agrees)
+    support = _support(outline.moves, fit.visible, agrees)
     fault = _fault(score, share, support, noise + common)
     return Measured(fit, piece, pose, covariance, edge_pose, noise, score, share, fault)
 
@@ -125,10 +125,12 @@ def _support(design: Floats, visible: Flags, agrees: Flags) -> float:
 
     A rectangle that slides along itself agrees along its long sides; its short ones object.
     """
-    whole = design[visible].T @ design[visible]
-    size = np.sqrt(np.maximum(np.diag(whole), 1e-12))
+    from meso_robust.tracking.covariance_kernels import normal
+
+    whole = normal(design, visible.astype(float))
+    size = np.sqrt(np.maximum(whole.diagonal(), 1e-12))
     unit = whole / size / size[:, None] + 1e-9 * np.eye(3)
-    part = design[agrees].T @ design[agrees] / size / size[:, None]
+    part = normal(design, agrees.astype(float)) / size / size[:, None]
     return float(np.linalg.eigvals(np.linalg.solve(unit, part)).real.min())
 
 

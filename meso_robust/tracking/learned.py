@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from meso_robust.tracking.edge_profile import Behind, behind
+from meso_robust.tracking.edge_profile import behind
 from meso_robust.tracking.needle import Needle, coverage, fit_needle
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
@@ -24,12 +24,15 @@ _LENGTH = 110.0  # px of shaft that are followed
 _BESIDE, _AHEAD = 4.5, 7.0  # px of film beside and ahead of the needle
 _SEGMENT = 30.0  # px along the shaft within which the film's brightness changes evenly
 _EDGE = 8  # px; the part's rim and meniscus reach as far
-_STEPS, _SMALL = 12, 0.015  # of Gauss-Newton; px
+_SMALL = 0.015  # px, step that ends Gauss-Newton
 _LEAST_SCORE = 0.6
 _LEAST_GAIN = 0.2  # brightness of the needle over the learned one
 _LEAST_PIXELS = 150.0
 _SEARCH = 40  # px around the last place, when lost
 _LEAST_APART = 1.0  # px between two fits of a tip that are worth a word
+_LIMITS = (_LEAST_PIXELS, _SMALL, _LEAST_GAIN)
+_NONE = np.empty(0, np.int64)
+_NO_EDGE = (_NONE, np.empty(0), np.empty((0, 2)), _NONE, np.empty((0, 2, 2)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,15 +66,6 @@ def lost(reason: str, score: float = 0.0) -> Tip:
     return Tip(found=False, shift=nothing, covariance=spread, reason=reason, score=score)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _View:
-    """Grey values (N,), their weights (N,) and what they are made of (N, K)."""
-
-    target: Singles
-    weight: Singles
-    columns: Singles
-
-
 class Learned:
     """A piece of the first frame around a needle, then the mean of many.
 
@@ -99,7 +93,9 @@ class Learned:
         distance = needle.distance(s, n)
         inside = (s < _LENGTH) & (distance < np.where(s < 0.0, _AHEAD, _BESIDE))
         self._rows = np.flatnonzero(inside.ravel())
-        self._places = np.stack([u.ravel(), v.ravel()], axis=1)[self._rows] + low
+        self._pixels = np.stack(np.nonzero(inside)[::-1], axis=1) + low
+        self._places = self._pixels.astype(float)
+        self._beside = _neighbours(inside)
         clear = 1.0 - coverage(needle, low.astype(float), self.shape)
         self._clear = clear.ravel()[self._rows].astype(np.float32)
         down, right = np.gradient(clear)
@@ -108,35 +104,32 @@ class Learned:
         self._film = self._film[np.abs(self._film).sum(axis=1) > 1.0]
         self._grey = frame[low[1] : high[1], low[0] : high[0]].astype(np.float32)
         self._counts = np.zeros(self.shape, np.float32)
-        self._seen = self._free_of(outline, np.zeros(2))
+        self._see(self._free_of(outline, np.zeros(2)))
         self._slopes()
 
     def register(self, frame: Image, start: Floats, outline: Floats | None) -> Tip:
         """Shift of the needle in a frame, from a start (2,)."""
+        from meso_robust.tracking.fit_kernels import registered
+
         if not self._tip_inside(frame, start):
             return lost("the tip is outside the image")
-        shift, step = start.copy(), np.full(2, math.inf)
         scene = behind(frame, outline, self._places + start, self.needle.moved(start))
-        robust = np.ones(len(self._rows), np.float32)
-        for count in range(_STEPS):
-            grey, inside = self._sampled(frame, shift)
-            view = self._view(grey, inside, scene, shift - start)
-            if float(view.weight.sum()) < _LEAST_PIXELS:
-                return lost("too little of the needle is visible")
-            solved = _solve(view, robust)
-            step = solved.step
-            shift = shift + np.clip(step, -3.0, 3.0)
-            if count and np.abs(step).max() < _SMALL:
-                break
-            if count < 3:  # afterwards the weights rest, so that the steps end
-                robust = _robust(view, solved.residual)
+        edge = _NO_EDGE if scene is None else (
+            scene.rows, scene.distance, scene.normals, scene.edge, scene.profiles
+        )  # fmt: skip
+        needle = (self._pixels, self._columns, self._clear, self._fading, self._known, self._beside)
+        shift, covariance = np.array(start, dtype=float), np.empty((2, 2))
+        visible, step, score = registered(frame, needle, edge, _LIMITS, shift, covariance)
+        if visible < _LEAST_PIXELS:
+            return lost("too little of the needle is visible")
         if not self._tip_inside(frame, shift):
             return lost("the tip is outside the image")
-        score, covariance = self._judged(view, robust, solved)
-        if np.abs(step).max() >= 10.0 * _SMALL or np.abs(shift - start).max() > 1.5 * _SEARCH:
+        if step >= 10.0 * _SMALL or np.abs(shift - start).max() > 1.5 * _SEARCH:
             return lost("the needle does not match its learned image")
         if score < _LEAST_SCORE:
             return lost("the needle does not look as learned", score)
+        # the mean of so many frames has noise of its own
+        covariance *= 1.0 + 1.0 / max(self.frames, 1)
         return Tip(found=True, shift=shift, covariance=covariance, reason="", score=score)
 
     def search(self, frame: Image, around: Floats) -> Floats:
@@ -165,7 +158,7 @@ class Learned:
         self._counts += new
         share = new / np.maximum(self._counts, 1.0)
         self._grey += (share * (grey - self._grey)).astype(np.float32)
-        self._seen = self._counts > 0.0
+        self._see(self._counts > 0.0)
         if self.frames in (1, 2, 5, 10, 20, LEARNED):
             self._slopes()
 
@@ -193,19 +186,9 @@ class Learned:
         covariance = covariance + np.outer(axis, axis)
         return place, covariance, "never seen free of the part"
 
-    def _view(self, grey: Singles, inside: Flags, scene: Behind | None, moved: Floats) -> _View:
-        """What is compared with the learned image, with the part's edge behind it taken out."""
-        from meso_robust.tracking.fit_kernels import before_edge, gathered
-
-        target, weight = np.empty((2, len(self._rows)), np.float32)
-        gathered(grey, inside, self._seen, self._rows, target, weight)
-        if scene is None:
-            return _View(target=target, weight=weight, columns=self._columns)
-        change, variance = scene.at(moved)
-        columns = self._columns.copy()
-        view = (target, weight, columns)
-        before_edge(scene.rows, change, variance, self._clear, self._fading, self._columns, view)
-        return _View(target=target, weight=weight, columns=columns)
+    def _see(self, seen: Flags) -> None:
+        """Note which pixels (h, w) are known."""
+        self._seen, self._known = seen, seen.ravel()[self._rows]
 
     def _tip_inside(self, frame: Image, shift: Floats) -> bool:
         place = np.array(self.needle.tip) + shift
@@ -213,14 +196,12 @@ class Learned:
 
     def _sampled(self, frame: Image, shift: Floats) -> tuple[Singles, Flags]:
         """The frame where the learned image would be, and which pixels lie inside it."""
+        from meso_robust.tracking.fit_kernels import shifted
+
         whole = np.floor(shift).astype(int)
-        part = shift - whole
-        shape = (self.shape[0] + 3, self.shape[1] + 3)
-        piece, inside = _cut(frame, self.corner + whole - 1, shape)
-        across, down = _cubic(part[0]), _cubic(part[1])
-        filtered = cv2.sepFilter2D(piece, cv2.CV_32F, across, down, anchor=(1, 1))
-        grey = filtered[1 : 1 + self.shape[0], 1 : 1 + self.shape[1]]
-        return np.asarray(grey, np.float32), inside[1 : 1 + self.shape[0], 1 : 1 + self.shape[1]]
+        grey, inside = np.empty(self.shape, np.float32), np.empty(self.shape, np.bool_)
+        shifted(frame, self.corner + whole, shift - whole, grey, inside)
+        return grey, inside
 
     def _free_of(self, outline: Floats | None, shift: Floats) -> Flags:
         """(h, w) pixels that the part's edge, its rim and its meniscus do not reach."""
@@ -240,65 +221,6 @@ class Learned:
         self._columns = np.vstack([own[None], *(s[None] for s in slopes), self._film]).T
         self._columns = np.ascontiguousarray(self._columns, np.float32)
 
-    def _judged(self, view: _View, robust: Singles, solved: _Solved) -> tuple[float, Floats]:
-        """Share of the variance that is explained, and the covariance (2, 2) of the shift."""
-        weight, residual = view.weight * robust, solved.residual
-        total = float(np.sum(weight))
-        variance = float(weight @ residual**2) / max(total - view.columns.shape[1], 1.0)
-        apart = view.target - float(weight @ view.target) / total
-        score = 1.0 - variance / max(float(weight @ apart**2) / total, 1e-9)
-        widened = self._correlation(residual * np.sqrt(weight))
-        # the mean of so many frames has noise of its own
-        widened *= 1.0 + 1.0 / max(self.frames, 1)
-        return score if solved.seen else 0.0, variance * widened * solved.inverse
-
-    def _correlation(self, residual: Singles) -> float:
-        """Factor by which noise common to neighbours (compression, resampling) widens a mean."""
-        image = np.zeros(self.shape, np.float32)
-        image.ravel()[self._rows] = residual
-        power = float(np.sum(residual**2)) + 1e-9
-        u = float(np.sum(image[:, 1:] * image[:, :-1])) / power
-        v = float(np.sum(image[1:] * image[:-1])) / power
-        return (1.0 + 2.0 * max(u, 0.0)) * (1.0 + 2.0 * max(v, 0.0))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Solved:
-    """A step (2,) px, its cofactors (2, 2), what it leaves (N,), and whether a needle is seen."""
-
-    step: Floats
-    inverse: Floats
-    residual: Singles
-    seen: bool
-
-
-def _solve(view: _View, robust: Singles) -> _Solved:
-    from meso_robust.tracking.fit_kernels import weighed
-
-    weighted = np.empty_like(view.columns)
-    weighed(view.weight * robust, view.columns, weighted)
-    gram = (weighted.T @ view.columns).astype(float)
-    gram[np.diag_indices_from(gram)] += 1e-2  # a segment that does not show stays at none
-    inverse = np.linalg.inv(gram)
-    x = inverse @ (weighted.T @ view.target)
-    seen = abs(x[0]) > _LEAST_GAIN
-    gain = float(x[0]) if seen else 1.0
-    return _Solved(
-        step=x[1:3] / gain,
-        inverse=inverse[1:3, 1:3] / gain**2,
-        residual=view.target - view.columns @ x.astype(np.float32),
-        seen=bool(seen),
-    )
-
-
-def _robust(view: _View, residual: Singles) -> Singles:
-    """(N,) Tukey's weights."""
-    from meso_robust.tracking.fit_kernels import robust
-
-    out = np.empty(len(residual), np.float32)
-    robust(residual, view.weight, out)
-    return out
-
 
 def _systematic(axis: Floats) -> Floats:
     """(2, 2) what texture, dust and the model's simplicity leave of the tip's place, px²."""
@@ -313,21 +235,8 @@ def _film_basis(clear: Floats, s: Floats, n: Floats) -> Floats:
     return np.stack([clear * hat * side for hat in hats for side in (n >= 0.0, n < 0.0)])
 
 
-def _cubic(part: float) -> Singles:
-    """(4,) weights of Keys' cubic convolution at a share of a pixel, doi:10.1109/TASSP.1981.1163711."""
-    t = np.abs(np.array([1.0 + part, part, 1.0 - part, 2.0 - part]))
-    near = 1.5 * t**3 - 2.5 * t**2 + 1.0
-    far = -0.5 * t**3 + 2.5 * t**2 - 4.0 * t + 2.0
-    return np.where(t <= 1.0, near, far).astype(np.float32)
-
-
-def _cut(frame: Image, low: Ints, shape: tuple[int, int]) -> tuple[Image, Flags]:
-    """A piece of a frame, repeated beyond its border, and which pixels are not."""
-    height, width = frame.shape
-    rows = np.arange(low[1], low[1] + shape[0])
-    columns = np.arange(low[0], low[0] + shape[1])
-    good = ((rows >= 1) & (rows < height - 2))[:, None] & ((columns >= 1) & (columns < width - 2))
-    if low.min() >= 0 and rows[-1] < height and columns[-1] < width:
-        return frame[low[1] : low[1] + shape[0], low[0] : low[0] + shape[1]], good
-    rows, columns = np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
-    return frame[np.ix_(rows, columns)], good
+def _neighbours(inside: Flags) -> Ints:
+    """(N, 2) which of the pixels inside (h, w) are to the right of each and below it, −1: none."""
+    number = np.full((inside.shape[0] + 1, inside.shape[1] + 1), -1)
+    number[:-1, :-1][inside] = np.arange(int(inside.sum()))
+    return np.stack([number[:-1, 1:][inside], number[1:, :-1][inside]], axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,7 +22,7 @@ LAMP_FRAMES = 4
 _REBUILT = 4  # frames between two templates while learning
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # no slots: what each frame asks for is worked out once
 class Memory:
     """What was learned so far.
 
@@ -52,13 +53,14 @@ class Memory:
     @property
     def lamp(self) -> Floats:
         """(2,) px to be taken off a pose from edges."""
-        return self._lamp()[0]
+        return self._lamp[0]
 
     @property
     def lamp_covariance(self) -> Floats:
         """(3, 3) of what is left after that; the model errs alike in every frame."""
-        return self._lamp()[1]
+        return self._lamp[1]
 
+    @cached_property
     def _lamp(self) -> tuple[Floats, Floats]:
         if not self.lamps:
             return np.zeros(2), LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -75,20 +76,29 @@ class Needle:
 
         return half_width(s, math.cos(self.taper), math.sin(self.taper), self.radius)
 
+    def drawn(self) -> tuple[float, float, float, float, float, float, float]:
+        """As kernels take it: tip, axis, cosine and sine of the taper, radius."""
+        axis = math.cos(self.direction), math.sin(self.direction)
+        return *self.tip, *axis, math.cos(self.taper), math.sin(self.taper), self.radius
+
     def moved(self, shift: Floats) -> Needle:
         """The needle shifted by (2,) px."""
         return replace(self, tip=(float(self.tip[0] + shift[0]), float(self.tip[1] + shift[1])))
 
     def polygon(self, margin: float, length: float) -> Floats:
         """(V, 2) outline, wider by a margin, of the first ``length`` px of the needle."""
-        wide = self.radius + margin
-        end = self.half_width(length) + margin
-        arc = np.linspace(0.5 * math.pi, 1.5 * math.pi, 9)
-        cap = wide * np.stack([np.cos(arc), np.sin(arc)], axis=1)
-        local = np.vstack([cap, np.array([[length, -end], [length, end]])])
-        a = self.axis
-        turn = np.array([[a[0], a[1]], [-a[1], a[0]]])
-        return np.array(self.tip) + local @ turn
+        ends = self.radius + margin, self.half_width(length) + margin
+        return np.array(self.tip) + _border(self.direction, length, *ends)
+
+
+@lru_cache(64)  # asked for in each frame
+def _border(direction: float, length: float, tip: float, end: float) -> Floats:
+    """(V, 2) outline from the tip on, of half widths ``tip`` and ``end``."""
+    arc = np.linspace(0.5 * math.pi, 1.5 * math.pi, 9)
+    cap = tip * np.stack([np.cos(arc), np.sin(arc)], axis=1)
+    local = np.vstack([cap, np.array([[length, -end], [length, end]])])
+    c, s = math.cos(direction), math.sin(direction)
+    return local @ np.array([[c, s], [-s, c]])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -14,6 +14,7 @@ from meso_robust.tracking.edges import (
     placed,
     sampled_outline,
     seen_size,
+    thinned,
 )
 from meso_robust.tracking.frame_estimate import (
     Measured,
@@ -75,6 +76,7 @@ class PartTracker:
 
     def _start(self) -> None:
         self._outline, self._size = self._stated, 0.0
+        self._coarse = self._stated
         self._memory = untaught(self._outline.corners)
         self._pose: Floats | None = None
         self._motion = np.zeros(3)
@@ -132,9 +134,10 @@ class PartTracker:
         piece = patch(frame, mask, around, reach + 12.0)
         pose = predicted
         for within in (reach, _FINE) if reach <= _NEAR else (reach, 0.5 * reach, _FINE):
-            fit = edge_fit(
-                piece, self._outline, pose, self._lens, self._memory.pattern, within, sigma
-            )
+            # a step on the way to where all points are measured needs few of them
+            near = known and _FINE < within <= _NEAR
+            points = self._coarse if near else self._outline
+            fit = edge_fit(piece, points, pose, self._lens, self._memory.pattern, within, sigma)
             if np.hypot(*(fit.pose[:2] - pose[:2])) > 2.0 * within:
                 break
             pose = fit.pose
@@ -229,6 +232,7 @@ class PartTracker:
         memory, outline, lens = self._memory, self._outline, self._lens
         piece, edges = measured.piece, measured.edges
         if memory.frames == 0:
+            self._coarse = thinned(outline)
             # a single step may have met the rim's inner edge on one side: once more, with its mean.
             # What is learned below belongs to the pose that this pattern finds, as later ones are.
             for _ in range(2):

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
+from meso_robust.kernels import spread
 from meso_robust.tracking.alpha_matting import Window, window_of
 from meso_robust.tracking.backdrop import Canvas, Glimpse, backdrop, canvas, glimpse, glimpse_at
 from meso_robust.tracking.learned import Learned, Tip, lost
@@ -147,7 +148,8 @@ class ProbeTracker:
         """Start in a grey frame (H, W); ``outline`` (V, 2) is the part's in seen px, if it is known."""
         # without the part's rim before it, or whole, where the tip touches the part
         views = [None] if outline is None else [_beside(frame, outline), None]
-        fits = [fit_needle(frame.astype(float), np.zeros(2), self.needle, used) for used in views]
+        grey = frame.astype(float)
+        fits = spread(lambda used: fit_needle(grey, np.zeros(2), self.needle, used), views)
         fit = max(fits, key=lambda one: one.contrast)
         moved = float(np.hypot(*(np.array(fit.needle.tip) - np.array(self.needle.tip))))
         if fit.contrast < _LEAST_CONTRAST or moved > 4.0 * (1.0 + self.needle.radius):

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
-from scipy.special import erfcx, ndtr
+from scipy.special import ndtr
 
 from meso_robust.tracking.covariance import LAMP_SIGMA
 from meso_robust.tracking.edges import CORNER, Lens, Outline, placed, rotation
@@ -44,7 +44,6 @@ _EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
 _SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 0.35, 0.4, 0.5])
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-_LEVELS, _SHARED = [0, 1, 3, 4], [1, 2, 5, 6, 7]  # of the shapes: of each side, and of all alike
 _UNEVEN = 0.03  # change of the film's brightness over 10 px, by which sides may differ
 _LOOSEST = 2.5  # px; a larger displacement is no rim
 # variance of errors over that of the fit: always, a px of displacement, and a step between blocks of
@@ -79,31 +78,30 @@ def _binned(
     frame: Bytes, mask: Bytes | None, outline: Outline, pose: Floats, lens: Lens
 ) -> _Profiles:
     """Grey values by the distance from the outline, a row for every side seen well enough."""
+    from meso_robust.tracking.rim_kernels import binned
+
     corners = placed(outline.corners, pose)
     seen = lens.seen(corners)
     limit = np.array(frame.shape[::-1]) - 1
     low = np.clip(np.floor(seen.min(axis=0) - 12.0), 0, limit).astype(int)
     high = np.clip(np.ceil(seen.max(axis=0) + 12.0), 0, limit).astype(int)
     u, v = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
-    grey = frame[v, u].ravel().astype(float)
-    if mask is not None:
-        grey[mask[v, u].ravel() != 0] = np.nan
     at = lens.ideal(np.column_stack((u.ravel(), v.ravel())).astype(float))
+    grey = frame[low[1] : high[1] + 1, low[0] : high[0] + 1].ravel()
+    hidden = np.zeros_like(grey)
+    if mask is not None:
+        hidden = (mask[low[1] : high[1] + 1, low[0] : high[0] + 1] != 0).ravel().view(np.uint8)
     means, counts, noises, normals = [], [], [], []
     for side in np.unique(outline.side):
         a, b = corners[side], corners[(side + 1) % len(corners)]
         length = float(np.hypot(*(b - a)))
-        along = (b - a) / length
         n = rotation(pose[2]) @ outline.normals[np.argmax(outline.side == side)]
-        x, t = (at - a) @ along, (at - a) @ n
-        near = (x > 1.5 * CORNER) & (x < length - 1.5 * CORNER) & (t > _DEEP) & (t < _OUT)
-        near &= np.isfinite(grey)
-        if (near & (t > _IN)).sum() < _LEAST:
+        ends = np.array([1.5 * CORNER, length - 1.5 * CORNER])
+        sums = np.zeros((3, len(_BINS)))
+        line = np.concatenate((a, (b - a) / length, n))
+        if binned(grey, hidden, at, line, ends, np.array([_DEEP, _BIN, _IN]), sums) < _LEAST:
             continue
-        k = ((t[near] - _DEEP) / _BIN).astype(int)
-        count, total, square = (
-            np.bincount(k, grey[near] ** power, minlength=len(_BINS)) for power in (0, 1, 2)
-        )
+        count, total, square = sums
         filled = count > 0
         level = total[filled] / count[filled]
         noises.append(np.mean(np.maximum(square[filled] / count[filled] - level**2, 0.0)))
@@ -135,50 +133,6 @@ def _whitener(mean: Floats, count: Floats, noise: Floats) -> Floats:
     single = noise[:, None] / np.maximum(count[:, _FITTED], 1e-6) + _FLOOR**2
     covariance += single[:, :, None] * np.eye(len(_CENTRES))
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
-
-
-def _shapes(x: Floats, blur: float, chamfer: float, meniscus: float, round_: float) -> Floats:
-    """(..., 6) background, its slope, meniscus, face, its slope, chamfer; each blurred."""
-    z = x / blur
-    out = ndtr(z)
-
-    def ramp(t: Floats) -> Floats:
-        return t * ndtr(t / blur) + blur / math.sqrt(2.0 * math.pi) * np.exp(-0.5 * (t / blur) ** 2)
-
-    def bend(t: Floats) -> Floats:
-        z = t / blur
-        tail = blur / math.sqrt(2.0 * math.pi) * np.exp(-0.5 * z**2)
-        return 0.5 * ((t**2 + blur**2) * ndtr(z) + t * tail)
-
-    rising = ramp(x)
-    # exp(-x / h) for x > 0, blurred
-    tail = 0.5 * np.exp(-0.5 * z**2) * erfcx((blur / meniscus - z) / math.sqrt(2.0))
-    inner = ramp(x + chamfer)
-    straight = (inner - rising) / chamfer - out
-    rounded = 2.0 * inner / chamfer - 2.0 * (bend(x + chamfer) - bend(x)) / chamfer**2 - out
-    rim = straight + round_ * (rounded - straight)
-    return np.stack((out, 0.1 * rising, tail, 1.0 - out, 0.1 * (x - rising), rim), axis=-1)
-
-
-def _design(given: _Profiles, unknown: Floats) -> Floats:
-    """(S B + S, 4 S + 5): levels and slopes a side, then what is the same for all.
-
-    That is the film's slope, meniscus, chamfer and its two cosines. The last rows hold each side's slope
-    of the film to that of all: a rim that is taken for the edge leaves its own brightness to it.
-    """
-    count = len(given.mean)
-    blur, chamfer, meniscus = np.exp(unknown[3:6])
-    at = _CENTRES - (given.normal @ unknown[:2])[:, None] - unknown[2]
-    shapes = _shapes(at, blur, chamfer, meniscus, unknown[6])
-    lit = shapes[..., 5:] * given.normal[:, None]
-    seen = given.whitener @ np.concatenate((shapes, lit), axis=-1)
-    design = np.zeros((count, len(_CENTRES), 4 * count + 5))
-    for s in range(count):
-        design[s, :, 4 * s : 4 * s + 4] = seen[s][:, _LEVELS]
-    design[..., -5:] = seen[..., _SHARED]
-    alike = np.zeros((count, design.shape[2]))
-    alike[np.arange(count), 4 * np.arange(count) + 1] = 1.0 / (_UNEVEN * given.mean[:, -1].mean())
-    return np.concatenate([*design, alike])
 
 
 def lamp_displacement(
@@ -241,20 +195,21 @@ def block_step(frame: Bytes) -> float:
 
 def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
     """Least squares over displacement (2), δ and shape, the levels being solved for within."""
-    target = np.append(given.whitener @ given.mean[:, :, None], np.zeros(len(given.mean)))
+    from meso_robust.tracking.rim_kernels import misfit, slopes
 
-    def misfit(unknown: Floats) -> Floats:
-        design = _design(given, unknown)
-        unit = design / (np.linalg.norm(design, axis=0) + 1e-9)
-        normal = unit.T @ unit
-        normal[np.diag_indices(len(normal))] += 1e-6
-        rest = target - unit @ np.linalg.solve(normal, unit.T @ target)
-        return np.append(rest, (unknown - _EXPECTED) / _SPREAD)
-
+    count = len(given.mean)
+    target = np.append(given.whitener @ given.mean[:, :, None], np.zeros(count))
+    alike = 1.0 / (_UNEVEN * float(given.mean[:, -1].mean()))
+    sides = (_CENTRES, given.normal, given.whitener, target, alike)
+    expected = np.diag(1.0 / _SPREAD)
     begin = np.concatenate((start, _EXPECTED[2:]))
     try:
         return least_squares(
-            misfit, begin, x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3], max_nfev=12
+            lambda x: np.append(misfit(sides, x), (x - _EXPECTED) / _SPREAD),
+            begin,
+            jac=lambda x: np.vstack((slopes(sides, x), expected)),
+            x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3],
+            max_nfev=12,
         )
     except (ValueError, np.linalg.LinAlgError):  # a shape ran to infinity
         return None

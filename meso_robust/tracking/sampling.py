@@ -26,12 +26,15 @@ class Patch(NamedTuple):
         (h, w) smoothed grey values.
     hidden
         (h, w) non-zero where a probe hides the scene or reaches through the smoothing.
+    covered
+        First column and row, width and height of the box that holds all that is hidden.
     corner
         (u, v) in px of the piece's first pixel.
     """
 
     grey: Singles
     hidden: Image
+    covered: tuple[int, int, int, int]
     corner: Floats
 
 
@@ -44,11 +47,17 @@ def patch(frame: Image, mask: Image | None, points: Floats, margin: float) -> Pa
     u1, v1 = np.clip(high, (u0 + 1, v0 + 1), (width, height))
     piece = frame[v0:v1, u0:u1]
     smooth = cv2.sepFilter2D(piece, cv2.CV_32F, _KERNEL, _KERNEL, borderType=cv2.BORDER_REPLICATE)
-    covered = np.zeros(piece.shape, np.uint8)
-    if mask is not None:
-        covered[mask[v0:v1, u0:u1] != 0] = 1
-        covered = np.asarray(cv2.dilate(covered, _SPREAD), dtype=np.uint8)
-    return Patch(np.asarray(smooth, dtype=np.float32), covered, np.array([u0, v0], dtype=float))
+    if mask is None:
+        hidden, covered = np.zeros(piece.shape, np.uint8), (0, 0, 0, 0)
+    else:
+        hidden = (mask[v0:v1, u0:u1] != 0).view(np.uint8)
+        u, v, wide, high = cv2.boundingRect(hidden)
+        u, v = max(u - _RADIUS, 0), max(v - _RADIUS, 0)
+        covered = (u, v, wide + 2 * _RADIUS, high + 2 * _RADIUS)
+        box = hidden[v : v + covered[3], u : u + covered[2]]
+        box[:] = cv2.dilate(box, _SPREAD)
+    corner = np.array([u0, v0], dtype=float)
+    return Patch(np.asarray(smooth, dtype=np.float32), hidden, covered, corner)
 
 
 def sample(of: Patch, points: Floats) -> Floats:
@@ -60,8 +69,8 @@ def sample(of: Patch, points: Floats) -> Floats:
     return values
 
 
-def profiles(of: Patch, points: Floats, normals: Floats, half: int, step: float) -> Floats:
-    """Grey values along normals, averaged over 3 px along the edge.
+def derivatives(of: Patch, points: Floats, normals: Floats, half: int, step: float) -> Floats:
+    """Derivatives of grey values along normals, averaged over 3 px along the edge.
 
     Parameters
     ----------
@@ -70,15 +79,15 @@ def profiles(of: Patch, points: Floats, normals: Floats, half: int, step: float)
     points, normals
         (N, 2) in px of the frame, and unit normals there.
     half, step
-        ``half`` samples either side of each point, ``step`` px apart.
+        ``half`` samples either side of each point, ``step`` px apart, are differentiated.
 
     Returns
     -------
     Floats
-        (N, 2 half + 1), NaN where a sample is hidden or outside the frame.
+        (N, 2 half - 1) grey values a px, NaN where a sample is hidden or outside the frame.
     """
-    from meso_robust.tracking.sampling_kernels import profiles as fill
+    from meso_robust.tracking.sampling_kernels import derivatives as fill
 
-    values = np.empty((len(points), 2 * half + 1))
-    fill(of.grey, of.hidden, points - of.corner, normals, step, values)
+    values = np.empty((len(points), 2 * half - 1))
+    fill(of.grey, of.hidden, of.covered, points - of.corner, normals, step, values)
     return values

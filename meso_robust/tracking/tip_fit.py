@@ -166,23 +166,31 @@ def _joined(fine: Singles, bright: Floats) -> Singles:
     share = np.concatenate([[1.0], bright]).astype(np.float32)
     first = 1 + HALO_COUNT
     parts = (slice(None, first), slice(first, None))
-    return np.stack([np.tensordot(share[part], fine[part], 1) for part in parts])
+    return np.stack(
+        [
+            (share[part] @ fine[part].reshape(len(share[part]), -1)).reshape(fine.shape[1:])
+            for part in parts
+        ]
+    )
 
 
 def _with_slopes(both: Singles) -> Singles:
     down, right = np.gradient(both, axis=(1, 2))
-    return np.concatenate([both, FINER * right, FINER * down]).astype(np.float32)
+    return np.concatenate([both, FINER * right, FINER * down]).astype(np.float32, copy=False)
 
 
 def _all_layers(shape: Needle, bright: Floats, window: Window) -> Singles:
     """The six images of a matte, its parts, and how transmission and brightness vary with shape."""
-    parts = blurred(sharp(shape, window), shape)
+    fine = sharp(shape, window)
+    parts = blurred(fine, shape)
     both = _joined(parts, bright)
     varied = []
     for step in np.diag(_TRIED):
         other = _changed(shape, step)
-        varied.append((blurred(_joined(sharp(other, window), bright), other) - both) / step.sum())
-    return np.concatenate([_with_slopes(both), parts[1:], *varied]).astype(np.float32)
+        alike = replace(other, blur=shape.blur) == shape  # the blur comes after what is sharp
+        drawn = _joined(fine if alike else sharp(other, window), bright)
+        varied.append((blurred(drawn, other) - both) / np.float32(step.sum()))
+    return np.concatenate([_with_slopes(both), parts[1:], *varied])
 
 
 def _rows(

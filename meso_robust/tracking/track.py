@@ -157,8 +157,10 @@ class _Follower:
     def _mask(self, image: Image) -> Image | None:
         if not self._probes:
             return None
-        masks = [probe.mask(image.shape) for probe in self._probes]
-        return np.asarray(np.maximum.reduce(masks))
+        mask, *others = [probe.mask(image.shape) for probe in self._probes]
+        for other in others:
+            np.maximum(mask, other, out=mask)
+        return mask
 
     def _seen_outline(self, pose: Floats) -> Floats:
         """(V, 2) of the part's border in seen px."""

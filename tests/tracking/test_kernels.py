@@ -6,10 +6,17 @@ import math
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 import pytest
 
-from meso_robust.tracking.fit_kernels import face_step, reweighted, robust
+from meso_robust.tracking.edge_profile import behind
+from meso_robust.tracking.fit_kernels import carried, face_step, reweighted, robust, shifted
 from meso_robust.tracking.needle import Needle, coverage
+from meso_robust.tracking.needle_kernels import film_beside
+from meso_robust.tracking.rim_kernels import misfit, slopes
+from meso_robust.tracking.sampling import Patch, derivatives, sample
+
+Floats = npt.NDArray[np.float64]
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.5 * math.pi, math.pi])
@@ -84,3 +91,114 @@ def test_a_face_is_solved_as_by_least_squares() -> None:
     assert residual[seen] == pytest.approx((grey - design @ expected)[seen], abs=1e-6)
     assert np.all(weight[~seen] == 0.0)
     assert np.all(weight[seen] > 0.0)
+
+
+def test_a_moved_piece_of_a_parabola_is_exact_and_told_from_what_lies_beyond() -> None:
+    v, u = np.mgrid[:20, :30].astype(float)
+
+    def height(x: Floats, y: Floats) -> Floats:
+        return np.asarray(0.25 * (x - 12.0) ** 2 + 0.5 * x + 2.0 * y + 10.0)
+
+    frame = (4.0 * height(u, v)).astype(np.uint8)
+    grey, inside = np.empty((6, 8), np.float32), np.empty((6, 8), np.bool_)
+
+    shifted(frame, np.array([7, 5]), np.array([0.25, 0.75]), grey, inside)
+    assert inside.all()
+    assert grey == pytest.approx(4.0 * height(u[5:11, 7:15] + 0.25, v[5:11, 7:15] + 0.75), abs=1e-3)
+
+    shifted(frame, np.array([24, -2]), np.zeros(2), grey, inside)
+    # a cubic needs a pixel before and two after
+    assert np.array_equal(np.flatnonzero(inside.any(axis=0)), [0, 1, 2, 3])
+    assert np.array_equal(np.flatnonzero(inside.any(axis=1)), [3, 4, 5])
+    assert np.array_equal(grey[2:, :6], frame[:4, 24:])
+    assert np.array_equal(grey[0, :6], frame[0, 24:])
+
+
+def test_an_edge_behind_a_needle_is_read_beside_it() -> None:
+    """A part below the line v = 60: a ramp of 5 px before it, and a rim of its own; the needle comes from above."""
+    v, u = np.mgrid[:120, :160].astype(float)
+    away = 60.0 - v
+    drawn = 100.0 - np.clip(10.0 - 2.0 * np.abs(away), 0.0, None)
+    needle = Needle(tip=(80.0, 50.0), direction=-0.5 * math.pi, taper=0.0, radius=4.0)
+    drawn[(np.abs(u - 80.0) < 9.0) & (v < 54.0)] = 10.0
+    outline = np.array([[20.0, 60.0], [140.0, 60.0], [140.0, 110.0], [20.0, 110.0]])
+    places = np.array([[80.0, 47.0], [80.5, 48.75], [83.0, 58.5], [21.0, 61.0], [80.0, 75.0]])
+
+    found = behind(drawn.astype(np.uint8), outline, places, needle)
+
+    assert found is not None
+    assert found.rows.tolist() == [1, 2, 3]  # others are farther than 11.5 px
+    assert found.distance[:2] == pytest.approx([11.25, 1.5])
+    assert found.normals[:2] == pytest.approx(np.array([[0.0, -1.0], [0.0, -1.0]]))
+    change, variance = found.here()
+    assert change[:2] == pytest.approx([0.0, -7.0], abs=0.6)  # grey values are whole
+    assert variance[1] < 0.5
+    assert found.edge[2] == -1  # beside a corner
+    assert change[2] == 0.0
+    assert variance[2] > 1e5
+    assert behind(drawn.astype(np.uint8), outline, places[:1], needle) is None
+
+
+def test_slopes_of_the_rim_are_differences_of_what_it_leaves() -> None:
+    rng = np.random.default_rng(5)
+    centres = np.arange(-10.0, 9.0, 0.25) + 0.125
+    angles = np.array([0.3, 0.3 + 0.5 * math.pi, 0.3 + math.pi, 0.3 + 1.5 * math.pi])
+    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    whitener = (
+        np.eye(len(centres)) + np.tril(rng.normal(size=(4, len(centres), len(centres)))) / 20.0
+    )
+    target = np.append(np.tile(100.0 + 50.0 * np.tanh(centres), 4), np.zeros(4))
+    target[:-4] += rng.normal(size=4 * len(centres))
+    given = (centres, normals, whitener, target, 1.0)
+    unknown = np.array([0.2, -0.3, 0.05, 0.1, 0.9, 0.8, 0.4])
+
+    found = slopes(given, unknown)
+
+    for k, step in enumerate(1e-4 * np.eye(7)):
+        change = (misfit(given, unknown + step) - misfit(given, unknown - step)) / 2e-4
+        assert found[:, k] == pytest.approx(change, abs=1e-4 * np.abs(change).max())
+
+
+def test_profiles_are_differentiated_wherever_nothing_is_hidden() -> None:
+    """A plane has the same derivative everywhere; the slow way is to ask for each value on its own."""
+    v, u = np.mgrid[:60, :80].astype(np.float32)
+    hidden = np.zeros((60, 80), np.uint8)
+    hidden[20:32, 35:40] = 1
+    piece = Patch(2.0 * u + 3.0 * v, hidden, (35, 20, 5, 12), np.zeros(2))
+    rng = np.random.default_rng(6)
+    points = rng.uniform((1.0, 1.0), (78.0, 58.0), (400, 2))
+    angle = rng.uniform(0.0, 2.0 * math.pi, 400)
+    normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    found = derivatives(piece, points, normals, 4, 0.5)
+
+    aside = np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+    values = np.zeros((400, 9))
+    for k in range(9):
+        for side in (-1.0, 0.0, 1.0):
+            values[:, k] += sample(piece, points + 0.5 * (k - 4) * normals + side * aside) / 3.0
+    expected = values[:, 2:] - values[:, :-2]
+    assert 20 < np.isnan(expected).any(axis=1).sum() < 200
+    assert np.array_equal(np.isnan(found), np.isnan(expected))
+    slope = np.broadcast_to((normals @ [2.0, 3.0])[:, None], found.shape)
+    assert found[np.isfinite(found)] == pytest.approx(slope[np.isfinite(found)], abs=1e-3)
+
+
+def test_an_image_is_carried_by_the_map_of_its_outline() -> None:
+    rng = np.random.default_rng(7)
+    source, move = rng.uniform(0.0, 300.0, (6, 2)), np.array([[0.9, -0.2, 4.0], [0.25, 1.1, -30.0]])
+    target = source @ move[:, :2].T + move[:, 2]
+
+    assert carried(source, target, np.array([100.0, 40.0]), 100.0) == pytest.approx(move)
+
+
+@pytest.mark.parametrize("film", [[100], [90, 101]])
+def test_film_is_seen_beside_a_needle(film: list[int]) -> None:
+    needle = Needle(tip=(30.0, 20.0), direction=0.5 * math.pi, taper=0.0, radius=3.0)
+    v, u = np.mgrid[:60, :60].astype(float)
+    distance = needle.distance(*needle.along_across(u, v))
+    grey = np.full((60, 60), 7, np.uint8)  # the needle, and dirt elsewhere
+    beside = (distance > 4.0) & (distance < 8.0)
+    grey[beside] = np.resize(film, int(beside.sum()))
+
+    assert film_beside(grey, needle.drawn(), 4.0, 8.0) == np.median(grey[beside])
