@@ -102,7 +102,7 @@ class Fit:
     covariance
         (2, 2) of its tip, px²; of the noise that the residuals show.
     contrast
-        Difference of film and needle over the standard deviation of the residuals.
+        RMS difference of film and needle over the standard deviation of the residuals.
     """
 
     needle: Needle
@@ -123,7 +123,13 @@ def coverage(needle: Needle, corner: Floats, shape: tuple[int, int]) -> Floats:
     return np.asarray(1.0 - _basis(needle, corner, whole, shape[1])[..., 0])
 
 
-def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None = None) -> Fit:
+def fit_needle(
+    image: Floats,
+    corner: Floats,
+    start: Needle,
+    used: Floats | None = None,
+    aside: Sequence[float] = (0.0,),
+) -> Fit:
     """Fit tip, direction, taper and blur.
 
     Parameters
@@ -136,6 +142,9 @@ def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None
         First guess, right to about two pixels and ten degrees; its radius is kept.
     used
         (h, w) weights, or None for all 1.
+    aside
+        px across the axis by which the start is moved, one after the other; what fits best is kept. One
+        flank of a needle whose middle is as bright as the film looks like a needle of its own.
 
     Returns
     -------
@@ -143,6 +152,7 @@ def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None
         In the frame's pixels.
     """
     piece = _piece(image, corner, start, used)
+    across = np.array([-start.axis[1], start.axis[0]])
 
     def needle(y: Floats) -> Needle:
         x = y - 1.0
@@ -156,14 +166,18 @@ def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None
         )
 
     # unknowns about 1: steps of differences are relative, and the image is in single precision
-    found = least_squares(
-        lambda y: piece.miss(needle(y)),
-        np.ones(6),
-        xtol=2e-3,
-        ftol=1e-5,
-        max_nfev=25,
-        diff_step=3e-3,
-    )
+    fits = [
+        least_squares(
+            lambda y: piece.miss(needle(y)),
+            1.0 + np.append(place * across, np.zeros(4)),
+            xtol=2e-3,
+            ftol=1e-5,
+            max_nfev=25,
+            diff_step=3e-3,
+        )
+        for place in aside
+    ]
+    found = min(fits, key=lambda one: one.cost)
     count = max(int((piece.weight > 0.0).sum()) - 18, 1)
     variance = 2.0 * found.cost / count
     spread = variance * np.linalg.pinv(found.jac.T @ found.jac)[:2, :2]
@@ -228,7 +242,7 @@ def _contrast(piece: Floats, needle: Needle, corner: Floats, noise: float) -> fl
     inside, outside = piece[share > 0.7], piece[share < 0.05]
     if not inside.size or not outside.size:
         return 0.0
-    return float(abs(inside.mean() - np.median(outside)) / max(noise, 0.3))
+    return float(np.sqrt(np.mean((inside - np.median(outside)) ** 2)) / max(noise, 0.3))
 
 
 def _basis(needle: Needle, corner: Floats, columns: Ints, width: int) -> Floats:

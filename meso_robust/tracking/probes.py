@@ -147,7 +147,9 @@ class ProbeTracker:
         """Start in a grey frame (H, W); ``outline`` (V, 2) is the part's in seen px, if it is known."""
         # without the part's rim before it, or whole, where the tip touches the part
         views = [None] if outline is None else [_beside(frame, outline), None]
-        fits = [fit_needle(frame.astype(float), np.zeros(2), self.needle, used) for used in views]
+        aside = self.needle.radius * np.array([0.0, -1.0, 1.0])
+        grey = frame.astype(float)
+        fits = [fit_needle(grey, np.zeros(2), self.needle, used, aside.tolist()) for used in views]
         fit = max(fits, key=lambda one: one.contrast)
         moved = float(np.hypot(*(np.array(fit.needle.tip) - np.array(self.needle.tip))))
         if fit.contrast < _LEAST_CONTRAST or moved > 4.0 * (1.0 + self.needle.radius):
