@@ -20,6 +20,15 @@ from meso_robust.types import Floats, Ints
 
 FINER = 3
 """Samples a pixel and direction."""
+ORDINARY = np.array([0.08, 0.0, 0.02])
+"""Taper (rad), log of blur (px) and rise of an etched tungsten needle before the image is seen."""
+SPREAD = np.array([0.03, 0.5, 0.03])
+"""Standard deviations of them: a blunt, blurred needle is else much like a sharp one that ends later."""
+SHARED = 3.0
+"""Variance of what is fitted by grain and compression, which neighbours share, over that by noise."""
+WIDEST, SHARPEST, BLUREST, STEEPEST = 0.5, 0.3, 5.0, 0.2
+"""Limits of taper (rad), blur (px, twice) and rise; a fit that stands at one has found no needle."""
+_GREY = 2.0  # standard deviation of noise, grey values
 _AHEAD, _ALONG, _ASIDE = 9.0, 20.0, 8.0  # px; the piece of the image that the tip is fitted to
 
 
@@ -74,6 +83,29 @@ class Needle:
         from meso_robust.tracking.needle_kernels import half_width
 
         return half_width(s, math.cos(self.taper), math.sin(self.taper), self.radius)
+
+    def reshaped(self, taper: float, blur: float, rise: float) -> Needle:
+        """The needle with another taper, blur and rise, as far as there are such needles."""
+        return replace(
+            self,
+            taper=float(np.clip(taper, 0.0, WIDEST)),
+            blur=float(np.clip(blur, SHARPEST, BLUREST)),
+            rise=float(np.clip(rise, 0.0, STEEPEST)),
+        )
+
+    @property
+    def at_limit(self) -> bool:
+        """Whether it is as wide, as sharp, as blurred or as steep as may be; none may well be parallel or level."""
+        return (
+            self.taper >= WIDEST
+            or not SHARPEST < self.blur < BLUREST
+            or self.rise >= STEEPEST
+        )
+
+    @property
+    def numbers(self) -> Floats:
+        """(3,) what ORDINARY and SPREAD are of."""
+        return np.array([self.taper, math.log(self.blur), self.rise])
 
     def moved(self, shift: Floats) -> Needle:
         """The needle shifted by (2,) px."""
@@ -156,19 +188,20 @@ def fit_needle(
 
     def needle(y: Floats) -> Needle:
         x = y - 1.0
-        return replace(
-            start,
-            tip=(start.tip[0] + x[0], start.tip[1] + x[1]),
-            direction=start.direction + 0.1 * x[2],
-            taper=float(np.clip(start.taper + 0.1 * x[3], 0.0, 0.5)),
-            blur=float(np.clip(start.blur * math.exp(x[4]), 0.3, 5.0)),
-            rise=float(np.clip(start.rise + 0.02 * x[5], 0.0, 0.2)),
+        turned = replace(start.moved(x[:2]), direction=start.direction + 0.1 * x[2])
+        return turned.reshaped(
+            start.taper + 0.1 * x[3], start.blur * math.exp(x[4]), start.rise + 0.02 * x[5]
         )
+
+    def miss(y: Floats) -> Floats:
+        tried = needle(y)
+        unusual = (tried.numbers - ORDINARY) / SPREAD
+        return np.append(piece.miss(tried), math.sqrt(SHARED) * _GREY * unusual)
 
     # unknowns about 1: steps of differences are relative, and the image is in single precision
     fits = [
         least_squares(
-            lambda y: piece.miss(needle(y)),
+            miss,
             1.0 + np.append(place * across, np.zeros(4)),
             xtol=2e-3,
             ftol=1e-5,

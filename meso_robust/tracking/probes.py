@@ -17,7 +17,7 @@ import numpy as np
 from meso_robust.tracking.alpha_matting import Window, window_of
 from meso_robust.tracking.backdrop import Canvas, Glimpse, backdrop, canvas, glimpse, glimpse_at
 from meso_robust.tracking.learned import Learned, Tip, lost
-from meso_robust.tracking.needle import Needle, fit_needle
+from meso_robust.tracking.needle import SHARED, Needle, fit_needle
 from meso_robust.tracking.tip_fit import Matte, fit_matte, place
 from meso_robust.types import Floats, Image, Ints
 
@@ -26,10 +26,7 @@ LEAST = 8
 _CANVAS = 32  # frames that the part's image is the mean of
 _CLEAR = 12.0  # px from the part where a tip counts as free
 _ROUNDS = 2
-_ALONG, _ACROSS = 0.17, 0.035  # px; what the needle's and the film's simplicity leave
-_SHARED = (
-    3.0  # variance of a tip by grain and compression, which neighbours share, over that by noise
-)
+_ALONG, _ACROSS = 0.10, 0.015  # px; what the needle's and the film's simplicity leave
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
 _UNSEEN = 0.5  # px along the axis, where the part may be in front of the tip but was not found
 _BLOCKED = 1.0  # px along the axis, where the part hides the end of the tip in all frames
@@ -73,6 +70,13 @@ def refined(glimpses: Sequence[Glimpse], needle: Needle, window: Window) -> Refi
         offset = offset + np.mean(tips - starts, axis=0)
         shape = matte.needle
         part = canvas([glimpse_at(glimpses[k], offset) for k in drawn], shape)
+    if shape.at_limit:
+        nothing = np.full((len(glimpses), 2), math.nan)
+        return Refined(
+            tips=nothing,
+            covariances=np.full((len(glimpses), 2, 2), math.nan),
+            remark="what is seen at its tip does not look like a needle",
+        )
     blocked = float(free.max()) < needle.radius + _LEAST_GAP
     found = _each(glimpses, offset, matte, part, window)
     if not blocked:
@@ -88,6 +92,7 @@ def _each(
 ) -> Refined:
     axis = matte.needle.axis
     constant = _ACROSS**2 * np.eye(2) + (_ALONG**2 - _ACROSS**2) * np.outer(axis, axis)
+    constant = constant + matte.common
     unseen = _UNSEEN**2 * np.outer(axis, axis)
     tips, spreads = [], []
     for one in glimpses:
@@ -98,7 +103,7 @@ def _each(
         if part is not None and one.outline is None:
             doubt = doubt + unseen
         tips.append(found.tip)
-        spreads.append(_SHARED * found.covariance + constant + doubt)
+        spreads.append(SHARED * found.covariance + constant + doubt)
     return Refined(tips=np.array(tips), covariances=np.array(spreads), remark="")
 
 
@@ -152,7 +157,8 @@ class ProbeTracker:
         fits = [fit_needle(grey, np.zeros(2), self.needle, used, aside.tolist()) for used in views]
         fit = max(fits, key=lambda one: one.contrast)
         moved = float(np.hypot(*(np.array(fit.needle.tip) - np.array(self.needle.tip))))
-        if fit.contrast < _LEAST_CONTRAST or moved > 4.0 * (1.0 + self.needle.radius):
+        unlike = fit.contrast < _LEAST_CONTRAST or fit.needle.at_limit
+        if unlike or moved > 4.0 * (1.0 + self.needle.radius):
             self._visible = False
             return lost(f"no needle at ({self.needle.tip[0]:.0f}, {self.needle.tip[1]:.0f}) px")
         self.needle = fit.needle

@@ -17,6 +17,7 @@ from reports.tracking.accuracy import (
     motion,
     pushing,
     row,
+    tip_errors,
     tip_row,
     together,
 )
@@ -75,3 +76,22 @@ def test_a_strongly_lit_rim_is_not_taken_for_the_edge() -> None:
     truth = np.append(project(scene.optics, pose[:2]), scene.optics.rotation - pose[2])
     seen = PartTracker(BODY).first(image, truth * [np.nan, np.nan, 1.0])
     assert np.abs(seen.pose - truth)[:2].max() < 0.3
+
+
+PUSHES = {
+    "one flank alone looks like a needle": np.random.SeedSequence(3).spawn(12)[-1].spawn(9)[8],
+    "a scratch of the part is darker than the shaft": np.random.SeedSequence(3)
+    .spawn(12)[-1]
+    .spawn(17)[16],
+    "a blurred needle fits as well that ends sooner": np.random.SeedSequence([77, 66]),
+}
+
+
+@pytest.mark.parametrize("why", PUSHES)
+def test_what_is_like_a_needle_is_not_taken_for_it(why: str) -> None:
+    """Films in which another needle than the true one nearly fits: 1 to 5 px off, or none found."""
+    error, sigma = tip_errors(np.random.default_rng(PUSHES[why]))
+    assert np.isfinite(error).all()
+    assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.6
+    assert np.all(np.abs(error) < 4.0 * sigma)
+    assert np.median(sigma, axis=0).max() < 0.4
