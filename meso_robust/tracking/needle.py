@@ -96,11 +96,7 @@ class Needle:
     @property
     def at_limit(self) -> bool:
         """Whether it is as wide, as sharp, as blurred or as steep as may be; none may well be parallel or level."""
-        return (
-            self.taper >= WIDEST
-            or not SHARPEST < self.blur < BLUREST
-            or self.rise >= STEEPEST
-        )
+        return self.taper >= WIDEST or not SHARPEST < self.blur < BLUREST or self.rise >= STEEPEST
 
     @property
     def numbers(self) -> Floats:
