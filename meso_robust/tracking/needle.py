@@ -94,6 +94,12 @@ class Needle:
         )
 
     @property
+    def ordinary(self) -> Needle:
+        """The needle with the shape that is expected before the image is seen."""
+        taper, log_blur, rise = ORDINARY.tolist()
+        return self.reshaped(taper, math.exp(log_blur), rise)
+
+    @property
     def at_limit(self) -> bool:
         """Whether it is as wide, as sharp, as blurred or as steep as may be; none may well be parallel or level."""
         return self.taper >= WIDEST or not SHARPEST < self.blur < BLUREST or self.rise >= STEEPEST

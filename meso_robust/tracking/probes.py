@@ -62,7 +62,7 @@ def refined(glimpses: Sequence[Glimpse], needle: Needle, window: Window) -> Refi
     drawn = np.unique(np.concatenate([even, chosen[:LEAST]]))
     chosen = _spread(chosen, free)
     offset, part = np.zeros(2), None
-    shape = needle
+    shape = needle.ordinary  # one frame may have been fitted by a blurred needle that ends too soon
     for _ in range(_ROUNDS):
         seen = [backdrop(glimpse_at(glimpses[k], offset), window, shape, part) for k in chosen]
         starts = np.array([glimpses[k].tip for k in chosen]) + offset
