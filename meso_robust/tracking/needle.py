@@ -21,6 +21,15 @@ from meso_robust.types import Floats, Ints
 
 FINER = 3
 """Samples a pixel and direction."""
+ORDINARY = np.array([0.08, 0.0, 0.02])
+"""Taper (rad), log of blur (px) and rise of an etched tungsten needle before the image is seen."""
+SPREAD = np.array([0.03, 0.5, 0.03])
+"""Standard deviations of them: a blunt, blurred needle is else much like a sharp one that ends later."""
+SHARED = 3.0
+"""Variance of what is fitted by grain and compression, which neighbours share, over that by noise."""
+WIDEST, SHARPEST, BLUREST, STEEPEST = 0.5, 0.3, 5.0, 0.2
+"""Limits of taper (rad), blur (px, twice) and rise; a fit that stands at one has found no needle."""
+_GREY = 2.0  # standard deviation of noise, grey values
 _AHEAD, _ALONG, _ASIDE = 9.0, 20.0, 8.0  # px; the piece of the image that the tip is fitted to
 
 
@@ -81,6 +90,31 @@ class Needle:
         axis = math.cos(self.direction), math.sin(self.direction)
         return *self.tip, *axis, math.cos(self.taper), math.sin(self.taper), self.radius
 
+    def reshaped(self, taper: float, blur: float, rise: float) -> Needle:
+        """The needle with another taper, blur and rise, as far as there are such needles."""
+        return replace(
+            self,
+            taper=float(np.clip(taper, 0.0, WIDEST)),
+            blur=float(np.clip(blur, SHARPEST, BLUREST)),
+            rise=float(np.clip(rise, 0.0, STEEPEST)),
+        )
+
+    @property
+    def ordinary(self) -> Needle:
+        """The needle with the shape that is expected before the image is seen."""
+        taper, log_blur, rise = ORDINARY.tolist()
+        return self.reshaped(taper, math.exp(log_blur), rise)
+
+    @property
+    def at_limit(self) -> bool:
+        """Whether it is as wide, as sharp, as blurred or as steep as may be; none may well be parallel or level."""
+        return self.taper >= WIDEST or not SHARPEST < self.blur < BLUREST or self.rise >= STEEPEST
+
+    @property
+    def numbers(self) -> Floats:
+        """(3,) what ORDINARY and SPREAD are of."""
+        return np.array([self.taper, math.log(self.blur), self.rise])
+
     def moved(self, shift: Floats) -> Needle:
         """The needle shifted by (2,) px."""
         return replace(self, tip=(float(self.tip[0] + shift[0]), float(self.tip[1] + shift[1])))
@@ -112,7 +146,7 @@ class Fit:
     covariance
         (2, 2) of its tip, px²; of the noise that the residuals show.
     contrast
-        Difference of film and needle over the standard deviation of the residuals.
+        RMS difference of film and needle over the standard deviation of the residuals.
     """
 
     needle: Needle
@@ -133,7 +167,13 @@ def coverage(needle: Needle, corner: Floats, shape: tuple[int, int]) -> Floats:
     return np.asarray(1.0 - _basis(needle, corner, whole, shape[1])[..., 0])
 
 
-def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None = None) -> Fit:
+def fit_needle(
+    image: Floats,
+    corner: Floats,
+    start: Needle,
+    used: Floats | None = None,
+    aside: Sequence[float] = (0.0,),
+) -> Fit:
     """Fit tip, direction, taper and blur.
 
     Parameters
@@ -146,6 +186,9 @@ def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None
         First guess, right to about two pixels and ten degrees; its radius is kept.
     used
         (h, w) weights, or None for all 1.
+    aside
+        px across the axis by which the start is moved, one after the other; what fits best is kept. One
+        flank of a needle whose middle is as bright as the film looks like a needle of its own.
 
     Returns
     -------
@@ -153,27 +196,33 @@ def fit_needle(image: Floats, corner: Floats, start: Needle, used: Floats | None
         In the frame's pixels.
     """
     piece = _piece(image, corner, start, used)
+    across = np.array([-start.axis[1], start.axis[0]])
 
     def needle(y: Floats) -> Needle:
         x = y - 1.0
-        return replace(
-            start,
-            tip=(start.tip[0] + x[0], start.tip[1] + x[1]),
-            direction=start.direction + 0.1 * x[2],
-            taper=float(np.clip(start.taper + 0.1 * x[3], 0.0, 0.5)),
-            blur=float(np.clip(start.blur * math.exp(x[4]), 0.3, 5.0)),
-            rise=float(np.clip(start.rise + 0.02 * x[5], 0.0, 0.2)),
+        turned = replace(start.moved(x[:2]), direction=start.direction + 0.1 * x[2])
+        return turned.reshaped(
+            start.taper + 0.1 * x[3], start.blur * math.exp(x[4]), start.rise + 0.02 * x[5]
         )
 
+    def miss(y: Floats) -> Floats:
+        tried = needle(y)
+        unusual = (tried.numbers - ORDINARY) / SPREAD
+        return np.append(piece.miss(tried), math.sqrt(SHARED) * _GREY * unusual)
+
     # unknowns about 1: steps of differences are relative, and the image is in single precision
-    found = least_squares(
-        lambda y: piece.miss(needle(y)),
-        np.ones(6),
-        xtol=2e-3,
-        ftol=1e-5,
-        max_nfev=25,
-        diff_step=3e-3,
-    )
+    fits = [
+        least_squares(
+            miss,
+            1.0 + np.append(place * across, np.zeros(4)),
+            xtol=2e-3,
+            ftol=1e-5,
+            max_nfev=25,
+            diff_step=3e-3,
+        )
+        for place in aside
+    ]
+    found = min(fits, key=lambda one: one.cost)
     count = max(int((piece.weight > 0.0).sum()) - 18, 1)
     variance = 2.0 * found.cost / count
     spread = variance * np.linalg.pinv(found.jac.T @ found.jac)[:2, :2]
@@ -238,7 +287,7 @@ def _contrast(piece: Floats, needle: Needle, corner: Floats, noise: float) -> fl
     inside, outside = piece[share > 0.7], piece[share < 0.05]
     if not inside.size or not outside.size:
         return 0.0
-    return float(abs(inside.mean() - np.median(outside)) / max(noise, 0.3))
+    return float(np.sqrt(np.mean((inside - np.median(outside)) ** 2)) / max(noise, 0.3))
 
 
 def _basis(needle: Needle, corner: Floats, columns: Ints, width: int) -> Floats:

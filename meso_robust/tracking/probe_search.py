@@ -18,6 +18,7 @@ SPREAD = 24
 """Frames between which motion is looked for."""
 _TAPER = 0.08  # rad; usual for etched tungsten needles, refined by the fit
 _NEAR, _FAR = 6.0, 50.0  # px along a shaft that are compared with what is beside it
+_SATURATION = 6.0  # grey values by which it differs that count half
 _LEAST_LENGTH = 25.0  # px of shaft in the image
 _WIDEST = 70  # px; of a shaft at the border
 _DARKER = 0.12  # of the brightness beside it
@@ -190,14 +191,10 @@ def _standing_out(smooth: Image, tip: Floats, angle: float) -> float:
     left = _sampled(smooth, tip + along[:, None] * axis + flank[:, None] * aside)
     right = _sampled(smooth, tip + along[:, None] * axis - flank[:, None] * aside)
     # the nearer of the two sides in brightness: a ray along the part's edge differs from one only
-    return float(
-        abs(
-            np.mean(
-                np.minimum(np.abs(left - inside), np.abs(right - inside))
-                * np.sign((left - inside) * (right - inside))
-            )
-        )
-    )
+    differs = np.minimum(np.abs(left - inside), np.abs(right - inside))
+    # saturated: a shaft differs all along its length, a scratch of the part more, but for a while
+    share = differs / (differs + _SATURATION)
+    return float(abs(np.mean(share * np.sign((left - inside) * (right - inside)))))
 
 
 def _sampled(image: Image, points: Floats) -> Floats:

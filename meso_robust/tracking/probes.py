@@ -18,7 +18,7 @@ from meso_robust.kernels import spread
 from meso_robust.tracking.alpha_matting import Window, window_of
 from meso_robust.tracking.backdrop import Canvas, Glimpse, backdrop, canvas, glimpse, glimpse_at
 from meso_robust.tracking.learned import Learned, Tip, lost
-from meso_robust.tracking.needle import Needle, fit_needle
+from meso_robust.tracking.needle import SHARED, Needle, fit_needle
 from meso_robust.tracking.tip_fit import Matte, fit_matte, place
 from meso_robust.types import Floats, Image, Ints
 
@@ -28,9 +28,6 @@ _CANVAS = 32  # frames that the part's image is the mean of
 _CLEAR = 12.0  # px from the part where a tip counts as free
 _ROUNDS = 2
 _ALONG, _ACROSS = 0.17, 0.035  # px; what the needle's and the film's simplicity leave
-_SHARED = (
-    3.0  # variance of a tip by grain and compression, which neighbours share, over that by noise
-)
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
 _UNSEEN = 0.5  # px along the axis, where the part may be in front of the tip but was not found
 _BLOCKED = 1.0  # px along the axis, where the part hides the end of the tip in all frames
@@ -66,7 +63,7 @@ def refined(glimpses: Sequence[Glimpse], needle: Needle, window: Window) -> Refi
     drawn = np.unique(np.concatenate([even, chosen[:LEAST]]))
     chosen = _spread(chosen, free)
     offset, part = np.zeros(2), None
-    shape = needle
+    shape = needle.ordinary  # one frame may have been fitted by a blurred needle that ends too soon
     for _ in range(_ROUNDS):
         seen = [backdrop(glimpse_at(glimpses[k], offset), window, shape, part) for k in chosen]
         starts = np.array([glimpses[k].tip for k in chosen]) + offset
@@ -74,6 +71,13 @@ def refined(glimpses: Sequence[Glimpse], needle: Needle, window: Window) -> Refi
         offset = offset + np.mean(tips - starts, axis=0)
         shape = matte.needle
         part = canvas([glimpse_at(glimpses[k], offset) for k in drawn], shape)
+    if shape.at_limit:
+        nothing = np.full((len(glimpses), 2), math.nan)
+        return Refined(
+            tips=nothing,
+            covariances=np.full((len(glimpses), 2, 2), math.nan),
+            remark="what is seen at its tip does not look like a needle",
+        )
     blocked = float(free.max()) < needle.radius + _LEAST_GAP
     found = _each(glimpses, offset, matte, part, window)
     if not blocked:
@@ -89,6 +93,7 @@ def _each(
 ) -> Refined:
     axis = matte.needle.axis
     constant = _ACROSS**2 * np.eye(2) + (_ALONG**2 - _ACROSS**2) * np.outer(axis, axis)
+    constant = constant + matte.common
     unseen = _UNSEEN**2 * np.outer(axis, axis)
     tips, spreads = [], []
     for one in glimpses:
@@ -99,7 +104,7 @@ def _each(
         if part is not None and one.outline is None:
             doubt = doubt + unseen
         tips.append(found.tip)
-        spreads.append(_SHARED * found.covariance + constant + doubt)
+        spreads.append(SHARED * found.covariance + constant + doubt)
     return Refined(tips=np.array(tips), covariances=np.array(spreads), remark="")
 
 
@@ -148,11 +153,13 @@ class ProbeTracker:
         """Start in a grey frame (H, W); ``outline`` (V, 2) is the part's in seen px, if it is known."""
         # without the part's rim before it, or whole, where the tip touches the part
         views = [None] if outline is None else [_beside(frame, outline), None]
+        aside = (self.needle.radius * np.array([0.0, -1.0, 1.0])).tolist()
         grey = frame.astype(float)
-        fits = spread(lambda used: fit_needle(grey, np.zeros(2), self.needle, used), views)
+        fits = spread(lambda used: fit_needle(grey, np.zeros(2), self.needle, used, aside), views)
         fit = max(fits, key=lambda one: one.contrast)
         moved = float(np.hypot(*(np.array(fit.needle.tip) - np.array(self.needle.tip))))
-        if fit.contrast < _LEAST_CONTRAST or moved > 4.0 * (1.0 + self.needle.radius):
+        unlike = fit.contrast < _LEAST_CONTRAST or fit.needle.at_limit
+        if unlike or moved > 4.0 * (1.0 + self.needle.radius):
             self._visible = False
             return lost(f"no needle at ({self.needle.tip[0]:.0f}, {self.needle.tip[1]:.0f}) px")
         self.needle = fit.needle

@@ -50,6 +50,7 @@ _LOOSEST = 2.5  # px; a larger displacement is no rim
 # compression over those within; set on films of their own
 _OWN_ERROR, _BY_LIGHT, _BY_BLOCKS = 0.1, 0.5, 0.25
 _BLOCK = 8  # px, side of a block
+_ALIEN = 2.0  # standard deviations of a displacement common to all sides, beyond which edges are not the outline's
 _DISTINCT, _DOUBT = 0.2, 2.0  # px between solutions, and decline of their likelihood by their cost
 _LEAST_STEP = 0.4  # of blocks; fine compression smooths their borders and still displaces edges
 
@@ -57,7 +58,8 @@ _LEAST_STEP = 0.4  # of blocks; fine compression smooths their borders and still
 class LampFit(NamedTuple):
     """Displacement (2,) px of a pose from edges by oblique light, and its covariance (2, 2).
 
-    ``doubt`` (2, 2) is the variance that other solutions add, which fit nearly as well.
+    ``doubt`` (2, 2) is the variance that other solutions add, which fit nearly as well, and all that there is
+    before an image is seen if the fit's edges are not where the outline is.
     """
 
     displacement: Floats
@@ -160,7 +162,9 @@ def lamp_displacement(
     if np.hypot(*fit.x[:2]) > _LOOSEST:
         return None
     covariance = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)[:2, :2]
-    doubt = np.zeros((2, 2))
+    # what was met on all sides may be the rim's inner edge: nothing is known of the light then
+    alien = abs(fit.x[2] - _EXPECTED[2]) > _ALIEN * _SPREAD[2]
+    doubt = LAMP_SIGMA**2 * np.eye(2) if alien else np.zeros((2, 2))
     for other in fits:
         away = other.x[:2] - fit.x[:2]
         if np.hypot(*away) > _DISTINCT and np.hypot(*other.x[:2]) < _LOOSEST:

@@ -26,13 +26,18 @@ from meso_robust.tracking.alpha_matting import (
     sharp,
 )
 from meso_robust.tracking.backdrop import Backdrop
-from meso_robust.tracking.needle import FINER, Needle
+from meso_robust.tracking.needle import FINER, ORDINARY, SHARED, SPREAD, Needle
 from meso_robust.types import Floats, Singles
 
 _STEPS = 8
 _TRIED = np.array([0.02, 0.02, 0.02, 0.1])  # steps of the differences of the shape
-_SHAPE_PRIOR = np.array([0.11, 1.0, 1.0, 0.25])  # weak: a step that nothing asks for is not made
+_UNITS = np.array([0.1, 0.1, 1.0, 0.02])  # of direction, taper, log of blur, and rise
 _LINEAR = HALO_COUNT + OWN_COUNT
+# how much a meniscus brightens the film, and how bright a needle is, and how much that changes along it, over the
+# film's: middle and spread before the image is seen; of its direction, which was fitted once, the spread (rad)
+_BRIGHT = np.array([0.0] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.0])
+_BRIGHT_SPREAD = np.array([0.5] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.3])
+_TURN = 0.1
 _REACH = 4.5  # px from the window's middle, beyond which its images do not reach
 _PIXEL = 1.0 / 12.0  # px²; variance of a place within a pixel
 _BOUNDS = np.array([AHEAD, ALONG, ASIDE])
@@ -50,11 +55,14 @@ class Matte:
         (HALO_COUNT + OWN_COUNT,) of its meniscus and of itself, over the film's.
     fine
         (6, h, w) transmission and brightness about the tip, their slopes to the right, then down.
+    common
+        (2, 2) px², covariance of what every tip that is placed with it is off by, as it is not known exactly.
     """
 
     needle: Needle
     brightness: Floats
     fine: Singles
+    common: Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,11 +107,12 @@ def fit_matte(
     shape, places = needle, np.array([_within(*pair) for pair in zip(seen, tips, strict=True)])
     bright = np.concatenate([np.zeros(HALO_COUNT), np.full(OWN_COUNT - 1, 0.4), [0.0]])
     films = np.array([[one.film, 0.0, 0.0] for one in seen])
+    certain = SHARED / np.concatenate([_BRIGHT_SPREAD, np.append(_TURN, SPREAD) / _UNITS]) ** 2
     for count in range(_STEPS):
         fine = _all_layers(shape, bright, window)
-        normal = np.diag(np.concatenate([np.ones(_LINEAR), 0.5 * _SHAPE_PRIOR]))
-        right = np.concatenate([-bright, np.zeros(4)])
-        right[HALO_COUNT:] = 0.0
+        turn = needle.direction - shape.direction
+        other = np.append(turn, ORDINARY - shape.numbers) / _UNITS
+        normal, right = np.diag(certain), certain * np.append(_BRIGHT - bright, other)
         back = []
         for place, film, one in zip(places, films, seen, strict=True):
             own, shared, left, weight = _rows(one, place, film, shape, fine, window)
@@ -123,7 +132,9 @@ def fit_matte(
             places[k] = _within(seen[k], places[k] + np.clip(own_step[:2], -1.0, 1.0))
             films[k] += own_step[2:]
     fine = _with_slopes(blurred(_joined(sharp(shape, window), bright), shape))
-    return Matte(needle=shape, brightness=bright, fine=fine), places
+    led = np.mean([(solved @ cross)[:2] for solved, cross, _ in back], axis=0)
+    common = SHARED * led @ np.linalg.inv(normal) @ led.T
+    return Matte(needle=shape, brightness=bright, fine=fine, common=common), places
 
 
 def place(one: Backdrop, tip: Floats, matte: Matte, window: Window) -> Placed:
@@ -152,12 +163,10 @@ def _within(one: Backdrop, tip: Floats) -> Floats:
 
 
 def _changed(needle: Needle, step: Floats) -> Needle:
-    return replace(
-        needle,
-        direction=needle.direction + 0.1 * float(step[0]),
-        taper=float(np.clip(needle.taper + 0.1 * step[1], 0.0, 0.5)),
-        blur=float(np.clip(needle.blur * math.exp(step[2]), 0.3, 5.0)),
-        rise=float(np.clip(needle.rise + 0.02 * step[3], 0.0, 0.2)),
+    step = step * _UNITS
+    turned = replace(needle, direction=needle.direction + float(step[0]))
+    return turned.reshaped(
+        needle.taper + step[1], needle.blur * math.exp(step[2]), needle.rise + step[3]
     )
 
 

@@ -216,7 +216,7 @@ def _finished(
         notes.append(said)
     if scene.probes is None and not probes:
         notes.append("no probe was seen to move in from the border; give --probe if there is one")
-    places, spreads = _placed(calibration, probes, tips, notes)
+    places, spreads, tip_reasons = _placed(calibration, probes, tips, notes)
     poses = calibration.pose_to_world(np.array([seen.pose for seen in sightings]))
     covariances = calibration.pose_covariance(np.array([seen.covariance for seen in sightings]))
     states = [seen.state for seen in sightings]
@@ -234,7 +234,7 @@ def _finished(
         tip_covariances=spreads,
         states=tuple(states),
         reasons=tuple(reasons),
-        tip_reasons=tuple(tuple(tip.reason for tip in row) for row in tips),
+        tip_reasons=tip_reasons,
         scores=np.array([seen.score for seen in sightings]),
         notes=tuple(notes),
         turns=turns,
@@ -243,17 +243,20 @@ def _finished(
 
 def _placed(
     calibration: Calibration, probes: list[ProbeTracker], tips: list[list[Tip]], notes: list[str]
-) -> tuple[Floats, Floats]:
-    """Tips (T, P, 2) in m and their covariances (T, P, 2, 2) in m²."""
+) -> tuple[Floats, Floats, tuple[tuple[str, ...], ...]]:
+    """Tips (T, P, 2) in m, their covariances (T, P, 2, 2) in m², and why there is none."""
     places = np.full((len(tips), len(probes), 2), math.nan)
     spreads = np.full((len(tips), len(probes), 2, 2), math.nan)
+    reasons = [[tip.reason for tip in row] for row in tips]
     for p, probe in enumerate(probes):
         found = probe.places([row[p] for row in tips])
         if found.remark:
             notes.append(f"{probe.name}: {found.remark}")
         places[:, p] = calibration.to_world(found.tips)
         spreads[:, p] = calibration.point_covariance(found.tips, found.covariances)
-    return places, spreads
+        for k in np.flatnonzero(np.isnan(found.tips[:, 0])):
+            reasons[k][p] = reasons[k][p] or found.remark
+    return places, spreads, tuple(map(tuple, reasons))
 
 
 def _stale(repeats: list[bool], poses: Floats, covariances: Floats) -> list[int]:

@@ -147,6 +147,11 @@ class Result:
         return np.asarray((np.abs(self.error) < NORMAL_90 * self.sigma).mean(axis=0))
 
     @property
+    def ratio(self) -> Floats:
+        """(3,) RMS of errors over their standard deviations."""
+        return np.asarray(np.sqrt(np.mean((self.error / self.sigma) ** 2, axis=0)))
+
+    @property
     def rms(self) -> Floats:
         """(3,)"""
         return np.asarray(np.sqrt((self.error**2).mean(axis=0)))
@@ -303,10 +308,11 @@ def row(r: Result) -> str:
     """One line of the table."""
     degrees = math.degrees
     cover = " / ".join(f"{100 * c:.0f}" for c in r.coverage)
+    ratio = " / ".join(f"{k:.2f}" for k in r.ratio)
     return (
         f"| {r.name} | {len(r.error) + r.lost} | {r.lost} | {r.rms[0]:.3f} | {r.rms[1]:.3f} | "
         f"{degrees(r.rms[2]):.4f} | {r.worst[:2].max():.2f} | {degrees(r.worst[2]):.3f} | {cover} | "
-        f"{1e3 * np.median(r.seconds):.2f} |"
+        f"{ratio} | {1e3 * np.median(r.seconds):.2f} |"
     )
 
 
@@ -315,22 +321,23 @@ HEAD = """# Accuracy of the part tracker
 Rendered video of a 1616 x 837 um part at 5.26 um/px, 640 x 480, noise, blur, texture, meniscus,
 compression and the direction of the light drawn at random for every film; the part rests, then
 moves and turns. Errors against the rendered pose. "Coverage": share of the 90 % intervals of u, v
-and angle that contain the truth. An error is much alike through a film, so it is worth about as many
-draws as there are films: {films} films a condition, so that 90 % are seen as {low:.0f} to {high:.0f} % in 19
+and angle that contain the truth. "Error / sigma": RMS of errors over their stated standard deviations, which tells
+more than the count does; 1 is right. An error is much alike through a film, so it is worth about as many
+draws as there are films: {films} films a condition, so that 90 % are seen as {low:.0f} to {high:.0f} %, and 1 as {less:.2f} to {more:.2f}, in 19
 conditions of 20. The constants of the covariance were set on other films, this is seed {seed}.
 "ms": processor time of the tracker a frame, median, one core, once the face is learned. The part is in sight
 in every frame, so "no pose" should be 0.
 
-| condition | frames | no pose | RMS u, px | RMS v, px | RMS angle, deg | worst, px | worst, deg | coverage u / v / angle, % | ms |
-|---|---|---|---|---|---|---|---|---|---|
+| condition | frames | no pose | RMS u, px | RMS v, px | RMS angle, deg | worst, px | worst, deg | coverage u / v / angle, % | error / sigma | ms |
+|---|---|---|---|---|---|---|---|---|---|---|
 """
 TIPS_HEAD = """
 A probe with a tip of 12.5 um radius comes to the part and pushes it, {films} films of {frames} frames, its taper,
 brightness and defocus drawn at random too; errors along and across its axis. "Alike in a film": RMS of the
 films' mean errors.
 
-| tip | frames | no place | RMS along, px | RMS across, px | along, alike in a film, px | coverage along / across, % |
-|---|---|---|---|---|---|---|
+| tip | frames | no place | RMS along, px | RMS across, px | along, alike in a film, px | coverage along / across, % | error / sigma |
+|---|---|---|---|---|---|---|---|
 """
 
 
@@ -340,14 +347,15 @@ def tip_row(films: list[tuple[Floats, Floats]]) -> str:
         (e[seen], s[seen]) for e, s in films for seen in [np.isfinite(e).all(axis=1)] if seen.any()
     ]
     error = np.concatenate([e for e, _ in kept])
-    inside = np.abs(error) < NORMAL_90 * np.concatenate([s for _, s in kept])
+    pull = error / np.concatenate([s for _, s in kept])
     along, across = np.sqrt((error**2).mean(axis=0))
     alike = math.sqrt(np.mean([e[:, 0].mean() ** 2 for e, _ in kept]))
     frames = sum(len(e) for e, _ in films)
-    cover = " / ".join(f"{100 * c:.0f}" for c in inside.mean(axis=0))
+    cover = " / ".join(f"{100 * c:.0f}" for c in (np.abs(pull) < NORMAL_90).mean(axis=0))
+    ratio = " / ".join(f"{k:.2f}" for k in np.sqrt((pull**2).mean(axis=0)))
     return (
         f"| pushing | {frames} | {frames - len(error)} | {along:.3f} | {across:.3f} | {alike:.3f} | "
-        f"{cover} |"
+        f"{cover} | {ratio} |"
     )
 
 
@@ -379,9 +387,15 @@ def main() -> None:
         tips = list(pool.map(_tips, last.spawn(given.films)))
         results = [one.result() for one in running]
     chance = 100.0 * 1.96 * math.sqrt(0.9 * 0.1 / given.films)
+    apart = 1.96 / math.sqrt(2.0 * given.films)
     lines = [row(r) for r in (*results, together(results))]
     head = HEAD.format(
-        seed=given.seed, films=given.films, low=90.0 - chance, high=min(90.0 + chance, 100.0)
+        seed=given.seed,
+        films=given.films,
+        low=90.0 - chance,
+        high=min(90.0 + chance, 100.0),
+        less=1.0 - apart,
+        more=1.0 + apart,
     )
     text = head + "\n".join(lines) + "\n" + TIPS_HEAD.format(films=given.films, frames=TIP_FRAMES)
     given.out.parent.mkdir(parents=True, exist_ok=True)

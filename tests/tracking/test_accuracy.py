@@ -13,10 +13,12 @@ from reports.tracking.accuracy import (
     BODY,
     CONDITIONS,
     Result,
+    filmed,
     measured,
     motion,
     pushing,
     row,
+    tip_errors,
     tip_row,
     together,
 )
@@ -43,14 +45,17 @@ def test_stated_intervals_are_neither_too_narrow_nor_useless(overall: Result) ->
 def test_the_table_says_what_was_measured() -> None:
     error = np.array([[0.3, -0.4, 0.0], [0.3, 0.4, 0.001]])
     line = row(Result("x", error, np.full((2, 3), 0.2), 1, np.array([1e-3, 3e-3, 5e-3])))
-    assert line == "| x | 3 | 1 | 0.300 | 0.400 | 0.0405 | 0.40 | 0.057 | 100 / 0 / 100 | 3.00 |"
+    assert (
+        line
+        == "| x | 3 | 1 | 0.300 | 0.400 | 0.0405 | 0.40 | 0.057 | 100 / 0 / 100 | 1.50 / 2.00 / 0.00 | 3.00 |"
+    )
 
 
 def test_the_table_of_tips_says_what_was_measured() -> None:
     here, there = np.array([[0.3, 0.0], [0.1, 0.0]]), np.array([[-0.2, 0.1], [np.nan, np.nan]])
     sigma = np.full((2, 2), 0.1)
     line = tip_row([(here, sigma), (there, sigma)])
-    assert line == "| pushing | 4 | 1 | 0.216 | 0.058 | 0.200 | 33 / 100 |"
+    assert line == "| pushing | 4 | 1 | 0.216 | 0.058 | 0.200 | 33 / 100 | 2.16 / 0.58 |"
 
 
 def test_the_probe_meets_the_side_and_pushes() -> None:
@@ -75,3 +80,30 @@ def test_a_strongly_lit_rim_is_not_taken_for_the_edge() -> None:
     truth = np.append(project(scene.optics, pose[:2]), scene.optics.rotation - pose[2])
     seen = PartTracker(BODY).first(image, truth * [np.nan, np.nan, 1.0])
     assert np.abs(seen.pose - truth)[:2].max() < 0.3
+
+
+PUSHES = {
+    "one flank alone looks like a needle": np.random.SeedSequence(3).spawn(12)[-1].spawn(9)[8],
+    "a scratch of the part is darker than the shaft": np.random.SeedSequence(3)
+    .spawn(12)[-1]
+    .spawn(17)[16],
+    "a blurred needle fits as well that ends sooner": np.random.SeedSequence([77, 66]),
+}
+
+
+@pytest.mark.parametrize("why", PUSHES)
+def test_what_is_like_a_needle_is_not_taken_for_it(why: str) -> None:
+    """Films in which another needle than the true one nearly fits: 1 to 5 px off, or none found."""
+    error, sigma = tip_errors(np.random.default_rng(PUSHES[why]))
+    assert np.isfinite(error).all()
+    assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.6
+    assert np.all(np.abs(error) < 4.0 * sigma)
+    assert np.median(sigma, axis=0).max() < 0.4
+
+
+def test_an_edge_that_is_not_the_outline_is_told() -> None:
+    """A rim so bright that it is taken for the edge on all sides: the pose is a px off."""
+    rng = np.random.default_rng([911, 6, 15])
+    first = next(filmed(CONDITIONS["strongly oblique light"], rng, 1))
+    sigma = np.sqrt(np.diag(first.sighting.covariance))
+    assert np.all(np.abs(first.sighting.pose - first.truth) < 3.0 * sigma)

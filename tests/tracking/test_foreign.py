@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from reports.tracking.foreign import LOOKS, SHAPES, Camera, row
+from reports.tracking import foreign
+from reports.tracking.foreign import LOOKS, SHAPES, Camera, Waves, row
 
 PLAIN = replace(LOOKS["bright rim"], rim=0.0, halo=0.0, texture=0.0, noise=0.0)
 POSE = np.array([158.3, 121.7, 0.4])
@@ -30,7 +32,40 @@ def test_a_part_has_its_area_and_lies_where_it_should(shape: str) -> None:
     assert seen == pytest.approx(POSE[:2] + np.array([[c, -s], [s, c]]) @ middle, abs=0.02)
 
 
+def test_a_surface_turns_with_its_part() -> None:
+    """Against cosines taken place by place."""
+    waves, turn = Waves(np.random.default_rng(1)), 0.7
+    u, v = np.linspace(-9.0, 30.0, 5), np.linspace(2.0, 17.0, 4)
+    c, s = math.cos(turn), math.sin(turn)
+    for i, down in enumerate(v):
+        for j, right in enumerate(u):
+            place = np.array([c * right + s * down, c * down - s * right])
+            height = np.cos(place @ waves._k + waves._phase).sum() * math.sqrt(2.0 / 24.0)
+            assert waves.at(u, v, turn)[i, j] == pytest.approx(height, abs=1e-9)
+
+
 def test_the_table_says_what_was_measured() -> None:
-    error = np.array([[0.3, -0.4, 0.0], [0.3, 0.4, 0.001]])
-    sigma = np.array([[0.2, 0.3, 0.01], [0.05, 0.2, 0.01]])
-    assert row("x", error, sigma, 1) == "| x | 3 | 1 | 0.300 | 0.400 | 0.0405 | 50 / 50 / 100 | 1 |"
+    error = np.array([[0.3, -0.4, 0.0], [0.3, 0.4, 0.001], [np.nan] * 3])
+    sigma = np.array([[0.2, 0.3, 0.01], [0.05, 0.2, 0.01], [np.nan] * 3])
+    assert row("x", error, sigma) == "| x | 3 | 1 | 0.300 | 0.400 | 0.0405 | 50 / 50 / 100 | 1 |"
+    assert row("x", error[2:, :2], sigma[2:, :2]) == "| x | 1 | 1 | – | – | – | – |"
+
+
+def test_the_page_grows_with_every_condition(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An error in the second condition leaves the first one's line."""
+    done: list[str] = []
+
+    def one(name: str, place: int, films: int, seed: int) -> str:
+        if done:
+            raise KeyboardInterrupt
+        done.append(f"| {name} {place} {films} {seed} |")
+        return done[0]
+
+    page = tmp_path / "page.md"
+    monkeypatch.setattr(foreign, "pose_row", one)
+    monkeypatch.setattr("sys.argv", ["foreign", "--full", "--seed", "5", "--out", str(page)])
+    with pytest.raises(KeyboardInterrupt):
+        foreign.main()
+    assert page.read_text(encoding="utf-8").endswith("| bright rim 0 12 5 |\n")

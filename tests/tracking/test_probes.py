@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 from meso_robust.errors import InputError
 from meso_robust.microscope import Optics, Part, Probe, Scene, project, render
+from meso_robust.tracking import probes
 from meso_robust.tracking.alpha_matting import window_of
 from meso_robust.tracking.frames import open_frames
 from meso_robust.tracking.learned import Tip
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.probe_search import moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker, refined
+from meso_robust.tracking.tip_fit import Matte, fit_matte
 from tests.tracking.pushes import PART, PIXEL, RADIUS, push, rms
 
 Floats = npt.NDArray[np.float64]
@@ -204,6 +209,30 @@ def test_no_needle_where_it_is_stated() -> None:
     assert "no needle" in tracker.first(drawn(np.zeros((2, 2)))).reason
     assert not tracker.next(drawn(np.zeros((2, 2)))).found
     assert not tracker.mask((480, 640)).any()
+
+
+def test_a_needle_that_stands_at_its_limit_has_no_tips(
+    near_starts: list[tuple[ProbeTracker, list[Tip], Floats]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def widest(*given: Any) -> tuple[Matte, Floats]:
+        matte, tips = fit_matte(*given)
+        return replace(matte, needle=matte.needle.reshaped(0.08, 9.0, 0.02)), tips
+
+    monkeypatch.setattr(probes, "fit_matte", widest)
+    tracker, tips, _ = near_starts[0]
+    found = tracker.places(tips)
+    assert np.isnan(found.tips).all()
+    assert np.isnan(found.covariances).all()
+    assert "does not look like a needle" in found.remark
+
+
+def test_a_smear_is_not_a_needle() -> None:
+    """A needle of its blur would end 6 px from where it begins."""
+    frame = cv2.line(np.full((160, 160), 120.0), (80, 80), (159, 80), 20.0, 9)
+    frame = cv2.GaussianBlur(frame, (0, 0), 9.0) + np.random.default_rng(0).normal(size=frame.shape)
+    tracker = ProbeTracker("p", Needle(tip=(80.0, 80.0), direction=0.0, taper=0.08, radius=R_PX))
+
+    assert "no needle" in tracker.first(np.clip(frame, 0, 255).astype(np.uint8)).reason
 
 
 def test_place_outside_the_image_is_refused(tmp_path: Path) -> None:
