@@ -39,7 +39,7 @@ from meso_robust.wording import up
 
 STATED = 0.9
 """Share of a proved bound that is stated: a checker that encloses in its own way finds another one."""
-STATED_BESIDE = 0.75
+STATED_BESIDE = 0.5
 """The same of how far an idle tip passes: that is what a whole turn leaves of a few um."""
 
 

@@ -51,6 +51,9 @@ COARSE = 2.0  # longer steps where each tip has its own coefficient of friction:
 AT_END = 4096  # boxes for the pose at the end
 ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013
 ROOM_EACH = 0.07  # the same where each tip has its own coefficient of friction; 0.05 was seen
+ROOM_AHEAD = (
+    0.12  # the same along the push, where the slide is all that is uncertain; 0.104 was seen
+)
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
@@ -173,8 +176,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
-    room = ROOM if grip.common else ROOM_EACH
-    post = replace(at_end.pose, x=_roomy(at_end.pose.x, room), y=_roomy(at_end.pose.y, room))
+    ahead, aside = (ROOM, ROOM) if grip.common else (ROOM_AHEAD, ROOM_EACH)
+    post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -223,11 +223,12 @@ def _of_parameter(document: ModelDocument, key: str) -> Standing:
 
 
 def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing:
-    ranges, why = _ranges(document, effect), _unbounded(document, effect)
+    line = LINES.get(effect)
+    placed = () if line is None else line.placed
+    ranges, why = _ranges(document, effect), _unbounded(document, effect, placed)
     sizes = [one.key for one in CATALOGUE[effect].parameters if one.size]
     if not why and all(ranges[key] == OFF for key in sizes):
         return Standing(name=effect, word="off", said="no size but zero is left")
-    line = LINES.get(effect)
     if line is None or line.absorb is None:
         return _broken(effect, line, _size(effect, ranges))
     if ranges.get(FORM, OFF) != OFF:  # the bounds are derived of the first form of a law
@@ -235,16 +236,24 @@ def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing
     if line.even and not budget.slender:
         return _broken(effect, line, ", and the film is not even but for it")
     found = line.absorb(ranges, budget)
+    if budget.capped and found.more_drag:
+        return _broken(
+            effect, line, ", and the cap on contact forces is by the drag of the film alone"
+        )
     if why and found != line.absorb(_anything(effect), budget):
         return _standing(effect, "not identified", line, why)
     return _standing(effect, "absorbed", line, f"{line.why}: {found.said}", found)
 
 
-def _unbounded(document: ModelDocument, effect: str) -> str:
-    """Why a parameter of an effect has no interval: one that was fitted, or a size that was held."""
+def _unbounded(document: ModelDocument, effect: str, placed: Sequence[str]) -> str:
+    """Why a parameter has no interval: one that was fitted, a size that was held, or a place that was not fitted."""
     keys = {f"{effect}.{one.key}": one.size for one in CATALOGUE[effect].parameters}
     held = [key for key, size in keys.items() if size and document.held.get(key, 0.0) != 0.0]
+    held += [f"{effect}.{one}" for one in placed if f"{effect}.{one}" in document.held]
     fitted = [key for key in keys if key in document.parameters]
+    nowhere = [one for one in placed if f"{effect}.{one}" not in {*document.held, *fitted}]
+    if nowhere:
+        return f"{effect}.{nowhere[0]} was not fitted"
     return next((why for key in [*held, *fitted] if (why := unknown(document, key))), "")
 
 

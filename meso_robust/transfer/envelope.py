@@ -52,6 +52,7 @@ def needed(chain: Chain, task: Task, slender: float) -> Budget:
         speed_um_s=speed,
         press=min(press for press, _ in slowest),
         turn_per_um=min(turn for _, turn in slowest),
+        capped=task.probe.max_force_un is not None,
     )
 
 
@@ -91,12 +92,18 @@ def _slowest(step: Step, setup: Setup) -> tuple[float, float]:
 
 
 def _pressing(box: PoseBox, step: Step, setup: Setup) -> tuple[float, Interval, Interval]:
-    """Least speed of the tip against its edge, over its speed; cosine and sine of the edge from the travel."""
+    """Least speed of the tip against its edge, over the one that is commanded; cosine and sine of the edge.
+
+    Both are from the travel. A travel that is shorter than commanded takes as long; a tip that strays may
+    fall behind while it does.
+    """
     frame, u = step.rule.frame, setup.uncertainty
     edge = setup.edge(frame.from_world(step.pre).theta.mid)
     angle = edge.angle(frame.from_world(box).theta) + u.squareness - u.travel_direction
     c, s = cos(angle), sin(angle)
-    return max(0.0, (s + bend_of(u) * c).lo), c, s
+    one = Interval.point(1.0)
+    slow = (one + u.travel_scale) * (one - bend_of(u))
+    return max(0.0, ((s + bend_of(u) * c) * slow).lo), c, s
 
 
 def _turn(box: PoseBox, step: Step, setup: Setup) -> float:

@@ -27,9 +27,6 @@ _DIGITS = 100  # steps of a unit that bounds are rounded up to
 _LEAST_DRAG = 0.05  # over that at the origin: a drag that falls along a line is not taken below it
 _NEARLY = 0.99  # of the place where a lens folds the image over: there roundings count for much
 _MOST_DRY = 1.0  # dry contact over film: nothing is gained by a closer bound of more
-_PROPORTIONS = (
-    "the film lies under a rectangle about the part's centre, with the part's proportions"
-)
 NOTHING: Ends = (0.0, 0.0)
 
 
@@ -50,11 +47,13 @@ class Budget:
     reach_um: float
     """Largest distance of a contact from the part's centre."""
     speed_um_s: float
-    """Of a moving tip."""
+    """Commanded of a moving tip."""
     press: float
-    """Least speed of such a tip against the edge of a part that it alone turns, over its speed."""
+    """Least speed of such a tip against the edge of a part that it alone turns, over what is commanded."""
     turn_per_um: float
-    """Least turn of a part between a moving and a passive tip, rad, per travel."""
+    """Least turn of a part between a moving and a passive tip, rad, per travel as commanded."""
+    capped: bool
+    """Whether contact forces are capped, by the film's stated drag."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +89,8 @@ class Absorbed:
     """By what share the ratio of drags may differ from that of the even film, at every instant."""
     anisotropy: float = 0.0
     """Drag along the axis of the largest over the mean, less one: added for all axes."""
+    more_drag: bool = False
+    """Whether the part may drag more, in all, than the film as stated."""
     friction: Ends = (1.0, 1.0)
     """Factors on the friction of a tip, each tip with its own."""
     drift_um_s: float = 0.0
@@ -103,6 +104,14 @@ class Absorbed:
 
 
 Absorb = Callable[[Ranges, Budget], Absorbed]
+
+
+def _proportions(budget: Budget) -> str:
+    """Of the film that a bound is for; the part may be a little off its own."""
+    return (
+        "the film lies under a rectangle about the part's centre, with the part's proportions as stated, "
+        f"{budget.slender:.4g} to 1"
+    )
 
 
 def spelled(value: float) -> Fraction:
@@ -127,7 +136,9 @@ def _distance(ranges: Ranges, x: str, y: str) -> float:
 
 def drag_scale(_: Ranges, __: Budget) -> Absorbed:
     """A factor on the whole drag, at any time: only ρ enters."""
-    return Absorbed(said="nothing changes: at every instant the motion depends on ρ and μ only")
+    return Absorbed(
+        said="nothing changes: at every instant the motion depends on ρ and μ only", more_drag=True
+    )
 
 
 def part_geometry(ranges: Ranges, _: Budget) -> Absorbed:
@@ -206,6 +217,7 @@ def drag_gradient(ranges: Ranges, budget: Budget) -> Absorbed:
         drag_centre_um=rounded_up(far),
         centre_moves=True,
         ratio_share=share,
+        more_drag=True,
         bounded_by="place",
     )
 
@@ -226,7 +238,8 @@ def shear_thinning(ranges: Ranges, budget: Budget) -> Absorbed:
         drag_centre_um=far,
         centre_moves=True,
         ratio_share=share,
-        condition=_PROPORTIONS,
+        more_drag=True,
+        condition=_proportions(budget),
     )
 
 
@@ -270,9 +283,10 @@ def _dry(ratio: float, budget: Budget) -> Absorbed:
         drag_centre_um=far,
         centre_moves=True,
         ratio_share=share,
+        more_drag=True,
         bounded_by="speed",
-        condition=f"a tip advances at {budget.speed_um_s:g} µm/s or more from its first touch to its stop; and "
-        f"{_PROPORTIONS}",
+        condition=f"a tip is moved at {budget.speed_um_s:g} µm/s or more from its first touch to its stop; and "
+        f"{_proportions(budget)}",
     )
 
 
@@ -286,6 +300,7 @@ def drag_anisotropy(ranges: Ranges, _: Budget) -> Absorbed:
         said=f"drag along two axes different by {up_to(200 * most, 3)} %, and ρ ± {up_to(100 * most, 3)} % more",
         anisotropy=most,
         ratio_share=most,
+        more_drag=True,
     )
 
 

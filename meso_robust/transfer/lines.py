@@ -43,6 +43,8 @@ class Line:
     """How it is absorbed in the task; None: it is not, and nothing is proved."""
     even: bool = False
     """Whether the bound is of a film that nothing else keeps from being even."""
+    placed: tuple[str, ...] = ()
+    """Parameters that say where it is, without which its size is worth nothing."""
 
 
 def _one_point(claim: str, premise: Premise, why: str) -> Line:
@@ -58,7 +60,7 @@ def _tensor(why: str, absorb: Absorb) -> Line:
     )
 
 
-def _uneven(claim: str, why: str, absorb: Absorb) -> Line:
+def _uneven(claim: str, why: str, absorb: Absorb, placed: tuple[str, ...] = ()) -> Line:
     """Of a film that nothing else keeps from being even."""
     return Line(
         premise=Premise.FILM_DRAG,
@@ -67,6 +69,7 @@ def _uneven(claim: str, why: str, absorb: Absorb) -> Line:
         why=why,
         absorb=absorb,
         even=True,
+        placed=placed,
     )
 
 
@@ -133,6 +136,7 @@ LINES: Mapping[str, Line] = {
         "uneven-film-dry",
         "a dry force centred beside the part's centre",
         inflation.uneven_support,
+        ("x_um", "y_um"),
     ),
     "body_force": _one_point(
         "eq-5-normal-force",

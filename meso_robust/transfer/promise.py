@@ -268,6 +268,7 @@ def _first_budget(task: Task, document: ModelDocument, faster: float) -> Budget:
         speed_um_s=faster * task.probe.speed_um_s,
         press=1.0,
         turn_per_um=math.inf,
+        capped=task.probe.max_force_un is not None,
     )
 
 

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from meso_robust.bounds import Interval
 from meso_robust.identification.document import ModelDocument
 from meso_robust.primitives.names import ObligationId
 from meso_robust.transfer import inflation, promise as module
@@ -154,8 +155,54 @@ def test_how_slowly_the_plan_turns_the_part_by_the_law_of_its_orientation() -> N
     )
     assert need.press == pytest.approx(math.cos(most), abs=1e-9)
     assert enough(roomier(need), need)
-    for slower in ({"press": 1.01 * need.press}, {"turn_per_um": 1.01 * need.turn_per_um}):
-        assert not enough(replace(need, **slower), need)
+    assert not enough(replace(need, press=1.01 * need.press), need)
+    assert not enough(replace(need, turn_per_um=1.01 * need.turn_per_um), need)
+
+
+def test_a_probe_that_falls_short_of_its_command_is_slower() -> None:
+    """A travel 4 % shorter takes as long; a path that strays by 1 um in 100 um may be 1 % slower."""
+    chain = paper_chain()
+    u = chain.setup.uncertainty
+    least = {
+        name: needed(
+            replace(chain, setup=replace(chain.setup, uncertainty=replace(u, **changes))),
+            paper_task(),
+            1.9,
+        )
+        for name, changes in {
+            "as it is": {},
+            "short": {"travel_scale": Interval(-0.04, 0.02)},
+            "astray": {"probe_wander": Interval(-1e-6, 1e-6)},
+        }.items()
+    }
+    plain = least["as it is"]
+    assert least["short"].press == pytest.approx(0.96 * plain.press, rel=1e-9)
+    assert least["short"].turn_per_um == pytest.approx(0.96 * plain.turn_per_um, rel=1e-6)
+    assert least["astray"].press < 0.99 * plain.press
+
+
+def test_a_cap_on_forces_is_not_kept_by_a_film_that_drags_more() -> None:
+    for effect, size in {
+        "dry_friction.ratio": (0.02, 0.04),
+        "drag_drift.rate_percent_s": (0.0, 5.0),
+    }.items():
+        document = model({effect: size}, base=BASE)
+        free, capped = (standings(document, budget(capped=one))[-1] for one in (False, True))
+        assert (free.word, capped.word) == ("absorbed", "breaks a premise")
+        assert "cap on contact forces" in capped.said
+
+
+@pytest.mark.parametrize("held", [{}, {"uneven_support.y_um": 0.0}])
+def test_uneven_support_is_not_absorbed_where_nothing_says_at_what_place(
+    held: dict[str, float],
+) -> None:
+    size = {"uneven_support.ratio": (0.01, 0.02), "uneven_support.x_um": (-20.0, 20.0)}
+    word = {
+        bool(more): standings(model({**size, **more}, base=BASE, held=held), budget())[-1].word
+        for more in ({}, {} if held else {"uneven_support.y_um": (-20.0, 20.0)})
+    }
+    assert word[False] == "not identified"
+    assert word.get(True, "absorbed") == "absorbed"
 
 
 @cache
