@@ -98,6 +98,16 @@ def fails_somewhere(of: Bounded, box: Box) -> bool:
     """Whether an output of ``of`` is not positive at one of some points of ``box``, most at its corners.
 
     It costs far less than a proof that is given up, where many are tried.
+
+    Parameters
+    ----------
+    of, box
+        As for `prove_positive`.
+
+    Returns
+    -------
+    bool
+        False says nothing.
     """
     lo, hi = _ends(of, box)
     share = np.clip(np.random.default_rng(0).uniform(-2.0, 3.0, (POINTS, lo.size)), 0.0, 1.0)

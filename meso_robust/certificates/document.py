@@ -39,8 +39,9 @@ from meso_robust.wording import up
 
 STATED = 0.9
 """Share of a proved bound that is stated: a checker that encloses in its own way finds another one."""
-STATED_BESIDE = 0.5
-"""The same of how far an idle tip passes: that is what a whole turn leaves of a few um."""
+STATED_PASSING, STATED_BESIDE = 0.75, 0.5
+"""The same of how far an idle tip passes, which is what a whole turn leaves of a few um: a line, or a
+rectangle's edge in one of two ways."""
 
 
 class NamedDocument(Document):
@@ -321,7 +322,8 @@ def _obligation(obligation: Obligation) -> ObligationDocument:
     proof = obligation.proof
     finite = proof.verdict is Verdict.PROVED and proof.lower < float("inf")
     passes = obligation.name.id == ObligationId.IDLE_TIP_PASSES
-    share = STATED_BESIDE if passes else STATED
+    beside = obligation.inequality is Inequality.BESIDE
+    share = (STATED_BESIDE if beside else STATED_PASSING) if passes else STATED
     return ObligationDocument(
         id=ObligationId(obligation.name.id),
         about=dict(obligation.name.about),

@@ -84,6 +84,11 @@ def known_before(before: Step, own: PoseBox, frame: Frame, there: Setup) -> Leav
         The move just before it, its rule in the world frame.
     own, frame, there
         All poses before the straightening, its axes, and the task seen from them.
+
+    Returns
+    -------
+    Leaves or None
+        In the axes of the straightening.
     """
     if isinstance(before.leaves, Turn):
         return before.leaves if before.rule.frame == frame else None
