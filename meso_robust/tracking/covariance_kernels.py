@@ -28,7 +28,15 @@ def _mirrored(matrix: Floats) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def normal(design: Floats, weight: Floats) -> Floats:
-    """Normal matrix (k, k) of rows (N, k) with weights (N,)."""
+    """Normal matrix (k, k) of rows (N, k) with weights (N,).
+
+    Raises
+    ------
+    ValueError
+        If there is not one weight to each row: what lies beyond an array would be read for weights.
+    """
+    if len(weight) != len(design):
+        raise ValueError("not one weight to each row")
     scaled = np.empty(design.shape)
     for n in range(len(design)):
         for k in range(np.uintp(design.shape[1])):

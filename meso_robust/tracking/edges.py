@@ -172,9 +172,12 @@ def sampled_outline(corners: Floats) -> Outline:
 
 
 def thinned(outline: Outline) -> Outline:
-    """Every second point of an outline."""
-    points, normals, side = outline.points[::2], outline.normals[::2], outline.side[::2]
-    return _outline(outline.corners, points.copy(), normals.copy(), side.copy())
+    """Every second point of each side of an outline: no side goes without any."""
+    first = np.searchsorted(outline.side, outline.side)
+    kept = (np.arange(len(outline.side)) - first) % 2 == 0
+    return _outline(
+        outline.corners, outline.points[kept], outline.normals[kept], outline.side[kept]
+    )
 
 
 def _outline(corners: Floats, p: Floats, n: Floats, side: Ints) -> Outline:

@@ -131,8 +131,6 @@ def _support(design: Floats, visible: Flags, agrees: Flags) -> float:
     size = np.sqrt(np.maximum(whole.diagonal(), 1e-12))
     unit = whole / size / size[:, None] + 1e-9 * np.eye(3)
     part = normal(design, agrees.astype(float)) / size / size[:, None]
-    if not np.isfinite(part).all():  # nothing of the outline was seen
-        return 0.0
     return float(np.linalg.eigvals(np.linalg.solve(unit, part)).real.min())
 
 

@@ -141,7 +141,7 @@ class PartTracker:
             if np.hypot(*(fit.pose[:2] - pose[:2])) > 2.0 * within:
                 break
             pose = fit.pose
-        return judged(piece, self._outline, fit, self._memory, self._lens)
+        return judged(piece, points, fit, self._memory, self._lens)
 
     def _search(self, frame: Bytes, mask: Bytes | None, near: Floats | None) -> Sighting:
         corners = self._outline.corners

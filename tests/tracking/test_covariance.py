@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from meso_robust.tracking.covariance import SIDE_SHARE, clustered, fused, systematic, turned
 from meso_robust.tracking.edges import rotation, sampled_outline
@@ -27,6 +28,12 @@ def test_clustered_errors_are_reported_as_large_as_they_are() -> None:
     actual = np.var(solutions, axis=0)
     assert np.all(np.abs(np.mean(stated, axis=0) / actual - 1.0) < 0.25)
     assert np.all(np.mean(usual, axis=0) < 0.3 * actual)
+
+
+def test_weights_of_another_outline_are_refused() -> None:
+    """Compiled sums would read on behind the last of them."""
+    with pytest.raises(ValueError, match="one weight to each row"):
+        clustered(np.ones((12, 4)), np.ones(6), np.ones(12), np.arange(0, 12, 2))
 
 
 def test_displaced_sides_are_reported() -> None:

@@ -13,12 +13,15 @@ from scipy.optimize import OptimizeResult
 from meso_robust.tracking import rim
 from meso_robust.tracking.edge_pattern import single_step
 from meso_robust.tracking.edges import (
+    CORNER,
+    SPACING,
     Lens,
     edge_fit,
     learned_pattern,
     placed,
     robust_fit,
     sampled_outline,
+    thinned,
 )
 from meso_robust.tracking.memory import untaught
 from meso_robust.tracking.rim import LampFit, block_step, lamp_displacement
@@ -80,6 +83,17 @@ def test_outward_normals_and_the_design_agree_with_a_moved_outline() -> None:
         for k, motion in enumerate(1e-6 * np.eye(3)):
             shift = np.sum((placed(outline.points, motion) - outline.points) * outline.normals, 1)
             assert np.allclose(shift / 1e-6, outline.design[:, k], atol=1e-3)
+
+
+def test_an_outline_with_fewer_points_keeps_every_side() -> None:
+    short = sampled_outline(
+        np.array([[0.0, 0.0], [63.5, 0.0], [63.5, 2.0 * CORNER + 1.5 * SPACING], [0.0, 40.0]])
+    )
+    fewer = thinned(short)
+    assert np.count_nonzero(short.side == 1) == 1
+    assert set(fewer.side) == set(short.side)
+    assert len(fewer.points) < 0.6 * len(short.points)
+    assert len(fewer.modes) == len(short.modes)
 
 
 def test_outliers_along_a_part_of_one_side_do_not_move_the_fit() -> None:
