@@ -88,12 +88,12 @@ def paper() -> Plan:
 
 
 def runs(plan: Plan, radius: tuple[float, float] | None = None) -> Outcome:
-    return outcome_of(plan, drawn(plan, 8, np.random.default_rng(5), radius))
+    return outcome_of(plan, drawn(plan, 4, np.random.default_rng(5), radius))
 
 
 def test_a_proved_plan_holds_with_the_tips_that_it_is_proved_for_and_with_no_others() -> None:
     assert runs(paper()).outside == 0
-    assert runs(paper(), (12.5, 12.5)).outside >= 6
+    assert runs(paper(), (12.5, 12.5)).outside >= 3
 
 
 def test_a_box_that_is_too_small_is_noticed() -> None:
