@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import Literal
 
 from flint import arb, ctx
 
 from meso_robust.checker import margin as margins, words
+from meso_robust.checker.aside import aside
 from meso_robust.checker.chain import holds_side, passages, within
 from meso_robust.checker.document import Certificate, HexPair, StepDocument
 from meso_robust.checker.evidence import check_evidence
@@ -84,6 +86,7 @@ def check(
     *,
     thorough: bool = False,
     prover: Prover = PLAIN,
+    two: bool = False,
 ) -> Answer:
     """Verify everything that a certificate claims.
 
@@ -95,6 +98,8 @@ def check(
         Whether the factor of each uncertainty alone is verified as well.
     prover
         Proves the moves.
+    two
+        Whether another process may verify the margin meanwhile, if there is a core for it.
 
     Returns
     -------
@@ -103,13 +108,18 @@ def check(
     """
     with ctx.workprec(BITS):
         try:
-            return _check(certificate, digest, task, thorough, prover)
+            return _check(certificate, digest, task, thorough, prover, two)
         except Refused as refused:
             return Answer(verdict="REJECTED", claims=certificate.verdict, refused=refused)
 
 
 def _check(
-    certificate: Certificate, digest: str, task: Task, thorough: bool, prover: Prover
+    certificate: Certificate,
+    digest: str,
+    task: Task,
+    thorough: bool,
+    prover: Prover,
+    two: bool,
 ) -> Answer:
     if certificate.digest != digest:
         raise Refused(named(Objection.DIGEST), certificate.digest, digest)
@@ -128,8 +138,10 @@ def _check(
     _check_shape(certificate)
     margins.check_form(certificate.margin, uncertainties(known))
     boxes = _boxes(certificate, known)
-    _check_steps(certificate, known, boxes, prover)
-    margins.check_factor(certificate, task, alone=thorough, prover=prover)
+    with aside(certificate, task, alone=thorough) if two else nullcontext(bool) as verified:
+        _check_steps(certificate, known, boxes, prover)
+        if not verified():
+            margins.check_factor(certificate, task, alone=thorough, prover=prover)
     not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
     claims = words.claim(task, len(certificate.policy))
     granted = {one.value: words.PREMISES[one] for one in premises(task)}

@@ -1,0 +1,117 @@
+"""The margin verified by another process: it is believed if it says yes, and never for anything else."""
+
+from __future__ import annotations
+
+import copy
+import json
+import signal
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from meso_robust.checker import aside as asides, margin as margins
+from meso_robust.checker.aside import aside, cores
+from meso_robust.checker.document import Certificate
+from meso_robust.checker.prover import Prover
+from meso_robust.checker.reading import digest, parse_certificate
+from meso_robust.checker.verdict import Answer, check
+from tests.conftest import paper_task
+
+Document = dict[str, Any]
+TASK = paper_task()
+
+
+@pytest.fixture(autouse=True)
+def _two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(asides, "cores", lambda: 2)
+
+
+def read(document: Document) -> tuple[Certificate, str]:
+    sealed = {**document, "task_hash": TASK.hash, "task": TASK.name}
+    sealed["digest"] = digest(sealed)
+    return parse_certificate(json.dumps(sealed), "test", TASK)
+
+
+def exaggerated(document: Document) -> Document:
+    found = copy.deepcopy(document)
+    margin = found["margin"]
+    margin["factor"], margin["refused_at"] = 1.9, 1.95
+    margin["each_alone"] = dict.fromkeys(margin["each_alone"], 2.0)
+    return found
+
+
+def says(document: Document) -> bool:
+    with aside(read(document)[0], TASK, alone=False) as verified:
+        return verified()
+
+
+def test_only_a_margin_that_holds_is_said_to(document: Document) -> None:
+    assert says(document)
+    assert not says(exaggerated(document))
+
+
+@pytest.mark.parametrize("program", ["absent", "dies", "talks"])
+def test_a_process_that_cannot_say_so_is_not_believed(
+    document: Document, program: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = tmp_path / program
+    if program != "absent":
+        here.write_text("#!/bin/sh\n" + ("exit 1\n" if program == "dies" else "echo verified\n"))
+        here.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(here))
+    assert not says(document)
+
+
+def test_on_one_core_none_is_begun(document: Document, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(asides, "cores", lambda: 1)
+    monkeypatch.setattr(sys, "executable", "nothing may be started")
+    assert not says(document)
+    assert cores() >= 1
+
+
+def answer(document: Document, monkeypatch: pytest.MonkeyPatch) -> tuple[Answer, list[float]]:
+    """The answer, and the factors that were verified in this process."""
+    here: list[float] = []
+    own = margins.check_factor
+
+    def counted(certificate: Certificate, *args: Any, **more: Any) -> None:
+        here.append(certificate.margin.factor)
+        own(certificate, *args, **more)
+
+    monkeypatch.setattr(margins, "check_factor", counted)
+    return check(*read(document), TASK, prover=Prover(), two=True), here
+
+
+def test_a_certificate_is_verified_by_both(
+    document: Document, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, here = answer(document, monkeypatch)
+    assert (found.verdict, here) == ("VERIFIED", [])
+
+
+def test_a_margin_that_is_refused_is_refused_here(
+    document: Document, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, here = answer(exaggerated(document), monkeypatch)
+    assert found.refused is not None
+    assert (found.refused.name.key, here) == ("value: margin.factor", [1.9])
+
+
+def test_no_process_outlives_a_check_that_ends_early(
+    document: Document, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, own = [], asides._begun
+
+    def kept(*given: Any) -> Any:
+        begun.append(own(*given))
+        return begun[-1]
+
+    monkeypatch.setattr(asides, "_begun", kept)
+    with suppress(KeyError), aside(read(document)[0], TASK, alone=False):
+        raise KeyError
+    (process,) = begun
+    assert process is not None
+    assert process.returncode == -signal.SIGKILL  # not waited for
