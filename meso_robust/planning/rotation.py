@@ -7,6 +7,7 @@ tilt is straightened, so it is chosen last, such that this is the goal.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -28,6 +29,12 @@ FINE_SCOUT = 1.0  # the same where what is left of the tilt decides whether a pu
 LONGEST = 0.6  # widths of the part by which the active tip may pass the passive one
 SHORTER_UM = 15.0  # from one push that is tried to the next
 HEIGHTS = (-0.05, -0.025, 0.0, 0.025)  # of half the length: the pair over the part, where it may be
+CLOSER_UM = (
+    6.0,
+    3.0,
+    0.0,
+)  # than the estimate of the smallest separation, which is on the safe side
+EASED_UM = (24.0, 12.0)  # by how much shorter than the longest a push is that will do
 CLOSE_ENOUGH_UM = 3.0  # of the goal in y
 MOST_TRIALS = 6  # ends of the push; effort of the search, no proof rests on it
 
@@ -98,7 +105,8 @@ def rotate_and_finish(
             return None
         turned = _turn(separation, pre, setup)
         if turned is not None:
-            return _finish(*turned, pre, setup, finish, fine(setup) * close_um)
+            reached = _finish(*turned, pre, setup, finish, fine(setup) * close_um)
+            return _eased(reached, setup, finish) if reached and setup.may_slip else reached
     return None
 
 
@@ -194,6 +202,23 @@ def _finish(
     return reached
 
 
+def _eased(reached: tuple[Step, E], setup: Setup, finish: Finish[E]) -> tuple[Step, E]:
+    """The same with a shorter push, if that will do: a tip that slides has more of its edge left then."""
+    longest, pre = reached[0].rule, reached[0].pre
+    for shorter in EASED_UM:
+        end = from_part(longest.dual_end.offset_um + fine(setup) * shorter)
+        turned = certify_rotation(replace(longest, dual_end=end), pre, setup)
+        if turned.verdict is Verdict.PROVED and turned.post is not None:
+            finished = finish(turned.post)
+            if (
+                finished is not None
+                and finished.post is not None
+                and finished.post.within(setup.goal)
+            ):
+                return turned, finished
+    return reached
+
+
 def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
     """Where the longest push ends and which height of the pair leads to the goal (coarse)."""
     u, goal = setup.uncertainty, units.to_um(setup.goal.y.mid)
@@ -223,19 +248,20 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
 
 
 def _farthest(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
-    """The height of the pair at which the push can be longest, wherever the part ends."""
+    """The pair with which the push can be longest, the closest one, wherever the part ends."""
     half_length, width = (units.to_um(side.mid) for side in (setup.half_length, setup.half_width))
     found: list[_Choice] = []
-    for share in HEIGHTS:
+    for closer, share in itertools.product(CLOSER_UM, HEIGHTS):
         tried = _Choice(
-            separation=separation,
+            separation=separation - fine(setup) * closer,
             h_end=-LONGEST * 2.0 * width,
-            middle=units.to_um(pre.y.mid) + share * half_length,
+            # the passive tip comes closer, the active one stays
+            middle=units.to_um(pre.y.mid) + share * half_length + 0.5 * fine(setup) * closer,
         )
         ends = reach(_rule(tried, pre, setup), pre, setup, FINE_SCOUT)
         if ends is not None:
             found.append(replace(tried, h_end=units.to_um(ends.h)))
-    return min(found, key=lambda one: one.h_end, default=None)
+    return min(found, key=lambda one: (one.separation, one.h_end), default=None)
 
 
 def _direction(h: float, separation: float, width: float) -> tuple[float, float]:
