@@ -25,7 +25,11 @@ _BESIDE, _AHEAD = 4.5, 7.0  # px of film beside and ahead of the needle
 _SEGMENT = 30.0  # px along the shaft within which the film's brightness changes evenly
 _HALOS = 1.5, 4.0  # px from the needle, over which its meniscus fades
 _CLEAR = 4  # power of what shows of the film that makes it film
-_ROUNDS, _TUKEY, _LEAST_LEFT = 3, 7.0, 0.3  # of leaving out dust: weights vanish at so many medians, grey values
+_ROUNDS, _TUKEY, _LEAST_LEFT = (
+    3,
+    7.0,
+    0.3,
+)  # of leaving out dust: weights vanish at so many medians, grey values
 _EDGE = 8  # px; the part's rim and meniscus reach as far
 _SMALL = 0.015  # px, step that ends Gauss-Newton
 _LEAST_SCORE = 0.6
@@ -200,7 +204,9 @@ class Learned:
 
         Its flanks alone, which hardly change along it, hold it where the film behind was learned.
         """
-        model, there = drawn(self._grey.astype(float), self.corner.astype(float), self.needle, self._seen)
+        model, there = drawn(
+            self._grey.astype(float), self.corner.astype(float), self.needle, self._seen
+        )
         self._drawn = there & ~self._seen
         self._grey[self._drawn] = model[self._drawn]
         self._known = self._rows_of(self._seen | self._drawn)
