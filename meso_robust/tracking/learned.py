@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from meso_robust.tracking.edge_profile import behind
-from meso_robust.tracking.needle import Needle, coverage, drawn, fit_needle
+from meso_robust.tracking.needle import Needle, alone, coverage, fit_needle
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 LEARNED = 40
@@ -25,11 +25,8 @@ _BESIDE, _AHEAD = 4.5, 7.0  # px of film beside and ahead of the needle
 _SEGMENT = 30.0  # px along the shaft within which the film's brightness changes evenly
 _HALOS = 1.5, 4.0  # px from the needle, over which its meniscus fades
 _CLEAR = 4  # power of what shows of the film that makes it film
-_ROUNDS, _TUKEY, _LEAST_LEFT = (
-    3,
-    7.0,
-    0.3,
-)  # of leaving out dust: weights vanish at so many medians, grey values
+_ROUNDS = 3  # of leaving out dust
+_TUKEY, _LEAST_LEFT = 7.0, 0.3  # medians of what is left at which weights vanish; grey values
 _EDGE = 8  # px; the part's rim and meniscus reach as far
 _SMALL = 0.015  # px, step that ends Gauss-Newton
 _LEAST_SCORE = 0.6
@@ -204,7 +201,7 @@ class Learned:
 
         Its flanks alone, which hardly change along it, hold it where the film behind was learned.
         """
-        model, there = drawn(
+        model, there = alone(
             self._grey.astype(float), self.corner.astype(float), self.needle, self._seen
         )
         self._drawn = there & ~self._seen
@@ -212,7 +209,8 @@ class Learned:
         self._known = self._rows_of(self._seen | self._drawn)
 
     def _rows_of(self, flags: Flags) -> Flags:
-        return flags.ravel()[self._rows]
+        """(N,) of flags (h, w), those of the pixels that are followed."""
+        return np.asarray(flags.ravel()[self._rows])
 
     def _see(self, seen: Flags) -> None:
         """Note which pixels (h, w) are known."""
@@ -246,6 +244,8 @@ class Learned:
         share = self._clear**_CLEAR
         weight = share * self._known
         film, trust = weight > 0.5, weight
+        if not film.any():
+            return self._grey
         for _ in range(_ROUNDS):
             scaled = beside.T * trust
             gram = scaled @ beside + 1e-2 * np.eye(beside.shape[1])

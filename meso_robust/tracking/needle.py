@@ -15,7 +15,7 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
+from scipy.optimize import least_squares
 
 from meso_robust.types import Flags, Floats, Ints
 
@@ -30,7 +30,6 @@ SHARED = 3.0
 WIDEST, SHARPEST, BLUREST, STEEPEST = 0.5, 0.3, 5.0, 0.2
 """Limits of taper (rad), blur (px, twice) and rise; a fit that stands at one has found no needle."""
 _GREY = 2.0  # standard deviation of noise, grey values
-_REWEIGHTED, _TUKEY = 2, 7.0  # rounds; medians of what is left at which weights vanish
 _AHEAD, _ALONG, _ASIDE = 9.0, 20.0, 8.0  # px; the piece of the image that the tip is fitted to
 
 
@@ -206,23 +205,25 @@ def fit_needle(
             start.taper + 0.1 * x[3], start.blur * math.exp(x[4]), start.rise + 0.02 * x[5]
         )
 
-    def miss(y: Floats, piece: _Piece) -> Floats:
+    def miss(y: Floats) -> Floats:
         tried = needle(y)
         unusual = (tried.numbers - ORDINARY) / SPREAD
         return np.append(piece.miss(tried), math.sqrt(SHARED) * _GREY * unusual)
 
-    def fitted(begin: Floats, piece: _Piece) -> OptimizeResult:
-        return least_squares(
-            miss, begin, xtol=2e-3, ftol=1e-5, max_nfev=25, diff_step=3e-3, args=(piece,)
-        )
-
     # unknowns about 1: steps of differences are relative, and the image is in single precision
-    fits = [fitted(1.0 + np.append(place * across, np.zeros(4)), piece) for place in aside]
+    fits = [
+        least_squares(
+            miss,
+            1.0 + np.append(place * across, np.zeros(4)),
+            xtol=2e-3,
+            ftol=1e-5,
+            max_nfev=25,
+            diff_step=3e-3,
+        )
+        for place in aside
+    ]
     found = min(fits, key=lambda one: one.cost)
-    for _ in range(_REWEIGHTED):
-        piece = piece.trusted(needle(found.x))
-        found = fitted(found.x, piece)
-    count = max(float((piece.weight**2).sum()) - 18.0, 1.0)
+    count = max(int((piece.weight > 0.0).sum()) - 18, 1)
     variance = 2.0 * found.cost / count
     spread = variance * np.linalg.pinv(found.jac.T @ found.jac)[:2, :2]
     best = needle(found.x)
@@ -233,7 +234,7 @@ def fit_needle(
     )
 
 
-def drawn(image: Floats, corner: Floats, needle: Needle, used: Flags) -> tuple[Floats, Flags]:
+def alone(image: Floats, corner: Floats, needle: Needle, used: Flags) -> tuple[Floats, Flags]:
     """(h, w) a piece of a frame as it would be with nothing but a needle and film, and where that is known.
 
     ``corner`` (u, v) is the piece's first pixel, ``used`` (h, w) where it shows nothing else.
@@ -272,13 +273,6 @@ class _Piece:
         weight = self.weight[counts]
         flat, target = basis[counts] * weight[:, None], self.grey[counts] * weight
         return np.asarray(flat @ _brightness(flat, target) - target)
-
-    def trusted(self, needle: Needle) -> _Piece:
-        """The piece without what a needle does not explain, such as dust at its side (Tukey)."""
-        size, weight = np.abs(self.miss(needle)), self.weight.copy()
-        limit = _TUKEY * max(float(np.median(size)), 0.1)
-        weight[weight > 0.0] *= np.maximum(1.0 - (size / limit) ** 2, 0.0)
-        return replace(self, weight=weight)
 
 
 def _brightness(flat: Floats, target: Floats) -> Floats:
