@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from meso_robust.tracking.edge_profile import behind
-from meso_robust.tracking.needle import Needle, coverage, fit_needle
+from meso_robust.tracking.needle import Needle, alone, coverage, fit_needle
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 LEARNED = 40
@@ -23,6 +23,10 @@ LEARNED = 40
 _LENGTH = 110.0  # px of shaft that are followed
 _BESIDE, _AHEAD = 4.5, 7.0  # px of film beside and ahead of the needle
 _SEGMENT = 30.0  # px along the shaft within which the film's brightness changes evenly
+_HALOS = 1.5, 4.0  # px from the needle, over which its meniscus fades
+_CLEAR = 4  # power of what shows of the film that makes it film
+_ROUNDS = 3  # of leaving out dust
+_TUKEY, _LEAST_LEFT = 7.0, 0.3  # medians of what is left at which weights vanish; grey values
 _EDGE = 8  # px; the part's rim and meniscus reach as far
 _SMALL = 0.015  # px, step that ends Gauss-Newton
 _LEAST_SCORE = 0.6
@@ -102,9 +106,15 @@ class Learned:
         self._fading = np.stack([right.ravel(), down.ravel()], axis=1)[self._rows]
         self._film = _film_basis(clear, s, n)[:, inside]
         self._film = self._film[np.abs(self._film).sum(axis=1) > 1.0]
+        away = np.maximum(distance[inside], 0.0)
+        self._halo = np.stack([np.ones(len(away)), *(np.exp(-away / reach) for reach in _HALOS)])
         self._grey = frame[low[1] : high[1], low[0] : high[0]].astype(np.float32)
         self._counts = np.zeros(self.shape, np.float32)
-        self._see(self._free_of(outline, np.zeros(2)))
+        self._seen = self._free_of(outline, np.zeros(2))
+        self._known = self._rows_of(self._seen)
+        self._drawn = np.zeros(self.shape, np.bool_)
+        if not self._known.all():
+            self._draw()
         self._slopes()
 
     def register(self, frame: Image, start: Floats, outline: Floats | None) -> Tip:
@@ -186,9 +196,25 @@ class Learned:
         covariance = covariance + np.outer(axis, axis)
         return place, covariance, "never seen free of the part"
 
+    def _draw(self) -> None:
+        """Put the needle as it was fitted where the part was too near to see it.
+
+        Its flanks alone, which hardly change along it, hold it where the film behind was learned.
+        """
+        model, there = alone(
+            self._grey.astype(float), self.corner.astype(float), self.needle, self._seen
+        )
+        self._drawn = there & ~self._seen
+        self._grey[self._drawn] = model[self._drawn]
+        self._known = self._rows_of(self._seen | self._drawn)
+
+    def _rows_of(self, flags: Flags) -> Flags:
+        """(N,) of flags (h, w), those of the pixels that are followed."""
+        return np.asarray(flags.ravel()[self._rows])
+
     def _see(self, seen: Flags) -> None:
         """Note which pixels (h, w) are known."""
-        self._seen, self._known = seen, seen.ravel()[self._rows]
+        self._seen, self._known = seen, self._rows_of(seen | self._drawn)
 
     def _tip_inside(self, frame: Image, shift: Floats) -> bool:
         place = np.array(self.needle.tip) + shift
@@ -211,13 +237,33 @@ class Learned:
             cv2.polylines(reached, [local], True, 1, 2 * _EDGE + 1, cv2.LINE_8, 4)
         return np.asarray(reached == 0)
 
+    def _even(self) -> Singles:
+        """(h, w) the learned image on even film: what is behind stays where it is, and would hold the needle."""
+        beside = np.einsum("kn,fn->nkf", self._film, self._halo).reshape(len(self._rows), -1)
+        grey, even = self._grey.ravel()[self._rows], self._grey.copy()
+        share = self._clear**_CLEAR
+        weight = share * self._known
+        film, trust = weight > 0.5, weight
+        if not film.any():
+            return self._grey
+        for _ in range(_ROUNDS):
+            scaled = beside.T * trust
+            gram = scaled @ beside + 1e-2 * np.eye(beside.shape[1])
+            left = grey - beside @ np.linalg.solve(gram, scaled @ grey)
+            limit = _TUKEY * max(float(np.median(np.abs(left[film]))), _LEAST_LEFT)
+            trust = weight * np.maximum(1.0 - (left / limit) ** 2, 0.0) ** 2
+        # the mean of more frames has less of each one's film in it, and then shows the meniscus better than this
+        even.ravel()[self._rows] -= share * left / np.maximum(self._counts.ravel()[self._rows], 1.0)
+        return even
+
     def _slopes(self) -> None:
-        smooth = cv2.GaussianBlur(self._grey, (0, 0), 0.6)
+        even = self._even()
+        smooth = cv2.GaussianBlur(even, (0, 0), 0.6)
         slopes = [
             -np.asarray(cv2.Scharr(smooth, cv2.CV_32F, *order)).ravel()[self._rows] / 32.0
             for order in ((1, 0), (0, 1))
         ]
-        own = self._grey.ravel()[self._rows]
+        own = even.ravel()[self._rows]
         self._columns = np.vstack([own[None], *(s[None] for s in slopes), self._film]).T
         self._columns = np.ascontiguousarray(self._columns, np.float32)
 

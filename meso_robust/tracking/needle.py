@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 from scipy.optimize import least_squares
 
-from meso_robust.types import Floats, Ints
+from meso_robust.types import Flags, Floats, Ints
 
 FINER = 3
 """Samples a pixel and direction."""
@@ -234,6 +234,21 @@ def fit_needle(
     )
 
 
+def alone(image: Floats, corner: Floats, needle: Needle, used: Flags) -> tuple[Floats, Flags]:
+    """(h, w) a piece of a frame as it would be with nothing but a needle and film, and where that is known.
+
+    ``corner`` (u, v) is the piece's first pixel, ``used`` (h, w) where it shows nothing else.
+    """
+    piece, whole = _piece(image, corner, needle, None), np.full(image.shape, math.nan)
+    u, v = np.rint(piece.corner - corner).astype(int)
+    inner = np.s_[v : v + piece.grey.shape[0], u : u + piece.grey.shape[1]]
+    basis = _basis(needle, piece.corner, piece.columns, piece.grey.shape[1])
+    counts, near = (piece.weight > 0.0) & used[inner], piece.weight > 0.0
+    share = _brightness(basis[counts], piece.grey[counts])
+    whole[inner][near] = basis[near] @ share
+    return whole, np.isfinite(whole)
+
+
 def nearest_needle(image: Floats, starts: Sequence[Needle]) -> Needle:
     """The one of some needles that explains a whole image (H, W) best around the first one."""
     piece = _piece(image, np.zeros(2), starts[0], None)
@@ -257,9 +272,14 @@ class _Piece:
         counts = self.weight > 0.0
         weight = self.weight[counts]
         flat, target = basis[counts] * weight[:, None], self.grey[counts] * weight
-        # a little ridge: a halo or a brightness that the data do not tell is taken as none
-        gram = flat.T @ flat + 1e-3 * np.eye(flat.shape[1])
-        return np.asarray(flat @ np.linalg.solve(gram, flat.T @ target) - target)
+        return np.asarray(flat @ _brightness(flat, target) - target)
+
+
+def _brightness(flat: Floats, target: Floats) -> Floats:
+    """(K,) that explain grey values (N,) best by images (N, K)."""
+    # a little ridge: a halo or a brightness that the data do not tell is taken as none
+    gram = flat.T @ flat + 1e-3 * np.eye(flat.shape[1])
+    return np.asarray(np.linalg.solve(gram, flat.T @ target))
 
 
 def _piece(image: Floats, corner: Floats, start: Needle, used: Floats | None) -> _Piece:

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
-from meso_robust.microscope import project, render
+from meso_robust.microscope import Scene, project, render
+from meso_robust.microscope.frame import irradiance
 from meso_robust.tracking.pose import PartTracker
 from reports.tracking.accuracy import (
+    AROUND_TIP,
     BODY,
     CONDITIONS,
+    PIXEL,
     Result,
     filmed,
+    least_along,
     measured,
     motion,
     pushing,
@@ -54,8 +60,39 @@ def test_the_table_says_what_was_measured() -> None:
 def test_the_table_of_tips_says_what_was_measured() -> None:
     here, there = np.array([[0.3, 0.0], [0.1, 0.0]]), np.array([[-0.2, 0.1], [np.nan, np.nan]])
     sigma = np.full((2, 2), 0.1)
-    line = tip_row([(here, sigma), (there, sigma)])
-    assert line == "| pushing | 4 | 1 | 0.216 | 0.058 | 0.200 | 33 / 100 | 2.16 / 0.58 |"
+    line = tip_row([(here, sigma, 0.03), (there, sigma, 0.04)])
+    assert line == "| pushing | 4 | 1 | 0.216 | 0.035 | 0.058 | 0.200 | 33 / 100 | 2.16 / 0.58 |"
+
+
+def test_a_fit_to_the_renderers_own_images_errs_by_the_least_possible() -> None:
+    """Noise drawn 400 times, the place along the axis by the parabola of what five true images leave."""
+    rng = np.random.default_rng(4)
+    scene, _, (tip, *_) = pushing(rng)
+    at = np.rint(project(scene.optics, tip)).astype(int)
+    near = np.s_[at[1] - 23 : at[1] + 24, at[0] - 23 : at[0] + 24]
+    v, u = np.mgrid[-23:24, -23:24]
+    disc = np.hypot(u, v) < AROUND_TIP
+    way = scene.probes[0].direction
+
+    def image(along: float, across: float = 0.0, of: Scene = scene) -> npt.NDArray[np.float64]:
+        c, s = math.cos(way), math.sin(way)
+        moved = tip + PIXEL * np.array([c * along - s * across, s * along + c * across])
+        seen = irradiance(of, np.full(3, np.nan), moved[None])
+        return np.asarray(seen[near][disc], dtype=float)
+
+    truth = image(0.0)
+    sigma = np.sqrt(scene.exposure.shot_noise * truth + scene.exposure.read_noise**2 + 1.0 / 12.0)
+    film = truth - image(0.0, of=replace(scene, oil=replace(scene.oil, brightness=0.2)))
+    free = np.stack(
+        [image(0.0, 0.1) - truth, film, film * u[disc], film * v[disc]], axis=1
+    ) / sigma[:, None]  # fmt: skip
+    kept = np.eye(len(truth)) - free @ np.linalg.pinv(free)
+    places = np.linspace(-0.2, 0.2, 5)
+    noise = rng.standard_normal((400, len(truth)))
+    left = [(((truth - image(s)) / sigma + noise) @ kept) for s in places]
+    curve = np.polynomial.polynomial.polyfit(places, [np.sum(k**2, axis=1) for k in left], 2)
+    found = -0.5 * curve[1] / curve[2]
+    assert found.std() == pytest.approx(least_along(scene, tip), rel=0.15)
 
 
 def test_the_probe_meets_the_side_and_pushes() -> None:
@@ -94,7 +131,7 @@ PUSHES = {
 @pytest.mark.parametrize("why", PUSHES)
 def test_what_is_like_a_needle_is_not_taken_for_it(why: str) -> None:
     """Films in which another needle than the true one nearly fits: 1 to 5 px off, or none found."""
-    error, sigma = tip_errors(np.random.default_rng(PUSHES[why]))
+    error, sigma, _ = tip_errors(np.random.default_rng(PUSHES[why]))
     assert np.isfinite(error).all()
     assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.6
     assert np.all(np.abs(error) < 4.0 * sigma)

@@ -13,16 +13,16 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.errors import InputError
-from meso_robust.microscope import Optics, Part, Probe, Scene, project, render
+from meso_robust.microscope import Exposure, Oil, Optics, Part, Probe, Scene, project, render
 from meso_robust.tracking import probes
 from meso_robust.tracking.alpha_matting import window_of
 from meso_robust.tracking.frames import open_frames
-from meso_robust.tracking.learned import Tip
+from meso_robust.tracking.learned import Learned, Tip
 from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.probe_search import moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker, refined
 from meso_robust.tracking.tip_fit import Matte, fit_matte
-from tests.tracking.pushes import PART, PIXEL, RADIUS, push, rms
+from tests.tracking.pushes import HALF_SHORT, PART, PIXEL, RADIUS, push, rms
 
 Floats = npt.NDArray[np.float64]
 R_PX = RADIUS / PIXEL
@@ -238,3 +238,29 @@ def test_a_smear_is_not_a_needle() -> None:
 def test_place_outside_the_image_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="outside the image"):
         needle_at(drawn(np.zeros((2, 2))), np.array([700.0, 10.0]), R_PX)
+
+
+@pytest.fixture(scope="module")
+def dim() -> Scene:
+    """A needle not much darker than the film, and compression."""
+    look = {"half_angle": 0.09, "brightness": 0.15, "highlight": 0.2}
+    return Scene(
+        part=Part(outline=PART),
+        probes=(Probe(tip_radius=RADIUS, direction=1.45, **look),),
+        exposure=Exposure(jpeg_quality=80),
+    )
+
+
+@pytest.mark.parametrize("seed", [2, 4])
+def test_what_is_behind_a_needle_does_not_hold_it(dim: Scene, seed: int) -> None:
+    """The end of the tip is before the part's edge, its flanks before a film with texture, in the one frame learned."""
+    scene, rng = replace(dim, oil=Oil(seed=seed)), np.random.default_rng(seed)
+    axis, outline = np.array([math.cos(1.45), math.sin(1.45)]), project(Optics(), PART)
+    tips = [1e-4, HALF_SHORT] + (8.0 - 1.2 * np.arange(4)[:, None]) * PIXEL * axis
+    truth = project(Optics(), tips)
+    frames = [render(scene, np.zeros(3), tip[None], rng) for tip in tips]
+    needle = Needle(tip=(truth[0, 0], truth[0, 1]), direction=-1.45, taper=0.09, radius=R_PX)
+    learned = Learned(frames[0], needle, outline)
+    for frame, tip in zip(frames[1:], truth[1:], strict=True):
+        off = learned.register(frame, np.zeros(2), outline).shift - (tip - truth[0])
+        assert np.hypot(*off) < 0.5
