@@ -245,7 +245,7 @@ def scatter(path: Floats) -> Floats:
     spread = [roughness(one[:, None]) ** 2 for one in (x, y, x + y, x - y)]
     turn = 0.5 * math.atan2(0.5 * (spread[2] - spread[3]), spread[0] - spread[1])
     axes = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
-    return axes * np.array([[roughness(path @ axis[:, None])] for axis in axes])
+    return np.asarray(axes * np.array([[roughness(path @ axis[:, None])] for axis in axes]))
 
 
 def _chosen(stated: float | None, estimated: float | None) -> tuple[float | None, Source]:
