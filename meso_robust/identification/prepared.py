@@ -15,7 +15,7 @@ from meso_robust.identification.touching import distances, freed
 from meso_robust.recordings import Recording, RecordingSet, unwrapped
 from meso_robust.recordings.contact import OVERLAP, gaps
 from meso_robust.recordings.direct.straight import path_sigma
-from meso_robust.recordings.noise import estimated_sensor, roughness
+from meso_robust.recordings.noise import estimated_sensor, roughness, scatter
 from meso_robust.simulator import Point, Round
 from meso_robust.simulator.outline import thickness
 from meso_robust.simulator.tips import Tip
@@ -330,7 +330,7 @@ def _motion(
             "shaking tip from a noisy one; state sensor.position_sigma_um in set.toml"
         )
     if seen_by_camera:
-        times, flat = smoothed(times, flat, max(roughness(flat), EXACT))
+        times, flat = _smoothed_as_seen(times, flat)
     elif shaking > CORNER:
         times, flat = smoothed(times, flat, shaking)
     else:
@@ -338,6 +338,17 @@ def _motion(
         kept = thinned(times, flat, EXACT)
         times, flat = times[kept], flat[kept]
     return times, flat.reshape(len(times), -1, 2)
+
+
+def _smoothed_as_seen(times: Floats, flat: Floats) -> tuple[Floats, Floats]:
+    """Corners of seen paths (S, 2 P) m, each weighed by its own scatter, which is largest along the needle."""
+    paths = flat.reshape(len(flat), -1, 2).transpose(1, 0, 2)
+    axes = np.array([scatter(path) for path in paths])
+    size = np.linalg.norm(axes, axis=2, keepdims=True)
+    axes *= np.where(size > EXACT, 1.0, EXACT / np.maximum(size, 1e-3 * EXACT))
+    white = np.concatenate(list(paths @ np.linalg.inv(axes)), axis=1)
+    times, white = smoothed(times, white, 1.0)
+    return times, np.concatenate(list(np.array(np.split(white, len(axes), axis=1)) @ axes), axis=1)
 
 
 def _tip_offset(recordings: RecordingSet, sigmas: Sigmas) -> float:

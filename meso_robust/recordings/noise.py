@@ -13,6 +13,7 @@ that repeat the one before bit by bit count once.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -221,6 +222,30 @@ def roughness(path: Floats) -> float:
         return 0.0
     rough = np.diff(path, n=3, axis=0)
     return float(np.sqrt(np.median(rough**2) / (_MEDIAN_CHI2 * _THIRD)))
+
+
+def scatter(path: Floats) -> Floats:
+    """What is not smooth from one sample to the next, apart along the two directions that it differs most in.
+
+    A tip is seen much better across its needle than along it. By medians, as `roughness`: the covariance of two
+    coordinates is a quarter of the difference between the variances of their sum and difference (Gnanadesikan and
+    Kettenring, doi:10.2307/2528963), which gives the directions, and the variances are taken along these.
+
+    Parameters
+    ----------
+    path
+        (S, 2) coordinates in m, evenly sampled.
+
+    Returns
+    -------
+    Floats
+        (2, 2) m; a row is a direction of unit length, times the standard deviation along it.
+    """
+    x, y = path.T
+    spread = [roughness(one[:, None]) ** 2 for one in (x, y, x + y, x - y)]
+    turn = 0.5 * math.atan2(0.5 * (spread[2] - spread[3]), spread[0] - spread[1])
+    axes = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    return np.asarray(axes * np.array([[roughness(path @ axis[:, None])] for axis in axes]))
 
 
 def _chosen(stated: float | None, estimated: float | None) -> tuple[float | None, Source]:

@@ -16,7 +16,7 @@ SIDE_TILT = 1.3
 """Displacement of a side's ends by its tilt, relative to that of the side as a whole."""
 LAMP_SIGMA = 0.5
 """px; by how much oblique light displaces a part, along each axis, before the image is seen."""
-LAMP_FLOOR = 0.02
+LAMP_FLOOR = 0.015
 """px; what the rim model (:mod:`meso_robust.tracking.rim`) gets wrong however well it fits."""
 
 

@@ -19,6 +19,7 @@ LEARNING = 12
 """Frames that the appearance is learned from; after that it is kept, so that it cannot drift."""
 LAMP_FRAMES = 4
 """Frames in which the displacement by oblique light is measured."""
+_MEDIAN = 1.2  # variance of a median of few over that of their mean
 _REBUILT = 4  # frames between two templates while learning
 
 
@@ -64,15 +65,29 @@ class Memory:
     def _lamp(self) -> tuple[Floats, Floats]:
         if not self.lamps:
             return np.zeros(2), LAMP_SIGMA**2 * np.diag([1.0, 1.0, 0.0])
-        middle = np.median([fit.displacement for fit in self.lamps], axis=0)
+        seen = np.array([fit.displacement for fit in self.lamps])
         mean = np.mean([fit.covariance for fit in self.lamps], axis=0)
-        return np.asarray(middle), lamp_covariance(mean + self.lamps[0].doubt)
+        share = _averaged(seen, mean)
+        return np.median(seen, axis=0), lamp_covariance(share * mean + self.lamps[0].doubt)
 
     @property
     def anchor_covariance(self) -> Floats:
         """(3, 3) of the place that the appearance was learned at."""
         # neighbouring frames share half of their errors
         return self.edge_covariance / max(0.5 * self.frames, 1.0)
+
+
+def _averaged(seen: Floats, covariance: Floats) -> float:
+    """What is left of the covariance (2, 2) of each of some displacements (n, 2) in their median.
+
+    Noise differs from frame to frame, and that share of their variance averages out; what grain, dust and the
+    model do is the same in all.
+    """
+    count = len(seen)
+    if count < 2:
+        return 1.0
+    own = float(np.var(seen, axis=0, ddof=1).sum()) / max(float(np.trace(covariance)), 1e-12)
+    return 1.0 - min(own, 1.0) * (1.0 - _MEDIAN / count)
 
 
 def untaught(corners: Floats) -> Memory:

@@ -38,10 +38,12 @@ _LAG, _ALIKE = (
 )  # bins between values that are compared, and px over which what varies is alike
 _OWN = 0.6  # share of a side's own variation, the rest being the mean of all: 20 px tell little
 _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
-# displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px): middle and spread
-# of what etched foil under a 4x objective shows; they bind only where the image says nothing
+# displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px), and how round the
+# chamfer is: middle and spread of what parts under a 4x objective show; they bind only where the image says nothing
 _EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
-_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 0.35, 0.4, 0.5])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 1.0, 0.4, 0.5])
+_CHAMFER, _FORM = 4, (4, 6)
+_FOIL = 0.35  # spread of the log of the chamfer among etched foils, whose rims are seen wider than the blur
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
 _UNEVEN = 0.03  # change of the film's brightness over 10 px, by which sides may differ
@@ -161,7 +163,6 @@ def lamp_displacement(
     fit = min(fits, key=lambda one: one.cost)
     if np.hypot(*fit.x[:2]) > _LOOSEST:
         return None
-    covariance = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)[:2, :2]
     # what was met on all sides may be the rim's inner edge: nothing is known of the light then
     alien = abs(fit.x[2] - _EXPECTED[2]) > _ALIEN * _SPREAD[2]
     doubt = LAMP_SIGMA**2 * np.eye(2) if alien else np.zeros((2, 2))
@@ -169,7 +170,21 @@ def lamp_displacement(
         away = other.x[:2] - fit.x[:2]
         if np.hypot(*away) > _DISTINCT and np.hypot(*other.x[:2]) < _LOOSEST:
             doubt += math.exp(_DOUBT * (fit.cost - other.cost)) * np.outer(away, away) / len(fits)
-    return LampFit(-fit.x[:2], _scatter(frame, fit.x[:2]) * covariance, doubt)
+    found = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)
+    covariance = _scatter(frame, fit.x[:2]) * found[:2, :2] + _by_form(found)
+    return LampFit(-fit.x[:2], covariance, doubt)
+
+
+def _by_form(covariance: Floats) -> Floats:
+    """(2, 2) of a displacement by what is not known of the rim's form, from the covariance of all unknowns.
+
+    A lit rim that is narrower than the blur looks like a displaced edge, and how far that is hangs on its form. In
+    rims that are seen as wide as those of foil this is in `_scatter`; what is left grows as their width is told worse.
+    """
+    form = list(_FORM)
+    shared = covariance[:2, form]
+    part = shared @ np.linalg.pinv(covariance[np.ix_(form, form)], hermitian=True) @ shared.T
+    return np.asarray(covariance[_CHAMFER, _CHAMFER] / _FOIL**2 * part)
 
 
 def _scatter(frame: Bytes, displacement: Floats) -> float:

@@ -11,6 +11,7 @@ from meso_robust.identification.identify import identify
 from meso_robust.identification.prepared import prepare
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.direct.straight import path_sigma
+from meso_robust.recordings.noise import scatter
 from tests.diagnosis.conftest import small_set
 from tests.identification.sets import UM
 
@@ -101,3 +102,48 @@ def test_a_stated_noise_counts_and_stamps_do_too(clean: RecordingSet) -> None:
     jitter = shaking(clean, 0.01 * UM, late=3e-3)
     # the tips go 75 or 225 µm/s
     assert 0.1 * UM < path_sigma(jitter) < 0.9 * UM
+
+
+@pytest.mark.parametrize("turn", [-1.2, 0.1, 0.6, 1.5])
+def test_a_scatter_is_told_along_the_needle_and_across_it(turn: float) -> None:
+    rng, along = np.random.default_rng(3), np.array([np.cos(turn), np.sin(turn)])
+    noise = rng.normal(size=(4000, 2)) * [0.4 * UM, 0.1 * UM]
+    times = np.arange(4000)[:, None]
+    path = noise @ np.array([along, [-along[1], along[0]]]) + 2.0 * UM * np.abs(times - 1700.3)
+
+    longest, shortest = scatter(path)
+
+    assert np.hypot(*longest) == pytest.approx(0.4 * UM, rel=0.05)
+    assert np.hypot(*shortest) == pytest.approx(0.1 * UM, rel=0.05)
+    assert abs(longest @ along) == pytest.approx(np.hypot(*longest), rel=1e-3)
+
+
+def test_a_tip_seen_worse_along_its_needle_does_not_shake(clean: RecordingSet) -> None:
+    """Its path is one of a few legs; taken alike in all directions, what is worst seen was motion."""
+    rng, turn = np.random.default_rng(2), 1.3
+    axes = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    seen = replace(
+        clean,
+        position_source="camera",
+        recordings=tuple(
+            replace(
+                one,
+                probes=one.probes
+                + rng.normal(size=one.probes.shape) * [0.5 * UM, 0.05 * UM] @ axes,
+            )
+            for one in clean.recordings
+        ),
+    )
+    exact, noisy = prepare(clean), prepare(seen)
+    for times, path, at, way in zip(
+        noisy.times, noisy.waypoints, exact.times, exact.waypoints, strict=True
+    ):
+        clock = np.linspace(at[0], at[-1], 200)
+        away = np.array(
+            [
+                np.interp(clock, times, path[:, 0, k]) - np.interp(clock, at, way[:, 0, k])
+                for k in range(2)
+            ]
+        )
+        assert np.sqrt(np.mean((axes[0] @ away) ** 2)) < 0.2 * UM
+        assert np.sqrt(np.mean((axes[1] @ away) ** 2)) < 0.1 * UM

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from meso_robust.tracking.covariance import SIDE_SHARE, clustered, fused, systematic, turned
 from meso_robust.tracking.edges import rotation, sampled_outline
+from meso_robust.tracking.memory import untaught
+from meso_robust.tracking.rim import LampFit
 from tests.tracking.drawing import CORNERS
 
 OUTLINE = sampled_outline(CORNERS)
@@ -72,6 +76,20 @@ def test_of_what_was_measured_only_the_change_is_left() -> None:
     stated = sides.covariance(now, sides.displacement(before))
     assert np.allclose(np.diag(stated) / left.var(axis=0), 1.0, atol=0.1)
     assert np.abs(sides.covariance(before, sides.displacement(before))[:2]).max() < 1e-12
+
+
+def test_what_differs_from_frame_to_frame_averages_out() -> None:
+    """A displacement measured in four frames, of which half of the variance is noise of the frame."""
+    rng, each, none = np.random.default_rng(4), 0.2**2 * np.eye(2), np.zeros((2, 2))
+    errors, stated = [], []
+    for _ in range(2000):
+        common = rng.normal(0.0, 0.2 * np.sqrt(0.5), 2)
+        seen = common + rng.normal(0.0, 0.2 * np.sqrt(0.5), (4, 2))
+        memory = replace(untaught(CORNERS), lamps=tuple(LampFit(d, each, none) for d in seen))
+        errors.append(memory.lamp)
+        stated.append(np.diag(memory.lamp_covariance)[:2])
+    ratio = np.mean(stated, axis=0) / np.var(errors, axis=0)
+    assert np.all((ratio > 0.9) & (ratio < 1.15))
 
 
 def test_two_estimates_are_weighted_by_their_information() -> None:

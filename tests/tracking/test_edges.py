@@ -153,6 +153,18 @@ def test_a_round_chamfer_is_told_from_a_straight_one() -> None:
     assert np.abs((edges - POSE)[:2] - fit.displacement).max() < 0.06
 
 
+@pytest.mark.parametrize("azimuth", [0.4, 2.0, -1.0])
+def test_a_rim_narrower_than_the_blur_is_not_taken_for_one_of_foil(azimuth: float) -> None:
+    """It looks like a displaced edge: by how much is told less well, and said to be."""
+    lamp = 60.0 * np.array([math.cos(azimuth), math.sin(azimuth)])
+    drawn = obliquely_lit(POSE, lamp, blur=1.2, width=0.8)
+    image = digitised(drawn, np.random.default_rng(3), 1.0)
+    fit = lamp_displacement(image, None, sampled_outline(CORNERS), POSE, Lens())
+    assert fit is not None
+    assert np.abs(fit.displacement).max() < 0.12
+    assert np.abs(fit.displacement / np.sqrt(np.diag(fit.covariance))).max() < 2.0
+
+
 def test_lines_along_a_side_displace_the_light_no_more_than_is_stated() -> None:
     """As rolling leaves them: alike along a side, different from line to line."""
     rng = np.random.default_rng(6)
