@@ -428,7 +428,8 @@ def resist_dry(
     out
         (3,) receives ``K v − D(v)``.
     """
-    aged, laid = _aged(effects, age), _laid(effects)
+    aged = _aged(effects, age)
+    laid, part, stage = _laid(effects, heading)
     # sums in numbers of their own: an array might be one of those that are read
     k0, k1, k2, k3, k4, k5, o0, o1, o2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(points.shape[0]):
@@ -439,7 +440,7 @@ def resist_dry(
         hx, hy = ux * slow, uy * slow
         c, film, drop = _strength(points, i, effects, slope, aged, m)
         if laid:
-            film += points[i, 3] * _lays(effects, heading, hx, hy)
+            film += points[i, 3] * _lays(effects, part, stage, hx, hy)
         dry[i, _SLOW], dry[i, _ALONG], dry[i, _ALONG + 1], dry[i, _MOST] = slow, hx, hy, c
         a = c * (1.0 + _RIDGE) * slow + film - drop * hx * hx
         b = -drop * hx * hy
@@ -464,9 +465,17 @@ def resist_dry(
 
 
 @inner
-def _laid(effects: Floats) -> bool:
-    """Whether a lay acts against the slip."""
-    return bool(effects[_PART_LAY_FORM] != 0.0 or effects[_STAGE_LAY_FORM] != 0.0)
+def _laid(
+    effects: Floats, heading: tuple[float, float]
+) -> tuple[bool, tuple[float, float], tuple[float, float]]:
+    """Whether a lay acts against the slip, and directions of those of part and stage, body frame."""
+    part, stage = effects[_PART_LAY_ANGLE], effects[_STAGE_LAY_ANGLE]
+    cos, sin = np.cos(stage), np.sin(stage)
+    return (
+        bool(effects[_PART_LAY_FORM] != 0.0 or effects[_STAGE_LAY_FORM] != 0.0),
+        (np.cos(part), np.sin(part)),
+        (heading[0] * cos + heading[1] * sin, heading[0] * sin - heading[1] * cos),
+    )
 
 
 @inner
@@ -481,26 +490,23 @@ def _aged(effects: Floats, age: float) -> float:
 
 
 @inner
-def _lays(effects: Floats, heading: tuple[float, float], ux: float, uy: float) -> float:
+def _lays(
+    effects: Floats, part: tuple[float, float], stage: tuple[float, float], ux: float, uy: float
+) -> float:
     """Drag over the film's, less one, of both lays that act against a slip of a direction (body frame)."""
     more = 0.0
     if effects[_PART_LAY_FORM] != 0.0:
-        more += _ellipse(effects[_PART_LAY], effects[_PART_LAY_ANGLE], ux, uy)
+        more += _ellipse(effects[_PART_LAY], part, ux, uy)
     if effects[_STAGE_LAY_FORM] != 0.0:
-        cos, sin = heading
-        wx, wy = cos * ux - sin * uy, sin * ux + cos * uy
-        more += _ellipse(effects[_STAGE_LAY], effects[_STAGE_LAY_ANGLE], wx, wy)
+        more += _ellipse(effects[_STAGE_LAY], stage, ux, uy)
     return more
 
 
 @inner
-def _ellipse(fraction: float, angle: float, ux: float, uy: float) -> float:
+def _ellipse(fraction: float, axis: tuple[float, float], ux: float, uy: float) -> float:
     """Friction ellipse of axes ``1 ± a``, the larger along a direction, less one."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    along, across = (
-        (1.0 + fraction) * (cos * ux + sin * uy),
-        (1.0 - fraction) * (cos * uy - sin * ux),
-    )
+    along = (1.0 + fraction) * (axis[0] * ux + axis[1] * uy)
+    across = (1.0 - fraction) * (axis[0] * uy - axis[1] * ux)
     # of a part at rest, that slips nowhere, the film as it is
     rest = max(1.0 - ux * ux - uy * uy, 0.0)
     return float(np.sqrt(along * along + across * across + rest) - 1.0)
