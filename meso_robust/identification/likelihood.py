@@ -28,10 +28,7 @@ from meso_robust.identification.problem import (
 from meso_robust.types import Flags, Floats, Ints
 
 _GOOD = 0.3  # share of the expected fall of χ² that shows that derivatives still do
-_LADDER = (0.1, 1.0, 10.0)  # of dampings: the first, and where it disappoints the others
-_ENOUGH = (
-    0.8  # share of the expected fall, with which the boldest step of the ladder is taken at once
-)
+_LADDER = (0.1, 1.0, 10.0)  # dampings that are tried at once
 _HARDEST = 1e7  # damping at which a fit is given up as converged
 _FARTHEST = 1.0  # largest step of a coordinate
 
@@ -154,8 +151,7 @@ class _Descent:
         self.damping[which] = np.clip(self.damping[which] * factor, 1e-9, 2.0 * _HARDEST)
         _put(self.present, which[better], found.of(better))
         poor = gain < _GOOD * hoped
-        least = settings.flat * problem.misfit(own)
-        flat = (gain < least) & (better | (hoped < least))
+        flat = (gain < settings.flat) & (better | (hoped < settings.flat))
         ended = (flat & fresh) | (self.damping[which] > _HARDEST)
         self.active[which] = ~ended
         self.stale[which] = (poor | flat | (not settings.chord)) & ~ended & (better | ~fresh)
@@ -168,23 +164,16 @@ def _best_step(
     """The best of the steps on the ladder of dampings, its rung, and the fall of χ² hoped for."""
     moving = problem.moving(fits, arrow.pull(), free)
     steps = [arrow.step(damping * rung, moving) for rung in _LADDER]
-    hopes = np.stack([arrow.fall(*step) for step in steps])
-    rung = np.zeros(len(fits), dtype=np.int64)
-
-    def tried(rungs: Ints, rows: Ints) -> Fits:
-        shared, own = (np.stack(part)[rungs, rows] for part in zip(*steps, strict=True))
-        return problem.tried(fits.of(rows), np.clip(shared, -_FARTHEST, _FARTHEST), own, free[rows])
-
-    found = tried(rung, np.arange(len(fits)))
-    poor = np.flatnonzero(fits.chi2 - found.chi2 < _ENOUGH * hopes[0])
-    if poor.size:
-        rest = np.repeat(np.arange(1, len(_LADDER)), len(poor))
-        others = tried(rest, np.tile(poor, len(_LADDER) - 1))
-        costs = np.vstack([found.chi2[poor], others.chi2.reshape(-1, len(poor))])
-        rung[poor] = np.argmin(costs, axis=0)
-        better = np.flatnonzero(rung[poor])
-        _put(found, poor[better], others.of((rung[poor][better] - 1) * len(poor) + better))
-    return found, rung, hopes[rung, np.arange(len(fits))]
+    count, rungs = len(fits), len(_LADDER)
+    found = problem.tried(
+        fits.of(np.tile(np.arange(count), rungs)),
+        np.clip(np.concatenate([shared for shared, _ in steps]), -_FARTHEST, _FARTHEST),
+        np.concatenate([own for _, own in steps]),
+        np.tile(free, (rungs, 1)),
+    )
+    rung = np.argmin(found.chi2.reshape(rungs, count), axis=0)
+    hoped = np.stack([arrow.fall(*step) for step in steps])[rung, np.arange(count)]
+    return found.of(rung * count + np.arange(count)), rung, hoped
 
 
 def _put(present: Fits, rows: Ints, found: Fits) -> None:

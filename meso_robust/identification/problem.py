@@ -37,8 +37,7 @@ class Settings:
     central
         Whether differences are central; one-sided ones cost half and see kinks from one side.
     flat
-        Fall of χ² in one iteration below which a fit has converged; of a fit with a misfit beyond the
-        noise, times the mean square of its residuals, by which its parameters are less certain, too.
+        Fall of χ² in one iteration below which a fit has converged.
     chord
         Whether old derivatives will do as long as χ² falls: cheap, where the first are good.
     closing
@@ -257,10 +256,6 @@ class Problem:
             residuals=residuals,
             outcomes=found.outcomes,
         )
-
-    def misfit(self, fits: Fits) -> Floats:
-        """(B,) mean squares of the residuals over the noise, at least one."""
-        return np.asarray(np.maximum(fits.chi2 / max(self.prepared.counts.sum(), 1), 1.0))
 
     def arrow(self, fits: Fits, jacobian: Floats) -> Arrow:
         """Normal equations from derivatives (B, R, 3 T, n + d) and present residuals."""

@@ -3,11 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from scipy.stats import chi2
 
-from meso_robust.identification import problem
-from meso_robust.identification.forward import predicted
 from meso_robust.identification.identify import Identification, maximised
 from meso_robust.identification.likelihood import Settings, fit
 from meso_robust.identification.models import three_point, viscous
@@ -72,38 +69,6 @@ def test_fits_from_far_apart_meet_and_a_held_parameter_stays(film_set: Recording
     held = fit(prepared, MODEL, away, NOISE, held=np.array([True, False]))
     np.testing.assert_array_equal(held.fits.values[:, 0], away[:, 0])
     assert np.all(held.fits.chi2[:2] > found.fits.chi2[:2] + 100.0)
-
-
-def test_a_step_that_does_what_is_hoped_for_is_tried_alone(
-    film_set: RecordingSet, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
-    near = np.array([[1.05 * RHO, 0.95 * MU]])
-    known = fit(prepared, MODEL, near, replace(NOISE, most=1))
-    tried: list[int] = []
-
-    def counted(*given: object, **more: object) -> object:
-        tried.append(len(given[2]))  # type: ignore[arg-type]
-        return predicted(*given, **more)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(problem, "predicted", counted)
-    found = fit(prepared, MODEL, near, replace(NOISE, chord=True, most=2), jacobian=known.jacobian)
-    assert found.fits.chi2[0] < known.fits.chi2[0]
-    assert tried == [1, 1, 1]  # where it starts, and two steps
-
-
-def test_a_fall_within_the_misfit_ends_a_fit(film_set: RecordingSet) -> None:
-    """A tenth of the noise makes all of χ² a hundredfold, which tells nothing more."""
-    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
-    found = fit(prepared, MODEL, np.array([[RHO, MU]]), NOISE)
-    told = np.sqrt(np.diag(np.linalg.inv(found.information[0])))
-    near = MODEL.values(MODEL.coordinates(found.fits.values) + [0.3, 0.0] * told)
-    tenth = replace(NOISE, position=0.1 * NOISE.position, orientation=0.1 * NOISE.orientation)
-    again = fit(prepared, MODEL, near, replace(tenth, flat=1.0), starts=found.fits.starts[0])
-    assert again.iterations == 1
-    assert again.converged[0]
-    fall = found.fits.chi2[0] - 0.01 * again.fits.chi2[0]
-    assert abs(fall) < 0.1  # of the true noise: the parameters are as good
 
 
 def test_the_information_is_the_curvature_of_the_profile(film_fit: Identification) -> None:
