@@ -224,7 +224,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
     also = bench.plain if plain is None else plain
     if also is not None and (bench.plain is not None or _at_end(model, values, len(also))):
         begun = np.vstack([values, [*also, *values[len(also) :]]])
-    found = fit(whole, model, begun, replace(settings, chord=False))
+    found = fit(whole, model, begun, replace(settings, chord=False, closing=False))
     best = [int(np.nanargmin(found.fits.chi2))]
     every = found.fits.of(best)
     values, starts = every.values[0], every.starts[0]
@@ -245,7 +245,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
                 some_of(whole, rows),
                 model,
                 values[None],
-                replace(settings, most=_FOLD, chord=False),
+                replace(settings, most=_FOLD),
                 starts=starts[rows],
                 offsets=every.offsets[0, rows],
                 jacobian=jacobian[:, rows],

@@ -45,14 +45,14 @@ def null_rows(baseline: Baseline, count: int, seed: int) -> Floats:
 
     # the range of a weak parameter is not as even as its curvature says: what the recordings exclude
     # is not drawn
-    change = of(values).poses - of(np.repeat(fits.values, count, axis=0)).poses
+    drawn, known = of(values), of(np.repeat(fits.values, count, axis=0))
+    change = drawn.poses - known.poses
     rows = baseline.tangent.rows(np.where(baseline.seen, change / settings.sigma, 0.0))
     excluded = np.sum(baseline.tangent.evidence(rows) ** 2, axis=1) > _EXCLUDED
-    values[excluded] = fits.values
-    truth = of(values)
-    noise = _coloured(baseline, truth.poses.shape, rng)
-    failed = truth.outcomes != Outcome.COMPLETED
-    return _refitted(baseline, truth.poses + noise, noise, failed)
+    poses = np.where(excluded[:, None, None, None], known.poses, drawn.poses)
+    failed = np.where(excluded[:, None], known.outcomes, drawn.outcomes) != Outcome.COMPLETED
+    noise = _coloured(baseline, poses.shape, rng)
+    return _refitted(baseline, poses + noise, noise, failed)
 
 
 def _drawn(baseline: Baseline, count: int, rng: np.random.Generator) -> Floats:

@@ -107,7 +107,7 @@ class _Descent:
             self._differentiate(np.flatnonzero(self.active & self.stale))
             self._step(np.flatnonzero(self.active))
             rounds += 1
-        if not settings.chord:
+        if not settings.chord and settings.closing:
             self._differentiate(np.flatnonzero(~self.fresh))
         arrow = self.problem.arrow(self.present, self.jacobian * self._kept(slice(None)))
         return Fitted(

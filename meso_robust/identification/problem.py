@@ -40,6 +40,8 @@ class Settings:
         Fall of χ² in one iteration below which a fit has converged.
     chord
         Whether old derivatives will do as long as χ² falls: cheap, where the first are good.
+    closing
+        Whether derivatives at the end are wanted; those of a chord are as old as they are.
     workers
         Threads; all cores by default.
     """
@@ -51,6 +53,7 @@ class Settings:
     central: bool = True
     flat: float = 1e-2
     chord: bool = False
+    closing: bool = True
     workers: int | None = None
 
     @property

@@ -9,7 +9,7 @@ from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.residual import RESIDUAL_SLOTS
 from meso_robust.simulator.scene import Scene
-from meso_robust.simulator.support import DRY_SLOTS, FILM_SLOTS
+from meso_robust.simulator.support import DRY, DRY_SLOTS, FILM_SLOTS
 from meso_robust.simulator.tables import OBSTACLES, PART_LENGTH
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.types import Floats
@@ -62,7 +62,7 @@ class State(NamedTuple):
     body: Floats
     """(PART_LENGTH,) vector of the part."""
     dry: Floats
-    """(K, 2) forces of the dry points, body frame."""
+    """(K, DRY) table of the dry points, see `support.DRY`."""
     space: Floats
     """(8, 6) workspace: film matrix, tangent, offset, twist, new twist, wrench of the stage, last
     twist, last pose."""
@@ -74,7 +74,7 @@ def new_state(case: Case) -> State:
     state = State(
         case.obstacles.copy(),
         np.zeros(PART_LENGTH),
-        np.zeros((case.points.shape[0], 2)),
+        np.zeros((case.points.shape[0], DRY)),
         np.zeros((8, 6)),
     )
     for p in range(case.waypoints.shape[1]):

@@ -235,8 +235,14 @@ def quadrature(vertices: Floats, order: int = 3) -> Floats:
     Returns
     -------
     ndarray
-        (Q, 3) x, y in m and weight; the weights add up to one.
+        (Q, 3) x, y in m and weight; the weights add up to one. Read-only: kept for outlines of before.
     """
+    return _quadrature(np.ascontiguousarray(vertices, dtype=np.float64).tobytes(), order)
+
+
+@lru_cache(maxsize=256)
+def _quadrature(corners: bytes, order: int) -> Floats:
+    vertices = np.frombuffer(corners).reshape(-1, 2)
     low, span = vertices.min(axis=0), np.ptp(vertices, axis=0)
     cells = np.maximum(1, np.rint(order * span / span.max())).astype(int)
     rows = []
@@ -248,6 +254,7 @@ def quadrature(vertices: Floats, order: int = 3) -> Floats:
                 rows.append(_moments(piece))
     table = np.concatenate(rows)
     table[:, 2] /= table[:, 2].sum()
+    table.flags.writeable = False
     return table
 
 

@@ -180,7 +180,7 @@ def _tangents(
         new[0] = speed * (w[STEP.factor] * m0 + w[STEP.factor + 1] * m1 + w[STEP.factor + 3] * m2)
         new[1] = speed * (w[STEP.factor + 2] * m1 + w[STEP.factor + 4] * m2)
         new[2] = speed * w[STEP.factor + 5] * m2
-        update_forces(points, effects, slope, age, creep, twist, new, state.dry)
+        update_forces(points, twist, new, state.dry)
         if _agree(twist, new, case.scene.size, speed):
             return COMPLETED
     return SOLVER_FAILURE

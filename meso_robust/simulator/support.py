@@ -265,6 +265,10 @@ FILM_SLOTS = (
 AGE = _AGEING
 """Column of the effect that needs the age of the contact."""
 
+DRY = 6
+"""Columns of the table of dry points: force in x and y, body frame, and of the last twist the slip's
+inverse speed, its direction in x and y, and the strength."""
+_SLOW, _ALONG, _MOST = 2, 3, 5
 _CREEP = 1e-6  # tip speeds
 _LEAST_DRAG = 0.05  # of the film's at the origin: a line that falls must not end below nothing
 _RIDGE = 1e-3  # share of the secant in the tangent, for a matrix that is positive definite
@@ -392,7 +396,7 @@ def resist_dry(
     age: float,
     creep: float,
     v: Floats,
-    force: Floats,
+    dry: Floats,
     K: Floats,
     out: Floats,
 ) -> None:
@@ -416,55 +420,93 @@ def resist_dry(
         ε, the speed at which a resting point creeps, m/s.
     v
         (3,) twist, body frame.
-    force
-        (K, 2) forces of the Coulomb law at the points, as far as they are known.
+    dry
+        (K, DRY) table of the points: their forces by the Coulomb law as far as they are known; what
+        `update_forces` needs of the twist v is written beside them.
     K
         (6,) packed matrix, receives the tangent.
     out
         (3,) receives ``K v − D(v)``.
     """
+    aged = _aged(effects, age)
+    laid, part, stage = _laid(effects, heading)
+    # sums in numbers of their own: an array might be one of those that are read
+    k0, k1, k2, k3, k4, k5, o0, o1, o2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(points.shape[0]):
         x, y = points[i, 0], points[i, 1]
         ux, uy = v[0] - v[2] * y, v[1] + v[2] * x
         m = np.sqrt(ux * ux + uy * uy + creep * creep)
-        c, film, drop = _strength(points, i, effects, slope, age, m)
-        film += points[i, 3] * _lays(effects, heading, ux / m, uy / m)
-        hx, hy = ux / m, uy / m
-        fx, fy = force[i, 0] / m, force[i, 1] / m
-        a = c * (1.0 + _RIDGE) / m + film - fx * hx - drop * hx * hx
-        b = -0.5 * (fx * hy + fy * hx) - drop * hx * hy
-        d = c * (1.0 + _RIDGE) / m + film - fy * hy - drop * hy * hy
-        add_point(K, x, y, a, b, d)
-        whole = c / m + film
-        px, py = a * ux + b * uy - whole * ux, b * ux + d * uy - whole * uy
-        out[0] += px
-        out[1] += py
-        out[2] += x * py - y * px
+        slow = 1.0 / m
+        hx, hy = ux * slow, uy * slow
+        c, film, drop = _strength(points, i, effects, slope, aged, m)
+        if laid:
+            film += points[i, 3] * _lays(effects, part, stage, hx, hy)
+        dry[i, _SLOW], dry[i, _ALONG], dry[i, _ALONG + 1], dry[i, _MOST] = slow, hx, hy, c
+        a = c * (1.0 + _RIDGE) * slow + film - drop * hx * hx
+        b = -drop * hx * hy
+        d = c * (1.0 + _RIDGE) * slow + film - drop * hy * hy
+        if c != 0.0:
+            fx, fy = dry[i, 0] * slow, dry[i, 1] * slow
+            a -= fx * hx
+            b -= 0.5 * (fx * hy + fy * hx)
+            d -= fy * hy
+        ax, ay, bx, by = b * x - a * y, d * x - b * y, a * ux + b * uy, b * ux + d * uy
+        k0, k1, k2 = k0 + a, k1 + b, k2 + ax
+        k3, k4, k5 = k3 + d, k4 + ay, k5 + ay * x - ax * y
+        whole = c * slow + film
+        px, py = bx - whole * ux, by - whole * uy
+        o0, o1, o2 = o0 + px, o1 + py, o2 + x * py - y * px
+    K[0], K[1], K[2], K[3], K[4], K[5] = (
+        K[0] + k0, K[1] + k1, K[2] + k2, K[3] + k3, K[4] + k4, K[5] + k5
+    )  # fmt: skip
+    out[0], out[1], out[2] = out[0] + o0, out[1] + o1, out[2] + o2
     if surface[0] > 0.0:
         _resist_surface(surface, creep, v, K, out)
 
 
 @inner
-def _lays(effects: Floats, heading: tuple[float, float], ux: float, uy: float) -> float:
+def _laid(
+    effects: Floats, heading: tuple[float, float]
+) -> tuple[bool, tuple[float, float], tuple[float, float]]:
+    """Whether a lay acts against the slip, and directions of those of part and stage, body frame."""
+    part, stage = effects[_PART_LAY_ANGLE], effects[_STAGE_LAY_ANGLE]
+    cos, sin = np.cos(stage), np.sin(stage)
+    return (
+        bool(effects[_PART_LAY_FORM] != 0.0 or effects[_STAGE_LAY_FORM] != 0.0),
+        (np.cos(part), np.sin(part)),
+        (heading[0] * cos + heading[1] * sin, heading[0] * sin - heading[1] * cos),
+    )
+
+
+@inner
+def _aged(effects: Floats, age: float) -> float:
+    """Coulomb strength of the area by the age of the contact."""
+    if effects[_AGEING] == 0.0:
+        return 0.0
+    grown = np.log(1.0 + age)
+    if effects[_AGEING_FORM] != 0.0:
+        grown = age / (1.0 + age) if effects[_AGEING_FORM] == 1.0 else np.sqrt(age)
+    return float(effects[_AGEING] * grown)
+
+
+@inner
+def _lays(
+    effects: Floats, part: tuple[float, float], stage: tuple[float, float], ux: float, uy: float
+) -> float:
     """Drag over the film's, less one, of both lays that act against a slip of a direction (body frame)."""
     more = 0.0
     if effects[_PART_LAY_FORM] != 0.0:
-        more += _ellipse(effects[_PART_LAY], effects[_PART_LAY_ANGLE], ux, uy)
+        more += _ellipse(effects[_PART_LAY], part, ux, uy)
     if effects[_STAGE_LAY_FORM] != 0.0:
-        cos, sin = heading
-        wx, wy = cos * ux - sin * uy, sin * ux + cos * uy
-        more += _ellipse(effects[_STAGE_LAY], effects[_STAGE_LAY_ANGLE], wx, wy)
+        more += _ellipse(effects[_STAGE_LAY], stage, ux, uy)
     return more
 
 
 @inner
-def _ellipse(fraction: float, angle: float, ux: float, uy: float) -> float:
+def _ellipse(fraction: float, axis: tuple[float, float], ux: float, uy: float) -> float:
     """Friction ellipse of axes ``1 ± a``, the larger along a direction, less one."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    along, across = (
-        (1.0 + fraction) * (cos * ux + sin * uy),
-        (1.0 - fraction) * (cos * uy - sin * ux),
-    )
+    along = (1.0 + fraction) * (axis[0] * ux + axis[1] * uy)
+    across = (1.0 - fraction) * (axis[0] * uy - axis[1] * ux)
     # of a part at rest, that slips nowhere, the film as it is
     rest = max(1.0 - ux * ux - uy * uy, 0.0)
     return float(np.sqrt(along * along + across * across + rest) - 1.0)
@@ -476,7 +518,7 @@ def _strength(
     i: int,
     effects: Floats,
     slope: tuple[float, float, float],
-    age: float,
+    aged: float,
     speed: float,
 ) -> tuple[float, float, float]:
     """Coulomb strength of a point, viscous coefficient beyond the film's, and its loss with speed."""
@@ -486,11 +528,7 @@ def _strength(
     dry = effects[_DRY]
     if effects[_DRY_FORM] != 0.0:
         dry *= slope[2] * (points[i, 0] * points[i, 0] + points[i, 1] * points[i, 1])
-    if effects[_AGEING] != 0.0:
-        aged = np.log(1.0 + age)
-        if effects[_AGEING_FORM] != 0.0:
-            aged = age / (1.0 + age) if effects[_AGEING_FORM] == 1.0 else np.sqrt(age)
-        dry += effects[_AGEING] * aged
+    dry += aged
     if effects[_STRIBECK] != 0.0:
         fast = speed / effects[_STRIBECK_SPEED]
         dry += effects[_STRIBECK] * np.exp(
@@ -530,31 +568,32 @@ def _resist_surface(surface: Floats, creep: float, v: Floats, K: Floats, out: Fl
 
 
 @inner
-def update_forces(
-    points: Floats,
-    effects: Floats,
-    slope: tuple[float, float, float],
-    age: float,
-    creep: float,
-    v: Floats,
-    new: Floats,
-    force: Floats,
-) -> None:
-    """Update the forces of the Coulomb law from the last twist to the new one, inside their discs."""
+def update_forces(points: Floats, v: Floats, new: Floats, dry: Floats) -> None:
+    """Update the forces of the Coulomb law from the last twist to the new one, inside their discs.
+
+    Parameters
+    ----------
+    points, dry
+        As in `resist_dry`, which was called with the last twist.
+    v, new
+        (3,) the last twist and the new one, body frame.
+    """
+    mx, my, turn = new[0] - v[0], new[1] - v[1], new[2] - v[2]
     for i in range(points.shape[0]):
-        x, y = points[i, 0], points[i, 1]
-        ux, uy = v[0] - v[2] * y, v[1] + v[2] * x
-        dx, dy = new[0] - new[2] * y - ux, new[1] + new[2] * x - uy
-        m = np.sqrt(ux * ux + uy * uy + creep * creep)
-        c, _, _ = _strength(points, i, effects, slope, age, m)
-        fx, fy = c * (ux + dx) / m, c * (uy + dy) / m
-        along = (ux * dx + uy * dy) / (m * m)
-        fx -= force[i, 0] * along
-        fy -= force[i, 1] * along
-        size = np.hypot(fx, fy)
-        shrink = c / size if size > c else 1.0
-        force[i, 0] = shrink * fx
-        force[i, 1] = shrink * fy
+        c = dry[i, _MOST]
+        if c == 0.0:
+            dry[i, 0], dry[i, 1] = 0.0, 0.0
+            continue
+        slow, hx, hy = dry[i, _SLOW], dry[i, _ALONG], dry[i, _ALONG + 1]
+        dx, dy = (mx - turn * points[i, 1]) * slow, (my + turn * points[i, 0]) * slow
+        along = hx * dx + hy * dy
+        fx = c * (hx + dx) - dry[i, 0] * along
+        fy = c * (hy + dy) - dry[i, 1] * along
+        square = fx * fx + fy * fy
+        if square > c * c:
+            shrink = c / np.sqrt(square)
+            fx, fy = shrink * fx, shrink * fy
+        dry[i, 0], dry[i, 1] = fx, fy
 
 
 @inner

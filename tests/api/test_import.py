@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -28,6 +29,21 @@ def loaded_by(statement: str) -> set[str]:
 
 def test_importing_loads_nothing_but_the_package() -> None:
     assert loaded_by("import meso_robust") == {"__future__", "meso_robust"}
+
+
+@pytest.mark.parametrize(("given", "taken"), [(None, "1"), ("3", "3")])
+def test_linear_algebra_has_one_thread_unless_the_user_says_otherwise(
+    given: str | None, taken: str
+) -> None:
+    name = "OPENBLAS_NUM_THREADS"
+    environment = {key: value for key, value in os.environ.items() if key != name}
+    if given is not None:
+        environment[name] = given
+    code = f"import meso_robust, os; print(os.environ[{name!r}])"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    )
+    assert done.stdout.strip() == taken
 
 
 def test_a_task_is_read_without_the_numerical_libraries() -> None:

@@ -24,6 +24,7 @@ from meso_robust.simulator import (
     simulate,
 )
 from meso_robust.simulator.catalogue import CATALOGUE, STAGES, stage_of
+from meso_robust.simulator.outline import quadrature
 from meso_robust.simulator.stage import SLOTS
 from reports.simulator.effects_report import page
 from tests.simulator.problems import HALF_LONG, HALF_SHORT, MU, RHO, UM, rectangle
@@ -596,6 +597,15 @@ def test_law_of_the_area_agrees_with_quadrature(name: str) -> None:
     np.testing.assert_allclose(short_push(values), exact, rtol=0, atol=4e-3 * np.abs(exact).max())
     if name != "plain":
         assert np.abs(exact - exact_turns(film_law)).max() > 0.02 * np.abs(exact).max()
+
+
+def test_nodes_that_are_kept_cannot_be_changed() -> None:
+    corners = np.array([[-1.0, -1.0], [2.0, -1.0], [0.0, 1.0]])
+    kept = quadrature(corners)
+    with pytest.raises(ValueError, match="read-only"):
+        kept[0] = 0.0
+    np.testing.assert_array_equal(quadrature(2.0 * corners)[:, :2], 2.0 * kept[:, :2])
+    assert len(quadrature(corners, 1)) < len(kept)
 
 
 def test_friction_that_does_not_decay_and_even_pressure_are_dry_friction() -> None:
