@@ -19,12 +19,6 @@ have no call: ``derive`` works on a checkout, ``schema`` prints and ``example`` 
 
 from __future__ import annotations
 
-import os
-
-# The products here are of thin matrices, for which threads of the linear algebra are all waiting: beside
-# other work a diagnosis took twice the processor. Heard where NumPy is not loaded yet.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 TYPE_CHECKING = False  # as in `typing`, which takes longer to import than the rest of this file
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ Exit status: 0 done and the answer is positive, 1 done and the answer is negativ
 
 from __future__ import annotations
 
+import os
 import sys
 import traceback
 from typing import Annotated
@@ -52,6 +53,9 @@ def _meso_robust(
 
 def main() -> None:
     """Run the command line; the only place where an internal fault is turned into exit status 3."""
+    # products here are of thin matrices, for which threads of the linear algebra only wait: beside other
+    # work a diagnosis took twice the processor
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     prepare()
     escape_what_cannot_be_shown()
     end_by_a_signal_as_by_ctrl_c()
