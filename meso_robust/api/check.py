@@ -163,12 +163,13 @@ def check(
     stated: ...
     found: ...
     """
+    from meso_robust.api.aside import aside
     from meso_robust.checker.verdict import check as verified
 
     known = task_of(task)
     found, digest = _read(certificate, known)
-    with progress.doing("verifying"):
-        answer = verified(found, digest, known, thorough=thorough, two=True)
+    with progress.doing("verifying"), aside(found, known, alone=thorough) as elsewhere:
+        answer = verified(found, digest, known, thorough=thorough, elsewhere=elsewhere)
     return Checked(answer=answer, certificate=found, task=known, inputs=files_of(certificate, task))
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 from flint import arb, ctx
 
 from meso_robust.checker import margin as margins, words
-from meso_robust.checker.aside import aside
 from meso_robust.checker.chain import holds_side, passages, within
 from meso_robust.checker.document import Certificate, HexPair, StepDocument
 from meso_robust.checker.evidence import check_evidence
@@ -31,6 +29,7 @@ BITS = 80
 NEAR = 1e-14
 """m and rad: by how much a box that the task gives may be told too large or too small. A few last
 digits of doubles up to a metre; that it holds what it must is checked without any room."""
+Elsewhere = Callable[[], bool]
 Word = Literal["VERIFIED", "REJECTED", "WITNESS CONFIRMED", "WITNESS UNDECIDED", "NOTHING CLAIMED"]
 SECTIONS = {
     "schema_",
@@ -86,7 +85,7 @@ def check(
     *,
     thorough: bool = False,
     prover: Prover = PLAIN,
-    two: bool = False,
+    elsewhere: Elsewhere = bool,
 ) -> Answer:
     """Verify everything that a certificate claims.
 
@@ -98,8 +97,8 @@ def check(
         Whether the factor of each uncertainty alone is verified as well.
     prover
         Proves the moves.
-    two
-        Whether another process may verify the margin meanwhile, if there is a core for it.
+    elsewhere
+        Asked when all moves are verified, whether the margin was verified by someone who is believed.
 
     Returns
     -------
@@ -108,7 +107,7 @@ def check(
     """
     with ctx.workprec(BITS):
         try:
-            return _check(certificate, digest, task, thorough, prover, two)
+            return _check(certificate, digest, task, thorough, prover, elsewhere)
         except Refused as refused:
             return Answer(verdict="REJECTED", claims=certificate.verdict, refused=refused)
 
@@ -119,7 +118,7 @@ def _check(
     task: Task,
     thorough: bool,
     prover: Prover,
-    two: bool,
+    elsewhere: Elsewhere,
 ) -> Answer:
     if certificate.digest != digest:
         raise Refused(named(Objection.DIGEST), certificate.digest, digest)
@@ -138,10 +137,9 @@ def _check(
     _check_shape(certificate)
     margins.check_form(certificate.margin, uncertainties(known))
     boxes = _boxes(certificate, known)
-    with aside(certificate, task, alone=thorough) if two else nullcontext(bool) as verified:
-        _check_steps(certificate, known, boxes, prover)
-        if not verified():
-            margins.check_factor(certificate, task, alone=thorough, prover=prover)
+    _check_steps(certificate, known, boxes, prover)
+    if not elsewhere():
+        margins.check_factor(certificate, task, alone=thorough, prover=prover)
     not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
     claims = words.claim(task, len(certificate.policy))
     granted = {one.value: words.PREMISES[one] for one in premises(task)}

@@ -245,7 +245,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
                 some_of(whole, rows),
                 model,
                 values[None],
-                replace(settings, most=_FOLD),
+                replace(settings, most=_FOLD, chord=False),
                 starts=starts[rows],
                 offsets=every.offsets[0, rows],
                 jacobian=jacobian[:, rows],

@@ -181,7 +181,8 @@ class _Judge:
 
     def share(self, names: Names) -> float:
         """Of the explainable error, that a set explains."""
-        return float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
+        share = float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
+        return min(share, 1.0)  # more than all is rounding: the floor lies below every set
 
     def with_part(self, whole: Candidate, names: Names) -> None:
         """Predict a part of a set, whose fits begin where the whole ended."""

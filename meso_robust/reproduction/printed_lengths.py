@@ -156,7 +156,10 @@ def _best_fit(found: Sequence[Tried]) -> tuple[Tried, int] | None:
     one = max(found, key=lambda tried: int(tried.inside.sum()))
     if not one.inside.any():
         return None
-    return one, int(np.argmin(np.where(one.inside, one.left, np.inf)))
+    # pegs that end against the slot's far wall are equally far: of those one on a film, which has fewer numbers
+    left = np.where(one.inside, one.left.round(15), np.inf)
+    on_points = np.isnan(np.asarray(one.runs.film_ratio, dtype=float))
+    return one, int(np.lexsort((on_points, left))[0])
 
 
 def _under_variations(one: Tried, which: int, setting: Setting) -> Flags:

@@ -7,8 +7,8 @@ here, and said here what is wrong with it.
 
 from __future__ import annotations
 
+import json
 import os
-import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -20,6 +20,7 @@ from flint import ctx
 
 from meso_robust.checker.document import Certificate
 from meso_robust.checker.margin import check_factor
+from meso_robust.checker.verdict import BITS
 from meso_robust.task import Task
 
 SAYS = b"the margin is verified"
@@ -60,8 +61,9 @@ def cores() -> int:
 def _begun(certificate: Certificate, task: Task, alone: bool) -> subprocess.Popen[bytes] | None:
     # the same code as here, whatever lies in the present folder
     path = [str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    with TemporaryFile() as given:
-        pickle.dump((certificate, task, alone, ctx.prec), given)
+    told = [one.model_dump(mode="json", by_alias=True) for one in (certificate, task)]
+    with TemporaryFile("w+", encoding="utf-8") as given:
+        json.dump([*told, alone], given)
         given.seek(0)
         try:
             return subprocess.Popen(
@@ -74,9 +76,13 @@ def _begun(certificate: Certificate, task: Task, alone: bool) -> subprocess.Pope
 
 
 def _verify() -> None:
-    certificate, task, alone, bits = pickle.load(sys.stdin.buffer)
-    with ctx.workprec(bits):
-        check_factor(certificate, task, alone=alone)
+    certificate, task, alone = json.load(sys.stdin)
+    with ctx.workprec(BITS):
+        check_factor(
+            Certificate.model_validate_json(json.dumps(certificate)),
+            Task.model_validate_json(json.dumps(task)),
+            alone=alone,
+        )
     sys.stdout.buffer.write(SAYS)
 
 

@@ -12,16 +12,24 @@ from typing import Any
 
 import pytest
 
-from meso_robust.checker import aside as asides, margin as margins
-from meso_robust.checker.aside import aside, cores
+from meso_robust.api import aside as asides
+from meso_robust.api.aside import aside, cores
+from meso_robust.checker import margin as margins
 from meso_robust.checker.document import Certificate
-from meso_robust.checker.prover import Prover
 from meso_robust.checker.reading import digest, parse_certificate
 from meso_robust.checker.verdict import Answer, check
+from meso_robust.pipeline import Planned
 from tests.conftest import paper_task
 
 Document = dict[str, Any]
 TASK = paper_task()
+
+
+@pytest.fixture(scope="module")
+def document(paper_plan: Planned) -> Document:
+    """``certificate.json`` of the paper's task."""
+    found: Document = json.loads(paper_plan.certificate.model_dump_json(by_alias=True))
+    return found
 
 
 @pytest.fixture(autouse=True)
@@ -82,7 +90,9 @@ def answer(document: Document, monkeypatch: pytest.MonkeyPatch) -> tuple[Answer,
         own(certificate, *args, **more)
 
     monkeypatch.setattr(margins, "check_factor", counted)
-    return check(*read(document), TASK, prover=Prover(), two=True), here
+    certificate, own_digest = read(document)
+    with aside(certificate, TASK, alone=False) as elsewhere:
+        return check(certificate, own_digest, TASK, elsewhere=elsewhere), here
 
 
 def test_a_certificate_is_verified_by_both(
