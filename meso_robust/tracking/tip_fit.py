@@ -36,7 +36,7 @@ _LINEAR = HALO_COUNT + OWN_COUNT
 # how much a meniscus brightens the film, and how bright a needle is, and how much that changes along it, over the
 # film's: middle and spread before the image is seen; of its direction, which was fitted once, the spread (rad)
 _BRIGHT = np.array([0.0] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.0])
-_BRIGHT_SPREAD = np.array([0.5] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.3])
+_BRIGHT_SPREAD = np.array([0.25] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.3])
 _TURN = 0.1
 _REACH = 4.5  # px from the window's middle, beyond which its images do not reach
 _PIXEL = 1.0 / 12.0  # px²; variance of a place within a pixel
