@@ -5,66 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
-import meso_robust
-from reports.blind3.cases import HERE, Case, checked, commit, listed
+from reports.blind3.answering import Values, answered
+from reports.blind3.cases import HERE, Case, commit, listed
 from reports.blind3.score import page, scored_cases
 
 RESULTS = HERE / "results.jsonl"
-Values = Mapping[str, Any]
-
-
-def answered(case: Case) -> Values:
-    """What `diagnose` says of a set, as a user would run it."""
-    folder = checked(case)
-    clock, cpu = time.perf_counter(), time.process_time()
-    try:
-        found = meso_robust.diagnose(folder, quick=True).document.model_dump(
-            mode="json", by_alias=True
-        )
-        answer = told(found)
-    except Exception as problem:  # a crash is an answer that is scored
-        answer = {"verdict": "none", "error": f"{type(problem).__name__}: {problem}"}
-    return {
-        "id": case.id,
-        **answer,
-        "seconds": round(time.perf_counter() - clock, 1),
-        "cpu_seconds": round(time.process_time() - cpu, 1),
-    }
-
-
-def told(found: Values) -> dict[str, Any]:
-    """What is kept of a ``diagnosis.json``."""
-    where, left = found["mismatch"]["where"], found["remainder"]
-    stage = (left or {}).get("stage") or (where[0]["channel"] if where else None)
-    return {
-        "verdict": found["verdict"],
-        "why": found["why"],
-        "effects": {
-            one["name"]: {
-                "share": one["share"],
-                "stage": one["stage"],
-                "parameters": {
-                    key: [value["value"], value["low"], value["high"]]
-                    for key, value in one["parameters"].items()
-                },
-            }
-            for one in found["effects"]
-        },
-        "ambiguous_with": found["ambiguous_with"],
-        "explained": found["explained"],
-        "stage": stage,
-        "first_stage": where[0]["channel"] if where else None,
-        "explainable_um": found["explainable_um"],
-        "relevant_um": found["relevant_um"],
-        "recordings_sha256": found["provenance"]["recordings_sha256"],
-    }
 
 
 def kept(path: Path = RESULTS) -> list[Values]:

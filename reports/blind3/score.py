@@ -30,8 +30,13 @@ BLOCKS: Sequence[tuple[int, int, str]] = (
     ),
     (
         120,
-        400,
+        152,
         "second forms of nine more laws, and the sets that hold out of fold are asked in turn",
+    ),
+    (
+        152,
+        400,
+        "a scale has a place, effects that explain alike do not stand in for one another, a share holds of other draws",
     ),
 )
 """First case, the one after the last, and what answered them: a mended diagnoser is judged by sets that
