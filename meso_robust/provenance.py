@@ -1,7 +1,8 @@
-"""What code made a result: versions, and the commit of a checkout."""
+"""What code made a result, and on what: versions, the commit of a checkout, cores."""
 
 from __future__ import annotations
 
+import os
 import platform
 import subprocess
 from collections.abc import Iterable
@@ -58,3 +59,16 @@ def commit() -> str:
     except (OSError, subprocess.TimeoutExpired):
         return "unknown"
     return answer.stdout.strip() or NONE
+
+
+def cores() -> int:
+    """Cores that this process may use, which a container or a batch system can restrict.
+
+    Returns
+    -------
+    int
+        At least one.
+    """
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -21,6 +21,7 @@ from flint import ctx
 from meso_robust.checker.document import Certificate
 from meso_robust.checker.margin import check_factor
 from meso_robust.checker.verdict import BITS
+from meso_robust.provenance import cores
 from meso_robust.task import Task
 
 SAYS = b"the margin is verified"
@@ -49,13 +50,6 @@ def aside(certificate: Certificate, task: Task, *, alone: bool) -> Iterator[Call
             yield lambda: process.communicate()[0] == SAYS
         finally:
             process.kill()
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _begun(certificate: Certificate, task: Task, alone: bool) -> subprocess.Popen[bytes] | None:

@@ -98,7 +98,8 @@ def check(
     prover
         Proves the moves.
     elsewhere
-        Asked when all moves are verified, whether the margin was verified by someone who is believed.
+        Asked when all moves are verified, whether the margin was verified by someone who is believed; `bool()`
+        says no.
 
     Returns
     -------

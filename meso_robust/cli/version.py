@@ -11,7 +11,7 @@ from pathlib import Path
 
 from meso_robust import __version__
 from meso_robust.caches import PACKAGE, kernels, user_folder
-from meso_robust.provenance import commit
+from meso_robust.provenance import commit, cores
 
 _NEEDED = re.compile(
     r"(?P<name>[\w.-]+)(?:\[[^]]*\])?(?P<rest>[^;]*)(?:;.*extra *== *['\"](?P<extra>\w+))?"
@@ -25,7 +25,7 @@ def lines() -> list[str]:
         "installed in": str(PACKAGE.parent),
         "python": f"{platform.python_version()} {platform.python_implementation()}, {sys.executable}",
         "platform": platform.platform(),
-        "processor": f"{_processor()}, {_cores()} of {os.cpu_count()} cores usable",
+        "processor": f"{_processor()}, {cores()} of {os.cpu_count()} cores usable",
         "locale": f"{sys.getfilesystemencoding()} files, {sys.stdout.encoding} output",
         "linear algebra": _blas(),
         "compiled kernels": kernels(),
@@ -57,13 +57,6 @@ def _version(name: str) -> str:
         return version(name)
     except PackageNotFoundError:
         return "not installed"
-
-
-def _cores() -> int:
-    """Cores that this process may use, which a container or a batch system can restrict."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _processor() -> str:

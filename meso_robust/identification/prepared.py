@@ -343,9 +343,7 @@ def _motion(
 def _smoothed_as_seen(times: Floats, flat: Floats) -> tuple[Floats, Floats]:
     """Corners of seen paths (S, 2 P) m, each weighed by its own scatter, which is largest along the needle."""
     paths = flat.reshape(len(flat), -1, 2).transpose(1, 0, 2)
-    axes = np.array([scatter(path) for path in paths])
-    size = np.linalg.norm(axes, axis=2, keepdims=True)
-    axes *= np.where(size > EXACT, 1.0, EXACT / np.maximum(size, 1e-3 * EXACT))
+    axes = np.array([scatter(path, EXACT) for path in paths])
     white = np.concatenate(list(paths @ np.linalg.inv(axes)), axis=1)
     times, white = smoothed(times, white, 1.0)
     return times, np.concatenate(list(np.array(np.split(white, len(axes), axis=1)) @ axes), axis=1)

@@ -224,7 +224,7 @@ def roughness(path: Floats) -> float:
     return float(np.sqrt(np.median(rough**2) / (_MEDIAN_CHI2 * _THIRD)))
 
 
-def scatter(path: Floats) -> Floats:
+def scatter(path: Floats, least: float = 0.0) -> Floats:
     """What is not smooth from one sample to the next, apart along the two directions that it differs most in.
 
     A tip is seen much better across its needle than along it. By medians, as `roughness`: the covariance of two
@@ -235,6 +235,8 @@ def scatter(path: Floats) -> Floats:
     ----------
     path
         (S, 2) coordinates in m, evenly sampled.
+    least
+        Standard deviation in m that is told at least, so that a direction in which nothing scatters stays one.
 
     Returns
     -------
@@ -245,7 +247,8 @@ def scatter(path: Floats) -> Floats:
     spread = [roughness(one[:, None]) ** 2 for one in (x, y, x + y, x - y)]
     turn = 0.5 * math.atan2(0.5 * (spread[2] - spread[3]), spread[0] - spread[1])
     axes = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
-    return np.asarray(axes * np.array([[roughness(path @ axis[:, None])] for axis in axes]))
+    size = np.array([[max(roughness(path @ axis[:, None]), least)] for axis in axes])
+    return np.asarray(axes * size)
 
 
 def _chosen(stated: float | None, estimated: float | None) -> tuple[float | None, Source]:

@@ -147,3 +147,20 @@ def test_a_tip_seen_worse_along_its_needle_does_not_shake(clean: RecordingSet) -
         )
         assert np.sqrt(np.mean((axes[0] @ away) ** 2)) < 0.2 * UM
         assert np.sqrt(np.mean((axes[1] @ away) ** 2)) < 0.1 * UM
+
+
+def test_a_tip_that_does_not_scatter_across_its_way_is_prepared(clean: RecordingSet) -> None:
+    """Its coordinates across are the same to the last bit: no direction may be lost for that."""
+    still = replace(
+        clean,
+        position_source="camera",
+        recordings=tuple(
+            replace(
+                one,
+                probes=one.probes[:1] + np.array([[[1.0, 0.0]]]) * (one.probes - one.probes[:1]),
+            )
+            for one in clean.recordings
+        ),
+    )
+    assert scatter(still.recordings[0].probes[:, 0], 1e-9)[1] @ [0.0, 1.0] != 0.0
+    assert len(prepare(still).files) == len(clean.recordings)
