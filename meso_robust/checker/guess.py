@@ -20,6 +20,10 @@ Values = Mapping[str, Any]
 """Numbers, or arrays of one shape, by name."""
 NEAR = 1e-3
 """Step of a difference, of the width between the pushed edges."""
+RIVALS = 4
+"""Corners of what may change at every instant that are looked at beside the worst one."""
+SAMPLES = 16
+"""Values of the constants at which a barrier is tried, besides those where one differs from its middle."""
 INSTANT = ("rho", "stretch", "shear", "bend", *MOVING.values(), "mu", "mu_lower", "mu_passive")
 """What may change at every instant."""
 
@@ -66,6 +70,12 @@ class Flow:
         best = int(np.argmax(self.side * (gain - strayed * corners.get("bend", 0.0))))
         return {name: float(ends[best]) for name, ends in corners.items()}
 
+    def rivals(self, h: Any, tip: int, ahead: Any, corners: Values) -> Any:
+        """(N, few) the corners at which the part gains most, at each of N places on paths."""
+        gain = rate(h, tip, ahead, {**self.middle, **corners})
+        gain = gain + np.zeros((len(h), len(next(iter(corners.values())))))
+        return np.argsort(-self.side * gain, axis=1)[:, : 1 + RIVALS]
+
     def change(self, h: float, at: Guess, corner: Values) -> Guess:
         """Derivative of a barrier with the travel."""
         there, names = {**self.middle, **corner}, list(at.slopes)
@@ -82,6 +92,13 @@ class Flow:
             name: float(up[k] - down[k]) / (2 * self.reach[name]) for k, name in enumerate(names)
         }
         return Guess(at.tip, float(moved[0]) - strayed, slopes)
+
+    def tried(self) -> Values:
+        """Values of the constants, in rows: some corners, and each alone at either end."""
+        names = [name for name in self.reach if name not in INSTANT]
+        corners = np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(names)))
+        signs = np.vstack([corners, np.eye(len(names)), -np.eye(len(names))])
+        return {n: self.middle[n] + signs[:, k] * self.reach[n] for k, n in enumerate(names)}
 
     def drift(self, h: float, at: Guess, corner: Values) -> float:
         """Change of the rate with how far the part is ahead, 1/m."""

@@ -38,7 +38,7 @@ from flint import arb
 from meso_robust.checker.dual import Dual, Point, once
 from meso_robust.checker.film import EVEN, MOVING
 from meso_robust.checker.grip import D, Drag, Grip, Real, S, Sides
-from meso_robust.checker.guess import Flow, Guess, first_ahead
+from meso_robust.checker.guess import Flow, Guess, first_ahead, rate
 from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.pushing import UNIT
 from meso_robust.checker.ranges import ZERO, Box, Formula, Side, least, whole
@@ -72,7 +72,7 @@ MOST = 0.3
 """The same at a time."""
 MOST_PARTS = 8
 """Into which a piece is cut at a time."""
-FINER, TRIES = 2, 24
+FINER, TRIES = 1, 36
 """How often pieces are cut, and cut or made steeper."""
 STEP = 2e-3
 """Of the width; a piece that would have to rise by more is cut later, too: the path comes near a slide."""
@@ -218,6 +218,29 @@ class _Curves:
             rate = rate + joined(own, {places["done"]: ramp}, done) * at["bend"]
         h = Rows.constant(self.first[which]) - done * length
         return grip_of(at, h, self.tip, ahead), rate
+
+    def guessed(self, flow: Flow, corners: Mapping[str, Floats]) -> Floats:
+        """By how much each curve is faster than motions at some values of the constants: a guess."""
+        done, constants = np.array([0.0, 0.5, 1.0]), flow.tried()
+        a, b, c, d = self.coefficients[..., None]
+        value, slope = ((d * done + c) * done + b) * done + a, (3.0 * d * done + 2.0 * c) * done + b
+        off = np.array([constants[name] for name in self.names]) - self.middle
+        length = self.first - self.last
+        ahead, gain = (
+            one[0][:, None] + np.einsum("ncd,ns->csd", one[1:], off) for one in (value, slope)
+        )
+        gain = gain / length[:, None, None]
+        h = self.first[:, None, None] - done * length[:, None, None]
+        best = flow.rivals(h[:, :, 1], self.tip, value[0][:, 1, None], corners)
+        now = {name: own[best][:, None, None] for name, own in corners.items()}
+        run = {name: own[:, None, None] for name, own in constants.items()}
+        known = {**flow.middle, **run, **now}
+        fastest = rate(h[..., None], self.tip, ahead[..., None], known)
+        if "stray" in self.names:
+            own = value[1 + self.names.index("stray")][:, None, :, None]
+            fastest = fastest - own * now.get("bend", 0.0)
+        lead = flow.side * (gain[..., None] - fastest)
+        return lead.reshape(len(length), -1).min(axis=1)
 
     def _linear(
         self, at: Mapping[str, Rows], places: Mapping[str, int], value: Ends, slope: Ends
@@ -387,15 +410,19 @@ class _Barrier:
         labels = self._labelled(knots)
         legs = self._path(knots, labels)
         spare = np.full(len(legs), LEAST)
-        for tried in range(TRIES):
+        judged = 0
+        for _ in range(TRIES):
             curves = self._curves(legs, spare)
-            lead, missing = self._leads(curves)
+            lead, missing = self._guessed(curves), np.zeros(len(curves))
+            if (lead > 0).all():
+                lead, missing = self._leads(curves)
+                judged += 1
             if (lead > 0).all():
                 return curves
             more = _wanted(lead, missing)
             cuts = [
                 _parts(leg, by, SHORT * self.flow.width)
-                if tried < FINER or by * leg.length > STEP * self.flow.width
+                if judged <= FINER or by * leg.length > STEP * self.flow.width
                 else []
                 for leg, by in zip(legs, more, strict=True)
             ]
@@ -409,6 +436,15 @@ class _Barrier:
         raise Refused(
             CLAIM, "a barrier", f"none at h = {first:.6g} m: the tips may close on the part"
         )
+
+    def _guessed(self, curves: list[Curve]) -> Floats:
+        """Leads at some values of the constants: what is behind there need not be proved to be."""
+        found = np.empty(len(curves))
+        for tip in (D, S):
+            own = [k for k, curve in enumerate(curves) if curve.tip == tip]
+            if own:
+                found[own] = _Curves([curves[k] for k in own]).guessed(self.flow, self.corners)
+        return found
 
     def _leads(self, curves: list[Curve]) -> tuple[Floats, Floats]:
         """Their leads and what is missing, of those that were not looked at before."""
