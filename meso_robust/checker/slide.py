@@ -59,10 +59,10 @@ from meso_robust.checker.rows import (
 LONG, SHORT = 7e-2, 7e-3
 """Of the width between the pushed edges; pieces are at most and, if they are no barrier, at least about
 as long."""
-CUTS, HALVED = 4, 1
+CUTS, HALVED = 6, 1
 """How often a box is cut in two before a steeper slope is tried: for a closer bound, and where it is
 open which tip is slipped over which way."""
-CLOSE = 5e-5
+CLOSE = 2e-5
 """How closely the least lead of a barrier over all motions is bounded; a slope, like the next two."""
 LEAST = 1e-5
 """Lead that is asked for, so that pieces after a steeper one need not be tried again and again."""

@@ -18,7 +18,7 @@ The tube is bounded by such lines, one pair a step in h.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cache
@@ -128,6 +128,11 @@ class Grip:
     sway: Interval = ZERO
     """Deviation of V by wander."""
 
+    def constants(self) -> dict[str, Interval]:
+        """What is constant during the rotation, by the names of the formulas."""
+        box = self.box()
+        return {name: box[name] for name in CONSTANT}
+
     def box(self) -> dict[str, Interval]:
         """The ranges by the names of the formulas."""
         names = {name: FIELDS.get(name, name) for name in (*CONSTANT, *INSTANT[:-2])}
@@ -229,8 +234,6 @@ class SlideTube:
 
     cells: tuple[Cell, ...]
     """By rising room; all with the same knots."""
-    parameters: Mapping[str, Interval]
-    """The constants whose effect is kept, over all cells, and the labels."""
 
     @property
     def h(self) -> Floats:
@@ -262,8 +265,8 @@ class SlideTube:
         """Proved upper bound of the normal force at either tip, over e_x and travel rate."""
         return max(float(cell.margins[3]) for cell in self.cells)
 
-    def line(self, h: Interval) -> Line:
-        """One affine enclosure of the slide wherever h is in a range.
+    def lines(self, h: Interval) -> tuple[Line, ...]:
+        """An affine enclosure of the slide wherever h is in a range, for each cell.
 
         Parameters
         ----------
@@ -272,63 +275,13 @@ class SlideTube:
 
         Returns
         -------
-        Line
-            Between the knots that hold the range; its middles are those of `parameters`.
+        tuple[Line, ...]
+            Between the knots that hold the range; middles are those of the cell's parameters.
         """
         first = max(int(np.searchsorted(-self.h, -h.hi, side="right")) - 1, 0)
         last = min(int(np.searchsorted(-self.h, -h.lo, side="left")), self.h.size - 1)
         last = max(last, first + 1)
-        lines = [cell.line(first, last) for cell in self.cells]
-        if len(lines) == 1:
-            return lines[0]
-        return _joined(lines, self, Interval(0.0, float(up(self.h[first] - self.h[last]))))
-
-
-def _joined(lines: list[Line], tube: SlideTube, gone: Interval) -> Line:
-    """One line for all cells: whatever slopes it has, what is left of each cell is in its rest."""
-    middles = [cell.parameters["room"].mid for cell in tube.cells]
-    wide = middles[-1] - middles[0]
-
-    def mean(values: list[float]) -> float:
-        return sum(values) / len(values)
-
-    spread, drift = (
-        {name: mean([getattr(line, kind)[name] for line in lines]) for name in tube.parameters}
-        for kind in ("spread", "drift")
-    )
-    # along the room by what the cells differ in
-    spread["room"] = (lines[-1].value - lines[0].value) / wide
-    drift["room"] = (lines[-1].rate - lines[0].rate) / wide
-    whole = Line(
-        first=lines[0].first,
-        value=mean([line.value for line in lines]),
-        rate=mean([line.rate for line in lines]),
-        spread=spread,
-        drift=drift,
-        rest=ZERO,
-    )
-    rests = [
-        _less(line, whole, cell, tube, gone) for line, cell in zip(lines, tube.cells, strict=True)
-    ]
-    return replace(
-        whole, rest=Interval(min(rest.lo for rest in rests), max(rest.hi for rest in rests))
-    )
-
-
-def _less(line: Line, whole: Line, cell: Cell, tube: SlideTube, gone: Interval) -> Interval:
-    """What is left of a cell's slide beside another line."""
-    point = Interval.point
-    left = line.rest + point(line.value) - point(whole.value)
-    left = left + (point(line.rate) - point(whole.rate)) * gone
-    for name, side in cell.parameters.items():
-        middle, middle_of_all = point(side.mid), point(tube.parameters[name].mid)
-        steeper = point(line.spread[name]) - point(whole.spread[name])
-        steeper = steeper + (point(line.drift[name]) - point(whole.drift[name])) * gone
-        left = left + steeper * (side - middle)
-        if middle != middle_of_all:
-            slope = point(whole.spread[name]) + point(whole.drift[name]) * gone
-            left = left - slope * (middle - middle_of_all)
-    return left
+        return tuple(cell.line(first, last) for cell in self.cells)
 
 
 def known(
@@ -418,10 +371,10 @@ def parameters_of(grip: Grip, labels: Mapping[str, Interval]) -> dict[str, Inter
     Returns
     -------
     dict[str, Interval]
-        In the order of `SlideTube.spread`.
+        In the order of `Cell.spread`.
     """
-    box = grip.box()
-    return {name: box[name] for name in CONSTANT if box[name] != ZERO} | dict(labels)
+    wide = {name: side for name, side in grip.constants().items() if side != ZERO}
+    return wide | dict(labels)
 
 
 def rate_at(grip: Grip, h: float, q: float) -> float:
@@ -453,8 +406,18 @@ def _exact(box: Mapping[str, Interval]) -> frozenset[str]:
     return frozenset(name for name, side in box.items() if side == ZERO)
 
 
+Within = Callable[[Interval], tuple[Grip, Mapping[str, Interval]]]
+"""What is known of the grip, and the labels, if the room is in a range."""
+
+
 def enclose_slide(
-    grip: Grip, start: Start, h_end: float, *, coarse: float = 1.0, cells: int = 1
+    grip: Grip,
+    start: Start,
+    h_end: float,
+    *,
+    coarse: float = 1.0,
+    cells: int = 1,
+    within: Within | None = None,
 ) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
@@ -471,6 +434,8 @@ def enclose_slide(
     cells
         Into how many parts the range of the room is cut: what is left of a cell falls with the square of
         its width.
+    within
+        What else is known where the room is in one of them; nothing if it is not given.
 
     Returns
     -------
@@ -489,34 +454,33 @@ def enclose_slide(
         )
     ends = np.linspace(grip.room.lo, grip.room.hi, cells + 1).tolist()
     ends[0], ends[-1] = grip.room.lo, grip.room.hi
-    rooms = [Interval(*pair) for pair in itertools.pairwise(ends)]
-    return SlideTube(
-        cells=tuple(
-            _cell(replace(grip, room=room), _moved(start, grip.room, room), h_end, coarse)
-            for room in rooms
-        ),
-        parameters=parameters_of(grip, start.labels),
-    )
+    whole = parameters_of(grip, start.labels)
+    step = coarse * (grip.depth.mid + grip.depth_far.mid) / STEPS
+    found = []
+    for room in itertools.starmap(Interval, itertools.pairwise(ends)):
+        own, labels = within(room) if within else (replace(grip, room=room), start.labels)
+        moved = _about(replace(start, labels=labels), whole, parameters_of(own, labels))
+        found.append(_cell(own, moved, h_end, step, coarse))
+    return SlideTube(cells=tuple(found))
 
 
-def _moved(start: Start, whole: Interval, room: Interval) -> Start:
-    """A start told about the middle of another range of the room."""
-    if room == whole:
-        return start
-    slope = start.spread.get("room", 0.0)
-    value = start.value + slope * (room.mid - whole.mid)
+def _about(start: Start, before: Mapping[str, Interval], after: Mapping[str, Interval]) -> Start:
+    """A start told about the middles of other ranges."""
     point = Interval.point
-    told = point(start.value) + point(slope) * (point(room.mid) - point(whole.mid))
+    value, told = start.value, point(start.value)
+    for name, slope in start.spread.items():
+        if name in after and before[name].mid != after[name].mid:
+            value += slope * (after[name].mid - before[name].mid)
+            told = told + point(slope) * (point(after[name].mid) - point(before[name].mid))
     return replace(start, value=value, rest=start.rest + (told - point(value)))
 
 
-def _cell(grip: Grip, start: Start, h_end: float, coarse: float) -> Cell:
+def _cell(grip: Grip, start: Start, h_end: float, step: float, coarse: float) -> Cell:
     box = grip.box()
     formulas = _formulas(_exact(box), grip.common)
     used = formulas.inputs[2:]
     parameters = parameters_of(grip, start.labels)
     constants = len(parameters) - len(start.labels)
-    step = coarse * (grip.depth.mid + grip.depth_far.mid) / STEPS
     count = max(2, int(np.ceil((start.h.hi - h_end) / step)))
     h = np.linspace(start.h.hi, h_end, count + 1)
     # the tube begins where it is stated to, whatever linspace makes of it

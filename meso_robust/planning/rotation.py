@@ -169,7 +169,7 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
     for _ in range(MOST_TRIALS):
         if choice is None:
             return None
-        turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
+        turned = certify_rotation(_rule(choice, pre, setup), pre, setup, rough=True)
         if turned.verdict is Verdict.PROVED:
             return turned, choice
         choice = replace(choice, h_end=choice.h_end + fine(setup) * SHORTER_UM)
@@ -198,7 +198,7 @@ def _finish(
                 if abs(off) < close_um:
                     break
             choice = replace(choice, middle=choice.middle - off)
-        turned = certify_rotation(_rule(choice, pre, setup), pre, setup)
+        turned = certify_rotation(_rule(choice, pre, setup), pre, setup, rough=True)
     return reached
 
 
@@ -207,7 +207,7 @@ def _eased(reached: tuple[Step, E], setup: Setup, finish: Finish[E]) -> tuple[St
     longest, pre = reached[0].rule, reached[0].pre
     for shorter in EASED_UM:
         end = from_part(longest.dual_end.offset_um + fine(setup) * shorter)
-        turned = certify_rotation(replace(longest, dual_end=end), pre, setup)
+        turned = certify_rotation(replace(longest, dual_end=end), pre, setup, rough=True)
         if turned.verdict is Verdict.PROVED and turned.post is not None:
             finished = finish(turned.post)
             if (

@@ -52,11 +52,12 @@ def certify_move(
     _check_shape(rule)
     frame = rule.frame
     own, there = frame.from_world(pre), frame.setup(setup)
+    rough = not whole
     whole = whole or bool(setup.blocks)  # of a wall every pose on the way must be clear
     if rule.action == "tilt":
         step = certify_tilt(rule, own, there, whole=whole)
     elif rule.action == "rotate":
-        step = certify_rotation(rule, own, there)
+        step = certify_rotation(rule, own, there, rough=rough)
     elif rule.action == "regrasp":
         step = certify_regrasp(rule, own, there)
     else:

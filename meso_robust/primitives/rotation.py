@@ -46,13 +46,22 @@ from meso_robust.primitives.tips import comes_free, second_tip
 
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
-CELL = 1.0 / 90.0  # of the part's width: room of the tips followed together; more is looser
-COARSE = 2.0  # longer steps where each tip has its own coefficient of friction: four times the work
+CELL = 1.0 / 360.0  # of the part's width: room of the tips followed together; more is looser
+ROUGH = (
+    4.0,
+    2.0,
+)  # times that, and longer steps where each tip has its own friction: a fifth of the work
 AT_END = 4096  # boxes for the pose at the end
-ROOM = 0.03  # share of a side of the pose at the end; a checker's barriers were seen to need 0.013
-ROOM_EACH = 0.07  # the same where each tip has its own coefficient of friction; 0.05 was seen
+ROOM = 0.02  # share of a side of the pose at the end, on top of that of all moves: a checker's barriers
+# are as close where the room alone is uncertain; what else is costs them more than the cells here
+ROOM_ELSE = 0.09  # where other constants are uncertain as well; 0.07 was seen
 ROOM_AHEAD = (
-    0.12  # the same along the push, where the slide is all that is uncertain; 0.104 was seen
+    0.14  # the same along the push, where the slide is all that is uncertain; 0.124 was seen
+)
+EXACT = 1e-12  # m, or rad: a width that is rounding only
+BEYOND = 0.03  # of the first h: how much farther out others may put the first grip
+NARROWED = (
+    4  # times that either end of what the room depends on is cut off, where the room is known
 )
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
@@ -121,7 +130,7 @@ class _Move:
         )
 
 
-def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
+def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool = False) -> Step:
     """Certify a counter-clockwise two-sided rotation from every pose in ``pre``.
 
     Parameters
@@ -129,6 +138,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     rule, pre, setup
         The move (``side`` = 1, with a passive tip), all poses before it, the task; all in the
         move's axes.
+    rough
+        Whether looser bounds will do, at a fifth of the work.
 
     Returns
     -------
@@ -164,19 +175,21 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup) -> Step:
     obligations += [*touch.obligations, rests]
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
-    tube = _tube(grip, touch, move.h_end.lo, 1.0)
+    parts: list[_Move] = []
+    alone = all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
+    tube = _tube(move, touch, parts, rough=rough or not alone)
     obligations += _tube_obligations(tube, move)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, obligations)
-    at_end = _held(move.of.end, move, tube, move.h_end, AT_END)
+    at_end = _held(move.of.end, parts, tube, move.h_end, AT_END)
     if at_end is None:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.END_ENCLOSED)])
-    slices = _slices(move, tube)
+    slices = _slices(parts, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
     obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
-    ahead, aside = (ROOM, ROOM) if grip.common else (ROOM_AHEAD, ROOM_EACH)
+    ahead, aside = (ROOM, ROOM) if alone else (ROOM_AHEAD, ROOM_ELSE)
     post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
 
@@ -197,12 +210,58 @@ def held_poses(step: Step) -> list[PoseBox]:
     return [one.box for one in step.tube[2:]]  # after rest and the active tip alone
 
 
-def _tube(grip: Grip, touch: Touch, h_end: float, coarse: float) -> SlideTube:
-    width = grip.depth.mid + grip.depth_far.mid
-    cells = max(1, math.ceil(grip.room.width / (CELL * width)))
-    if not grip.common:
-        coarse *= COARSE
-    return enclose_slide(grip, touch.start, h_end, cells=cells, coarse=coarse)
+def _tube(
+    move: _Move, touch: Touch, parts: list[_Move], *, rough: bool, coarse: float = 1.0
+) -> SlideTube:
+    """The tube, and the move as it is in each of its cells."""
+    grip = move.grip
+    cell = (ROUGH[0] if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
+    cells = max(1, math.ceil(grip.room.width / cell))
+    if rough and not grip.common:
+        coarse *= ROUGH[1]
+    bounding = _bounding(move)
+
+    def within(room: Interval) -> tuple[Grip, dict[str, Interval]]:
+        part = _part(move, room, bounding)
+        parts.append(part)
+        return part.grip, {**touch.start.labels, **part.labels}
+
+    end = move.h_end.lo
+    return enclose_slide(grip, touch.start, end, cells=cells, coarse=coarse, within=within)
+
+
+def _bounding(move: _Move) -> list[str]:
+    """What the room depends on."""
+    wide = [name for name in move.of.begin.inputs if move.box[name].width > 0.0]
+    return [
+        name
+        for name in wide
+        if _room(move, {name: Interval.point(move.box[name].mid)}).width < move.room.width
+    ]
+
+
+def _room(move: _Move, known: Mapping[str, Interval]) -> Interval:
+    return enclose(move.of.begin, {**move.box, **known}, boxes=1)[1]
+
+
+def _part(move: _Move, room: Interval, bounding: list[str]) -> _Move:
+    """The move if the room is in a range: the tips and the part cannot be anywhere then."""
+    for name in bounding:
+        for end in (0, 1):
+            share = 0.5
+            for _ in range(NARROWED):
+                side = move.box[name]
+                at = side.lo + (share if end == 0 else 1.0 - share) * side.width
+                outer, rest = Interval(side.lo, at), Interval(at, side.hi)
+                if end:
+                    outer, rest = rest, outer
+                there = _room(move, {name: outer})
+                if there.hi < room.lo or there.lo > room.hi:
+                    move = replace(move, box={**move.box, name: rest})
+                else:
+                    share *= 0.5
+    _, _, label, angle, *_ = enclose(move.of.begin, move.box, boxes=16)
+    return replace(move, room=room, labels={"label": label, "first_angle": angle})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -235,7 +294,7 @@ def reach(rule: MoveRule, pre: PoseBox, setup: Setup, coarse: float) -> Reach | 
     touch = approach(move.box, move.grip, move.labels, move.first_gap, edge, move.of)
     if touch is None or not move.h_end.hi < touch.start.h.lo:
         return None
-    tube = _tube(move.grip, touch, move.h_end.lo, coarse)
+    tube = _tube(move, touch, [], rough=True, coarse=coarse)
     # the last knots are bounded, but not checked
     ends = [int(np.isfinite(cell.upper).sum()) - 1 - UNCHECKED for cell in tube.cells]
     last = min(ends)
@@ -312,7 +371,7 @@ def _before(move: _Move) -> list[Obligation]:
 
 def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
     # there is no grip beyond the first one; others may put that a little farther out
-    beyond = ROOM * float(tube.h[0])
+    beyond = BEYOND * float(tube.h[0])
     box = {
         "h": Interval(float(tube.h[-1]) - beyond, float(tube.h[0]) + beyond),
         "V": move.V + move.box["sway"],
@@ -345,20 +404,38 @@ class _Held:
     active_offset: Interval
     """m"""
 
+    def hull(self, other: _Held) -> _Held:
+        """Both."""
+        return _Held(
+            pose=self.pose.hull(other.pose),
+            edge_angle=self.edge_angle.hull(other.edge_angle),
+            active_offset=self.active_offset.hull(other.active_offset),
+        )
+
 
 def _held(
-    of: tuple[Bounded, ...], move: _Move, tube: SlideTube, h: Interval, boxes: int
+    of: tuple[Bounded, ...], parts: list[_Move], tube: SlideTube, h: Interval, boxes: int
 ) -> _Held | None:
     """All poses while the tips are ``h`` apart along the travel."""
-    line = on_line(tube.line(h), tube.parameters)
-    box = {**move.box, **line, "h": h, "turned": tube.parameters["turned"]}
-    (x,), (y,), (c, s), (offset,) = (enclose(part, box, boxes=boxes, slack=0.002) for part in of)
+    found = []
+    for part, cell, line in zip(parts, tube.cells, tube.lines(h), strict=True):
+        own = {**on_line(line, cell.parameters), "h": h, "turned": cell.parameters["turned"]}
+        found.append(_poses(of, part, own, boxes))
+    held = [one for one in found if one is not None]
+    return functools.reduce(_Held.hull, held) if len(held) == len(found) else None
+
+
+def _poses(
+    of: tuple[Bounded, ...], part: _Move, own: Mapping[str, Interval], boxes: int
+) -> _Held | None:
+    box = {**part.box, **own}
+    (x,), (y,), (c, s), (offset,) = (enclose(one, box, boxes=boxes, slack=0.002) for one in of)
     # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
     angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)
     if not angle.width < math.inf:
         return None
     return _Held(
-        pose=PoseBox(x=x, y=y, theta=move.edge.orientation(angle)),
+        pose=PoseBox(x=x, y=y, theta=part.edge.orientation(angle)),
         edge_angle=angle,
         active_offset=offset,
     )
@@ -372,7 +449,7 @@ class _Slice:
     held: _Held
 
 
-def _slices(move: _Move, tube: SlideTube) -> list[_Slice]:
+def _slices(parts: list[_Move], tube: SlideTube) -> list[_Slice]:
     ends = [float(end) for end in np.linspace(float(tube.h[0]), float(tube.h[-1]), SLICES + 1)]
     ends[0], ends[-1] = float(tube.h[0]), float(tube.h[-1])
     everywhere = Interval(-math.inf, math.inf)
@@ -382,7 +459,7 @@ def _slices(move: _Move, tube: SlideTube) -> list[_Slice]:
         active_offset=everywhere,
     )
     return [
-        _Slice(h=h, held=_held(move.of.during, move, tube, h, 1) or unknown)
+        _Slice(h=h, held=_held(parts[0].of.during, parts, tube, h, 1) or unknown)
         for h in (Interval(low, high) for high, low in itertools.pairwise(ends))
     ]
 
