@@ -28,7 +28,6 @@ import casadi as ca
 import numpy as np
 
 from meso_robust.bounds import Bounded, Interval, bounded
-from meso_robust.bounds.arithmetic import up
 from meso_robust.bounds.bulk import program
 from meso_robust.conditions.formula import formula
 from meso_robust.motion.barrier import (

@@ -214,20 +214,46 @@ def test_a_long_step_is_bent_as_the_motion_is() -> None:
 @pytest.mark.parametrize("cells", [1, 3])
 def test_the_tube_of_point_tips_is_not_much_wider_than_the_motions(cells: int) -> None:
     tube = enclose_slide(POINTS, start_of(POINTS), END, cells=cells)
-    line = tube.line(Interval(END, END + 20 * UM))
-    assert line.rest.width < (70 if cells == 1 else 30) * UM
+    lines = tube.lines(Interval(END, END + 20 * UM))
+    assert all(line.rest.width < (70 if cells == 1 else 30) * UM for line in lines)
     part, room, label = samples(POINTS, 400)
     state, rng = started(part, room, label, start_of(POINTS)), np.random.default_rng(1)
     while float(state.h.min()) - STEP > END + 10 * UM:
         state = push(state, part, STEP, rng)
-    q = line.value + line.rate * (line.first - state.h)
-    for name, side in tube.parameters.items():
-        at = {"room": room, "label": label, **named(part)}[name]
-        q = q + (line.spread[name] + line.drift[name] * (line.first - state.h)) * (at - side.mid)
-    off = state.slide(part) - q
-    assert off.min() > line.rest.lo - TOLERANCE
-    assert off.max() < line.rest.hi + TOLERANCE
-    assert line.rest.width < 4.0 * np.ptp(off) + 10 * UM
+    for cell, line in zip(tube.cells, lines, strict=True):
+        q = line.value + line.rate * (line.first - state.h)
+        for name, side in cell.parameters.items():
+            at = {"room": room, "label": label, **named(part)}[name]
+            slope = line.spread[name] + line.drift[name] * (line.first - state.h)
+            q = q + slope * (at - side.mid)
+        of_cell = cell.parameters["room"]
+        off = (state.slide(part) - q)[(room >= of_cell.lo) & (room <= of_cell.hi)]
+        assert off.min() > line.rest.lo - TOLERANCE
+        assert off.max() < line.rest.hi + TOLERANCE
+        assert line.rest.width < 4.0 * np.ptp(off) + 10 * UM
+
+
+def test_a_cell_is_told_apart_by_what_is_known_within_it() -> None:
+    """Labels that are known better within a cell, about other middles: the same motions are in its tube."""
+    part, room, _ = samples(POINTS, 400)
+    middle, lean = POINTS.room.mid, 0.4
+
+    def within(own: Interval) -> tuple[Grip, dict[str, Interval]]:
+        off = own - Interval.point(middle)
+        return replace(POINTS, room=own), {"label": Interval.point(lean) * off + um(-2, 2)}
+
+    label = lean * (room - middle) + np.random.default_rng(3).uniform(-2 * UM, 2 * UM, room.size)
+    start = start_of(POINTS)
+    plain = enclose_slide(POINTS, start, END, cells=3)
+    tube = enclose_slide(POINTS, start, END, cells=3, within=within)
+    assert tube.status is TubeStatus.COMPLETE
+    state, rng = started(part, room, label, start), np.random.default_rng(2)
+    while float(state.h.min()) - STEP > END:
+        state = push(state, part, STEP, rng)
+        assert beyond(tube, part, room, label, state) < TOLERANCE
+    ends = [cell.upper[-1] - cell.lower[-1] for cell in tube.cells]
+    wider = [cell.upper[-1] - cell.lower[-1] for cell in plain.cells]
+    assert all(own < other for own, other in zip(ends, wider, strict=True))
 
 
 @pytest.mark.parametrize("name", ["kappa", "radius_far", "drag_a", "drag_n", "shear"])
