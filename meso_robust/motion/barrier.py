@@ -26,7 +26,10 @@ GRIPS, PRESSED, FREELY, SLIPS_ALONE, STATES = 2, 6, 10, 11, 13
 """Outputs of a state: first contacts along their edges; grips; forces at S, at D; force at S if D has no
 friction; slip of the part over D that pushes alone without friction, and what that grows by per ratio."""
 PIECES = 8  # of q; fewer are looser, more take longer
-ALL_RATES, NONE = np.int64(RATES), np.int64(0)  # a plain number would compile what it is given to once more
+ALL_RATES, NONE = (
+    np.int64(RATES),
+    np.int64(0),
+)  # a plain number would compile what it is given to once more
 FIRST_STRIP = (
     2.5e-4  # of a step in h; half of what a bound is first tried in, widened until it is enough
 )
