@@ -647,7 +647,7 @@ def _bound_lines(
     """
     h, drift = tube.h, np.zeros(known.dev_lo.size)
     strips = np.full(2, FIRST_STRIP * (h[0] - h[1]))
-    checked = NONE
+    checked = int(np.int64(0))  # of a fixed type, not to compile for a literal
     for k in range(h.size - 1):
         starts = h[k] > band
         if not (starts or _predict(programs.rates, known, tube, k, drift)):
