@@ -28,6 +28,7 @@ from meso_robust.reporting.reading import Standing, standings, thinned, through
 from meso_robust.reporting.scene import (
     Boxes,
     Dots,
+    Ends,
     Line,
     Look,
     Picture,
@@ -177,11 +178,13 @@ def _nothing(poses: Floats, boxes: list[PoseBox]) -> Sequence[Shape]:
     return (Words(name="none", text="no run completed this move", point=middle, size=9.0),)
 
 
-def _limits(poses: Floats, boxes: list[PoseBox]) -> tuple[tuple[float, float], ...]:
+def _limits(poses: Floats, boxes: list[PoseBox]) -> tuple[Ends, Ends, Ends]:
     """Of x, y and theta, so that all runs and boxes are shown."""
-    return tuple(
-        limits(_all(poses[:, COLUMN[side]], [ends(box, side) for box in boxes])) for side in COLUMN
-    )
+
+    def of(side: Coordinate) -> Ends:
+        return limits(_all(poses[:, COLUMN[side]], [ends(box, side) for box in boxes]))
+
+    return of("x"), of("y"), of("theta")
 
 
 def _all(values: Floats, sides: list[tuple[float, float]]) -> Floats:

@@ -8,7 +8,7 @@ velocities make the motion not unique; none at all is a jam.
 
 import numpy as np
 
-from meso_robust.kernels import inlined, part, sealed as inner
+from meso_robust.kernels import inlined, part
 from meso_robust.simulator.events.balance import (
     LARGEST,
     dot,
