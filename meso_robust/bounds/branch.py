@@ -9,6 +9,7 @@ import numpy.typing as npt
 from numba import njit
 
 from meso_robust.bounds.bulk import (
+    ONE,
     Bounded,
     Program,
     append_halves,
@@ -41,7 +42,7 @@ def _fails_at(program: Program, point: Floats, any_output: bool) -> bool:
     return bool(_joined(program.value[:, 1], any_output) <= 0.0)
 
 
-@njit
+@njit(inline="always")
 def _decide(program: Program, any_output: bool, queue_lo: Floats, queue_hi: Floats) -> Result:
     """Decide over the first box of the queue (capacity, inputs).
 
@@ -57,7 +58,7 @@ def _decide(program: Program, any_output: bool, queue_lo: Floats, queue_hi: Floa
     seen = np.empty((outputs, 2))
     lower, upper = np.empty(outputs), np.empty(outputs)
     least = np.inf
-    head, tail = 0, 1
+    head, tail = 0, ONE
     while head < tail:
         lo, hi = queue_lo[head], queue_hi[head]
         bound_box(program, lo, hi, lower, upper, seen)

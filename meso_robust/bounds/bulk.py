@@ -64,6 +64,10 @@ def bounded(name: str, inputs: tuple[str, ...], function: ca.Function) -> Bounde
     return Bounded(name, inputs, function, compile_tape(function), compile_tape(both))
 
 
+ONE = np.int64(1)
+"""For kernels: a plain number compiles what it is given to once more."""
+
+
 class Program(NamedTuple):
     """A prepared function as the kernels take it: its two tapes, and scratch for them."""
 
@@ -193,7 +197,7 @@ def _collapse(
     return total_lo if side == 0 else total_hi
 
 
-@njit
+@njit(inline="always")
 def _bound_each(program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats) -> None:
     """Fill ``lower`` and ``upper`` (N, outputs) for N boxes."""
     seen = np.empty((lower.shape[1], 2))
@@ -201,7 +205,7 @@ def _bound_each(program: Program, lo: Floats, hi: Floats, lower: Floats, upper: 
         bound_box(program, lo[k], hi[k], lower[k], upper[k], seen)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def _natural_each(program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats) -> None:
     """The same by the natural extension alone, a block of boxes at a time."""
     boxes, inputs = lo.shape
@@ -252,7 +256,7 @@ def side_to_split(slope: Floats, lo: Floats, hi: Floats, outputs: int) -> int:
     return best
 
 
-@njit
+@njit(inline="always")
 def _bisect(
     program: Program,
     queue_lo: Floats,
@@ -271,7 +275,7 @@ def _bisect(
     box_lower, box_upper = np.empty(outputs), np.empty(outputs)
     least, most = np.full(outputs, np.inf), np.full(outputs, -np.inf)
     lower[:], upper[:] = np.inf, -np.inf
-    head, tail = 0, 1
+    head, tail = 0, ONE
     while head < tail:
         lo, hi = queue_lo[head], queue_hi[head]
         head += 1

@@ -26,6 +26,10 @@ GRIPS, PRESSED, FREELY, SLIPS_ALONE, STATES = 2, 6, 10, 11, 13
 """Outputs of a state: first contacts along their edges; grips; forces at S, at D; force at S if D has no
 friction; slip of the part over D that pushes alone without friction, and what that grows by per ratio."""
 PIECES = 8  # of q; fewer are looser, more take longer
+ALL_RATES, NONE = (
+    np.int64(RATES),
+    np.int64(0),
+)  # a plain number would compile what it is given to once more
 FIRST_STRIP = (
     2.5e-4  # of a step in h; half of what a bound is first tried in, widened until it is enough
 )
@@ -202,13 +206,13 @@ def _places(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> _Places:
     for k in range(3):
         gone_lo, gone_hi = down(frame.h_first - at[H, k]), up(frame.h_first - at[H, k])
         for j in range(count):
-            spread[k, j] = _slope(frame, j, gone_lo, gone_hi)
+            spread[k, j, 0], spread[k, j, 1] = _slope(frame, j, gone_lo, gone_hi)
         lo, hi = mul(frame.rate, frame.rate, gone_lo, gone_hi)
         lo, hi = add(lo, hi, *_sag_at(frame, gone_lo, gone_hi))
-        centre[k] = add(lo, hi, frame.centre, frame.centre)
-        rate[k] = _along(frame, gone_lo, gone_hi, none, none)
+        centre[k, 0], centre[k, 1] = add(lo, hi, frame.centre, frame.centre)
+        rate[k, 0], rate[k, 1] = _along(frame, gone_lo, gone_hi, none, none)
     for j in range(count):
-        spreads[j] = _slope(frame, j, 0.0, whole)
+        spreads[j, 0], spreads[j, 1] = _slope(frame, j, 0.0, whole)
     return _Places(at, off, dev, spread, spreads, centre, rate)
 
 
@@ -357,7 +361,7 @@ def _bound_rates(
     """
     inputs, corners = known.lo.size, 1 << known.ratios
     if corners == 1:
-        _bound(rates, frame, known, s_lo, s_hi, RATES, bounds)
+        _bound(rates, frame, known, s_lo, s_hi, ALL_RATES, bounds)
         return
     part = np.empty(bounds.shape)
     bounds[0], bounds[1] = np.inf, -np.inf
@@ -367,8 +371,17 @@ def _bound_rates(
             i = inputs - 1 - k
             lo[i] = hi[i] = known.hi[i] if (corner >> k) % 2 == 1 else known.lo[i]
         at = Known(lo, hi, known.dev_lo, known.dev_hi, known.constants, 0)
-        _bound(rates, frame, at, s_lo, s_hi, RATES, part)
-        bounds[0], bounds[1] = np.minimum(bounds[0], part[0]), np.maximum(bounds[1], part[1])
+        _bound(rates, frame, at, s_lo, s_hi, ALL_RATES, part)
+        _join(bounds, part)
+
+
+@njit
+def _join(bounds: Floats, part: Floats) -> None:
+    """Widen bounds (2, outputs) so that they hold others."""
+    # by number: a slice would bring in the text of its errors, which takes 2 s to compile
+    for i in range(bounds.shape[1]):
+        bounds[0, i] = np.minimum(bounds[0, i], part[0, i])
+        bounds[1, i] = np.maximum(bounds[1, i], part[1, i])
 
 
 @njit
@@ -423,7 +436,7 @@ def _hull_of_modes(lower: Floats, upper: Floats) -> tuple[float, float]:
     return least, most
 
 
-@njit
+@njit(inline="always")
 def _next_bound(
     rates: Program,
     frame: _Frame,
@@ -566,14 +579,16 @@ def _piecewise(
     least, start = np.inf, low
     for k in range(PIECES):
         end = high if k + 1 == PIECES else low + (k + 1) * ((high - low) / PIECES)
-        _bound(state, level, known, start, end, 0, piece)
+        _bound(state, level, known, start, end, NONE, piece)
         least, start = min(least, _pressed(piece[0])), end
-        hull[0], hull[1] = np.minimum(hull[0], piece[0]), np.maximum(hull[1], piece[1])
-    bounds[0], bounds[1] = np.maximum(bounds[0], hull[0]), np.minimum(bounds[1], hull[1])
+        _join(hull, piece)
+    for i in range(bounds.shape[1]):
+        bounds[0, i] = np.maximum(bounds[0, i], hull[0, i])
+        bounds[1, i] = np.minimum(bounds[1, i], hull[1, i])
     return least
 
 
-@njit
+@njit(inline="always")
 def _holds(state: Program, known: Known, ends: Floats, tube: Tube, first: int, last: int) -> int:
     """Check over some knots that both tips stay in contact and on their edges."""
     frame = _line(tube, first, last)
@@ -586,7 +601,7 @@ def _holds(state: Program, known: Known, ends: Floats, tube: Tube, first: int, l
         sag_lo, sag_hi = _most_sag(tube.h[first : last + 1], tube.bend[first:last])
         s_lo, s_hi = down(s_lo + sag_lo), up(s_hi + sag_hi)
     bounds, margins = np.empty((2, STATES)), tube.margins
-    _bound(state, frame, known, s_lo, s_hi, 0, bounds)
+    _bound(state, frame, known, s_lo, s_hi, NONE, bounds)
     lower, upper = bounds[0], bounds[1]
     pressed = _pressed(lower)
     if not pressed > 0.0:
@@ -605,7 +620,7 @@ def _holds(state: Program, known: Known, ends: Floats, tube: Tube, first: int, l
     return 0 if margins[1] > 0.0 else 3
 
 
-@njit
+@njit(inline="always")
 def _predict(rates: Program, known: Known, tube: Tube, k: int, drift: Floats) -> bool:
     """Fill the next knot of the curve; whether that could be computed."""
     dh, point = tube.h[k] - tube.h[k + 1], 0.5 * (known.lo + known.hi)
@@ -614,11 +629,14 @@ def _predict(rates: Program, known: Known, tube: Tube, k: int, drift: Floats) ->
     rate, bend = _guess(rates, point, known.constants, tube.spread[k], drift)
     tube.bend[k] = bend
     tube.centre[k + 1] = tube.centre[k] + rate * dh
-    tube.spread[k + 1] = tube.spread[k] + drift * dh
-    return bool(np.isfinite(rate) and np.isfinite(bend) and np.isfinite(drift).all())
+    finite = np.isfinite(rate) and np.isfinite(bend)
+    for j in range(drift.size):
+        tube.spread[k + 1, j] = tube.spread[k, j] + drift[j] * dh
+        finite = finite and np.isfinite(drift[j])
+    return bool(finite)
 
 
-@njit
+@njit(inline="always")
 def _bound_lines(
     programs: Programs, known: Known, band: float, ends: Floats, every: int, tube: Tube
 ) -> int:
@@ -629,7 +647,7 @@ def _bound_lines(
     """
     h, drift = tube.h, np.zeros(known.dev_lo.size)
     strips = np.full(2, FIRST_STRIP * (h[0] - h[1]))
-    checked = 0
+    checked = int(np.int64(0))  # of a fixed type, not to compile for a literal
     for k in range(h.size - 1):
         starts = h[k] > band
         if not (starts or _predict(programs.rates, known, tube, k, drift)):

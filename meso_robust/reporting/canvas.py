@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
 
 from meso_robust import units
 from meso_robust.bounds import Interval
@@ -29,6 +26,11 @@ from meso_robust.reporting.theme import (
     WAY,
 )
 from meso_robust.types import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Rectangle
 
 Coordinate = Literal["x", "y", "theta"]
 
@@ -82,6 +84,8 @@ def ends(box: PoseBox, coordinate: Coordinate) -> tuple[float, float]:
 
 def rectangle_of(box: PoseBox, across: Coordinate, up: Coordinate, **look: Any) -> Rectangle:
     """A face of a box of poses, um and deg."""
+    from matplotlib.patches import Rectangle
+
     (left, right), (low, high) = ends(box, across), ends(box, up)
     return Rectangle((left, low), right - left, high - low, **look)
 
@@ -118,6 +122,8 @@ def outline(axes: Axes, pose: Floats, body: Floats, label: str, **look: Any) -> 
     label, look
         What it is called, and how matplotlib is to draw it.
     """
+    from matplotlib.patches import Polygon
+
     axes.add_patch(Polygon(corners(pose, body), closed=True, label=label, **look))
 
 
@@ -134,6 +140,8 @@ def panel(width: float, height: float) -> tuple[Figure, Axes]:
     tuple of Figure and Axes
         The axes are x and y in um; the margins leave room for their names only.
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, height))
     left, bottom, right, top = 0.66, 0.46, 0.10, 0.10
     axes = figure.add_axes(
@@ -150,6 +158,8 @@ def panel(width: float, height: float) -> tuple[Figure, Axes]:
 
 def panel_and_strip(width: float, height: float) -> tuple[Figure, Axes, Axes]:
     """A figure with axes for x and y, and a strip for theta under them, sizes in inches."""
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, height))
     left, across = 0.66 / width, (width - 0.76) / width
     bottom = 0.46 + 0.42 + 0.56

@@ -59,7 +59,23 @@ def picture(draw: Callable[[], Figure], text: str, label: str) -> Markup:
     label
         What it shows.
     """
-    name = "c" + hashlib.sha256(f"{label}\0{text}".encode()).hexdigest()[:12]
+    name = own_name(text, label)
     with style():
         svg = str(to_svg(draw(), name, label)).replace("<svg", f'<svg id="{name}"', 1)
     return Markup(_EVERYWHERE.sub(rf"<style>#{name} * {{\1}}</style>", svg))
+
+
+def own_name(text: str, label: str) -> str:
+    """What the ids of a picture begin with: cards stand side by side in one page.
+
+    Parameters
+    ----------
+    text, label
+        As for `picture`.
+
+    Returns
+    -------
+    str
+        An id.
+    """
+    return "c" + hashlib.sha256(f"{label}\0{text}".encode()).hexdigest()[:12]

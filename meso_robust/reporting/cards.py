@@ -83,14 +83,14 @@ def planned_card(result: Planned, promise: Promise | None, text: str) -> str:
     str
         The card, HTML that can stand in any page.
     """
-    said = answer(result, promise)
+    said, label = answer(result, promise), "The whole plan"
     return cards.card(
         word=said.verdict,
         colour=said.verdict,
         about=result.task.name,
         meaning=said.meaning,
         figures=said.figures,
-        picture=cards.picture(lambda: overview_figure(result), text, "The whole plan"),
+        picture=overview_figure(result).svg(cards.own_name(text, label), label),
         caption=f"0: the start; 1 to {len(result.found.rules)}: the part after each move of the "
         "nominal run; dashed: the goal.",
         text=text,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from matplotlib.figure import Figure
-
 from meso_robust.bounds import Verdict
 from meso_robust.even_film import remarks
 from meso_robust.laboratory.running import excess
@@ -13,8 +11,8 @@ from meso_robust.reporting.answer import answer
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
 from meso_robust.reporting.reading import Standing, ending, endings, standings, through
+from meso_robust.reporting.scene import Picture
 from meso_robust.reporting.steps import step_rows, title
-from meso_robust.reporting.svg import style, to_svg
 from meso_robust.reporting.tube_figures import (
     PATHS,
     final_figure,
@@ -49,14 +47,13 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         answer(result, promise),
         result.certificate.simulation,
     )
-    with style():
-        pictures = {
-            "moves": [_move(result, index) for index in range(len(result.found.rules))],
-            "overview": _overview(result),
-            "spreads": [_spread(result, index) for index in range(len(result.found.rules))],
-            "tubes": _tubes(result),
-            "end": _end(result),
-        }
+    pictures = {
+        "moves": [_move(result, index) for index in range(len(result.found.rules))],
+        "overview": _overview(result),
+        "spreads": [_spread(result, index) for index in range(len(result.found.rules))],
+        "tubes": _tubes(result),
+        "end": _end(result),
+    }
     body = pages.prose(
         "plan.html.j2",
         task=result.task,
@@ -131,8 +128,8 @@ def report(result: Planned, promise: Promise | None = None) -> str:
     )
 
 
-def _figure(name: str, title: str, caption: str, drawing: Figure) -> pages.Figure:
-    return pages.Figure(svg=to_svg(drawing, name, title), title=title, caption=caption, wide=False)
+def _figure(name: str, title: str, caption: str, drawing: Picture) -> pages.Figure:
+    return pages.Figure(svg=drawing.svg(name, title), title=title, caption=caption, wide=False)
 
 
 def _move(result: Planned, index: int) -> pages.Figure:
@@ -153,7 +150,7 @@ def _move(result: Planned, index: int) -> pages.Figure:
 def _overview(result: Planned) -> pages.Figure:
     last = len(result.found.rules)
     caption = f"0: the start; 1 to {last}: the part after each move of the nominal run."
-    svg = to_svg(overview_figure(result), "overview", "The whole plan from start to goal")
+    svg = overview_figure(result).svg("overview", "The whole plan from start to goal")
     return pages.Figure(svg=svg, title="The whole plan", caption=caption)
 
 

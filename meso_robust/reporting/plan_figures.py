@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
 
 from meso_robust import units
 from meso_robust.laboratory.making import outline as outline_of_part
@@ -25,14 +24,24 @@ from meso_robust.reporting.canvas import (
     OPEN,
     TIP,
     corners,
-    fit_equal,
-    outline,
-    panel,
     poses_shown,
-    rectangle_of,
 )
+from meso_robust.reporting.plot import equal
 from meso_robust.reporting.reading import Standing, standings
-from meso_robust.reporting.theme import WALL
+from meso_robust.reporting.scene import (
+    Arrow,
+    Boxes,
+    Dots,
+    Line,
+    Look,
+    Picture,
+    Shape,
+    Words,
+    faces,
+    panel,
+    room,
+)
+from meso_robust.reporting.theme import PAPER, WALL
 from meso_robust.types import Floats
 
 GHOSTS = 4  # outlines between the first and the last
@@ -50,7 +59,7 @@ def goal_pose(result: Planned) -> Floats:
     return np.array(result.setup.goal.mid)
 
 
-def move_figure(result: Planned, index: int) -> Figure:
+def move_figure(result: Planned, index: int) -> Picture:
     """One move of the nominal run, in um.
 
     Parameters
@@ -61,120 +70,130 @@ def move_figure(result: Planned, index: int) -> Figure:
         Which move, from 0.
     """
     move, body = result.check.nominal.moves[index], outline_of_part(result.setup)
-    last = index + 1 == len(result.found.rules)
-    path = move.path[0]
-    figure, axes = panel(*PANEL)
-    if last:
-        _goal(axes, result, body)
-    outline(axes, move.before[0], body, "before", fc="none", ec=BEFORE, lw=1.3)
-    for row in ghost_rows(len(path)):
-        outline(axes, path[row], body, "ghost", fc="none", ec=GHOST, lw=0.8)
-    outline(axes, move.after[0], body, "after", fc="none", ec=AFTER, lw=1.5)
-    _centre_path(axes, path)
-    _box_after(axes, result, index)
-    tips = _tips(axes, move)
+    path, last = move.path[0], index + 1 == len(result.found.rules)
+    goal_box, goal_outline = _goal(result, body) if last else ((), ())
+    tips = _reached(move)
     drawn = [corners(pose, body) for pose in (move.before[0], *path, move.after[0])]
     if last:
         drawn.append(corners(goal_pose(result), body))
     extent = np.concatenate([*drawn, tips])
-    room = _room_for_names(move, extent)
-    fit_equal(axes, np.concatenate([extent, room]), 0.06)
-    _name_tips(axes, move, names_of(result.found.rules[index]))
-    return figure
+    extent = np.concatenate([extent, _room_for_names(move, extent)])
+    return panel(
+        *PANEL,
+        equal(extent, *room(*PANEL), 0.06),
+        [
+            *goal_box,
+            _outline("before", move.before[0], body, BEFORE, 1.3),
+            *(_outline("ghost", path[row], body, GHOST, 0.8) for row in ghost_rows(len(path))),
+            _outline("after", move.after[0], body, AFTER, 1.5),
+            *goal_outline,
+            _centre_path(path),
+            *_box_after(result, index),
+            *_tips(move),
+            *_names_of_tips(move, names_of(result.found.rules[index])),
+        ],
+    )
 
 
-def overview_figure(result: Planned) -> Figure:
+def overview_figure(result: Planned) -> Picture:
     """The way of the part from the start to the goal, in um."""
     body, moves = outline_of_part(result.setup), result.check.nominal.moves
-    figure, axes = panel(*WIDE)
-    _goal(axes, result, body)
-    _slot(axes, result)
+    goal_box, goal_outline = _goal(result, body)
     poses = [moves[0].before[0], *(move.after[0] for move in moves)]
-    strength = np.linspace(0.4, 1.0, len(poses))
-    for number, (pose, alpha) in enumerate(zip(poses, strength, strict=True)):
-        outline(axes, pose, body, f"pose {number}", fc="none", ec=AFTER, lw=1.2, alpha=alpha)
-    _centre_path(axes, np.concatenate([move.path[0] for move in moves]))
-    for number, pose in enumerate(poses):
-        x, y, _ = poses_shown(pose)
-        axes.annotate(
-            str(number),
-            (x, y),
-            ha="center",
-            va="center",
-            color="white",
-            fontsize=8,
-            fontweight="bold",
-            bbox={"boxstyle": "circle,pad=0.25", "fc": INK, "ec": "white", "lw": 0.8},
-            zorder=6,
-        )
-    drawn = [corners(pose, body) for pose in (*poses, goal_pose(result))]
-    fit_equal(axes, np.concatenate(drawn), 0.03)
-    return figure
-
-
-def _slot(axes: Axes, result: Planned) -> None:
-    """The walls, as far as the picture goes."""
-    if result.task.slot is not None:
-        corners_um = np.array(result.task.slot.outline_um, dtype=np.float64)
-        axes.add_patch(Polygon(corners_um, fc=WALL, ec=INK, lw=1.0, label="slot", zorder=2))
-
-
-def _goal(axes: Axes, result: Planned, body: Floats) -> None:
-    outline(
-        axes,
-        goal_pose(result),
-        body,
-        "goal outline",
-        fc="none",
-        ec=GOAL,
-        lw=1.7,
-        ls=(0, (4, 3)),
-        zorder=3,
+    strength = np.linspace(0.4, 1.0, len(poses)).tolist()
+    drawn = np.concatenate([corners(pose, body) for pose in (*poses, goal_pose(result))])
+    return panel(
+        *WIDE,
+        equal(drawn, *room(*WIDE), 0.03),
+        [
+            *goal_box,
+            *(
+                _outline(f"pose {number}", pose, body, AFTER, 1.2, opacity)
+                for number, (pose, opacity) in enumerate(zip(poses, strength, strict=True))
+            ),
+            *_slot(result),
+            *goal_outline,
+            _centre_path(np.concatenate([move.path[0] for move in moves])),
+            *(
+                Words(
+                    name="pose", text=str(number), point=poses_shown(pose)[:2], size=8.0, disc=6.5
+                )
+                for number, pose in enumerate(poses)
+            ),
+        ],
     )
-    look = {"fc": GOAL_FILL, "ec": GOAL, "lw": 1.0, "label": "goal box"}
-    axes.add_patch(rectangle_of(result.setup.goal, "x", "y", **look))
 
 
-def _centre_path(axes: Axes, path: Floats) -> None:
-    points = poses_shown(path)
-    axes.plot(points[:, 0], points[:, 1], color=MUTED, lw=1.0, label="centre", zorder=4)
+def _outline(
+    name: str, pose: Floats, body: Floats, colour: str, width: float, opacity: float = 1.0
+) -> Line:
+    look = Look(line=colour, width=width, opacity=opacity)
+    return Line(name=name, points=corners(pose, body), look=look, closed=True)
 
 
-def _box_after(axes: Axes, result: Planned, index: int) -> None:
+def _slot(result: Planned) -> Sequence[Shape]:
+    """The walls, as far as the picture goes."""
+    if result.task.slot is None:
+        return ()
+    points = np.array(result.task.slot.outline_um, dtype=np.float64)
+    return (Line(name="slot", points=points, look=Look(fill=WALL, line=INK), closed=True),)
+
+
+def _goal(result: Planned, body: Floats) -> tuple[Sequence[Shape], Sequence[Shape]]:
+    """What is drawn of the goal under the part, and over it."""
+    dashed = Look(line=GOAL, width=1.7, dash="6.8 5.1")
+    shape = Line(
+        name="goal outline", points=corners(goal_pose(result), body), look=dashed, closed=True
+    )
+    box = faces("goal box", [result.setup.goal], "x", "y", Look(fill=GOAL_FILL, line=GOAL))
+    return (box,), (shape,)
+
+
+def _centre_path(path: Floats) -> Line:
+    return Line(name="centre", points=poses_shown(path)[:, :2], look=Look(line=MUTED))
+
+
+def _box_after(result: Planned, index: int) -> Sequence[Boxes]:
     """The box of poses after the move at the part's centre, if the proof got so far."""
     steps = result.chain.steps
     post = steps[index].post if index < len(steps) else None
     if post is None:
-        return
+        return ()
     sound = standings(result.chain, len(result.found.rules))[index] is Standing.CERTIFIED
-    colour, label = (CERTIFIED, "certified box") if sound else (OPEN, "unproved box")
-    style = "-" if sound else (0, (3, 2))
-    axes.add_patch(
-        rectangle_of(post, "x", "y", fc="none", ec=colour, lw=1.4, ls=style, label=label, zorder=5)
+    colour, name, dash = (
+        (CERTIFIED, "certified box", "") if sound else (OPEN, "unproved box", "4.2 2.8")
     )
+    return (faces(name, [post], "x", "y", Look(line=colour, width=1.4, dash=dash)),)
 
 
-def _tips(axes: Axes, move: MoveRun) -> Floats:
-    """Draw the tips and their travel; (N, 2) all their points, um."""
-    starts, ends = move.tips[0] / units.UM, (move.tips[0] + move.travel[0]) / units.UM
+def _reached(move: MoveRun) -> Floats:
+    """(2P, 2) where the tips start and end, um."""
+    return np.concatenate([move.tips[0], move.tips[0] + move.travel[0]]) / units.UM
+
+
+def _tips(move: MoveRun) -> list[Shape]:
+    """The tips, their travel, and the circles of their radii."""
+    starts, ends = np.split(_reached(move), 2)
+    arrows: list[Shape] = []
+    marks: list[Shape] = []
+    turns = np.linspace(0.0, 2.0 * np.pi, 49)[:-1]
+    circle = np.stack([np.cos(turns), np.sin(turns)], axis=1)
     for start, end, radius in zip(starts, ends, move.radii[0] / units.UM, strict=True):
         active = bool((start != end).any())
-        axes.add_patch(Circle(tuple(start), radius, fc="none", ec=TIP, lw=0.8, zorder=8))
         if active:
-            arrow = {"arrowstyle": "-|>", "color": TIP, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
-            axes.annotate("", xy=end, xytext=start, arrowprops=arrow, zorder=7)
-        axes.plot(
-            *start,
-            marker="o",
-            ms=5.5,
-            ls="none",
-            mfc=TIP if active else "white",
-            mec=TIP,
-            mew=1.4,
-            label="active tip" if active else "passive tip",
-            zorder=8,
+            arrows.append(Arrow(name="travel", start=start, end=end, colour=TIP))
+        if radius > 0.0:
+            ring, thin = start + radius * circle, Look(line=TIP, width=0.8)
+            marks.append(Line(name="tip's edge", points=ring, look=thin, closed=True))
+        marks.append(
+            Dots(
+                name="active tip" if active else "passive tip",
+                points=start[None],
+                radius=2.75,
+                look=Look(fill=TIP if active else PAPER, line=TIP, width=1.4),
+            )
         )
-    return np.concatenate([starts, ends])
+    return [*arrows, *marks]
 
 
 def _ahead(move: MoveRun) -> npt.NDArray[np.bool_]:
@@ -189,18 +208,9 @@ def _room_for_names(move: MoveRun, extent: Floats) -> Floats:
     return move.tips[0] / units.UM + np.stack([outward, np.zeros_like(outward)], axis=1)
 
 
-def _name_tips(axes: Axes, move: MoveRun, names: tuple[str, ...]) -> None:
-    """Name each tip on the side that faces away from the part."""
-    for name, ahead, place in zip(names, _ahead(move), move.tips[0] / units.UM, strict=True):
-        axes.annotate(
-            name,
-            place,
-            xytext=(7 if ahead else -7, 0),
-            textcoords="offset points",
-            ha="left" if ahead else "right",
-            va="center",
-            color=TIP,
-            fontsize=8.5,
-            bbox={"fc": "white", "ec": "none", "alpha": 0.85, "pad": 0.6},
-            zorder=9,
-        )
+def _names_of_tips(move: MoveRun, names: tuple[str, ...]) -> list[Words]:
+    """The name of each tip on the side that faces away from the part."""
+    return [
+        Words(name="tip", text=name, point=place, colour=TIP, shift=7.0 if ahead else -7.0)
+        for name, ahead, place in zip(names, _ahead(move), move.tips[0] / units.UM, strict=True)
+    ]

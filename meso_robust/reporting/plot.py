@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 from meso_robust.reporting.theme import FRAME, GRID, INK, MUTED
 from meso_robust.types import Floats
 
-_TICKS = 5  # aimed at on an axis
+_TICKS = 5.0  # aimed at on an axis
 _FONT = 9.0  # pt, as of the other pictures of a report
 
 
@@ -55,7 +55,14 @@ class Area:
         down = self.top + (self.y[1] - np.asarray(y)) / (self.y[1] - self.y[0]) * self.tall
         return np.asarray(across), np.asarray(down)
 
-    def frame(self, x_label: str = "", y_label: str = "", *, numbers: bool = True) -> str:
+    def frame(
+        self,
+        x_label: str = "",
+        y_label: str = "",
+        *,
+        numbers: bool = True,
+        most: tuple[float, float] = (_TICKS, _TICKS),
+    ) -> str:
         """Box, grid, ticks and names of the axes.
 
         Parameters
@@ -64,6 +71,8 @@ class Area:
             Names; empty for none.
         numbers
             Whether the x axis has numbers.
+        most
+            How many numbers x and y have at most.
 
         Returns
         -------
@@ -72,12 +81,12 @@ class Area:
         """
         bottom = self.top + self.tall
         parts = []
-        for value in ticks(*self.x):
+        for value in ticks(*self.x, most[0]):
             across = float(self.at(np.array(value), np.array(self.y[0]))[0])
             parts.append(_rule(across, self.top, across, bottom, GRID))
             if numbers:
                 parts.append(_text(across, bottom + 11.0, _number(value), MUTED, "middle"))
-        for value in ticks(*self.y):
+        for value in ticks(*self.y, most[1]):
             down = float(self.at(np.array(self.x[0]), np.array(value))[1])
             parts.append(_rule(self.left, down, self.left + self.wide, down, GRID))
             parts.append(_text(self.left - 4.0, down + 3.0, _number(value), MUTED, "end"))
@@ -170,20 +179,24 @@ def picture(width: float, height: float, label: str, parts: Iterable[str]) -> Ma
     )
 
 
-def ticks(low: float, high: float) -> Sequence[float]:
-    """Round values between two limits, about five.
+def ticks(low: float, high: float, most: float = _TICKS) -> Sequence[float]:
+    """Round values between two limits.
 
     Parameters
     ----------
     low, high
         Limits, ``low`` below ``high``.
+    most
+        How many are wanted at most, but for one; none below 1.
 
     Returns
     -------
     list of float
         Multiples of 1, 2 or 5 times a power of ten.
     """
-    rough = (high - low) / _TICKS
+    if most < 1:
+        return []
+    rough = (high - low) / most
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= rough)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import inner, maker, part
 from meso_robust.simulator.guess import SEPARATE, guess_forces, remember_modes
 from meso_robust.simulator.lemke import RESIDUAL, SOLVED, lemke
 from meso_robust.simulator.modes import FOUND, NONE, new_walk, next_mode
@@ -57,7 +57,7 @@ def advance(work: Work, count: int) -> int:
     return _search(work, count)
 
 
-@inner
+@part
 def _search(work: Work, count: int) -> int:
     """Lemke's method on the near contacts, then on all; then all contact modes."""
     near = _collect(work, count, _NEAR)
@@ -93,8 +93,12 @@ def is_ambiguous(work: Work, count: int) -> bool:
         if is_solution(work.contacts, work.marks, work.step, count):
             for k in range(STEP.motion, STEP.motion + 3):
                 other |= abs(work.step[k] - step[k]) > _SAME
-    work.contacts[:] = contacts
-    work.step[:] = step
+    # by number: a slice would bring in the text of its errors, which takes 3 s to compile
+    for k in range(step.size):
+        work.step[k] = step[k]
+    for c in range(contacts.shape[0]):
+        for k in range(contacts.shape[1]):
+            work.contacts[c, k] = contacts[c, k]
     return other
 
 

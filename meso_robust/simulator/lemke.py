@@ -159,7 +159,7 @@ def _blocking_row(n: int, tableau: Floats, index: Ints, column: int) -> int:
         ratio = tableau[n + 1, i] / slope
         tableau[n + 2, i] = ratio if slope > _SMALL_PIVOT else np.inf
     least = tableau[n + 2, 0]
-    best = 0
+    best = int(np.int64(0))  # of a fixed type, not to compile for a literal
     for i in range(1, n):
         lower = tableau[n + 2, i] < least
         least = tableau[n + 2, i] if lower else least

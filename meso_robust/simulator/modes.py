@@ -107,7 +107,10 @@ def next_mode(n: int, M: Floats, q: Floats, z: Floats, state: Ints) -> int:  # n
         if nearest(columns[:used], goal[:n], x, r[:n], space, order):
             outcome = _verdict(columns[:used], x, r[:n])
         if outcome == UNDECIDED:
-            weighed[:used, :n] = columns[:used]
+            # by number: a slice would bring in the text of its errors, which takes 3 s to compile
+            for j in range(used):
+                for i in range(n):
+                    weighed[j, i] = columns[j, i]
             if nearest(weighed[:used], goal, x, r, space, order):
                 outcome = _verdict(columns[:used], x, r[:n])
         if outcome != NONE and depth < contacts - 1:

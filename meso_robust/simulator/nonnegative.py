@@ -43,7 +43,7 @@ def nearest(A: Floats, q: Floats, x: Floats, r: Floats, space: Floats, order: In
     """
     m, n = A.shape
     gradient, trial = space[n], space[n + 1]
-    count = 0
+    count = int(np.int64(0))  # of a fixed type, not to compile for a literal
     for j in range(m):
         x[j] = 0.0
         order[m + j] = 0  # 1 in the passive set, 2 left out for this round
@@ -120,7 +120,7 @@ def _settle(
             x[order[k]] += share * (trial[k] - x[order[k]])
         if share == 1.0:
             return count
-        kept = 0
+        kept = int(np.int64(0))
         for k in range(count):
             j = order[k]
             if trial[k] <= 0.0 and x[j] <= 1e-14 * (1.0 + abs(trial[k])):

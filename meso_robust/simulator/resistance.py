@@ -1,6 +1,6 @@
 """Forces and motion of a step with any support law, by tangents of the law until the twist agrees."""
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import inner, part
 from meso_robust.simulator.actuation import bending
 from meso_robust.simulator.advance import advance, closes
 from meso_robust.simulator.case import (
@@ -48,7 +48,7 @@ _LAST_TANGENTS = 360  # and when it is not
 _LEVELS = 12  # of smoothing, by a factor √10 each: from one tip speed down
 
 
-@inner
+@part
 def general_step(
     case: Case,
     kind: Kind,
@@ -81,7 +81,7 @@ def general_step(
     return outcome
 
 
-@inner
+@part
 def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: Floats) -> None:
     """Write the film matrix, the wrench of stage and menisci, and the bending by menisci."""
     film, wrench, contacts = state.space[FILM_NOW], state.space[WRENCH], work.contacts
@@ -117,7 +117,7 @@ def _loads(case: Case, kind: Kind, state: State, work: Work, count: int, pose: F
                 contacts[b, CONTACTS.dy] -= pull * (xy * nx + yy * ny)
 
 
-@inner
+@part
 def _must_move(work: Work, count: int, unit: float) -> bool:
     """Whether a part at rest is met by a tip; if not, write that it stays."""
     for k in range(3):
@@ -186,7 +186,7 @@ def _tangents(
     return SOLVER_FAILURE
 
 
-@inner
+@part
 def _balance(
     work: Work,
     count: int,
@@ -214,7 +214,7 @@ def _balance(
     return COMPLETED
 
 
-@inner
+@part
 def _agree(twist: Floats, new: Floats, size: float, speed: float) -> bool:
     """Whether two twists agree; the first is overwritten by the second."""
     change = abs(new[0] - twist[0]) + abs(new[1] - twist[1]) + size * abs(new[2] - twist[2])
@@ -223,7 +223,7 @@ def _agree(twist: Floats, new: Floats, size: float, speed: float) -> bool:
     return change <= _TWIST * speed
 
 
-@inner
+@part
 def _shift(w: Floats, offset: Floats, scale: float) -> None:
     """Write the motion without contact, ``s' = L⁻¹ s dt / (k unit)``."""
     scale /= w[STEP.factor + 6]

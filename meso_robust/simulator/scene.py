@@ -58,7 +58,7 @@ def find_contacts(
     """
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     most = contacts.shape[0]
-    count = 0
+    count = int(np.int64(0))  # of a fixed type, not to compile for a literal
     for k in range(obstacles.shape[0]):
         wx, wy = obstacles[k, OBSTACLES.move_x], obstacles[k, OBSTACLES.move_y]
         dx, dy = (
@@ -105,7 +105,8 @@ def _disc(
     """Contacts of a disc, or of a corner of an obstacle, with the part."""
     cx, cy, radius = disc
     part = scene.part
-    rows, bounds = (0, part.shape[0]), (reach, scene.depth)
+    first = int(np.int64(0))  # of a fixed type, not to compile for a literal
+    rows, bounds = (first, part.shape[0]), (reach, scene.depth)
     count = beside_edges(part, rows, (cx, cy), radius, wedge, bounds, contacts, marks, count)
     for i in range(rows[1]):
         if lies_beyond(part, i, cx, cy):

@@ -21,7 +21,7 @@ holds, the solution of that mode is taken.
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import inner, part
 from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive
 from meso_robust.simulator.advance import advance, closes, is_ambiguous
 from meso_robust.simulator.case import (
@@ -119,7 +119,7 @@ def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> t
     return outcome, deepest
 
 
-@inner
+@part
 def _start_leg(case: Case, state: State, leg: int) -> None:
     """Write the friction of a leg, if it changes."""
     if case.waypoints.shape[2] > 2:
@@ -127,7 +127,7 @@ def _start_leg(case: Case, state: State, leg: int) -> None:
             state.obstacles[p, OBSTACLES.friction] = case.waypoints[leg, p, 2]
 
 
-@inner
+@part
 def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, dt: float) -> float:
     """Write the displacements of the tips in the next step; return the unit of length."""
     square = 0.0
@@ -156,7 +156,7 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
     return float(longest if longest > _HARDLY * idle else idle)
 
 
-@inner
+@part
 def _step(
     case: Case, kind: Kind, state: State, work: Work, pose: Floats, dt: float, unit: float
 ) -> tuple[int, float, int]:
@@ -188,7 +188,7 @@ def _step(
     return COMPLETED, gap, count
 
 
-@inner
+@part
 def _contacts(
     case: Case, state: State, work: Work, pose: Floats, reach: float, unit: float
 ) -> tuple[int, float, int]:
@@ -255,7 +255,7 @@ def _displacement(body: Floats, w: Floats, unit: float, size: float) -> float:
     return float(abs(x) + abs(y) + abs(turn) * size + unit)
 
 
-@inner
+@part
 def _displace(case: Case, plain: bool, body: Floats, pose: Floats, dt: float) -> None:
     """Move the part."""
     cos, sin, x, y, turn = (
@@ -281,7 +281,7 @@ def _displace(case: Case, plain: bool, body: Floats, pose: Floats, dt: float) ->
         body[PART.old] = older(body[PART.old], slip, dt, case.effects)
 
 
-@inner
+@part
 def _arrive(case: Case, state: State, work: Work, count: int, unit: float, dt: float) -> None:
     """Put the tips where they are at the end of the step, bent by the forces on them.
 

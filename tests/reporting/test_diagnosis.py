@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import matplotlib
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -276,8 +277,12 @@ def test_a_page_is_made_of_almost_nothing() -> None:
     assert "Every effect of the catalogue would have shown" in text
 
 
-def test_pages_are_the_same_every_time(pages: dict[Verdict, str]) -> None:
-    assert made("consistent") == pages["consistent"]
+def test_pages_are_the_same_every_time_whatever_the_user_has_set(
+    pages: dict[Verdict, str],
+) -> None:
+    with matplotlib.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
+        assert made("consistent") == pages["consistent"]
+        assert matplotlib.rcParams["font.size"] == 30.0
 
 
 @pytest.mark.parametrize("verdict", ["named", "unknown"])

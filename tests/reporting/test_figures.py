@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from xml.etree import ElementTree
+
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon, Rectangle
 
 from meso_robust.pipeline import Planned
 from meso_robust.primitives.setup import PoseBox
 from meso_robust.reporting.plan_figures import GHOSTS, ghost_rows, move_figure, overview_figure
+from meso_robust.reporting.scene import Axes, Boxes, Dots, Line, Picture, Words
 from meso_robust.reporting.tube_figures import (
     PATHS,
     final_figure,
@@ -26,22 +25,13 @@ from meso_robust.types import Floats
 MOVES = range(4)
 TURN = 2  # index of the rotation
 DEG = np.pi / 180
+NUMBER = re.compile(r"-?[\d.]+")
 
 
-def rectangles(axes: Axes, label: str) -> list[Floats]:
+def rectangles(axes: Axes, name: str) -> list[Floats]:
     """(4,) left, right, low, high of every rectangle of that name."""
-    found = [p for p in axes.patches if isinstance(p, Rectangle) and p.get_label() == label]
-    return [
-        np.array(
-            [
-                p.get_x(),
-                p.get_x() + p.get_width(),
-                p.get_y(),
-                p.get_y() + p.get_height(),
-            ]
-        )
-        for p in found
-    ]
+    found = [one.ends for one in axes.shapes if isinstance(one, Boxes) and one.name == name]
+    return [ends for boxes in found for ends in boxes]
 
 
 def face(box: PoseBox) -> Floats:
@@ -49,34 +39,32 @@ def face(box: PoseBox) -> Floats:
     return np.array([box.x.lo, box.x.hi, box.y.lo, box.y.hi]) * 1e6
 
 
-def polygons(figure: Figure, label: str) -> list[Floats]:
-    patches = figure.axes[0].patches
+def lines(picture: Picture, name: str) -> list[Floats]:
+    """(N, 2) points of every line of that name."""
     return [
-        np.asarray(p.get_xy())[:4]
-        for p in patches
-        if isinstance(p, Polygon) and p.get_label() == label
+        one.points for one in picture.axes[0].shapes if isinstance(one, Line) and one.name == name
     ]
 
 
+def dots(axes: Axes, name: str) -> Floats:
+    """(N, 2) all dots of that name."""
+    found = [one.points for one in axes.shapes if isinstance(one, Dots) and one.name == name]
+    return np.concatenate([np.empty((0, 2)), *found])
+
+
+def tips(picture: Picture, name: str) -> Floats:
+    return dots(picture.axes[0], name)
+
+
 def points(axes: Axes) -> Floats:
-    """(N, 2) all dots of a scatter."""
-    return np.concatenate([at(line) for line in axes.lines if line.get_label() == "runs"])
-
-
-def at(line: Line2D) -> Floats:
-    return np.asarray(line.get_xydata(), dtype=np.float64)
-
-
-def tips(figure: Figure, label: str) -> Floats:
-    lines = [line for line in figure.axes[0].lines if line.get_label() == label]
-    return np.array([at(line)[0] for line in lines])
+    return dots(axes, "runs")
 
 
 @pytest.mark.parametrize("index", MOVES)
 def test_the_part_is_drawn_where_it_is_before_and_after(proved: Planned, index: int) -> None:
-    move, figure = proved.check.nominal.moves[index], move_figure(proved, index)
+    move, picture = proved.check.nominal.moves[index], move_figure(proved, index)
     for label, pose in (("before", move.before[0]), ("after", move.after[0])):
-        (shape,) = polygons(figure, label)
+        (shape,) = lines(picture, label)
         np.testing.assert_allclose(shape.mean(axis=0), pose[:2] * 1e6, atol=1e-6)
         long_side = shape[1] - shape[0]
         assert np.hypot(*long_side) == pytest.approx(proved.task.rectangle("this test").length_um)
@@ -89,7 +77,7 @@ def test_the_part_is_drawn_where_it_is_before_and_after(proved: Planned, index: 
 @pytest.mark.parametrize("index", MOVES)
 def test_ghosts_lie_on_the_way_and_leave_out_the_ends(proved: Planned, index: int) -> None:
     path = proved.check.nominal.moves[index].path[0]
-    ghosts = polygons(move_figure(proved, index), "ghost")
+    ghosts = lines(move_figure(proved, index), "ghost")
     rows = ghost_rows(len(path))
     assert len(ghosts) == GHOSTS == len(set(rows))
     assert 0 not in rows
@@ -100,33 +88,33 @@ def test_ghosts_lie_on_the_way_and_leave_out_the_ends(proved: Planned, index: in
 
 @pytest.mark.parametrize("index", MOVES)
 def test_a_move_shows_its_certified_box_and_its_tips(proved: Planned, index: int) -> None:
-    figure = move_figure(proved, index)
+    picture = move_figure(proved, index)
     post = proved.chain.steps[index].post
     assert post is not None
-    (box,) = rectangles(figure.axes[0], "certified box")
+    (box,) = rectangles(picture.axes[0], "certified box")
     np.testing.assert_allclose(box, face(post), rtol=1e-12)
-    assert not rectangles(figure.axes[0], "unproved box")
+    assert not rectangles(picture.axes[0], "unproved box")
     starts = np.array([probe.start_um for probe in proved.plan.moves[index].probes])
-    np.testing.assert_allclose(tips(figure, "active tip"), starts[:2], atol=1e-4)
-    passive = tips(figure, "passive tip")
+    np.testing.assert_allclose(tips(picture, "active tip"), starts[:2], atol=1e-4)
+    passive = tips(picture, "passive tip")
     assert len(passive) == (1 if index == TURN else 0)
     np.testing.assert_allclose(passive.reshape(-1, 2), starts[2:].reshape(-1, 2), atol=1e-4)
 
 
 @pytest.mark.parametrize("index", MOVES)
 def test_everything_of_a_move_is_inside_its_panel(proved: Planned, index: int) -> None:
-    figure = move_figure(proved, index)
-    axes, travel = figure.axes[0], proved.plan.moves[index].travel_um
-    active = tips(figure, "active tip")
-    shapes = [*polygons(figure, "before"), *polygons(figure, "ghost"), *polygons(figure, "after")]
+    picture = move_figure(proved, index)
+    axes, travel = picture.axes[0], proved.plan.moves[index].travel_um
+    active = tips(picture, "active tip")
+    shapes = [*lines(picture, "before"), *lines(picture, "ghost"), *lines(picture, "after")]
     drawn = np.concatenate([*shapes, active, active + np.array(travel)])
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    area = axes.area
+    (left, right), (low, high) = area.x, area.y
     assert left < drawn[:, 0].min()
     assert drawn[:, 0].max() < right
     assert low < drawn[:, 1].min()
     assert drawn[:, 1].max() < high
-    place = axes.get_window_extent()
-    assert (right - left) / place.width == pytest.approx((high - low) / place.height)
+    assert (right - left) / area.wide == pytest.approx((high - low) / area.tall)
 
 
 def test_only_the_last_move_shows_the_goal(proved: Planned) -> None:
@@ -136,13 +124,13 @@ def test_only_the_last_move_shows_the_goal(proved: Planned) -> None:
 
 
 def test_the_overview_goes_from_start_to_goal(proved: Planned) -> None:
-    figure = overview_figure(proved)
-    (line,) = [line for line in figure.axes[0].lines if line.get_label() == "centre"]
-    way = at(line)
+    picture = overview_figure(proved)
+    (way,) = lines(picture, "centre")
     np.testing.assert_allclose(way[0], [2060.4, -9.2], atol=1e-6)
     assert np.abs(way[-1]).max() < 76
-    assert len([t for t in figure.axes[0].texts if t.get_text().isdigit()]) == len(MOVES) + 1
-    (goal,) = polygons(figure, "goal outline")
+    numbers = [one.text for one in picture.axes[0].shapes if isinstance(one, Words)]
+    assert numbers == ["0", "1", "2", "3", "4"]
+    (goal,) = lines(picture, "goal outline")
     np.testing.assert_allclose(goal.mean(axis=0), [0, 0], atol=1e-6)
 
 
@@ -165,7 +153,8 @@ def test_every_move_has_a_tube(proved: Planned) -> None:
 
 @pytest.mark.parametrize("up", ["y", "theta"])
 def test_the_tube_is_drawn_slice_by_slice_with_paths_over_it(proved: Planned, up: str) -> None:
-    axes = tube_figure(proved, TURN, "y" if up == "y" else "theta").axes[0]
+    picture = tube_figure(proved, TURN, "y" if up == "y" else "theta")
+    axes = picture.axes[0]
     knots = proved.chain.steps[TURN].tube
     wanted = [
         [
@@ -182,9 +171,7 @@ def test_the_tube_is_drawn_slice_by_slice_with_paths_over_it(proved: Planned, up
     np.testing.assert_allclose(rectangles(axes, "tube slice"), wanted)
     assert len(rectangles(axes, "box")) == 2
     paths = proved.check.sampled.moves[TURN].path
-    (bundle,) = axes.collections
-    assert isinstance(bundle, LineCollection)
-    drawn = bundle.get_segments()
+    drawn = lines(picture, "path")
     assert len(paths) == 40
     assert len(drawn) == PATHS == 24
     column, unit = (1, 1e-6) if up == "y" else (2, DEG)
@@ -214,15 +201,17 @@ def test_the_end_shows_runs_in_the_certified_box_in_the_goal(proved: Planned) ->
 
 
 def test_without_a_proof_no_box_is_drawn_as_certified(refuted: Planned) -> None:
-    figures = [
+    pictures = [
         *(move_figure(refuted, index) for index in MOVES),
         *(spread_figure(refuted, index) for index in MOVES),
         final_figure(refuted),
     ]
-    certified = [found for f in figures for a in f.axes for found in rectangles(a, "certified box")]
+    certified = [
+        found for f in pictures for a in f.axes for found in rectangles(a, "certified box")
+    ]
     reached = [step for step in refuted.chain.steps if step.post is not None]
     assert not certified
-    dashed = [rectangles(f.axes[0], "unproved box") for f in figures[:4]]
+    dashed = [rectangles(f.axes[0], "unproved box") for f in pictures[:4]]
     assert sum(map(len, dashed)) == len(reached)
 
 
@@ -234,3 +223,37 @@ def test_runs_that_end_early_are_left_out_of_later_moves(refuted: Planned) -> No
         assert len(drawn) == int((failed_in > index).sum())
     ends = points(final_figure(refuted).axes[0])
     assert len(ends) == refuted.certificate.simulation.completed
+
+
+def test_a_shape_lies_in_the_drawing_where_its_values_are_on_the_axes(proved: Planned) -> None:
+    picture = final_figure(proved)
+    area = picture.axes[0].area
+    root = ElementTree.fromstring(picture.svg("trial", "Final poses"))
+    frame = next(one for one in root.iter() if one.get("stroke-width") == "0.7")
+    left, top, wide, tall = (float(frame.attrib[k]) for k in ("x", "y", "width", "height"))
+    goal = next(one for one in root.iter() if one.get("stroke") == "#00795a")
+    x0, y0, x1, y1, _ = map(float, NUMBER.findall(goal.attrib["d"]))
+    scale = wide / (area.x[1] - area.x[0])
+    assert x1 - x0 == pytest.approx(152.0 * scale, abs=0.02)
+    assert y1 - y0 == pytest.approx(152.0 * scale, abs=0.02)
+    assert (0.5 * (x0 + x1) - left) / wide == pytest.approx(-area.x[0] / np.ptp(area.x), abs=1e-4)
+    assert (0.5 * (y0 + y1) - top) / tall == pytest.approx(area.y[1] / np.ptp(area.y), abs=1e-4)
+    plane = [one for one in root.iter() if one.tag.endswith("circle")]
+    assert len(plane) == 2 * len(proved.check.in_goal)  # in the plane and in the strip
+    first = proved.check.sampled.final[0, :2] * 1e6
+    assert (float(plane[0].attrib["cx"]) - left) / scale + area.x[0] == pytest.approx(
+        first[0], abs=0.01 / scale
+    )
+    assert area.y[1] - (float(plane[0].attrib["cy"]) - top) / scale == pytest.approx(
+        first[1], abs=0.01 / scale
+    )
+
+
+def test_what_lies_outside_the_axes_is_cut_off_by_an_id_of_the_pictures_own(
+    proved: Planned,
+) -> None:
+    picture = final_figure(proved)
+    for name in ("one", "other"):
+        text = picture.svg(name, "")
+        assert re.findall(r'id="([^"]+)"', text) == [f"{name}-0", f"{name}-1"]
+        assert re.findall(r"url\(#([^)]+)\)", text) == [f"{name}-0", f"{name}-1"]

@@ -8,7 +8,7 @@ velocities make the motion not unique; none at all is a jam.
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.kernels import inlined, part
 from meso_robust.simulator.events.balance import (
     LARGEST,
     dot,
@@ -49,7 +49,7 @@ _INDEPENDENT = 1e-9  # part of a constraint that the others do not have
 _BETTER = 1e-8  # a later mode must be better by this
 
 
-@inner
+@part
 def choose(scene: Scene, work: Work, clock: float) -> int:
     """Choose the modes of the listed contacts at the present pose.
 
@@ -70,7 +70,7 @@ def choose(scene: Scene, work: Work, clock: float) -> int:
     return JAM
 
 
-@inner
+@part
 def _all_modes(scene: Scene, work: Work, clock: float, attempt: int) -> int:
     """Try all combinations; return how many hold (at most as many as there is room for)."""
     touching = work.count[TOUCHING]

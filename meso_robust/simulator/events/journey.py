@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import part, sealed as inner
 from meso_robust.simulator.events.choice import FOUND, JAM, NOT_UNIQUE, choose, code_of
 from meso_robust.simulator.events.contact import list_touching
 from meso_robust.simulator.events.outline import BEFORE, leave_out
@@ -59,7 +59,7 @@ class Log(NamedTuple):
     """(L, MOST, 4) kind, tip or corner, edge or corner, and mode of each contact; −1 for none."""
 
 
-@inner
+@part
 def run(scene: Scene, work: Work, log: Log) -> tuple[int, float]:
     """Take the part, at the pose in `work`, through the move.
 

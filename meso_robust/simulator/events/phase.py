@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import part, sealed as inner
 from meso_robust.simulator.events.balance import (
     cross,
     fill,
@@ -49,7 +49,7 @@ _SWEEPS = 4  # over the quantities, for the first of them that is negative
 _TURN = 0.1  # rad, of an exact step; events are looked for at its middle and its end
 
 
-@inner
+@part
 def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
     """Move the part through one phase.
 
@@ -124,7 +124,7 @@ def _follow(scene: Scene, work: Work, path: Floats, clock: float, rest: float) -
     return clock + time if clock + time < work.span - 1e-15 else work.span
 
 
-@inner
+@part
 def _integrate(
     scene: Scene, work: Work, path: Floats, clock: float, guides: tuple[int, int]
 ) -> float:
@@ -176,7 +176,7 @@ def _try(scene: Scene, work: Work, clock: float, step: float, guided: bool) -> f
     return 0.0 if abs(theta) < np.inf else np.inf
 
 
-@inner
+@part
 def _inspect(
     scene: Scene, work: Work, clock: float, step: float
 ) -> tuple[float, int, tuple[float, float, float]]:
@@ -236,7 +236,7 @@ def _first_negative(
     return first, event
 
 
-@inner
+@part
 def _end_at(
     scene: Scene, work: Work, path: Floats, clock: float, where: tuple[float, int]
 ) -> float:
