@@ -105,7 +105,7 @@ def test_derivatives_of_elsewhere_that_lead_nowhere_are_taken_anew(film_set: Rec
 def test_a_fit_that_is_closed_has_the_derivatives_of_its_end(film_set: RecordingSet) -> None:
     prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
     near = np.array([[1.2 * RHO, 0.8 * MU]])
-    quick = NOISE.by_chord(16, 1e-2)
+    quick = NOISE.by_chord(1, 1e-2)
 
     def apart(closing: bool) -> float:
         settings = replace(quick, closing=closing)
