@@ -28,7 +28,6 @@ from meso_robust.identification.forward import corrected, predicted
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare, some_of
-from meso_robust.identification.problem import Problem
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.still import still
 from meso_robust.simulator import Outcome
@@ -36,8 +35,10 @@ from meso_robust.types import Flags, Floats, Ints
 
 FOLDS = 6
 """Parts that the recordings are cut into; fewer recordings are left out one by one."""
-_ALL = 8  # most iterations of a fit to all recordings, which begins at one to most of them
-_FOLD = 8  # of a fit without one fold, which begins at that and must forget it
+_SEARCH = 8  # most iterations of a search from anywhere
+# of a fit to all recordings, which begins at one to most of them, and without a fold, which begins at that
+_MOST = 8
+_FLAT = 1.0  # fall of χ² at which they end: all numbers are then within a standard deviation of their best
 # of the frames before the part moves: a model that is late or early moves it in the last of them
 _RESTING = 2.0 / 3.0
 # of all that recordings tell of a number: others that tell less do not tell it. Its own error then adds
@@ -83,6 +84,12 @@ class Bench:
     def seen(self) -> Flags:
         """(R, T, 3) whether there is a datum."""
         return np.isfinite(self.prepared.seen)
+
+    @property
+    def held_out(self) -> Flags:
+        """(R,) recordings that no set of effects was chosen by."""
+        fitted = set(self.baseline.prepared.files)
+        return np.array([file not in fitted for file in self.prepared.files])
 
     @property
     def count(self) -> int:
@@ -164,7 +171,7 @@ def _again(prepared: Prepared, baseline: Baseline, seed: int) -> Floats | None:
     if not _at_end(baseline.model, values, len(values)):
         return None
     drawn = baseline.model.draw(np.random.default_rng([seed, 6]), _AGAIN)
-    settings = replace(baseline.settings, central=False, most=_ALL, flat=0.05)
+    settings = replace(baseline.settings, central=False, most=_SEARCH, flat=0.05)
     found = fit(prepared, baseline.model, np.vstack([values, drawn]), settings).fits
     return np.asarray(found.values[np.nanargmin(found.chi2)])
 
@@ -217,21 +224,19 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
         (m,) of the plain model as fitted to all recordings, if known. Fits begin there as well where a
         number of it is at an end of its range in ``values``, which are of some of the recordings only.
     """
-    settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=0.05)
+    settings = bench.baseline.settings.by_chord(_MOST, _FLAT)
     whole = replace(bench.prepared, weights=weights_of(bench, model, values))
     # its own derivatives: a fit without the recordings held out may start where no tip slips
     begun = values[None]
     also = bench.plain if plain is None else plain
     if also is not None and (bench.plain is not None or _at_end(model, values, len(also))):
         begun = np.vstack([values, [*also, *values[len(also) :]]])
-    found = fit(whole, model, begun, replace(settings, chord=False, closing=False))
+    found = fit(whole, model, begun, replace(settings, closing=True))
     best = [int(np.nanargmin(found.fits.chi2))]
     every = found.fits.of(best)
     values, starts = every.values[0], every.starts[0]
     offsets = _likely(bench, every.offsets[0])
-    problem = Problem(whole, model, settings)
-    spans = problem.spans(problem.arrow(every, found.jacobian[best]))
-    jacobian = problem.jacobian(every, spans, model.fitted[None])
+    jacobian = found.jacobian[best]
     slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
     told = _told(jacobian[0], len(values))
     own = np.arange(len(values)) < len(bench.baseline.model.parameters)
@@ -245,7 +250,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
                 some_of(whole, rows),
                 model,
                 values[None],
-                replace(settings, most=_FOLD, chord=False),
+                settings,
                 starts=starts[rows],
                 offsets=every.offsets[0, rows],
                 jacobian=jacobian[:, rows],
@@ -325,7 +330,7 @@ def weights_of(bench: Bench, model: Model, values: Floats) -> Floats | None:
         (R, T) over the noise of the fit's settings: of frames at rest by the camera's noise, less for
         others by what the model leaves of them; None where that is no more than noise.
     """
-    settings = replace(bench.baseline.settings, chord=True, central=False, most=_ALL, flat=1.0)
+    settings = bench.baseline.settings.by_chord(_MOST, _FLAT)
     held = np.ones(len(values), dtype=bool)
     residuals = fit(bench.prepared, model, values[None], settings, held=held).fits.residuals[0]
     moving = bench.seen & ~bench.still[..., None]

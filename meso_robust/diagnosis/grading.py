@@ -43,6 +43,7 @@ _MEMBER_SHARE = 0.05
 # of it, by which a member may raise the error of one fold: a few pushes tell no more
 _FOLD_SHARE = 0.02
 _CHANCE = 3.0  # standard deviations of noise, that the explainable error must be beyond
+_BELOW = 1.0 - 1e-12  # of what a set leaves, so that rounding does not put a floor above it
 _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set is down to the noise
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
@@ -183,6 +184,18 @@ class _Judge:
         """Of the explainable error, that a set explains."""
         share = float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
         return min(share, 1.0)  # more than all is rounding: the floor lies below every set
+
+    def carries(self, names: Names) -> bool:
+        """Whether a set predicts recordings that it was not chosen by no worse, in place and in turn.
+
+        By no more than noise makes, or a law that is not quite the true one.
+        """
+        rows = self.bench.held_out
+        count = float(self.bench.seen[rows].sum())
+        plain, own = (self.seen[one].squares[rows].sum(axis=(0, 1)) for one in ((), names))
+        loss = own - plain
+        least = max(_CHANCE * float(np.sqrt(2.0 * count)), _MEMBER_SHARE * float(plain.sum()))
+        return max(float(loss[0] + loss[1]), float(loss[2])) <= least
 
     def with_part(self, whole: Candidate, names: Names) -> None:
         """Predict a part of a set, whose fits begin where the whole ended."""
@@ -326,7 +339,7 @@ def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None
     # inputs that are constant in a window leave more than a set does: then they are no floor, and the
     # noise is; but a set that is down to the noise is not held to be above it
     floor = noise if least > _DOWN_TO * float(noise.sum()) else floor
-    return np.asarray(floor * min(1.0, least / float(floor.sum())))
+    return np.asarray(floor * min(1.0, _BELOW * least / float(floor.sum())))
 
 
 def _refuted(one: Candidate) -> bool:
@@ -354,7 +367,7 @@ def _answer(
         common = _listed(naming, tuple(sorted(core)))
         if common is not None:
             judge.with_part(chosen, common.effects)
-            if judge.share(common.effects) >= PARTIAL:
+            if judge.share(common.effects) >= PARTIAL and judge.carries(common.effects):
                 return common, (), everywhere
     return chosen, rivals, everywhere
 
@@ -398,7 +411,7 @@ def _earning(
     *,
     fold_share: float = _FOLD_SHARE,
 ) -> Candidate | None:
-    """The set without members that do not earn their place in every fold; None if none does."""
+    """The set without members that do not earn their place in every fold; None if none does, or carries over."""
     for member in whole.effects:
         rest = tuple(name for name in whole.effects if name != member)
         judge.with_part(whole, rest)
@@ -412,7 +425,7 @@ def _earning(
             return _earning(judge, naming, smaller, least, fold_share=fold_share)
         if not rest:
             return None
-    return whole
+    return whole if judge.carries(whole.effects) else None
 
 
 def _holds(general: Candidate, special: Candidate) -> bool:

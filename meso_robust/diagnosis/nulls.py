@@ -13,7 +13,7 @@ from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.identification.forward import Prediction, predicted
 from meso_robust.identification.problem import Arrow
 from meso_robust.simulator import Outcome
-from meso_robust.types import Flags, Floats
+from meso_robust.types import Flags, Floats, Ints
 
 _ROUNDS = 3  # Newton's steps of a refit that starts next to its end
 _EXCLUDED = 9.0  # χ² of what no refit takes of a change of the parameters: three σ
@@ -40,17 +40,29 @@ def null_rows(baseline: Baseline, count: int, seed: int) -> Floats:
     if settings.offset:
         offsets = settings.offset * rng.standard_normal(offsets.shape)
 
-    def of(values: Floats) -> Prediction:
-        return predicted(baseline.finer, baseline.model, values, starts=starts, offsets=offsets)
+    def of(rows: Ints, values: Floats) -> Prediction:
+        return predicted(
+            baseline.finer, baseline.model, values, starts=starts[rows], offsets=offsets[rows]
+        )
 
     # the range of a weak parameter is not as even as its curvature says: what the recordings exclude
     # is not drawn
-    drawn, known = of(values), of(np.repeat(fits.values, count, axis=0))
-    change = drawn.poses - known.poses
+    drawn = of(np.arange(count), values)
+    known = predicted(
+        baseline.finer,
+        baseline.model,
+        fits.values,
+        starts=fits.starts,
+        offsets=np.zeros_like(fits.offsets),
+    )
+    change = drawn.poses - known.poses  # what starts and tips make of it, the tangent takes
     rows = baseline.tangent.rows(np.where(baseline.seen, change / settings.sigma, 0.0))
-    excluded = np.sum(baseline.tangent.evidence(rows) ** 2, axis=1) > _EXCLUDED
-    poses = np.where(excluded[:, None, None, None], known.poses, drawn.poses)
-    failed = np.where(excluded[:, None], known.outcomes, drawn.outcomes) != Outcome.COMPLETED
+    excluded = np.flatnonzero(np.sum(baseline.tangent.evidence(rows) ** 2, axis=1) > _EXCLUDED)
+    poses, outcomes = drawn.poses, drawn.outcomes
+    if excluded.size:
+        instead = of(excluded, np.repeat(fits.values, len(excluded), axis=0))
+        poses[excluded], outcomes[excluded] = instead.poses, instead.outcomes
+    failed = outcomes != Outcome.COMPLETED
     noise = _coloured(baseline, poses.shape, rng)
     return _refitted(baseline, poses + noise, noise, failed)
 
@@ -115,8 +127,10 @@ def _refitted(baseline: Baseline, seen: Floats, noise: Floats, failed: Flags) ->
     moving = np.broadcast_to(model.fitted, coordinates.shape)
     best, least = np.zeros(0), np.full(count, np.inf)
     for turn in range(_ROUNDS + 1):
-        values = _valid(baseline, model.values(coordinates))
-        found = predicted(prepared, model, values, starts=starts, offsets=offsets)
+        # all begin alike: one prediction is that of all
+        some = slice(None if turn else 1)
+        values = _valid(baseline, model.values(coordinates[some]))
+        found = predicted(prepared, model, values, starts=starts[some], offsets=offsets[some])
         lost = (failed | (found.outcomes != Outcome.COMPLETED))[..., None, None]
         left = np.where(lost, noise, seen - found.poses)
         residuals = np.where(baseline.seen, left / settings.sigma, 0.0)

@@ -6,7 +6,7 @@ rule it is the sum of the log densities with which each recording is predicted f
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,7 +28,7 @@ _FORM = (
 )
 _ROUGH = 4  # iterations that show whether an effect is worth more
 _END = 1e-4  # typical changes from the end of a range that count as at it
-_MOST = 16  # iterations of a refit
+_MOST = 10  # iterations of a refit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -103,7 +103,7 @@ def refitted(
         Where the fit is kept.
     """
     model = extended(baseline.model, tuple(one.trial for one in chosen), baseline.prepared)
-    settings = replace(baseline.settings, chord=True, central=False, most=_ROUGH, flat=1.0)
+    settings = baseline.settings.by_chord(_ROUGH, 1.0)
     before = start.fits if start else baseline.fits
 
     def make() -> Fitted:
@@ -134,10 +134,7 @@ def _key(chosen: tuple[Signature, ...]) -> str:
 
 def _sharp(baseline: Baseline, rough: Refit) -> Fitted:
     """The fit at the end of the search, with predictions corrected for the length of the steps."""
-    model, settings = (
-        rough.model,
-        replace(baseline.settings, chord=True, central=False, most=_MOST, flat=0.05),
-    )
+    model, settings = rough.model, baseline.settings.by_chord(_MOST, 0.05)
     fits = rough.fits
     found = fit(
         baseline.prepared,

@@ -172,7 +172,7 @@ class _System:
 
 def _system(bench: Bench, before: RollOut, scales: Mapping[str, float]) -> _System:
     """What every base does to the predictions about the model's fit."""
-    settings = replace(bench.baseline.settings, chord=True, central=False, most=8, flat=0.05)
+    settings = bench.baseline.settings.by_chord(8, 0.05)
     weights = weights_of(bench, before.model, before.values)
     prepared = replace(bench.prepared, weights=weights)
     held = np.ones(len(before.values), dtype=bool)

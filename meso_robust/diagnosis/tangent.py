@@ -18,8 +18,9 @@ from meso_robust.types import Flags, Floats
 CONFIDENCE = 0.9
 """Probability with which an interval shall cover."""
 _TAIL = 0.5 * (1.0 - CONFIDENCE)
-_DISAGREE = 0.05
-"""Chance with which recordings that agree are taken to disagree, which makes intervals a little wide."""
+_DISAGREE = 0.1, 0.025
+"""Chances with which recordings that agree are taken to disagree in part, and altogether, which makes
+intervals a little wide."""
 _RANK = 1e-8  # of the largest singular value, below which a direction is none
 _PRIOR = 4  # offsets of the tips, with a prior of their own
 
@@ -32,10 +33,11 @@ def whitened(residuals: Floats, seen: Flags, correlation: float) -> Floats:
     kept = np.where(seen, residuals, 0.0)
     if correlation == 0.0:
         return kept
-    white = kept.copy()
     both = seen[:, 1:] & seen[:, :-1]
-    after = (kept[..., 1:, :] - correlation * kept[..., :-1, :]) / np.sqrt(1.0 - correlation**2)
-    white[..., 1:, :] = np.where(both, after, kept[..., 1:, :])
+    white = kept.copy()
+    # in place: of all simulated sets together these are larger than a cache
+    white[..., 1:, :] -= np.where(both, correlation, 0.0) * kept[..., :-1, :]
+    white[..., 1:, :] *= np.where(both, 1.0 / np.sqrt(1.0 - correlation**2), 1.0)
     return white
 
 
@@ -166,7 +168,8 @@ def intervals(
 
     From the curvature of the likelihood at the fit, which is right if the model is. With what is left
     of the data, and where recordings disagree by more than their noise, from the jackknife too, and the
-    wider of both is taken: every recording is then a little wrong in its own way.
+    wider of both is taken: every recording is then a little wrong in its own way. In between, where it is
+    not sure that they disagree, squares of the widths go over evenly from the one to the other.
 
     Parameters
     ----------
@@ -199,8 +202,9 @@ def intervals(
     reach[free] = norm.isf(_TAIL) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     if rows is not None:
         count = len(at.seen)
-        apart = _jackknife(left[free].reshape(len(free), count, -1), alone.cleaned(rows))
-        reach[free] = np.maximum(reach[free], apart)
+        apart, share = _jackknife(left[free].reshape(len(free), count, -1), alone.cleaned(rows))
+        curved = reach[free]
+        reach[free] = np.sqrt(curved**2 + share * np.maximum(apart**2 - curved**2, 0.0))
     middle = model.coordinates(values[None])[0]
     ends = [model.values((middle + sign * np.minimum(reach, 40.0))[None])[0] for sign in (-1, 1)]
     return tuple(_interval(model, k, values, ends) for k in range(n) if model.fitted[k])
@@ -210,8 +214,8 @@ def _inverse(matrix: Floats) -> Floats:
     return np.asarray(np.linalg.pinv(matrix, rcond=1e-12, hermitian=True))
 
 
-def _jackknife(columns: Floats, rows: Floats) -> Floats:
-    """(k,) half widths by leaving out one recording at a time, to first order.
+def _jackknife(columns: Floats, rows: Floats) -> tuple[Floats, float]:
+    """(k,) half widths by leaving out one recording at a time, to first order; and how far they count.
 
     Parameters
     ----------
@@ -222,27 +226,28 @@ def _jackknife(columns: Floats, rows: Floats) -> Floats:
 
     Returns
     -------
-    Floats
-        Zero where there is but one recording, or they agree to within their noise. With few recordings it is rather too wide than too
-        narrow (Tukey 1958; CR3 of MacKinnon and White 1985, doi:10.1016/0304-4076(85)90158-7).
+    Floats, float
+        With few recordings they are rather too wide than too narrow (Tukey 1958; CR3 of MacKinnon and White
+        1985, doi:10.1016/0304-4076(85)90158-7). They do not count where there is but one recording, or all
+        agree to within their noise.
     """
     count = len(rows)
     if count < 2:
-        return np.zeros(len(columns))
+        return np.zeros(len(columns)), 0.0
     information = np.einsum("krm,lrm->rkl", columns, columns, optimize=True)
     scores = np.einsum("krm,rm->rk", columns, rows, optimize=True)
     whole = np.sum(information, axis=0)
     root = _inverse(whole)
     pulls = float(np.einsum("rk,kl,rl->", scores, root, scores, optimize=True))
     shares = root @ information
-    freedom = float(
-        np.trace(np.sum(shares - shares @ shares, axis=0))
-    )  # mean of the pulls by noise
-    if freedom <= 0.0 or pulls <= chi2.isf(_DISAGREE, freedom):
-        return np.zeros(len(columns))
+    # mean of the pulls by noise
+    freedom = float(np.trace(np.sum(shares - shares @ shares, axis=0)))
+    if freedom <= 0.0:
+        return np.zeros(len(columns)), 0.0
+    share = float(np.interp(pulls, chi2.isf(_DISAGREE, freedom), (0.0, 1.0)))
     moved = np.stack([_inverse(whole - information[r]) @ scores[r] for r in range(count)])
     variance = (count - 1) / count * np.sum((moved - moved.mean(axis=0)) ** 2, axis=0)
-    return np.asarray(student.isf(_TAIL, count - 1) * np.sqrt(variance))
+    return np.asarray(student.isf(_TAIL, count - 1) * np.sqrt(variance)), share
 
 
 def _interval(model: Model, k: int, values: Floats, ends: list[Floats]) -> Interval:

@@ -22,6 +22,7 @@ _HELD_OUT = 0.2  # of the recordings is held out
 _FEWEST = 6  # recordings of which any can be spared
 _FINER = 4.0  # by how much shorter steps tell the error of the steps
 _MOST = 12  # iterations of a fit
+_FLAT = 1.0  # fall of χ² at which a fit of starts ends
 _RESAMPLED = 4000
 _SHARE = 0.9  # of the bootstrap within the interval
 _APART = 0.05  # of the range of a quantity, that a kind of push must stand apart
@@ -133,7 +134,7 @@ def errors(recordings: RecordingSet, model: Model, values: Floats, baseline: Bas
     """
     prepared = prepare(recordings, step=baseline.prepared.step)
     finer = prepare(recordings, step=baseline.prepared.step / _FINER)
-    settings = replace(baseline.settings, most=_MOST, chord=True, central=False)
+    settings = baseline.settings.by_chord(_MOST, _FLAT)
     held = np.ones(len(model.parameters), dtype=bool)
     found = fit(prepared, model, values[None], settings, held=held)
     prepared = corrected(
@@ -277,7 +278,7 @@ def extrapolated(training: RecordingSet, baseline: Baseline, refit: Refit) -> Ex
     rest = without(training, set(files))
     theirs = without(training, {one.file for one in rest.recordings})
     prepared = prepare(rest, step=baseline.prepared.step)
-    settings = replace(baseline.settings, most=_MOST, chord=True)
+    settings = replace(baseline.settings, most=_MOST, chord=True, closing=False)
     plain = fit(prepared, baseline.model, baseline.fits.values, settings).fits.values[0]
     before = errors(theirs, baseline.model, plain, baseline)
     named = fit(prepared, refit.model, refit.fits.values, settings).fits.values[0]

@@ -202,8 +202,9 @@ class ModelDocument(_Section):
         "profile likelihood", "curvature", "curvature and jackknife", "jackknife", "last simplex"
     ]
     """What the intervals are: of a profile or the curvature of the likelihood, with a probability, or the
-    wider of the latter and of what leaving out one recording at a time does; of a model with a residual
-    law by leaving out a fold of recordings at a time; or the width of a search, without one."""
+    latter and, as far as recordings disagree, what leaving out one of them at a time does where that is
+    wider; of a model with a residual law by leaving out a fold of recordings at a time; or the width of a
+    search, without one."""
     confidence: Share | None = None
     """Probability of each interval, by itself; absent where intervals have none."""
     part: PartSection

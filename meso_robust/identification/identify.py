@@ -375,7 +375,7 @@ def sharpened(
     model, settings, best
         The fit, one only.
     """
-    quick = replace(settings, chord=True, most=_CHORDS)
+    quick = replace(settings, chord=True, closing=False, most=_CHORDS)
     for _ in range(_SHARPER):
         fits = best.fits
         starts, offsets = fits.starts, fits.offsets

@@ -28,7 +28,11 @@ from meso_robust.identification.problem import (
 from meso_robust.types import Flags, Floats, Ints
 
 _GOOD = 0.3  # share of the expected fall of χ² that shows that derivatives still do
-_LADDER = (0.1, 1.0, 10.0)  # dampings that are tried at once
+_LADDER = (0.1, 1.0, 10.0)  # dampings that are tried, over the present one
+# the least of them with a chord, whose derivatives do for many steps: weaker ones make the same step as none
+_LEAST = (0.0, 1e-2, 0.3)
+# of the expected fall, with which the boldest step of a chord is taken at once
+_ENOUGH = 0.8
 _HARDEST = 1e7  # damping at which a fit is given up as converged
 _FARTHEST = 1.0  # largest step of a coordinate
 
@@ -107,7 +111,7 @@ class _Descent:
             self._differentiate(np.flatnonzero(self.active & self.stale))
             self._step(np.flatnonzero(self.active))
             rounds += 1
-        if not settings.chord and settings.closing:
+        if settings.closing:
             self._differentiate(np.flatnonzero(~self.fresh))
         arrow = self.problem.arrow(self.present, self.jacobian * self._kept(slice(None)))
         return Fitted(
@@ -143,16 +147,20 @@ class _Descent:
         problem, settings = self.problem, self.problem.settings
         own = self.present.of(which)
         arrow = problem.arrow(own, self.jacobian[which] * self._kept(which))
-        found, rung, hoped = _best_step(problem, own, arrow, self.damping[which], self.free[which])
+        found, used, hoped = _best_step(problem, own, arrow, self.damping[which], self.free[which])
         better = found.chi2 < own.chi2
         gain = np.where(better, own.chi2 - found.chi2, 0.0)
-        fresh = self.fresh[which] | settings.chord
-        factor = np.where(better, 0.3 * np.take(_LADDER, rung), np.where(fresh, 30.0, 1.0))
-        self.damping[which] = np.clip(self.damping[which] * factor, 1e-9, 2.0 * _HARDEST)
+        fresh = self.fresh[which]
+        damping = self.damping[which]
+        harder = 30.0 * np.maximum(damping, settings.chord * _LEAST[1])
+        damping = np.where(better, 0.3 * used, np.where(fresh, harder, damping))
+        self.damping[which] = np.clip(damping, 1e-9, 2.0 * _HARDEST)
         _put(self.present, which[better], found.of(better))
         poor = gain < _GOOD * hoped
-        flat = (gain < settings.flat) & (better | (hoped < settings.flat))
-        ended = (flat & fresh) | (self.damping[which] > _HARDEST)
+        still = hoped < settings.flat
+        flat = (gain < settings.flat) & (better | still)
+        known = fresh | (still & (not settings.closing))
+        ended = (flat & known) | (self.damping[which] > _HARDEST)
         self.active[which] = ~ended
         self.stale[which] = (poor | flat | (not settings.chord)) & ~ended & (better | ~fresh)
         self.fresh[which[better]] = False
@@ -160,20 +168,33 @@ class _Descent:
 
 def _best_step(
     problem: Problem, fits: Fits, arrow: Arrow, damping: Floats, free: Flags
-) -> tuple[Fits, Ints, Floats]:
-    """The best of the steps on the ladder of dampings, its rung, and the fall of χ² hoped for."""
+) -> tuple[Fits, Floats, Floats]:
+    """The best of the steps on the ladder of dampings, its damping, and the fall of χ² hoped for."""
+    settings = problem.settings
     moving = problem.moving(fits, arrow.pull(), free)
-    steps = [arrow.step(damping * rung, moving) for rung in _LADDER]
-    count, rungs = len(fits), len(_LADDER)
-    found = problem.tried(
-        fits.of(np.tile(np.arange(count), rungs)),
-        np.clip(np.concatenate([shared for shared, _ in steps]), -_FARTHEST, _FARTHEST),
-        np.concatenate([own for _, own in steps]),
-        np.tile(free, (rungs, 1)),
-    )
-    rung = np.argmin(found.chi2.reshape(rungs, count), axis=0)
-    hoped = np.stack([arrow.fall(*step) for step in steps])[rung, np.arange(count)]
-    return found.of(rung * count + np.arange(count)), rung, hoped
+    least = settings.chord * np.array(_LEAST)
+    rungs = [np.maximum(damping * rung, end) for rung, end in zip(_LADDER, least, strict=True)]
+    steps = [arrow.step(rung, moving) for rung in rungs]
+    hopes = np.stack([arrow.fall(*step) for step in steps])
+    rung = np.zeros(len(fits), dtype=np.int64)
+
+    def tried(rungs: Ints, rows: Ints) -> Fits:
+        shared, own = (np.stack(part)[rungs, rows] for part in zip(*steps, strict=True))
+        return problem.tried(fits.of(rows), np.clip(shared, -_FARTHEST, _FARTHEST), own, free[rows])
+
+    found = tried(rung, np.arange(len(fits)))
+    told = fits.chi2 - found.chi2 >= _ENOUGH * hopes[0]
+    enough = settings.chord & (told | (hopes[0] < settings.flat))
+    poor = np.flatnonzero(~enough)
+    if poor.size:
+        rest = np.repeat(np.arange(1, len(_LADDER)), len(poor))
+        others = tried(rest, np.tile(poor, len(_LADDER) - 1))
+        costs = np.vstack([found.chi2[poor], others.chi2.reshape(-1, len(poor))])
+        rung[poor] = np.argmin(costs, axis=0)
+        better = np.flatnonzero(rung[poor])
+        _put(found, poor[better], others.of((rung[poor][better] - 1) * len(poor) + better))
+    own = rung, np.arange(len(fits))
+    return found, np.stack(rungs)[own], hopes[own]
 
 
 def _put(present: Fits, rows: Ints, found: Fits) -> None:

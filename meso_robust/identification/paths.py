@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import lru_cache
 
 import numpy as np
 
@@ -112,7 +113,16 @@ def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]
     -------
     (W,), (W, C)
         Instants and positions of the corners, the first and the last sample's instant among them.
+        Read-only: kept for the next time, as the same paths are asked for with one step after another.
     """
+    kept = (np.ascontiguousarray(one, dtype=np.float64).tobytes() for one in (times, path))
+    return _smoothed(*kept, sigma)
+
+
+@lru_cache(maxsize=256)
+def _smoothed(clock: bytes, samples: bytes, sigma: float) -> tuple[Floats, Floats]:
+    times = np.frombuffer(clock)
+    path = np.frombuffer(samples).reshape(len(times), -1)
     knots = times[[0, -1]]
     for _ in times:
         leg = _worst_leg(knots, times, (path - _legs(times, path, knots)[1]) / sigma)
@@ -121,7 +131,9 @@ def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]
         new = leg + 1
         knots = _put(np.insert(knots, new, np.nan), [new, leg, new + 1] * 2, times, path)
     knots = _put(knots, [*range(len(knots))] * _SWEEPS, times, path)
-    return knots, _legs(times, path, knots)[0]
+    corners = _legs(times, path, knots)[0]
+    knots.flags.writeable = corners.flags.writeable = False
+    return knots, corners
 
 
 def _legs(times: Floats, path: Floats, knots: Floats) -> tuple[Floats, Floats]:

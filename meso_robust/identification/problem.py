@@ -41,7 +41,8 @@ class Settings:
     chord
         Whether old derivatives will do as long as χ² falls: cheap, where the first are good.
     closing
-        Whether derivatives at the end are wanted; those of a chord are as old as they are.
+        Whether a fit ends by derivatives taken where it ends, which it then has. Otherwise old ones that
+        promise no fall will do, and it has those.
     workers
         Threads; all cores by default.
     """
@@ -60,6 +61,16 @@ class Settings:
     def sigma(self) -> Floats:
         """(3,) σ of x, y and θ."""
         return np.array([self.position, self.position, self.orientation])
+
+    def by_chord(self, most: int, flat: float) -> Settings:
+        """For fits that are many or begin near their end: derivatives are one-sided, and do for long.
+
+        Parameters
+        ----------
+        most, flat
+            As the attributes.
+        """
+        return replace(self, chord=True, closing=False, central=False, most=most, flat=flat)
 
     @property
     def units(self) -> Floats:

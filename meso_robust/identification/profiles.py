@@ -8,7 +8,7 @@ interval is open on that side: the recordings give no bound.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.stats import chi2 as chi2_law
@@ -97,7 +97,7 @@ def profiled(
         By how much more χ² varies than white noise of the stated σ lets it.
     """
     root = float(np.sqrt(chi2_law.ppf(confidence, 1)))
-    quick = replace(settings, most=_FITS, central=False, chord=True)
+    quick = settings.by_chord(_FITS, settings.flat)
     centre = model.coordinates(best.fits.values)[0]
     slopes, widths = _conditionals(best.information[0], model.fitted)
     sides = [

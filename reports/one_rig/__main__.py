@@ -83,7 +83,7 @@ def measured(folder: Path, seed: int) -> Measured:
     plain = rolled_out(bench, baseline.model, baseline.fits.values[0])
     model = with_effects(baseline.model, SCALES)
     own = rolled_out(bench, model, np.append(plain.values, [0.1, 0.0, 0.0]))
-    settings = replace(baseline.settings, chord=True, central=False, most=6, flat=0.05)
+    settings = baseline.settings.by_chord(6, 0.05)
     weighed = replace(bench.prepared, weights=weights_of(bench, model, own.values))
     ended = fit(weighed, model, own.values[None], settings)
     spread = np.linalg.inv(ended.information[0])[-3:, -3:]

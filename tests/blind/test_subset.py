@@ -50,4 +50,5 @@ def test_what_is_not_in_the_catalogue_is_not_named(tmp_path: Path) -> None:
     found, _ = answer(OUTSIDE, tmp_path)
     assert found["mismatch"]["detected"]
     assert found["verdict"] in {"unknown", "partial"}
-    assert found["explained"]["share"] < 0.5
+    explained = found["explained"]  # nothing, where no set carries over
+    assert explained is None or explained["share"] < 0.5

@@ -161,14 +161,19 @@ def test_what_does_not_help_in_every_fold_is_not_named() -> None:
     assert _verdict(True, explained, (), everywhere=False) == "partial"
 
 
-def stood(sums: dict[tuple[str, ...], list[float]], floor: float = 100.0) -> _Judge:
-    """A judge of eight recordings, a fold each, that has predicted some sets."""
+def stood(
+    sums: dict[tuple[str, ...], list[float]],
+    floor: float = 100.0,
+    lost: tuple[tuple[str, ...], ...] = (),
+) -> _Judge:
+    """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain."""
     made = SimpleNamespace(
         floor=np.full(8, floor),
         sums=lambda names: np.array(sums[names]),
         explainable=sum(sums[()]) - 8 * floor,
         share=lambda names: (sum(sums[()]) - sum(sums[names])) / (sum(sums[()]) - 8 * floor),
         with_part=lambda whole, names: None,
+        carries=lambda names: names not in lost,
         bench=SimpleNamespace(fold=np.arange(8), count=8),
     )
     return cast(_Judge, made)
@@ -202,6 +207,40 @@ def test_of_the_likeliest_the_first_that_holds_out_of_fold_is_taken() -> None:
     assert _holding(judge, contest(a, b, c), (a, b, c), 0) == (b, True)
     # what is far less likely is not asked
     assert _holding(judge, contest(a, c), (a, c), 0) == (None, True)
+
+
+def test_what_predicts_held_out_recordings_worse_explains_nothing() -> None:
+    mostly = [100.0, 95.0, 3000.0, 900.0, 98.0, 103.0, 200.0, 97.0]
+    judge = stood({(): PLAIN, ("a",): mostly, ("b",): NOISE}, lost=(("a",), ("b",)))
+    a, b = stated("a", gain=1000.0), stated("b", gain=950.0)
+    assert _holding(judge, contest(a), (a,), 0) == (None, True)
+    assert _holding(judge, contest(b), (b,), 0) == (None, True)
+    assert _answer(judge, contest(b, answers=(b,)), (b,), 0) == (None, (), True)
+
+
+@pytest.mark.parametrize(
+    ("place", "turn", "carries"),
+    [
+        (1.0, 0.2, True),
+        (1.05, 0.2, True),  # no more than noise
+        (1.2, 0.2, False),
+        (0.2, 1.2, False),
+        (0.2, 1.05, True),
+    ],
+)
+def test_a_set_carries_over_if_neither_place_nor_turn_gets_worse(
+    late: Diagnosis, place: float, turn: float, carries: bool
+) -> None:
+    bench, plain = late.grade.bench, late.grade.plain
+    assert bench.held_out.sum() == 2
+    fitted = set(late.baseline.prepared.files)
+    assert [file in fitted for file in bench.prepared.files] == (~bench.held_out).tolist()
+    of = 30.0 * np.where(bench.seen, [0.5, 0.5, 1.0], 0.0)  # far beyond the noise
+    held = bench.held_out[:, None, None]
+    own = of * np.where(held, [place, place, turn], 0.1)  # those of the fit do not count
+    before, after = (replace(plain, squares=squares) for squares in (of, own))
+    judge = _Judge(bench, {(): before, ("a",): after}, np.zeros(8))
+    assert judge.carries(("a",)) is carries
 
 
 def test_what_helps_on_the_whole_only_explains_a_part() -> None:

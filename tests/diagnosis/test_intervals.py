@@ -96,6 +96,26 @@ def test_recordings_that_agree_to_within_their_noise_do_not() -> None:
     assert wider <= 20  # one in twenty, and their spread
 
 
+def test_an_interval_widens_evenly_as_recordings_disagree_more() -> None:
+    """From what the curvature says to what leaving each out does, without a jump in between."""
+    generator = np.random.default_rng(3)
+    jacobian = 20.0 * generator.standard_normal((R, 3 * T, 5))
+    apart = 0.02 * generator.standard_normal((R, 2))
+    whole = fitted(jacobian, np.einsum("rmk,rk->rm", jacobian[..., :2], apart))[1]
+    at = tangent(jacobian, 2, np.ones((R, T, 3), dtype=bool), 0.0)
+
+    def width(share: float) -> float:
+        mu = intervals(MODEL, np.array([RHO, MU]), jacobian, at, share * whole)[1]
+        return mu.high - mu.low
+
+    usual = 2.0 * BETWEEN * deviations(jacobian, 0.0)[1]
+    widths = np.array([width(share) for share in np.linspace(0.0, 1.0, 201)])
+    assert widths[0] == pytest.approx(usual)
+    assert widths[-1] > 2.0 * usual
+    assert np.all(np.diff(widths) > -1e-12)
+    assert np.max(np.diff(widths)) < 0.05 * (widths[-1] - widths[0])
+
+
 def test_a_number_that_nothing_depends_on_has_no_bound() -> None:
     jacobian = 20.0 * np.random.default_rng(1).standard_normal((R, 3 * T, 5))
     jacobian[..., 1] = 0.0

@@ -3,13 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.stats import chi2
 
+from meso_robust.identification import problem
+from meso_robust.identification.forward import predicted
 from meso_robust.identification.identify import Identification, maximised
 from meso_robust.identification.likelihood import Settings, fit
 from meso_robust.identification.models import three_point, viscous
 from meso_robust.identification.prepared import Sigmas, prepare
-from meso_robust.identification.problem import Arrow
+from meso_robust.identification.problem import Arrow, Problem
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import ThreePoints
 from tests.identification.conftest import MU, RHO
@@ -69,6 +72,50 @@ def test_fits_from_far_apart_meet_and_a_held_parameter_stays(film_set: Recording
     held = fit(prepared, MODEL, away, NOISE, held=np.array([True, False]))
     np.testing.assert_array_equal(held.fits.values[:, 0], away[:, 0])
     assert np.all(held.fits.chi2[:2] > found.fits.chi2[:2] + 100.0)
+
+
+def test_a_step_of_a_chord_that_does_what_is_hoped_for_is_tried_alone(
+    film_set: RecordingSet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
+    near = np.array([[1.05 * RHO, 0.95 * MU]])
+    known = fit(prepared, MODEL, near, replace(NOISE, most=1))
+    tried: list[int] = []
+
+    def counted(*given: object, **more: object) -> object:
+        tried.append(len(given[2]))  # type: ignore[arg-type]
+        return predicted(*given, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(problem, "predicted", counted)
+    found = fit(prepared, MODEL, near, NOISE.by_chord(2, 1e-2), jacobian=known.jacobian)
+    assert found.fits.chi2[0] < known.fits.chi2[0]
+    assert tried == [1, 1, 1]  # where it starts, and two steps
+
+
+def test_derivatives_of_elsewhere_that_lead_nowhere_are_taken_anew(film_set: RecordingSet) -> None:
+    """They must not end a fit by promising a fall that does not come."""
+    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
+    best = fit(prepared, MODEL, np.array([[RHO, MU]]), NOISE)
+    near = np.array([[1.2 * RHO, 0.8 * MU]])
+    found = fit(prepared, MODEL, near, NOISE.by_chord(16, 1e-2), jacobian=-best.jacobian)
+    assert found.converged[0]
+    assert found.fits.chi2[0] < best.fits.chi2[0] + 2.0
+
+
+def test_a_fit_that_is_closed_has_the_derivatives_of_its_end(film_set: RecordingSet) -> None:
+    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
+    near = np.array([[1.2 * RHO, 0.8 * MU]])
+    quick = NOISE.by_chord(1, 1e-2)
+
+    def apart(closing: bool) -> float:
+        settings = replace(quick, closing=closing)
+        found = fit(prepared, MODEL, near, settings)
+        whole = Problem(prepared, MODEL, settings)
+        spans = whole.spans(whole.arrow(found.fits, found.jacobian))
+        own = whole.jacobian(found.fits, spans, np.ones((1, 2), dtype=bool))
+        return float(np.linalg.norm(found.jacobian - own) / np.linalg.norm(own))
+
+    assert apart(closing=False) > 5.0 * apart(closing=True)
 
 
 def test_the_information_is_the_curvature_of_the_profile(film_fit: Identification) -> None:

@@ -35,6 +35,17 @@ def test_a_seen_path_is_smoothed_to_its_legs() -> None:
     assert np.sqrt(np.mean((said - bent(times)) ** 2)) < 0.5 * sigma
 
 
+def test_a_smoothed_path_is_kept_and_cannot_be_changed() -> None:
+    times = np.arange(0.0, 3.0, 1 / 30)
+    path = np.random.default_rng(6).normal(0.0, 1e-6, (len(times), 2))
+    first, second = smoothed(times, path, 1e-6), smoothed(times.copy(), path.copy(), 1e-6)
+    assert all(one is other for one, other in zip(first, second, strict=True))
+    with pytest.raises(ValueError, match="read-only"):
+        first[1][0] = 0.0
+    far = smoothed(times, path + 1e-3, 1e-6)[1]
+    np.testing.assert_allclose(far, first[1] + 1e-3, atol=1e-12)
+
+
 def test_even_motion_needs_no_corner() -> None:
     times = np.arange(0.0, 8.0, 1 / 30)
     noise = 1.2 * UM * np.random.default_rng(1).standard_normal((240, 2))
