@@ -62,7 +62,8 @@ def blurred(images: Singles, needle: Needle) -> Singles:
     """Fine images (K, h, w) as a camera sees them: blurred and summed over pixels."""
     weights = pixel_weights(needle.blur)
     share = -needle.disc * _DISC * (FINER * needle.blur) ** 4
-    return np.stack([_flatter(cv2.sepFilter2D(one, -1, weights, weights), share) for one in images])
+    smooth = [cv2.sepFilter2D(one, cv2.CV_32F, weights, weights) for one in images]
+    return np.stack([_flatter(one.astype(np.float32, copy=False), share) for one in smooth])
 
 
 def _flatter(image: Singles, share: float) -> Singles:
