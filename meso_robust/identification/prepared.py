@@ -197,9 +197,9 @@ def prepare(
     Positions of the probes are exact if they are the controller's and its log has no noise, and then
     thinned without loss; a log with noise (as stated or as even travel shows) is smoothed
     (`paths.smoothed`), as a tip that shook along the face would seem to have more friction. If they were
-    seen, their scatter from frame to frame is taken out likewise, and what the stated σ has beyond it is taken for an error that stays (`Prepared.tip_offset`). Frames before the
-    first in which everything is seen, and after the last with all probes, are left out; `notes` says
-    so.
+    seen, their scatter from frame to frame is taken out likewise, and the error that stays is as stated, or
+    what the σ of positions has beyond that scatter (`Prepared.tip_offset`). Frames before the first in which
+    everything is seen, and after the last with all probes, are left out; `notes` says so.
 
     Parameters
     ----------
@@ -350,15 +350,19 @@ def _smoothed_as_seen(times: Floats, flat: Floats) -> tuple[Floats, Floats]:
 
 
 def _tip_offset(recordings: RecordingSet, sigmas: Sigmas) -> float:
-    """σ of the ends of a tip's path: as stated, or of a seen one what smoothing leaves and is no scatter."""
+    """σ of the ends of a tip's path: as stated; of a seen one with what smoothing leaves of its scatter.
+
+    A tip that was seen, of which nothing is stated, is off as the part is, by what of σ is no scatter.
+    """
+    stated = recordings.sensor.tip_offset
     if recordings.position_source != "camera":
-        return recordings.sensor.tip_offset or 0.0
+        return stated or 0.0
     paths = [one.probes.reshape(len(one.times), -1) for one in recordings.recordings]
     seen = [path[np.all(np.isfinite(path), axis=1)] for path in paths]
     white = float(np.mean([roughness(path) ** 2 for path in seen]))
     frames = float(np.median([len(path) for path in seen]))
-    stated = (sigmas.position or 0.0) ** 2
-    return float(np.sqrt(max(stated - white, 0.0) + _ENDS * white / frames))
+    stays = max((sigmas.position or 0.0) ** 2 - white, 0.0) if stated is None else stated**2
+    return float(np.sqrt(stays + _ENDS * white / frames))
 
 
 def _gap_sigma(whole: RecordingSet, sigmas: Sigmas) -> float:

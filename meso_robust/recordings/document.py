@@ -103,8 +103,9 @@ class SensorSection(_Section):
     """Standard deviation of x or y of a tip in the controller's log, um; when absent, estimated from
     straight travel."""
     tip_offset_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)] | None = None
-    """Standard deviation of x or y of what a tip is away from the controller's log throughout a recording,
-    and otherwise in the next, um: how well a manipulator finds a place; when absent, 0."""
+    """Standard deviation of x or y of what a tip is away from where it is said to be throughout a recording, and
+    otherwise in the next, um: how well a manipulator finds a place, or, of a seen tip, what every frame's has
+    in common; when absent, 0, or, of a seen tip, what position_sigma_um has beyond the tip's scatter."""
     frame_rate_hz: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Frames a second."""
 

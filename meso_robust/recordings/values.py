@@ -32,9 +32,9 @@ class SensorInfo:
         Standard deviation in m of x and of y of a tip in the controller's log; None where it is
         unknown, to be estimated from straight travel.
     tip_offset
-        Standard deviation in m of x and of y of what a tip is away from the controller's log throughout a
-        recording, and otherwise in the next: how well a manipulator finds a place. None: the log is taken
-        at its word.
+        Standard deviation in m of x and of y of what a tip is away from where it is said to be throughout a
+        recording, and otherwise in the next: how well a manipulator finds a place, or, of a seen tip, what
+        every frame's has in common. None: a log is taken at its word, and a seen tip is off as the part is.
 
     Raises
     ------

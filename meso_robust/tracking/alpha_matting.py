@@ -18,10 +18,13 @@ from meso_robust.types import Floats, Singles
 
 AHEAD, ALONG, ASIDE = 8.0, 22.0, 9.0
 """px ahead of the tip, along and beside the axis that are compared."""
+# over (variance k**2)**2: what a disc's spectrum lacks of a normal distribution's where k is that of an edge;
+# its series begins with 1/24, and falls off faster
+_DISC = 1.0 / 12.0
 PAD = 6  # px around the window, so that neither blur nor shift meets its border
-HALO_COUNT = 6
+HALO_COUNT = 9
 """Unknown shares of the transmission; the other brightnesses are the needle's own."""
-OWN_COUNT = 6
+OWN_COUNT = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +61,15 @@ def sharp(needle: Needle, window: Window) -> Singles:
 def blurred(images: Singles, needle: Needle) -> Singles:
     """Fine images (K, h, w) as a camera sees them: blurred and summed over pixels."""
     weights = pixel_weights(needle.blur)
-    return np.stack([cv2.sepFilter2D(one, -1, weights, weights) for one in images])
+    share = -needle.disc * _DISC * (FINER * needle.blur) ** 4
+    smooth = [cv2.sepFilter2D(one, cv2.CV_32F, weights, weights) for one in images]
+    return np.stack([_flatter(one.astype(np.float32, copy=False), share) for one in smooth])
+
+
+def _flatter(image: Singles, share: float) -> Singles:
+    """The image (h, w) and a share of its Laplacian's Laplacian."""
+    twice = cv2.Laplacian(cv2.Laplacian(image, -1, ksize=1), -1, ksize=1)
+    return np.asarray(image + np.float32(share) * twice)
 
 
 def sampled(fine: Singles, window: Window, part: Floats) -> Singles:

@@ -208,6 +208,17 @@ def backdrop(one: Glimpse, window: Window, needle: Needle, part: Canvas | None) 
     )
 
 
+def beyond(scene: Backdrop, one: Glimpse, least: float) -> Backdrop:
+    """What is compared without what lies nearer to the part than some px."""
+    if one.outline is None or least <= 0.0:
+        return scene
+    near = np.zeros(scene.used.shape, np.uint8)
+    corners = [np.rint((one.outline - one.corner - _AROUND) * 16.0).astype(np.int32)]
+    cv2.fillPoly(near, corners, 1, cv2.LINE_8, 4)
+    cv2.polylines(near, corners, True, 1, max(round(2.0 * least), 1), cv2.LINE_8, 4)
+    return replace(scene, used=scene.used * (near == 0))
+
+
 @lru_cache(8)  # the same for all frames of a film
 def _places(window: Window) -> Floats:
     """(N, 2) places of a window's pixels in the piece around it."""

@@ -51,6 +51,8 @@ class Needle:
         Standard deviation of the image's blur.
     rise
         Blur gained a px of shaft, as it rises out of focus.
+    disc
+        0: the blur is a normal distribution; 1: of that variance it is about as flat as a disc.
     """
 
     tip: tuple[float, float]
@@ -59,6 +61,7 @@ class Needle:
     radius: float
     blur: float = 1.0
     rise: float = 0.02
+    disc: float = 0.0
 
     @property
     def axis(self) -> Floats:

@@ -16,8 +16,12 @@ from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _HALO = 12.0
 """px; the film may darken or brighten towards the needle over an eighth of it and over a third."""
+# px from a needle, where a meniscus may focus the light, and how far about it
+_RING, _RING_WIDTH = 5.0, 3.0
 KNOTS = 5
 """Of the brightness across the needle, evenly from one flank to the other."""
+FINE_KNOTS = 7
+"""Likewise where many frames tell it."""
 CLIMB = 9.0
 """px of shaft over which the liquid's meniscus may change."""
 BASIS = 6 + KNOTS
@@ -69,9 +73,9 @@ def _halos(distance: float) -> tuple[float, float]:
 
 
 @inner
-def _hat(across: float, knot: int) -> float:
-    """Share of a knot of the brightness at a place across a needle, in half widths."""
-    return max(0.0, 1.0 - abs(across - (2.0 * knot / (KNOTS - 1) - 1.0)) * 0.5 * (KNOTS - 1))
+def _hat(across: float, knot: int, knots: int) -> float:
+    """Share of one of some knots of the brightness at a place across a needle, in half widths."""
+    return max(0.0, 1.0 - abs(across - (2.0 * knot / (knots - 1) - 1.0)) * 0.5 * (knots - 1))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -122,7 +126,7 @@ def _samples(
         out[3], out[4] = film * near, film * wide
         across = n / _half_width(s, c, d, radius) if inside > 0.0 else 0.0
         for knot in range(KNOTS):
-            out[5 + knot] = inside * _hat(across, knot) if inside > 0.0 else 0.0
+            out[5 + knot] = inside * _hat(across, knot, KNOTS) if inside > 0.0 else 0.0
         out[5 + KNOTS] = 0.1 * inside * s
 
 
@@ -182,7 +186,7 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
     """Sharp images of a needle as `alpha_matting.layers` has them, at fine samples.
 
     ``first`` (2,) px from the tip to the first sample, ``axis`` (2,), ``shape`` (taper, radius, rise),
-    ``out`` (1 + 3 * 2 + KNOTS + 1, h, w).
+    ``out`` (1 + 3 * 3 + FINE_KNOTS + 1, h, w).
     """
     radius, rise = shape[1], shape[2]
     c, d = math.cos(shape[0]), math.sin(shape[0])
@@ -202,13 +206,17 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
                 min(max(up - 1.0, 0.0), 1.0),
             )
             near, wide = _halos(distance) if clear > 0.0 else (0.0, 0.0)
+            ring = max(1.0 - abs(distance - _RING) / _RING_WIDTH, 0.0)
             for k in range(3):
                 out[1 + k, i, j] = clear * near * hats[k]
                 out[4 + k, i, j] = clear * wide * hats[k]
+                out[7 + k, i, j] = clear * ring * hats[k]
             across = n / _half_width(s, c, d, radius) if inside > 0.0 else 0.0
-            for knot in range(KNOTS):
-                out[7 + knot, i, j] = inside * _hat(across, knot) if inside > 0.0 else 0.0
-            out[7 + KNOTS, i, j] = 0.1 * inside * s
+            for knot in range(FINE_KNOTS):
+                out[10 + knot, i, j] = (
+                    inside * _hat(across, knot, FINE_KNOTS) if inside > 0.0 else 0.0
+                )
+            out[10 + FINE_KNOTS, i, j] = 0.1 * inside * s
 
 
 @maker

@@ -16,19 +16,31 @@ import numpy as np
 
 from meso_robust.kernels import spread
 from meso_robust.tracking.alpha_matting import Window, window_of
-from meso_robust.tracking.backdrop import Canvas, Glimpse, backdrop, canvas, glimpse, glimpse_at
+from meso_robust.tracking.backdrop import (
+    Canvas,
+    Glimpse,
+    backdrop,
+    beyond,
+    canvas,
+    glimpse,
+    glimpse_at,
+)
 from meso_robust.tracking.learned import Learned, Tip, lost
-from meso_robust.tracking.needle import SHARED, Needle, fit_needle
+from meso_robust.tracking.needle import Needle, fit_needle
 from meso_robust.tracking.tip_fit import Matte, fit_matte, place
 from meso_robust.types import Floats, Image, Ints
 
-LEAST = 8
-"""Frames that the needle is fitted to; fewer do not tell it from what is behind it."""
+LEAST, MOST = 8, 16
+"""Frames that the needle is fitted to; fewer do not tell it from what is behind it, more tell little else."""
 _CANVAS = 32  # frames that the part's image is the mean of
-_CLEAR = 12.0  # px from the part where a tip counts as free
+_CLEAR = 12.0  # px from the part, from where on one place is as free as another
+_FREE = 8.0  # px from the part where it serves to fit the needle; what is nearer to it than that does not
+_AHEAD = 2.0  # px ahead of a tip that always serve
 _ROUNDS = 2
-_ALONG, _ACROSS = 0.17, 0.035  # px; what the needle's and the film's simplicity leave
+_ALONG, _ACROSS = 0.1, 0.035  # px; what the needle's and the film's simplicity leave
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
+# px between part and needle, nearer than which the film between them tells less; and px along the axis by how much
+_CLOSE, _AT_PART = 2.0, 0.15
 _UNSEEN = 0.5  # px along the axis, where the part may be in front of the tip but was not found
 _BLOCKED = 1.0  # px along the axis, where the part hides the end of the tip in all frames
 _LEAST_GAP = 2.0  # px between part and needle where its end shows
@@ -65,7 +77,14 @@ def refined(glimpses: Sequence[Glimpse], needle: Needle, window: Window) -> Refi
     offset, part = np.zeros(2), None
     shape = needle.ordinary  # one frame may have been fitted by a blurred needle that ends too soon
     for _ in range(_ROUNDS):
-        seen = [backdrop(glimpse_at(glimpses[k], offset), window, shape, part) for k in chosen]
+        seen = [
+            beyond(
+                backdrop(glimpse_at(glimpses[k], offset), window, shape, part),
+                glimpses[k],
+                min(free[k] - needle.radius - _AHEAD, _FREE),
+            )
+            for k in chosen
+        ]
         starts = np.array([glimpses[k].tip for k in chosen]) + offset
         matte, tips = fit_matte(seen, starts, shape, window)
         offset = offset + np.mean(tips - starts, axis=0)
@@ -94,7 +113,7 @@ def _each(
     axis = matte.needle.axis
     constant = _ACROSS**2 * np.eye(2) + (_ALONG**2 - _ACROSS**2) * np.outer(axis, axis)
     constant = constant + matte.common
-    unseen = _UNSEEN**2 * np.outer(axis, axis)
+    unseen, close = _UNSEEN**2 * np.outer(axis, axis), _AT_PART**2 * np.outer(axis, axis)
     tips, spreads = [], []
     for one in glimpses:
         seen = backdrop(glimpse_at(one, offset), window, matte.needle, part)
@@ -103,8 +122,10 @@ def _each(
         doubt = np.outer(apart, apart) if np.hypot(*apart) > _AMISS else np.zeros((2, 2))
         if part is not None and one.outline is None:
             doubt = doubt + unseen
+        if _clearance(one) < matte.needle.radius + _CLOSE:
+            doubt = doubt + close
         tips.append(found.tip)
-        spreads.append(SHARED * found.covariance + constant + doubt)
+        spreads.append(matte.alike * found.covariance + constant + doubt)
     return Refined(tips=np.array(tips), covariances=np.array(spreads), remark="")
 
 
@@ -117,11 +138,11 @@ def _clearance(one: Glimpse) -> float:
 
 
 def _spread(order: Ints, free: Floats) -> Ints:
-    """The clearest frames, evenly over time if there are more than needed."""
-    clear = np.flatnonzero(free >= _CLEAR)
+    """Frames in which the tip is clear of the part, evenly over time, or the clearest ones if they are few."""
+    clear = np.flatnonzero(free >= _FREE)
     if len(clear) <= LEAST:
         return order[:LEAST]
-    return np.asarray(clear[np.linspace(0, len(clear) - 1, LEAST).astype(int)])
+    return np.asarray(clear[np.linspace(0, len(clear) - 1, min(MOST, len(clear))).astype(int)])
 
 
 class ProbeTracker:

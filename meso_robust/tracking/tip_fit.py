@@ -30,16 +30,26 @@ from meso_robust.tracking.needle import FINER, ORDINARY, SHARED, SPREAD, Needle
 from meso_robust.types import Floats, Singles
 
 _STEPS = 8
-_TRIED = np.array([0.02, 0.02, 0.02, 0.1])  # steps of the differences of the shape
-_UNITS = np.array([0.1, 0.1, 1.0, 0.02])  # of direction, taper, log of blur, and rise
+_LOOSE = 3  # first steps, in which nothing is left out
+_SETTLED = 0.01  # px by which a tip moves in a step that is the last
+_TRIED = np.array([0.02, 0.02, 0.02, 0.1, 0.1])  # steps of the differences of the shape
+_UNITS = np.array([0.1, 0.1, 1.0, 0.02, 1.0])  # of direction, taper, log of blur, rise, and disc
 _LINEAR = HALO_COUNT + OWN_COUNT
 # how much a meniscus brightens the film, and how bright a needle is, and how much that changes along it, over the
 # film's: middle and spread before the image is seen; of its direction, which was fitted once, the spread (rad)
 _BRIGHT = np.array([0.0] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.0])
 _BRIGHT_SPREAD = np.array([0.25] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.3])
 _TURN = 0.1
+_DISC, _DISC_SPREAD = 0.25, 0.5  # of how flat the blur is
+_DISCS = -0.25, 1.25  # limits of it
 _REACH = 4.5  # px from the window's middle, beyond which its images do not reach
 _PIXEL = 1.0 / 12.0  # px²; variance of a place within a pixel
+_NEAR = 4  # px within which what is left may be alike
+_FAR = 4.0  # standard deviations at which what is left is cut off, to compare it
+_ROUNDING = (
+    1.0 / 48.0
+)  # least variance of a grey value, that of rounding, over what the weights take it for
+_MEDIAN_CHI2 = 0.4549364  # median of χ² with one degree of freedom
 _BOUNDS = np.array([AHEAD, ALONG, ASIDE])
 
 
@@ -57,12 +67,18 @@ class Matte:
         (6, h, w) transmission and brightness about the tip, their slopes to the right, then down.
     common
         (2, 2) px², covariance of what every tip that is placed with it is off by, as it is not known exactly.
+    alike
+        Variance of what is fitted, over that if what is left were alike in no two pixels.
+    noise
+        Variance of what is left, over what the weights take it for.
     """
 
     needle: Needle
     brightness: Floats
     fine: Singles
     common: Floats
+    alike: float
+    noise: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -107,16 +123,25 @@ def fit_matte(
     shape, places = needle, np.array([_within(*pair) for pair in zip(seen, tips, strict=True)])
     bright = np.concatenate([np.zeros(HALO_COUNT), np.full(OWN_COUNT - 1, 0.4), [0.0]])
     films = np.array([[one.film, 0.0, 0.0] for one in seen])
-    certain = SHARED / np.concatenate([_BRIGHT_SPREAD, np.append(_TURN, SPREAD) / _UNITS]) ** 2
+    unsure = np.concatenate([_BRIGHT_SPREAD, np.array([_TURN, *SPREAD, _DISC_SPREAD]) / _UNITS])
+    noise, alike = 1.0, SHARED
     for count in range(_STEPS):
         fine = _all_layers(shape, bright, window)
         turn = needle.direction - shape.direction
-        other = np.append(turn, ORDINARY - shape.numbers) / _UNITS
-        normal, right = np.diag(certain), certain * np.append(_BRIGHT - bright, other)
+        other = np.array([turn, *(ORDINARY - shape.numbers), _DISC - shape.disc]) / _UNITS
         back = []
-        for place, film, one in zip(places, films, seen, strict=True):
-            own, shared, left, weight = _rows(one, place, film, shape, fine, window)
-            weight *= _tukey(left, weight) if count > 2 else 1.0
+        rows = [
+            _rows(one, place, film, shape, fine, window)
+            for place, film, one in zip(places, films, seen, strict=True)
+        ]
+        if count >= _LOOSE:
+            noise, alike = _left_over(rows, window)
+            alike = max(alike, SHARED)
+        certain = alike / unsure**2
+        normal, right = np.diag(certain), certain * np.append(_BRIGHT - bright, other)
+        for own, shared, left, weight in rows:
+            weight /= noise
+            weight *= _tukey(left, weight) if count >= _LOOSE else 1.0
             block = (own * weight) @ own.T
             block += 1e-6 * np.diag(np.diag(block)) + 1e-9 * np.eye(len(block))
             cross, pull = (own * weight) @ shared.T, (own * weight) @ left
@@ -127,14 +152,20 @@ def fit_matte(
         step = np.linalg.solve(normal, right)
         bright = bright + step[:_LINEAR]
         shape = _changed(shape, np.clip(step[_LINEAR:], -1.0, 1.0))
+        before = places.copy()
         for k, (solved, cross, pull) in enumerate(back):
             own_step = solved @ (pull - cross @ step)
             places[k] = _within(seen[k], places[k] + np.clip(own_step[:2], -1.0, 1.0))
             films[k] += own_step[2:]
+        if count > _LOOSE and np.abs(places - before).max() < _SETTLED:
+            break
     fine = _with_slopes(blurred(_joined(sharp(shape, window), bright), shape))
     led = np.mean([(solved @ cross)[:2] for solved, cross, _ in back], axis=0)
-    common = SHARED * led @ np.linalg.inv(normal) @ led.T
-    return Matte(needle=shape, brightness=bright, fine=fine, common=common), places
+    common = alike * led @ np.linalg.inv(normal) @ led.T
+    matte = Matte(
+        needle=shape, brightness=bright, fine=fine, common=common, alike=alike, noise=noise
+    )
+    return matte, places
 
 
 def place(one: Backdrop, tip: Floats, matte: Matte, window: Window) -> Placed:
@@ -144,7 +175,7 @@ def place(one: Backdrop, tip: Floats, matte: Matte, window: Window) -> Placed:
     part, normal = _within(one, tip) - one.near, np.empty((6, 6))
     square = fitted(
         matte.fine,
-        _stacked(one),
+        _stacked(replace(one, used=one.used / np.float32(matte.noise))),
         one.film,
         part,
         np.array(window.low, float),
@@ -164,7 +195,8 @@ def _within(one: Backdrop, tip: Floats) -> Floats:
 
 def _changed(needle: Needle, step: Floats) -> Needle:
     step = step * _UNITS
-    turned = replace(needle, direction=needle.direction + float(step[0]))
+    disc = float(np.clip(needle.disc + step[4], *_DISCS))
+    turned = replace(needle, direction=needle.direction + float(step[0]), disc=disc)
     return turned.reshaped(
         needle.taper + step[1], needle.blur * math.exp(step[2]), needle.rise + step[3]
     )
@@ -196,8 +228,10 @@ def _all_layers(shape: Needle, bright: Floats, window: Window) -> Singles:
     varied = []
     for step in np.diag(_TRIED):
         other = _changed(shape, step)
-        alike = replace(other, blur=shape.blur) == shape  # the blur comes after what is sharp
-        drawn = _joined(fine if alike else sharp(other, window), bright)
+        sharpened = replace(
+            other, blur=shape.blur, disc=shape.disc
+        )  # the blur comes after what is sharp
+        drawn = _joined(fine if sharpened == shape else sharp(other, window), bright)
         varied.append((blurred(drawn, other) - both) / np.float32(step.sum()))
     return np.concatenate([_with_slopes(both), parts[1:], *varied])
 
@@ -230,6 +264,20 @@ def _rows(
 def _stacked(one: Backdrop) -> Singles:
     """(4, h, w) what is compared, as the kernels take it."""
     return np.stack([one.grey, one.relative, one.variance, one.used])
+
+
+def _left_over(
+    rows: Sequence[tuple[Floats, Floats, Floats, Floats]], window: Window
+) -> tuple[float, float]:
+    """Noise and likeness of what is left, as `Matte` has them; texture and a needle that is not quite so are alike."""
+    left = np.array([(left * np.sqrt(weight)).reshape(window.shape) for *_, left, weight in rows])
+    known = left[left != 0.0] ** 2
+    noise = max(float(np.median(known)) / _MEDIAN_CHI2, _ROUNDING) if len(known) else 1.0
+    size = [n + _NEAR for n in window.shape]
+    spectrum = np.fft.rfft2(np.clip(left / math.sqrt(noise), -_FAR, _FAR), size)
+    pairs = np.fft.irfft2((np.abs(spectrum) ** 2).sum(axis=0), size)
+    v, u = (np.minimum(k, n - k) for k, n in zip(np.ogrid[: size[0], : size[1]], size, strict=True))
+    return noise, float(pairs[np.hypot(u, v) < _NEAR + 0.5].sum() / max(pairs[0, 0], 1e-9))
 
 
 def _tukey(left: Floats, weight: Floats) -> Floats:

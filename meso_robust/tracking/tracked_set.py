@@ -59,8 +59,16 @@ def recording_of(track: Track, file: str, commands: Commands | None = None) -> R
     )
 
 
-def sensor_of(tracks: Sequence[Track]) -> SensorInfo:
-    """Frame rate of the first video, and the root mean square of the standard deviations of all."""
+def sensor_of(tracks: Sequence[Track], *, tips_seen: bool) -> SensorInfo:
+    """Frame rate of the first video, and the root mean square of the standard deviations of all.
+
+    Parameters
+    ----------
+    tracks
+        What was seen.
+    tips_seen
+        Whether the tips are where they were seen, so that what their places are off by is the tracker's.
+    """
     covariances = np.concatenate([track.covariances[track.found] for track in tracks])
     known = len(covariances) > 0
     place = np.trace(covariances[:, :2, :2], axis1=1, axis2=2) / 2.0
@@ -68,7 +76,20 @@ def sensor_of(tracks: Sequence[Track]) -> SensorInfo:
         frame_rate=tracks[0].frames.rate,
         position_sigma=float(np.sqrt(place.mean())) if known else None,
         orientation_sigma=float(np.sqrt(covariances[:, 2, 2].mean())) if known else None,
+        tip_offset=_tip_offset(tracks) if tips_seen else None,
     )
+
+
+def _tip_offset(tracks: Sequence[Track]) -> float | None:
+    """σ of a seen tip in the direction in which it is known least, m; None if none was seen.
+
+    That is along its needle, and nearly all of it is the same in every frame of a video: what the end of the
+    needle looks like. A frame in doubt does not count, hence the median.
+    """
+    each = [track.tip_covariances[:, p] for track in tracks for p in range(len(track.names))]
+    known = [one[np.isfinite(one).all(axis=(1, 2))] for one in each]
+    largest = [np.median(np.linalg.eigvalsh(one)[:, -1]) for one in known if len(one)]
+    return float(np.sqrt(np.mean(largest))) if largest else None
 
 
 def set_of(
@@ -83,7 +104,7 @@ def set_of(
         part=part,
         tip_radius=tip_radius,
         position_source="camera" if commands is None else "controller",
-        sensor=sensor_of(tracks),
+        sensor=sensor_of(tracks, tips_seen=commands is None),
         recordings=tuple(
             recording_of(track, file, None if commands is None else commands[k])
             for k, (track, file) in enumerate(zip(tracks, files, strict=True))

@@ -202,7 +202,8 @@ HEAD = """# Accuracy on frames of another renderer
 Films of {frames} frames of {width} x {height} px, drawn by `foreign.py`, which shares neither code nor formula with
 the package's microscope or tracker; no compression. A rectangle, a triangle and a pentagon, {films} films each a
 condition, seed {seed}. Nothing was fitted to these frames; how much the width of a rim
-and the brightness of a meniscus may vary was chosen among a few values with films of seed 1 in view. "Coverage": share of the 90 % intervals that hold the truth.
+and the brightness of a meniscus may vary was chosen among a few values with films of seed 1 in view, and so was what
+else of a needle's image is fitted: how flat the blur is, and its grain. "Coverage": share of the 90 % intervals that hold the truth.
 "Beyond 4 sigma": frames with a found state whose pose is farther from the truth than that. An error is much alike
 through a film.
 

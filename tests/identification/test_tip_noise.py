@@ -13,6 +13,7 @@ from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.direct.straight import path_sigma
 from meso_robust.recordings.noise import scatter
 from tests.diagnosis.conftest import small_set
+from tests.diagnosis.designs import RHO
 from tests.identification.sets import UM
 
 MU = 0.3
@@ -80,6 +81,40 @@ def test_tips_that_are_put_down_within_a_stated_error_do_not_look_like_friction(
     # the camera's noise is that of the set without the errors, and so is what it makes of friction
     assert abs(told.value - before.value) < 0.5 * abs(after.value - before.value)
     assert told.low <= before.value <= told.high
+
+
+def test_tips_seen_off_by_a_stated_error_are_believed_no_more(clean: RecordingSet) -> None:
+    """A needle's end that is taken for 10 µm farther out in all frames of a video, and less so in the next."""
+    rng = np.random.default_rng(7)
+    along = np.array([np.cos(1.1), np.sin(1.1)])
+    seen = replace(
+        clean,
+        position_source="camera",
+        recordings=tuple(
+            replace(
+                one,
+                probes=one.probes
+                + 10.0 * UM * rng.normal() * along
+                + 0.05 * UM * rng.normal(size=one.probes.shape),
+            )
+            for one in clean.recordings
+        ),
+    )
+    stated = replace(seen, sensor=replace(clean.sensor, tip_offset=10.0 * UM))
+    assert prepare(stated).tip_offset == pytest.approx(10.0 * UM, rel=1e-2)
+
+    plain, found = (identify(one, starts=2) for one in (seen, stated))
+
+    assert plain.quality is not None
+    assert found.quality is not None
+    assert plain.quality.chi2 > 1.2 * plain.quality.freedom
+    assert found.quality.chi2 < 1.1 * found.quality.freedom
+    rho, sure = (
+        next(profile for profile in one.profiles if profile.key == "rho_um2")
+        for one in (found, plain)
+    )
+    assert rho.low <= RHO <= rho.high
+    assert not sure.low <= RHO <= sure.high
 
 
 def test_only_a_log_with_noise_is_smoothed(clean: RecordingSet) -> None:

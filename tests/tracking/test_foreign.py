@@ -9,8 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meso_robust.tracking.alpha_matting import window_of
+from meso_robust.tracking.backdrop import glimpse
+from meso_robust.tracking.needle import Needle
+from meso_robust.tracking.probes import refined
 from reports.tracking import foreign
-from reports.tracking.foreign import LOOKS, SHAPES, Camera, Waves, row
+from reports.tracking.foreign import LOOKS, RADIUS, SHAPES, Camera, Look, Waves, row
 
 PLAIN = replace(LOOKS["bright rim"], rim=0.0, halo=0.0, texture=0.0, noise=0.0)
 POSE = np.array([158.3, 121.7, 0.4])
@@ -69,3 +73,35 @@ def test_the_page_grows_with_every_condition(
     with pytest.raises(KeyboardInterrupt):
         foreign.main()
     assert page.read_text(encoding="utf-8").endswith("| bright rim 0 12 5 |\n")
+
+
+def needle_errors(look: Look, seed: int) -> tuple[foreign.Floats, foreign.Floats]:
+    """Errors (8, 2) px along and across a needle that goes ahead before film alone, and what is stated."""
+    rng = np.random.default_rng([9, seed])
+    camera, way = Camera(look, SHAPES["rectangle"], rng), rng.uniform(-2.2, -0.9)
+    axes = np.array([[math.cos(way), math.sin(way)], [-math.sin(way), math.cos(way)]])
+    needle = Needle(tip=(160.0, 80.0), direction=way, taper=0.08, radius=RADIUS)
+    tips = needle.tip + rng.uniform(-0.5, 0.5, (8, 2)) + 1.3 * np.arange(8)[:, None] * axes[0]
+    away = np.array([160.0, 400.0, 0.0])
+    pieces = [
+        glimpse(camera.frame(away, np.array([*tip, way])), tip + 0.2, window_of(needle), None)
+        for tip in tips
+    ]
+    found = refined(pieces, needle, window_of(needle))
+    sigma = np.sqrt(np.einsum("ki,tij,kj->tk", axes, found.covariances, axes))
+    return (found.tips - tips) @ axes.T, sigma
+
+
+def test_an_image_blurred_by_a_disc_does_not_move_a_tip() -> None:
+    """Seen as a normal distribution it would be a needle that ends sooner, in a bright meniscus."""
+    error, _ = needle_errors(replace(PLAIN, noise=0.5, disc=2.6), 0)
+    assert np.sqrt(np.mean(error**2, axis=0)) == pytest.approx([0.0, 0.0], abs=0.15)
+
+
+@pytest.mark.parametrize("look", ["noisy", "rough face"])
+def test_what_an_image_leaves_of_a_needle_tells_how_well_it_is_seen(look: str) -> None:
+    """Noise of twenty times the usual variance; film that is alike in pixels near each other."""
+    films = [needle_errors(LOOKS[look], seed) for seed in range(4)]
+    pulls = np.array([error / sigma for error, sigma in films])
+    assert np.sqrt(np.mean(pulls**2, axis=(0, 1))).max() < 1.6
+    assert np.abs(pulls).max() < 4.0

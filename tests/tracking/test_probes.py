@@ -16,6 +16,7 @@ from meso_robust.errors import InputError
 from meso_robust.microscope import Exposure, Oil, Optics, Part, Probe, Scene, project, render
 from meso_robust.tracking import probes
 from meso_robust.tracking.alpha_matting import window_of
+from meso_robust.tracking.backdrop import backdrop, beyond, glimpse
 from meso_robust.tracking.frames import open_frames
 from meso_robust.tracking.learned import Learned, Tip
 from meso_robust.tracking.needle import Needle
@@ -264,3 +265,21 @@ def test_what_is_behind_a_needle_does_not_hold_it(dim: Scene, seed: int) -> None
     for frame, tip in zip(frames[1:], truth[1:], strict=True):
         off = learned.register(frame, np.zeros(2), outline).shift - (tip - truth[0])
         assert np.hypot(*off) < 0.5
+
+
+def test_film_near_the_part_tells_nothing_of_a_needle() -> None:
+    """A part to the right of a line: what is nearer to it than 5 px is left out, and nothing else."""
+    window = window_of(Needle(tip=(0.0, 0.0), direction=math.pi, taper=0.08, radius=R_PX))
+    frame, tip = np.full((200, 200), 90, np.uint8), np.array([80.0, 100.0])
+    outline = np.array([[92.0, -99.0], [299.0, -99.0], [299.0, 299.0], [92.0, 299.0]])
+    one = glimpse(frame, tip, window, outline)
+    needle = Needle(tip=(80.0, 100.0), direction=math.pi, taper=0.08, radius=R_PX)
+    scene = backdrop(one, window, needle, None)
+
+    used = beyond(scene, one, 5.0).used
+
+    u = 80.0 + window.low[0] + np.arange(window.shape[1])
+    assert u.max() > 88.0
+    assert np.all(used[:, u < 86.5] == 1.0)
+    assert np.all(used[:, u > 87.5] == 0.0)
+    assert np.array_equal(beyond(scene, one, 0.0).used, scene.used)

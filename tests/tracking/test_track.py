@@ -101,6 +101,11 @@ def test_recording_set_holds_what_was_seen(plain: tuple[Filmed, Track], tmp_path
     place = np.mean([np.trace(one[:2, :2]) / 2.0 for one in seen.covariances])
     assert back.sensor.position_sigma == pytest.approx(np.sqrt(place), rel=1e-6)
     assert back.sensor.frame_rate == 30.0
+    # the part is seen far better than the tip along its needle, here nearly y; 60 frames with one σ each
+    ways = np.array([[np.cos(a), np.sin(a)] for a in np.linspace(0.0, np.pi, 721)])
+    each = np.einsum("wi,tij,wj->tw", ways, seen.tip_covariances[:, 0], ways).max(axis=1)
+    assert back.sensor.tip_offset == pytest.approx(np.sqrt(np.median(each)), rel=1e-4)
+    assert np.median(each) > 4.0 * place
     rows = list(csv.DictReader(covariance_text(seen).splitlines()))
     assert len(rows) == 60
     assert float(rows[7]["part_tt_deg2"]) == pytest.approx(
@@ -119,6 +124,7 @@ def test_commands_keep_their_clock(plain: tuple[Filmed, Track], tmp_path: Path) 
     one = made.recordings[0]
 
     assert made.position_source == "controller"
+    assert made.sensor.tip_offset is None
     assert one.probe_names == ("tip",)
     assert len(one.times) == 60 + 2  # 0 and 0.5 s are instants of frames as well
     assert np.isnan(one.poses[-1]).all()
