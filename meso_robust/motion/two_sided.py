@@ -18,7 +18,7 @@ The tube is bounded by such lines, one pair a step in h.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cache
@@ -405,8 +405,28 @@ def _exact(box: Mapping[str, Interval]) -> frozenset[str]:
     return frozenset(name for name, side in box.items() if side == ZERO)
 
 
-Within = Callable[[Interval], tuple[Grip, Mapping[str, Interval]]]
-"""What is known of the grip, and the labels, if the room is in a range."""
+def cut(grip: Grip, cells: int) -> list[Interval]:
+    """The range of the room in parts: what is left uncertain of each falls with the square of its width.
+
+    Parameters
+    ----------
+    grip
+        What is known during the rotation.
+    cells
+        How many.
+
+    Returns
+    -------
+    list[Interval]
+        By rising room, m.
+    """
+    ends = np.linspace(grip.room.lo, grip.room.hi, cells + 1).tolist()
+    ends[0], ends[-1] = grip.room.lo, grip.room.hi
+    return list(itertools.starmap(Interval, itertools.pairwise(ends)))
+
+
+Part = tuple[Grip, Mapping[str, Interval]]
+"""What is known of the grip, and the labels, if the room is in a part of its range."""
 
 
 def enclose_slide(
@@ -415,8 +435,7 @@ def enclose_slide(
     h_end: float,
     *,
     coarse: float = 1.0,
-    cells: int = 1,
-    within: Within | None = None,
+    parts: Sequence[Part] | None = None,
 ) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
@@ -430,16 +449,15 @@ def enclose_slide(
         Lower bound of h at the end, m.
     coarse
         Factor on the step in h, which is 1/``STEPS`` of the part's width.
-    cells
-        Into how many parts the range of the room is cut: what is left of a cell falls with the square of
-        its width.
-    within
-        What else is known where the room is in one of them; nothing if it is not given.
+    parts
+        What is known for each part of the range of the room, by rising room (see `cut`); the whole in one
+        if it is not given.
 
     Returns
     -------
     SlideTube
-        Bounds of the slide at every h, how far they could be grown, and what they leave in hand.
+        Bounds of the slide at every h, how far they could be grown, and what they leave in hand; a cell for
+        each part.
 
     Raises
     ------
@@ -451,16 +469,13 @@ def enclose_slide(
             f"h_end = {h_end} must be below every h_start = [{start.h.lo}, {start.h.hi}]: the push "
             "may end before both tips touch; make it longer"
         )
-    ends = np.linspace(grip.room.lo, grip.room.hi, cells + 1).tolist()
-    ends[0], ends[-1] = grip.room.lo, grip.room.hi
     whole = parameters_of(grip, start.labels)
     step = coarse * (grip.depth.mid + grip.depth_far.mid) / STEPS
-    found = []
-    for room in itertools.starmap(Interval, itertools.pairwise(ends)):
-        own, labels = within(room) if within else (replace(grip, room=room), start.labels)
+    cells = []
+    for own, labels in parts or [(grip, start.labels)]:
         moved = _about(replace(start, labels=labels), whole, parameters_of(own, labels))
-        found.append(_cell(own, moved, h_end, step, coarse))
-    return SlideTube(cells=tuple(found))
+        cells.append(_cell(own, moved, h_end, step, coarse))
+    return SlideTube(cells=tuple(cells))
 
 
 def _about(start: Start, before: Mapping[str, Interval], after: Mapping[str, Interval]) -> Start:

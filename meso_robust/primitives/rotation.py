@@ -23,6 +23,7 @@ from meso_robust.motion.two_sided import (
     Grip,
     SlideTube,
     TubeStatus,
+    cut,
     enclose_slide,
 )
 from meso_robust.primitives.approach import STATED, Touch, approach
@@ -175,9 +176,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     obligations += [*touch.obligations, rests]
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
-    parts: list[_Move] = []
     alone = all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
-    tube = _tube(move, touch, parts, rough=rough or not alone)
+    tube, parts = _tube(move, touch, rough=rough or not alone)
     obligations += _tube_obligations(tube, move)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, obligations)
@@ -211,23 +211,18 @@ def held_poses(step: Step) -> list[PoseBox]:
 
 
 def _tube(
-    move: _Move, touch: Touch, parts: list[_Move], *, rough: bool, coarse: float = 1.0
-) -> SlideTube:
+    move: _Move, touch: Touch, *, rough: bool, coarse: float = 1.0
+) -> tuple[SlideTube, list[_Move]]:
     """The tube, and the move as it is in each of its cells."""
     grip = move.grip
     cell = (ROUGH[0] if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
-    cells = max(1, math.ceil(grip.room.width / cell))
+    rooms, bounding = cut(grip, max(1, math.ceil(grip.room.width / cell))), _bounding(move)
+    moves = [_within(move, room, bounding) for room in rooms]
     if rough and not grip.common:
         coarse *= ROUGH[1]
-    bounding = _bounding(move)
-
-    def within(room: Interval) -> tuple[Grip, dict[str, Interval]]:
-        part = _part(move, room, bounding)
-        parts.append(part)
-        return part.grip, {**touch.start.labels, **part.labels}
-
-    end = move.h_end.lo
-    return enclose_slide(grip, touch.start, end, cells=cells, coarse=coarse, within=within)
+    parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
+    tube = enclose_slide(grip, touch.start, move.h_end.lo, coarse=coarse, parts=parts)
+    return tube, moves
 
 
 def _bounding(move: _Move) -> list[str]:
@@ -244,7 +239,7 @@ def _room(move: _Move, known: Mapping[str, Interval]) -> Interval:
     return enclose(move.of.begin, {**move.box, **known}, boxes=1)[1]
 
 
-def _part(move: _Move, room: Interval, bounding: list[str]) -> _Move:
+def _within(move: _Move, room: Interval, bounding: list[str]) -> _Move:
     """The move if the room is in a range: the tips and the part cannot be anywhere then."""
     for name in bounding:
         for end in (0, 1):
@@ -294,7 +289,7 @@ def reach(rule: MoveRule, pre: PoseBox, setup: Setup, coarse: float) -> Reach | 
     touch = approach(move.box, move.grip, move.labels, move.first_gap, edge, move.of)
     if touch is None or not move.h_end.hi < touch.start.h.lo:
         return None
-    tube = _tube(move, touch, [], rough=True, coarse=coarse)
+    tube, _ = _tube(move, touch, rough=True, coarse=coarse)
     # the last knots are bounded, but not checked
     ends = [int(np.isfinite(cell.upper).sum()) - 1 - UNCHECKED for cell in tube.cells]
     last = min(ends)

@@ -15,9 +15,11 @@ from meso_robust.conditions import values
 from meso_robust.motion.two_sided import (
     FIELDS,
     Grip,
+    Part as Known,
     SlideTube,
     Start,
     TubeStatus,
+    cut,
     enclose_slide,
     rate_at,
 )
@@ -72,6 +74,11 @@ def start_of(grip: Grip, reach: float = 5 * UM) -> Start:
     return Start(
         h=h, labels={"label": um(-10, 10)}, value=250 * UM, rate=rate, spread=spread, rest=rest
     )
+
+
+def parted(grip: Grip, cells: int) -> list[Known]:
+    """A grip in parts of its room, of which nothing else is known."""
+    return [(replace(grip, room=room), start_of(grip).labels) for room in cut(grip, cells)]
 
 
 def samples(grip: Grip, count: int, seed: int = 11) -> tuple[Part, Floats, Floats]:
@@ -157,7 +164,7 @@ def test_no_motion_leaves_the_tube_of_a_centre_of_drag_that_moves() -> None:
     """It jumps from end to end of its range at every step; a tube that knows of none is left."""
     reach = um(-20, 20)
     grip, start = replace(POINTS, centre_a=reach, centre_n=reach), start_of(POINTS)
-    tubes = [enclose_slide(one, start, END, cells=2) for one in (grip, POINTS)]
+    tubes = [enclose_slide(one, start, END, parts=parted(one, 2)) for one in (grip, POINTS)]
     part, room, label = samples(grip, 60)
     state, rng, worst = started(part, room, label, start), np.random.default_rng(3), []
     sides = np.sign(rng.uniform(-1.0, 1.0, (2, part.rho.size)))
@@ -180,7 +187,7 @@ def test_no_motion_leaves_the_tube_of_a_centre_of_drag_that_moves() -> None:
 def test_no_motion_leaves_the_tube(name: str, coarse: float) -> None:
     grip = GRIPS[name]
     start = start_of(grip)
-    tube = enclose_slide(grip, start, END, cells=2, coarse=coarse)
+    tube = enclose_slide(grip, start, END, parts=parted(grip, 2), coarse=coarse)
     assert tube.status is TubeStatus.COMPLETE or (coarse > 1.0 and name == "real")
     assert followed(tube, grip, start) < TOLERANCE
 
@@ -213,7 +220,7 @@ def test_a_long_step_is_bent_as_the_motion_is() -> None:
 
 @pytest.mark.parametrize("cells", [1, 3])
 def test_the_tube_of_point_tips_is_not_much_wider_than_the_motions(cells: int) -> None:
-    tube = enclose_slide(POINTS, start_of(POINTS), END, cells=cells)
+    tube = enclose_slide(POINTS, start_of(POINTS), END, parts=parted(POINTS, cells))
     lines = tube.lines(Interval(END, END + 20 * UM))
     assert all(line.rest.width < (70 if cells == 1 else 30) * UM for line in lines)
     part, room, label = samples(POINTS, 400)
@@ -238,14 +245,14 @@ def test_a_cell_is_told_apart_by_what_is_known_within_it() -> None:
     part, room, _ = samples(POINTS, 400)
     middle, lean = POINTS.room.mid, 0.4
 
-    def within(own: Interval) -> tuple[Grip, dict[str, Interval]]:
+    def within(own: Interval) -> Known:
         off = own - Interval.point(middle)
         return replace(POINTS, room=own), {"label": Interval.point(lean) * off + um(-2, 2)}
 
     label = lean * (room - middle) + np.random.default_rng(3).uniform(-2 * UM, 2 * UM, room.size)
     start = start_of(POINTS)
-    plain = enclose_slide(POINTS, start, END, cells=3)
-    tube = enclose_slide(POINTS, start, END, cells=3, within=within)
+    plain = enclose_slide(POINTS, start, END, parts=parted(POINTS, 3))
+    tube = enclose_slide(POINTS, start, END, parts=[within(own) for own in cut(POINTS, 3)])
     assert tube.status is TubeStatus.COMPLETE
     state, rng = started(part, room, label, start), np.random.default_rng(2)
     while float(state.h.min()) - STEP > END:
