@@ -73,8 +73,7 @@ class Flow:
     def rivals(self, h: Any, tip: int, ahead: Any, corners: Values) -> Any:
         """(N, few) the corners at which the part gains most, at each of N places on paths."""
         gain = rate(h, tip, ahead, {**self.middle, **corners})
-        gain = gain + np.zeros((len(h), len(next(iter(corners.values())))))
-        return np.argsort(-self.side * gain, axis=1)[:, : 1 + RIVALS]
+        return np.argsort(-self.side * np.asarray(gain), axis=1)[:, : 1 + RIVALS]
 
     def change(self, h: float, at: Guess, corner: Values) -> Guess:
         """Derivative of a barrier with the travel."""

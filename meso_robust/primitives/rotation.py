@@ -47,23 +47,25 @@ from meso_robust.primitives.tips import comes_free, second_tip
 
 PI = HALF_PI + HALF_PI
 EARLY = 4  # slices in which the idle tip is beyond the end of the edge rather than off its line
-CELL = 1.0 / 360.0  # of the part's width: room of the tips followed together; more is looser
-ROUGH = (
-    4.0,
-    2.0,
-)  # times that, and longer steps where each tip has its own friction: a fifth of the work
-AT_END = 4096  # boxes for the pose at the end
-ROOM = 0.02  # share of a side of the pose at the end, on top of that of all moves: a checker's barriers
-# are as close where the room alone is uncertain; what else is costs them more than the cells here
-ROOM_ELSE = 0.09  # where other constants are uncertain as well; 0.07 was seen
-ROOM_AHEAD = (
-    0.14  # the same along the push, where the slide is all that is uncertain; 0.124 was seen
-)
-EXACT = 1e-12  # m, or rad: a width that is rounding only
-BEYOND = 0.03  # of the first h: how much farther out others may put the first grip
-NARROWED = (
-    4  # times that either end of what the room depends on is cut off, where the room is known
-)
+CELL = 1.0 / 360.0
+"""Of the part's width: room of the tips that is followed together; more is looser."""
+ROUGH, LONGER = 4.0, 2.0
+"""Times that for rough bounds, and longer steps where each tip has its own friction: a fifth of the work."""
+AT_END = 4096
+"""Boxes for the pose at the end."""
+ROOM, ROOM_WIDE = 0.02, 0.1
+"""Share of a side of the pose at the end, on top of that of all moves: at least, and per width of the part. A
+checker's barriers are as close where the room alone is uncertain, but for terms of second order; 0.019 was
+seen, and 0.027 of poses that fill 0.36 of the width."""
+ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
+"""The same where other constants are uncertain as well, across and along the push, where the slide is all that
+is uncertain; 0.07 and 0.124 were seen."""
+EXACT = 1e-12
+"""m, or rad: a width that is rounding only."""
+BEYOND = 0.03
+"""Of the first h: how much farther out others may put the first grip."""
+NARROWED = 4
+"""Times that either end of what the room depends on is cut off, where the room is known."""
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
@@ -178,18 +180,21 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
         return _step(rule, pre, None, obligations)
     alone = all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
     tube, parts = _tube(move, touch, rough=rough or not alone)
-    obligations += _tube_obligations(tube, move)
     if tube.status is not TubeStatus.COMPLETE:
-        return _step(rule, pre, None, obligations)
+        return _step(rule, pre, None, [*obligations, *_tube_obligations(tube, move)])
     at_end = _held(move.of.end, parts, tube, move.h_end, AT_END)
     if at_end is None:
-        return _step(rule, pre, None, [*obligations, _undecided(ObligationId.END_ENCLOSED)])
+        obligations += [*_tube_obligations(tube, move), _undecided(ObligationId.END_ENCLOSED)]
+        return _step(rule, pre, None, obligations)
+    wide = ROOM_WIDE * at_end.pose.x.width / (grip.depth.mid + grip.depth_far.mid)
+    ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
+    # rough tubes are wider than those of others on the way
+    obligations += _tube_obligations(tube, move, ahead * at_end.pose.x.width if alone else 0.0)
     slices = _slices(parts, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
     obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
-    ahead, aside = (ROOM, ROOM) if alone else (ROOM_AHEAD, ROOM_ELSE)
     post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
 
@@ -215,11 +220,11 @@ def _tube(
 ) -> tuple[SlideTube, list[_Move]]:
     """The tube, and the move as it is in each of its cells."""
     grip = move.grip
-    cell = (ROUGH[0] if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
+    cell = (ROUGH if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
     rooms, bounding = cut(grip, max(1, math.ceil(grip.room.width / cell))), _bounding(move)
     moves = [_within(move, room, bounding) for room in rooms]
     if rough and not grip.common:
-        coarse *= ROUGH[1]
+        coarse *= LONGER
     parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
     tube = enclose_slide(grip, touch.start, move.h_end.lo, coarse=coarse, parts=parts)
     return tube, moves
@@ -364,7 +369,8 @@ def _before(move: _Move) -> list[Obligation]:
     ]
 
 
-def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
+def _tube_obligations(tube: SlideTube, move: _Move, wider: float = 0.0) -> list[Obligation]:
+    """What holds all the way, for others as well whose tube is wider by so much, m."""
     # there is no grip beyond the first one; others may put that a little farther out
     beyond = BEYOND * float(tube.h[0])
     box = {
@@ -376,7 +382,7 @@ def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
     why = {} if done else {"status": tube.status.name.lower()}
     wanted = (
         (ObligationId.BOTH_TIPS_TOUCH, Inequality.PASSIVE_FORCE, tube.force_margin),
-        (ObligationId.BOTH_TIPS_ON_EDGES, Inequality.ENDS_OF_EDGES, tube.edge_margin),
+        (ObligationId.BOTH_TIPS_ON_EDGES, Inequality.ENDS_OF_EDGES, tube.edge_margin - wider),
     )
     return [
         require_order(
