@@ -53,15 +53,17 @@ ROUGH, LONGER = 4.0, 2.0
 """Times that for rough bounds, and longer steps where each tip has its own friction: a fifth of the work."""
 AT_END = 4096
 """Boxes for the pose at the end."""
-ROOM, ROOM_WIDE = 0.02, 0.1
-"""Share of a side of the pose at the end, on top of that of all moves: at least, and per width of the part. A
-checker's barriers are as close where the room alone is uncertain, but for terms of second order; 0.019 was
-seen, and 0.027 of poses that fill 0.36 of the width."""
+ROOM, ROOM_WIDE = 0.02, 0.55
+"""Share of a side of the pose at the end, on top of that of all moves: at least, and per range of the room over
+the part's width. A checker's barriers are as close where the room alone is uncertain, but for terms of second
+order in it; 0.019 was seen, and 0.027 where the room's range is 0.052 of the width."""
 ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
 """The same where other constants are uncertain as well, across and along the push, where the slide is all that
 is uncertain; 0.07 and 0.124 were seen."""
 EXACT = 1e-12
 """m, or rad: a width that is rounding only."""
+ON_EDGE = 0.5
+"""Share of what a tip has left of its edge that is stated: the tubes of others may be a little wider."""
 BEYOND = 0.03
 """Of the first h: how much farther out others may put the first grip."""
 NARROWED = 4
@@ -179,17 +181,17 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     if rests.proof.verdict is not Verdict.PROVED:
         return _step(rule, pre, None, obligations)
     alone = all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
-    tube, parts = _tube(move, touch, rough=rough or not alone)
+    rough = rough or not alone
+    tube, parts = _tube(move, touch, rough=rough)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, [*obligations, *_tube_obligations(tube, move)])
     at_end = _held(move.of.end, parts, tube, move.h_end, AT_END)
     if at_end is None:
         obligations += [*_tube_obligations(tube, move), _undecided(ObligationId.END_ENCLOSED)]
         return _step(rule, pre, None, obligations)
-    wide = ROOM_WIDE * at_end.pose.x.width / (grip.depth.mid + grip.depth_far.mid)
+    wide = ROOM_WIDE * grip.room.width / (grip.depth.mid + grip.depth_far.mid)
     ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
-    # rough tubes are wider than those of others on the way
-    obligations += _tube_obligations(tube, move, ahead * at_end.pose.x.width if alone else 0.0)
+    obligations += _tube_obligations(tube, move)
     slices = _slices(parts, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
     obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
@@ -369,8 +371,7 @@ def _before(move: _Move) -> list[Obligation]:
     ]
 
 
-def _tube_obligations(tube: SlideTube, move: _Move, wider: float = 0.0) -> list[Obligation]:
-    """What holds all the way, for others as well whose tube is wider by so much, m."""
+def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
     # there is no grip beyond the first one; others may put that a little farther out
     beyond = BEYOND * float(tube.h[0])
     box = {
@@ -382,7 +383,7 @@ def _tube_obligations(tube: SlideTube, move: _Move, wider: float = 0.0) -> list[
     why = {} if done else {"status": tube.status.name.lower()}
     wanted = (
         (ObligationId.BOTH_TIPS_TOUCH, Inequality.PASSIVE_FORCE, tube.force_margin),
-        (ObligationId.BOTH_TIPS_ON_EDGES, Inequality.ENDS_OF_EDGES, tube.edge_margin - wider),
+        (ObligationId.BOTH_TIPS_ON_EDGES, Inequality.ENDS_OF_EDGES, ON_EDGE * tube.edge_margin),
     )
     return [
         require_order(

@@ -70,12 +70,17 @@ def test_every_box_holds_event_driven_runs_at_corners() -> None:
             assert np.all(move.after[:, column] <= side.hi)
 
 
-def test_with_a_coarser_objective_no_robust_plan_is_found() -> None:
+def test_with_a_coarser_objective_next_to_nothing_is_left_in_hand() -> None:
     """10X instead of 20X: pixels of 2 um, and the probe is placed by them."""
     worse = {"sensed_position_um": 2.0, "sensed_orientation_deg": 0.64, "probe_position_um": 2.0}
     coarse = task().model_copy(update={"uncertainty": task().uncertainty.model_copy(update=worse)})
 
-    assert robust_at(coarse, 1.0) is None
+    assert robust_at(coarse, 1.1) is None
+    planned = make(coarse, 100, 0)
+    text = planned.certificate.model_dump_json(by_alias=True)
+    found, digest = parse_certificate(text, "a certificate", coarse)
+    assert planned.certificate.verdict == "PROVED"
+    assert check(found, digest, coarse).verdict == "VERIFIED"
 
 
 def test_only_parts_that_are_smaller_than_a_millimetre_get_finer_lengths() -> None:
