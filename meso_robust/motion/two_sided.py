@@ -482,10 +482,11 @@ def _about(start: Start, before: Mapping[str, Interval], after: Mapping[str, Int
     """A start told about the middles of other ranges."""
     point = Interval.point
     value, told = start.value, point(start.value)
-    for name, slope in start.spread.items():
-        if name in after and before[name].mid != after[name].mid:
-            value += slope * (after[name].mid - before[name].mid)
-            told = told + point(slope) * (point(after[name].mid) - point(before[name].mid))
+    for name, side in before.items():
+        old, new, slope = side.mid, after.get(name, ZERO).mid, start.spread.get(name, 0.0)
+        if old != new:
+            value += slope * (new - old)
+            told = told + point(slope) * (point(new) - point(old))
     return replace(start, value=value, rest=start.rest + (told - point(value)))
 
 

@@ -37,7 +37,7 @@ def certify_move(
     before
         The move just before, of which more may be known than the box of poses that it leaves.
     whole
-        False: nothing but the verdict and the box of poses after a proved move is wanted.
+        False: nothing but the verdict and a box of poses after a proved move is wanted, and rough bounds do.
 
     Returns
     -------
