@@ -198,7 +198,7 @@ def rotation_judge(move: _Move) -> Judge:
         if _may_close(separation, move.setup):
             return Region.UNDECIDED  # neither the proof nor its opposite gets past the jam
         if end.lo > out_of_reach.get(separation, -math.inf):
-            step = certify_rotation(rule, move.pre, move.setup)
+            step = certify_rotation(rule, move.pre, move.setup, rough=True)
             if step.verdict is Verdict.PROVED:
                 return Region.CERTIFIED
             if end.hi < 0.0:

@@ -136,7 +136,7 @@ def _turn(setup: Setup, angle: float, strip: Interval) -> Turn | None:
     clear = units.to_um(setup.half_length.hi * lean.hi)
     for shorter in SHORTER_UM:
         rule = _roomier(pair[0].rule, clear, shorter)
-        if certify_rotation(rule, wide, setup).verdict is Verdict.PROVED:
+        if certify_rotation(rule, wide, setup, rough=True).verdict is Verdict.PROVED:
             return Turn(height=strip, origin=setup.goal.y.mid, rule=rule)
     return None
 
