@@ -240,6 +240,11 @@ class SlideTube:
         return self.cells[0].h
 
     @property
+    def widest(self) -> float:
+        """Largest width of what is left uncertain of a cell when its constants are known, m."""
+        return max(float(np.max(cell.upper - cell.lower)) for cell in self.cells)
+
+    @property
     def status(self) -> TubeStatus:
         """How far the cell came that came least far."""
         return max(cell.status for cell in self.cells)

@@ -62,8 +62,6 @@ ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
 is uncertain. 0.05 and 0.104 were seen of tubes that were up to 4 % wider."""
 EXACT = 1e-12
 """m, or rad: a width that is rounding only."""
-ON_EDGE = 0.5
-"""Share of what a tip has left of its edge that is stated: the tubes of others may be a little wider."""
 BEYOND = 0.03
 """Of the first h: how much farther out others may put the first grip."""
 NARROWED = 4
@@ -191,7 +189,8 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
         return _step(rule, pre, None, obligations)
     wide = ROOM_WIDE * grip.room.width / (grip.depth.mid + grip.depth_far.mid)
     ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
-    obligations += _tube_obligations(tube, move)
+    # rough tubes are wider than those of others
+    obligations += _tube_obligations(tube, move, 0.0 if rough else ahead * tube.widest)
     slices = _slices(parts, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
     obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
@@ -371,7 +370,8 @@ def _before(move: _Move) -> list[Obligation]:
     ]
 
 
-def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
+def _tube_obligations(tube: SlideTube, move: _Move, wider: float = 0.0) -> list[Obligation]:
+    """What holds all the way, for others as well whose tube is wider by so much, m."""
     # there is no grip beyond the first one; others may put that a little farther out
     beyond = BEYOND * float(tube.h[0])
     box = {
@@ -383,7 +383,7 @@ def _tube_obligations(tube: SlideTube, move: _Move) -> list[Obligation]:
     why = {} if done else {"status": tube.status.name.lower()}
     wanted = (
         (ObligationId.BOTH_TIPS_TOUCH, Inequality.PASSIVE_FORCE, tube.force_margin),
-        (ObligationId.BOTH_TIPS_ON_EDGES, Inequality.ENDS_OF_EDGES, ON_EDGE * tube.edge_margin),
+        (ObligationId.BOTH_TIPS_ON_EDGES, Inequality.ENDS_OF_EDGES, tube.edge_margin - wider),
     )
     return [
         require_order(
