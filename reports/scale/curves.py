@@ -80,12 +80,13 @@ def _runs(count: int) -> Work:
 
 
 def _inputs(count: int) -> Work:
-    """The first pushes of the plan for real probes, of whose inputs the first ones are uncertain."""
+    """The first pushes of the plan for real probes, of whose inputs so many are uncertain."""
     task = load_task(REAL / "task.toml")
     setup, exact = setup_of(task), setup_of(load_task(PAPER))
     rules = rules_of(read_plan(REAL / "plan.json", task))[:2]
+    always = len(exact.uncertainty.stated)
     names = [n for n in setup.uncertainty.stated if n not in exact.uncertainty.stated]
-    known = {name: getattr(exact.uncertainty, name) for name in names[count:]}
+    known = {name: getattr(exact.uncertainty, name) for name in names[count - always :]}
     given: Setup = replace(setup, uncertainty=replace(setup.uncertainty, **known))
     return lambda: certify(rules, given, whole=False)
 
