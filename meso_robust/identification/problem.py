@@ -330,7 +330,7 @@ class Problem:
 
     def tried(self, fits: Fits, steps: Floats, nuisances: Floats, free: Flags) -> Fits:
         """Fits after a step; χ² is infinite where the values would not be valid, or the step is no number."""
-        told = np.isfinite(steps).all(axis=-1) & np.isfinite(nuisances).all(axis=(-2, -1))
+        told = np.isfinite(np.sum(steps, axis=-1) + np.sum(nuisances, axis=(-2, -1)))
         steps = np.where(told[:, None], steps, 0.0)
         nuisances = np.where(told[:, None, None], nuisances, 0.0)
         values = self.model.values(self.model.coordinates(fits.values) + steps)
