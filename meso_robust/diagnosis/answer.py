@@ -82,6 +82,8 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
                 "orientation_sigma_deg": DEG * float(noise.sigma[2]),
                 "correlation": noise.correlation,
                 "source": noise.source,
+                "sway_um": UM * noise.sway.metres if noise.sway else None,
+                "sway_hz": noise.sway.rate if noise.sway else None,
             },
             "training": found.baseline.prepared.files,
             "mismatch": _mismatch(found),
@@ -186,6 +188,12 @@ def _why(found: Diagnosis) -> str:
     if grade.bench.count == 1:
         return "there is one recording, which can only be predicted by a fit of itself: record more pushes"
     reach = f"; free hidden inputs would leave {np.sqrt(grade.floor):.3g} σ"
+    sway = found.baseline.noise.sway
+    if sway is not None:
+        reach = (
+            f"; at rest the part is seen to sway by {UM * sway.metres:.2g} um at {sway.rate:.2g} Hz, as if "
+            "the camera or the stage shook"
+        )
     if grade.chosen is None or grade.explained is None:
         return "no effect of the catalogue helps on recordings left out of the fit" + reach
     names, share = " + ".join(grade.chosen.effects), 100.0 * grade.explained.share

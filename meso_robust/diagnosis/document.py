@@ -386,6 +386,11 @@ class NoiseSection(_Section):
     """Correlation of the noise in neighbouring frames."""
     source: Key
     """Where they are from, in words."""
+    sway_um: NotNegative | None = None
+    """Root mean square of x and y, um, by which the part is seen to move to and fro at rest, which is not in
+    the deviations above; null where frames at rest scatter as noise does."""
+    sway_hz: NotNegative | None = None
+    """How often it does so, Hz; null likewise."""
 
 
 class ProvenanceSection(_Section):

@@ -48,6 +48,7 @@ _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set i
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
+_MOSTLY = 0.5  # of what is left, from which on a sway is where it is
 _RESAMPLED = 2000
 _INTERVAL = 0.9
 _PHASES = ("approach", "one_point", "two_point", "retract", "rest")
@@ -241,6 +242,9 @@ def graded(
     """
     baseline = bench.baseline
     plain = rolled_out(bench, baseline.model, baseline.fits.values[0])
+    # inputs that are constant in a window follow no sway: what they leave of it is no floor
+    if _mostly_sway(bench, float(np.sum(plain.squares) - bench.seen.sum())):
+        reach = None
     matters = _relevant(baseline) if relevant is None else relevant
     predicted: dict[Names, RollOut] = {(): plain}
     chosen: Candidate | None = None
@@ -262,7 +266,8 @@ def graded(
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
-    cells = _cells(tables, effects, where) if missing else ()
+    stage = _unnamed_stage(judge, effects, where)
+    cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
         verdict=_verdict(missing, explained, rivals, everywhere),
         bench=bench,
@@ -273,7 +278,7 @@ def graded(
         explained=explained,
         shares=by_effect,
         cells=cells,
-        remainder=_remainder(judge, effects, cells, where),
+        remainder=_remainder(judge, effects, cells, stage, where),
         size=size,
         relevant=matters,
         floor=float(judge.floor.sum() / bench.seen.sum()),
@@ -545,8 +550,15 @@ def _table(squares: Floats, phases: Ints) -> Floats:
     return np.stack([squares[phases == code].sum(axis=0) for code in range(len(_PHASES))])
 
 
-def _cells(tables: Mapping[str, Floats], effects: Names, where: Located | None) -> tuple[Cell, ...]:
-    unnamed = _unnamed_stage(effects, where)
+def _mostly_sway(bench: Bench, left: float) -> bool:
+    """Whether most of a sum of squares beyond the noise is that of a sway."""
+    swaying = bench.baseline.noise.swaying * float(bench.seen.sum())
+    return swaying > max(_MOSTLY * left, 0.0)
+
+
+def _cells(
+    tables: Mapping[str, Floats], effects: Names, unnamed: Channel | None
+) -> tuple[Cell, ...]:
     return tuple(
         Cell(
             effect=effect,
@@ -562,10 +574,16 @@ def _cells(tables: Mapping[str, Floats], effects: Names, where: Located | None) 
     )
 
 
-def _unnamed_stage(effects: Names, where: Located | None) -> Channel | None:
-    """The stage whose hidden input explains most, of those that no effect of the set belongs to."""
+def _unnamed_stage(judge: _Judge, effects: Names, where: Located | None) -> Channel | None:
+    """The stage whose hidden input explains most, of those that no effect of the set belongs to.
+
+    That of the image where most of what is left is a sway that frames at rest show: no tip moves a part then,
+    and no input that is constant in a window follows it.
+    """
     if where is None:
         return None
+    if _mostly_sway(judge.bench, float((judge.sums(effects) - judge.floor).sum())):
+        return "observation"
     named = {stage_of(effect).name for effect in effects}
     return next((one.channel for one in where.channels if one.channel not in named), None)
 
@@ -581,7 +599,11 @@ def _left(judge: _Judge, names: Names) -> tuple[float, float]:
 
 
 def _remainder(
-    judge: _Judge, names: Names, cells: tuple[Cell, ...], where: Located | None
+    judge: _Judge,
+    names: Names,
+    cells: tuple[Cell, ...],
+    stage: Channel | None,
+    where: Located | None,
 ) -> Remainder:
     beyond = np.maximum(judge.sums(names) - judge.floor, 0.0)
     counts = judge.bench.seen.sum(axis=(1, 2))
@@ -597,7 +619,7 @@ def _remainder(
         sigma=float(
             np.sqrt(max(float(np.sum(judge.sums(names) - judge.floor)), 0.0) / counts.sum())
         ),
-        stage=_unnamed_stage(names, where) if worst else None,
+        stage=stage if worst else None,
         component=component,
         phase=worst.phase if worst else None,
         grows_with=next((one.covariate for one in follows if one.component == component), ""),

@@ -33,10 +33,8 @@ from meso_robust.identification.identify import Told
 from meso_robust.types import Floats
 
 _REFITTED_FORMS = 2  # of an effect, those that promise most
-_EXTENDED_SETS = {True: 2, False: 3}  # that a further effect is added to, if quick and if not
-# cosine of what two sets change in the predictions, from which on they explain much the same
-_SAME_CHANGE = 0.85
-_ADDED_EFFECTS = {True: 3, False: 5}  # that are added to each, those that promise most
+_EXTENDED_SETS = {True: 8, False: 12}  # that a further effect may be added to, if quick and if not
+_SETS = {True: 6, False: 15}  # with one effect more, that are refitted, those that promise most
 _LARGEST_SET = {True: 2, False: 3}  # effects of a set, if quick and if not
 # behind the best, beyond which a set is neither refined nor asked: e²⁵ times less likely
 _EXAMINED_NATS = 25.0
@@ -195,49 +193,28 @@ class Contest:
         return [form for law in laws.values() for form in law[:most]]
 
     def _extended(self, field: list[Candidate]) -> list[Candidate]:
-        """Sets with one effect more, built on the best of the largest ones."""
-        bases = self._bases(field)
-        known = {one.effects for one in field}
-        fits: list[Refit] = []
-        for base in bases:
-            forms = self._forms(base.refit, base.effects)
-            best: dict[str, Form] = {}
-            for form in sorted(forms, key=lambda form: form.gain):
-                best[form.signature.trial.effect] = form
-            for form in sorted(best.values(), key=lambda form: -form.gain)[
-                : _ADDED_EFFECTS[self.quick]
-            ]:
-                one = form.signature
-                names = tuple(sorted((*base.effects, one.trial.effect)))
-                if names in known:
-                    continue
-                known.add(names)
-                self.told(
-                    "naming sets",
-                    len(fits),
-                    _EXTENDED_SETS[self.quick] * _ADDED_EFFECTS[self.quick],
-                )
-                fits += self._tried((*self._chosen(base.refit), one), base.refit)
-        return self._refined(fits)
+        """Sets with one effect more, those that promise most of all that the best of the largest ones allow.
 
-    def _bases(self, field: list[Candidate]) -> list[Candidate]:
-        """The best of the largest sets, of those that explain much the same only the best.
-
-        A drift is told before long from a turn or a scale of the image about a place far out; together they
-        would leave no room for what else there is.
+        Of two effects at once neither need be the best by itself: what a set promises is what its part
+        explains and what a linear estimate makes of the effect that is added.
         """
         size = max(len(one.refit.trials) for one in field)
-        taken: list[Floats] = []
-        bases = []
-        for one in field:
-            if len(one.refit.trials) != size:
-                continue
-            change = (self.baseline.rows - one.refit.rows).ravel()
-            change = change / max(float(np.linalg.norm(change)), 1e-12)
-            if all(float(change @ other) < _SAME_CHANGE for other in taken):
-                taken.append(change)
-                bases.append(one)
-        return bases[: _EXTENDED_SETS[self.quick]]
+        bases = [one for one in field if len(one.refit.trials) == size]
+        promised: dict[tuple[str, ...], tuple[float, Candidate, Signature]] = {}
+        for base in bases[: _EXTENDED_SETS[self.quick]]:
+            for form in self._forms(base.refit, base.effects):
+                names = tuple(sorted((*base.effects, form.signature.trial.effect)))
+                whole = base.refit.gain + form.gain
+                if names not in promised or promised[names][0] < whole:
+                    promised[names] = (whole, base, form.signature)
+        known = {one.effects for one in field}
+        first = sorted(promised.items(), key=lambda one: -one[1][0])
+        chosen = [one for names, one in first if names not in known][: _SETS[self.quick]]
+        fits: list[Refit] = []
+        for done, (_, base, added) in enumerate(chosen):
+            self.told("naming sets", done, len(chosen))
+            fits += self._tried((*self._chosen(base.refit), added), base.refit)
+        return self._refined(fits)
 
     def _chosen(self, base: Refit) -> tuple[Signature, ...]:
         """Signatures of the effects of a set, in its order."""

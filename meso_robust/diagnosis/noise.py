@@ -17,6 +17,7 @@ import numpy as np
 from meso_robust.errors import InputError
 from meso_robust.recordings import RecordingSet, unwrapped
 from meso_robust.recordings.noise import Spread, estimated_noise, roughness
+from meso_robust.recordings.sway import Sway
 from meso_robust.types import Floats
 
 _ROUGHNESS = "roughness of the poses"
@@ -46,6 +47,8 @@ class Noise:
         What is left where there is only noise, in σ: repeatability and systematic error together.
     repeatability
         What the scatter from frame to frame leaves, in σ; None where nothing tells it.
+    sway
+        How the part is seen to move to and fro at rest, which is no noise; None where it is not.
     """
 
     sigma: Floats
@@ -56,6 +59,14 @@ class Noise:
     known: bool = True
     floor: float = 1.0
     repeatability: float | None = None
+    sway: Sway | None = None
+
+    @property
+    def swaying(self) -> float:
+        """Mean square of the sway over the noise, of x, y and θ alike; zero where there is none."""
+        if self.sway is None:
+            return 0.0
+        return float(np.mean((self.sway.size / (self.sigma * self.floor)) ** 2))
 
 
 def noise_of(recordings: RecordingSet) -> Noise:
@@ -93,6 +104,7 @@ def noise_of(recordings: RecordingSet) -> Noise:
         correlation_error=error,
         source=sources[0] if sources[0] == sources[1] else f"{sources[0]}, θ {sources[1]}",
         known=_ROUGHNESS not in sources,
+        sway=found.sway,
     )
 
 

@@ -329,11 +329,14 @@ class Problem:
         return fits.values, starts, offsets, np.full(len(fits), way)
 
     def tried(self, fits: Fits, steps: Floats, nuisances: Floats, free: Flags) -> Fits:
-        """Fits after a step; χ² is infinite where the values would not be valid."""
+        """Fits after a step; χ² is infinite where the values would not be valid, or the step is no number."""
+        told = np.isfinite(np.sum(steps, axis=-1) + np.sum(nuisances, axis=(-2, -1)))
+        steps = np.where(told[:, None], steps, 0.0)
+        nuisances = np.where(told[:, None, None], nuisances, 0.0)
         values = self.model.values(self.model.coordinates(fits.values) + steps)
         low, high = self.ends
         values = np.where(free, np.clip(values, low, high), fits.values)
-        valid = self.model.valid(values)
+        valid = self.model.valid(values) & told
         values[~valid] = fits.values[~valid]
         starts = fits.starts + nuisances[..., :3] * self.settings.sigma
         offsets = fits.offsets

@@ -5,6 +5,7 @@ outline, the lens, the place in the image) stays from frame to frame and does no
 states it and a tracker computes it, is both together.
 
 In each recording a straight line (slow drift) is fitted to each coordinate of the still frames.
+Where the frames sway beyond what noise of any colour does (`sway`), that is motion and is fitted as well.
 What is left of all recordings is pooled: frames beyond four robust standard deviations (1.4826
 times the median absolute deviation) are set aside, then σ² is the sum of squares over its degrees
 of freedom. Where that is smooth from frame to frame, it is motion, and there is no estimate. Frames
@@ -20,6 +21,7 @@ from typing import Literal
 import numpy as np
 
 from meso_robust.recordings.still import still
+from meso_robust.recordings.sway import Sway, pieces, sway_of, swing
 from meso_robust.recordings.values import Recording, RecordingSet, SensorInfo, unwrapped
 from meso_robust.types import Flags, Floats
 
@@ -63,11 +65,20 @@ class Spread:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Noise:
-    """Noise of x and y in m and of θ in rad, each by itself."""
+    """Noise of x and y in m and of θ in rad, each by itself.
+
+    Attributes
+    ----------
+    x, y, theta
+        What scatters.
+    sway
+        How frames at rest move to and fro, which is no part of the scatter; None where they do not.
+    """
 
     x: Spread
     y: Spread
     theta: Spread
+    sway: Sway | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,8 +144,15 @@ def estimated_noise(recordings: RecordingSet) -> Noise:
     each = [_runs(recordings, recording) for recording in recordings.recordings]
     runs = [run for run in each if len(run.times) >= FEWEST]
     most = max(len(run.times) for run in each)
-    x, y, theta = (_spread(runs, axis, most, recordings.sensor.frame_rate) for axis in range(3))
-    return Noise(x=x, y=y, theta=theta)
+    frame_rate = recordings.sensor.frame_rate
+    fits = [[_fit(run, axis, None) for run in runs] for axis in range(3)]
+    rests = [(run.times, run.poses) for run in runs]
+    sway = sway_of(rests, frame_rate)
+    if sway is not None:
+        parts = [_Run(times, poses) for times, poses in pieces(rests)]
+        fits = [[_fit(part, axis, sway.rate) for part in parts] for axis in range(3)]
+    x, y, theta = (_spread(each, most, frame_rate) for each in fits)
+    return Noise(x=x, y=y, theta=theta, sway=sway)
 
 
 def systematic(sigma: float | None, repeatability: float | None) -> float | None:
@@ -280,10 +298,9 @@ def _runs(recordings: RecordingSet, recording: Recording) -> _Run:
     return _Run(recording.times[seen[new]], poses[seen[new]])
 
 
-def _spread(runs: list[_Run], axis: int, most: int, rate: float) -> Spread:
+def _spread(fits: list[_Line], most: int, rate: float) -> Spread:
     """Pool the residuals of one coordinate."""
-    fits = [_fit(run.times, run.poses[:, axis]) for run in runs]
-    freedom = sum(int(np.count_nonzero(fit.kept)) - 2 for fit in fits)
+    freedom = sum(_freedom(fit) for fit in fits)
     if freedom < FEWEST_FREE:
         reason = (
             f"{freedom} degrees of freedom in still frames before the part moves (at most "
@@ -291,11 +308,11 @@ def _spread(runs: list[_Run], axis: int, most: int, rate: float) -> Spread:
             "second before the tip moves"
         )
         return Spread(sigma=None, correlation=None, freedom=max(freedom, 0), reason=reason)
-    squares = sum(float(np.sum(fit.residuals[fit.kept] ** 2)) for fit in fits)
+    squares = _squares(fits)
     if squares == 0.0:
         reason = "half of the still frames or more show one value; noise must show; state it"
         return Spread(sigma=None, correlation=None, freedom=freedom, reason=reason)
-    correlation = _correlation(fits, squares, rate)
+    correlation = _colour(fits, rate)
     if correlation is not None and correlation > _MOTION:
         reason = (
             f"frames that should be still follow each other (correlation {correlation:.2f}): the "
@@ -309,7 +326,7 @@ def _spread(runs: list[_Run], axis: int, most: int, rate: float) -> Spread:
 
 @dataclass(frozen=True, slots=True)
 class _Line:
-    """Residuals (n,) about a straight line, which of them are kept, and (n, 2) its basis."""
+    """Residuals (n,) about a line and a sway, which of them are kept, and (n, 2 or 4) the basis."""
 
     times: Floats
     residuals: Floats
@@ -317,32 +334,40 @@ class _Line:
     basis: Floats
 
 
-def _fit(times: Floats, values: Floats) -> _Line:
-    """Fit a line by least squares, setting outliers aside."""
-    middle = np.median(values)
-    residuals = values - middle
+def _fit(run: _Run, axis: int, rate: float | None) -> _Line:
+    """Fit a line, and a sway of a rate, by least squares, setting outliers aside."""
+    values = run.poses[:, axis] - np.median(run.poses[:, axis])
+    columns = swing(run.times, rate)
+    residuals = values
     for _ in range(_PASSES):
         scale = _NORMAL * float(np.median(np.abs(residuals)))
         kept = np.abs(residuals) <= max(_CLIP * scale, np.finfo(float).tiny)
-        basis = np.linalg.qr(np.column_stack((np.ones(kept.sum()), times[kept] - times[0])))[0]
-        shape = np.zeros((len(times), 2))
-        shape[kept] = basis
-        line = np.polynomial.Polynomial.fit(times[kept], values[kept] - middle, 1)
-        residuals = values - middle - line(times)
-    return _Line(times, residuals, kept, shape)
+        factors, *_ = np.linalg.lstsq(columns[kept], values[kept], rcond=None)
+        residuals = values - columns @ factors
+    basis = np.zeros(columns.shape)
+    basis[kept] = np.linalg.qr(columns[kept])[0]
+    return _Line(run.times, residuals, kept, basis)
 
 
-def _correlation(fits: list[_Line], squares: float, rate: float) -> float | None:
+def _freedom(fit: _Line) -> int:
+    return int(np.count_nonzero(fit.kept)) - fit.basis.shape[1]
+
+
+def _squares(fits: list[_Line]) -> float:
+    return sum(float(np.sum(fit.residuals[fit.kept] ** 2)) for fit in fits)
+
+
+def _colour(fits: list[_Line], rate: float) -> float | None:
     """Correlation of neighbours, less what the fit of a line puts into white noise."""
-    products = expected = variance = 0.0
+    squares, products, expected, variance = _squares(fits), 0.0, 0.0, 0.0
     pairs = 0
     for fit in fits:
         near = fit.kept[1:] & fit.kept[:-1] & (np.diff(fit.times) < 1.5 / rate)
         products += float(np.sum((fit.residuals[1:] * fit.residuals[:-1])[near]))
         expected -= float(np.sum(np.sum(fit.basis[1:] * fit.basis[:-1], axis=1)[near]))
-        variance += float(np.sum(fit.kept)) - 2.0
+        variance += float(_freedom(fit))
         pairs += int(near.sum())
-    if pairs < FEWEST_FREE:
+    if pairs < FEWEST_FREE or squares == 0.0:
         return None
     # scaled as if no pair were missing
     return float((products / squares - expected / variance) * variance / pairs)

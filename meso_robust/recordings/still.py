@@ -19,6 +19,7 @@ _MOVED_SHARE = 0.1  # of its farthest way, likewise: coloured noise wanders fart
 _STAYS = 3  # frames that it must stay away: one bad pose is no motion
 _BEND = 30.0  # χ² by which a bend must be better than a straight line
 _EARLIEST = 9.0  # χ² from the best bend within which the earliest one is taken: three deviations
+_SET_OUT = 1e-3  # of its farthest way, from where a tip has set out; its noise is allowed for
 _ALONG = 4.0  # a part within this factor of the speed of a tip moves along with it
 
 
@@ -26,8 +27,8 @@ def still(recordings: RecordingSet, recording: Recording) -> Flags:
     """Frames of a recording before the part begins to move.
 
     A straight line with one bend is fitted to the poses up to where the part has certainly moved; the
-    frames before the earliest bend that explains them are still. There are none where the part moves
-    evenly, and about as fast as a tip, from the first frame on.
+    frames before the earliest bend that explains them are still. Where the part moves evenly, and about as
+    fast as a tip, from the first frame on, only those are before a tip sets out.
 
     Parameters
     ----------
@@ -66,7 +67,19 @@ def _before_motion(times: Floats, path: Floats, tips: Floats) -> int:
         return len(times)
     window = min(int(np.argmax(moved)) + _STAYS, len(times))
     count = _before_bend(times[:window], path[:window] / scatter)
-    return 0 if _along(times[:count], path[:count], tips[:count]) else count
+    if not _along(times[:count], path[:count], tips[:count]):
+        return count
+    return min(count, _before_tips(tips))
+
+
+def _before_tips(tips: Floats) -> int:
+    """Frames before any tip (K, P, 2) sets out: what moves then is a drift, however fast it is."""
+    if not tips.size:
+        return 0
+    away = np.linalg.norm(tips - np.median(tips[:_FIRST], axis=0), axis=2)
+    rough = np.median(np.abs(np.diff(tips, n=3, axis=0)), axis=(0, 2))
+    out = np.any(away > np.maximum(_MOVED * rough, _SET_OUT * away.max(axis=0)), axis=1)
+    return int(np.argmax(out)) if np.any(out) else len(tips)
 
 
 def _before_bend(times: Floats, path: Floats) -> int:

@@ -44,7 +44,8 @@ def direct_section(tests: DirectTests) -> pages.Section:
         "<p>These tests ask no simulation and hold whatever is wrong with the geometry. A part that moves "
         "is touched, so the gap between tip and face should be zero; in the frame of a hand of two tips "
         "the part should stand still; and while one tip pushes, moment over turn is one ratio for every "
-        "friction. Intervals are of 90 %, p-values by the signs of whole recordings.</p>"
+        "friction; a part at rest should not sway. Intervals are of 90 %, p-values by the signs of whole recordings "
+        "(of a sway: by the order of frames).</p>"
     )
     found = [finding_words(one) for one in tests.findings]
     pictures = [

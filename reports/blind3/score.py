@@ -35,8 +35,13 @@ BLOCKS: Sequence[tuple[int, int, str]] = (
     ),
     (
         152,
-        400,
+        184,
         "a scale has a place, effects that explain alike do not stand in for one another, a share holds of other draws",
+    ),
+    (
+        184,
+        400,
+        "intervals widen evenly as recordings disagree, a set must predict recordings that it was not chosen by",
     ),
 )
 """First case, the one after the last, and what answered them: a mended diagnoser is judged by sets that

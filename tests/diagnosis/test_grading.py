@@ -28,6 +28,7 @@ from meso_robust.diagnosis.grading import (
 )
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
+from meso_robust.recordings.sway import Sway
 from tests.identification.sets import UM
 
 
@@ -123,6 +124,29 @@ def test_where_the_likeliest_set_fails_the_next_ones_are_asked(
     grade = again(late, naming=naming)
     assert grade.verdict == "named"
     assert grade.chosen == right
+
+
+def test_what_windows_leave_of_a_sway_is_no_floor(late: Diagnosis) -> None:
+    """Inputs that are constant in a window cannot follow it, so that they would excuse all of it."""
+    assert late.naming is not None
+    none = replace(late.naming, answers=(), candidates=(), best=None)
+    bench, count = late.grade.bench, np.isfinite(late.grade.bench.prepared.seen).sum()
+    mean = float(late.grade.plain.squares.sum() / count)
+    excused = {"naming": none, "reach": float(np.sqrt(0.9 * mean))}
+    assert again(late, **excused).floor == pytest.approx(0.9 * mean, rel=0.1)
+    noise = bench.baseline.noise
+    size = np.sqrt(mean - 1.0) * noise.sigma
+    sway = Sway(rate=2.0, rate_error=0.1, size=size, error=0.1 * size, p_value=0.005)
+    shaken = replace(bench, baseline=replace(bench.baseline, noise=replace(noise, sway=sway)))
+    grade = again(replace(late, grade=replace(late.grade, bench=shaken)), **excused)
+    assert grade.verdict == "unknown"
+    assert grade.remainder.stage == "observation"
+    assert grade.floor == pytest.approx(1.0, abs=0.15)
+    # a small one excuses nothing and says nothing of the rest
+    small = replace(noise, sway=replace(sway, size=0.1 * size))
+    still = replace(bench, baseline=replace(bench.baseline, noise=small))
+    kept = again(replace(late, grade=replace(late.grade, bench=still)), **excused)
+    assert kept.floor == pytest.approx(0.9 * mean, rel=0.1)
 
 
 def test_of_one_recording_nothing_is_named(late: Diagnosis) -> None:

@@ -408,22 +408,51 @@ def test_a_rough_fit_behind_its_own_linear_estimate_is_taken_to_its_end(
     assert sorted(set(asked)) == ["body_force", "camera_rotation"]
 
 
-def test_sets_that_explain_much_the_same_are_extended_once(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("quick", [True, False])
+def test_the_sets_that_promise_most_as_a_whole_are_refitted(
+    monkeypatch: pytest.MonkeyPatch, quick: bool
 ) -> None:
-    """Beside a drift, a turn of the image about a place far out says nothing new; a pull of the tip does."""
-    base = cast(Baseline, SimpleNamespace(rows=np.array([[5.0, 5.0], [5.0, 5.0]])))
+    """Neither of two strong effects need be the best by itself: a scale of the image is, here, and is neither."""
+    added = {
+        "camera_scale": {"part_geometry": 50.0, "tip_radius": 40.0, "backlash": 30.0},
+        "camera_drift": {"camera_scale": 10.0, "part_geometry": 20.0},
+        "probe_compliance": {"drag_gradient": 300.0, "camera_scale": 290.0, "tip_radius": 1.0},
+    }
+    alone = {"camera_scale": 900.0, "camera_drift": 880.0, "probe_compliance": 850.0}
+    tried: list[tuple[str, ...]] = []
 
-    def explaining(effect: str, *change: float) -> Candidate:
-        one = candidate(effect)
-        rows = base.rows - np.reshape(change, (2, 2))
-        return replace(one, refit=replace(one.refit, rows=rows))
+    def form(effect: str, gain: float) -> Form:
+        trial = Trial(effect=effect, sizes={"x": 1.0})
+        signature = cast(Signature, SimpleNamespace(trial=trial))
+        return Form(gain=gain, signature=signature, linear=True)
 
-    turn = explaining("camera_rotation", 3.0, 0.1, 0.0, 0.0)
-    drift = explaining("camera_drift", 2.0, 0.0, 0.5, 0.0)
-    pull = explaining("tip_attraction", 0.5, 3.0, 0.0, 0.0)
-    play = explaining("backlash", 0.0, 0.0, 0.0, 1.0)
+    def forms(_: Contest, start: Refit, without: tuple[str, ...]) -> list[Form]:
+        own = added[start.trials[0].effect].items()
+        return [form(name, gain) for name, gain in own if name not in without]
+
+    def fitted(_: Contest, chosen: tuple[Signature, ...], __: object) -> list[Refit]:
+        tried.append(tuple(one.trial.effect for one in chosen))
+        return []
+
+    def known(_: Contest, base: Refit) -> tuple[Signature, ...]:
+        return (form(base.trials[0].effect, 0.0).signature,)
+
+    monkeypatch.setattr(Contest, "_forms", forms)
+    monkeypatch.setattr(Contest, "_tried", fitted)
+    monkeypatch.setattr(Contest, "_chosen", known)
     nothing = cast(Any, None)
-    quick = Contest(base, [], (), np.zeros(0), True, nothing)
-    assert quick._bases([turn, drift, pull, play]) == [turn, pull]
-    assert replace(quick, quick=False)._bases([turn, drift, pull, play]) == [turn, pull, play]
+    contest = Contest(nothing, [], (), np.zeros(0), quick, lambda *_: None)
+    field = [candidate(name, score=gain) for name, gain in alone.items()]
+    contest._extended(field)
+    assert tried[:2] == [
+        ("probe_compliance", "drag_gradient"),  # 1150
+        ("probe_compliance", "camera_scale"),  # 1140
+    ]
+    # a set that two bases lead to is fitted from the one that promises more, once
+    assert tried[2:5] == [
+        ("camera_scale", "part_geometry"),
+        ("camera_scale", "tip_radius"),
+        ("camera_scale", "backlash"),
+    ]
+    assert len({frozenset(one) for one in tried}) == len(tried)
+    assert len(tried) == (6 if quick else 8)

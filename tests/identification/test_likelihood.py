@@ -102,6 +102,22 @@ def test_derivatives_of_elsewhere_that_lead_nowhere_are_taken_anew(film_set: Rec
     assert found.fits.chi2[0] < best.fits.chi2[0] + 2.0
 
 
+def test_a_step_that_is_no_number_is_not_taken(film_set: RecordingSet) -> None:
+    """Derivatives of a search far out may overflow; that must end a step, not the whole."""
+    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
+    problem = Problem(prepared, MODEL, NOISE)
+    values = np.array([[RHO, MU], [RHO, MU]])
+    fits = problem.at(
+        values, np.tile(prepared.starts, (2, 1, 1)), np.zeros((2, len(prepared.files), 4))
+    )
+    steps, own = np.zeros((2, 2)), np.zeros((2, len(prepared.files), 7))
+    own[1, 0, 2] = np.nan
+    found = problem.tried(fits, steps, own, np.ones((2, 2), dtype=bool))
+    assert found.chi2[0] == pytest.approx(fits.chi2[0], rel=1e-6)
+    assert found.chi2[1] == np.inf
+    np.testing.assert_array_equal(found.starts[1], found.starts[0])
+
+
 def test_a_fit_that_is_closed_has_the_derivatives_of_its_end(film_set: RecordingSet) -> None:
     prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
     near = np.array([[1.2 * RHO, 0.8 * MU]])

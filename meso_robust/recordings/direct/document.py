@@ -19,6 +19,7 @@ _UNITS = (
     ("_deg", "°"),
     ("_ms", " ms"),
     ("percent", " %"),
+    ("_hz", " Hz"),
 )
 
 
@@ -113,6 +114,7 @@ _SEEN = {
     "balance": "error of the lever arm",
     "clock": "deviation from even travel",
     "straight": "noise of the log",
+    "rest": "scatter of frames at rest",
 }
 
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-TestName = Literal["gap", "hand", "clock", "straight", "balance"]
-"""Tip to face while pushing, part in the hand's frame, stamps, straight travel, moments."""
+TestName = Literal["gap", "hand", "clock", "straight", "balance", "rest"]
+"""Tip to face while pushing, part in the hand's frame, stamps, straight travel, moments, frames at rest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,12 +16,14 @@ from meso_robust.recordings.direct.hand import HandTest, hand_test
 from meso_robust.recordings.direct.pushing import Contacts, contacts, moving
 from meso_robust.recordings.direct.straight import StraightTest, straight_test
 from meso_robust.recordings.direct.trends import Trend, trends
+from meso_robust.recordings.noise import estimated_noise, position_repeatability
 from meso_robust.recordings.rules import UM
 from meso_robust.recordings.values import Recording, RecordingSet
 
 _MS = 1e-3
 _LATENCY = "camera_latency"
 _LEAST_TIP = 1e-8  # m: finer than any drive, and what six decimals of um and rounding leave
+_NORMAL_90 = 1.645
 _LEAST_JITTER = 0.05  # of a period, below which stamps are as regular as anyone needs
 
 
@@ -90,7 +92,11 @@ def direct_tests(recordings: RecordingSet, streams: Sequence[Stream] = ()) -> Di
     for seen in (hand, gap, balance):
         for one in seen.findings if seen else ():
             found.setdefault(one.effect, one)
-    findings = [*found.values(), *_of_stamps(recordings, clocks, straight)]
+    findings = [
+        *found.values(),
+        *_of_stamps(recordings, clocks, straight),
+        *_of_rest(recordings),
+    ]
     findings.sort(key=lambda one: one.after / one.before if one.before else 1.0)
     return DirectTests(
         pairs=pairs,
@@ -133,6 +139,29 @@ def _rows(recordings: RecordingSet) -> list[Stream]:
     return streams
 
 
+def _of_rest(recordings: RecordingSet) -> list[Finding]:
+    """A sway of the part while it rests: of the camera or the stage, for no tip moves it."""
+    noise = estimated_noise(recordings)
+    sway, scatter = noise.sway, position_repeatability(noise)
+    if sway is None or scatter is None:
+        return []
+    error = _NORMAL_90 * float(np.hypot(*sway.error[:2]) / np.sqrt(2.0))
+    estimates = [("size_um", sway.metres / UM, error / UM), ("rate_hz", sway.rate, sway.rate_error)]
+    return [
+        Finding(
+            test="rest",
+            effect="image_sway",
+            estimates=tuple(
+                Estimate(key=key, value=value, low=value - half, high=value + half)
+                for key, value, half in estimates
+            ),
+            before=float(np.hypot(scatter, sway.metres)),
+            after=scatter,
+            p_value=sway.p_value,
+        )
+    ]
+
+
 def _of_stamps(
     recordings: RecordingSet, clocks: Sequence[ClockTest], straight: StraightTest | None
 ) -> list[Finding]:
@@ -164,7 +193,7 @@ def _of_stamps(
     noisy = straight and straight.even and straight.tip_sigma > _LEAST_TIP
     if recordings.sensor.tip_sigma is None and straight and noisy:
         # a median is worth 37 % of its samples, and pieces overlap by half
-        error = float(1.645 / np.sqrt(1.1 * straight.pieces)) * straight.tip_sigma
+        error = float(_NORMAL_90 / np.sqrt(1.1 * straight.pieces)) * straight.tip_sigma
         findings.append(
             Finding(
                 test="straight",
