@@ -69,6 +69,7 @@ NARROWED = 4
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
+MOST_LEAN = 0.5 * HALF_PI.lo  # rad out of parallel, beyond which two edges are no opposite ones
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +82,8 @@ class _Move:
     edge: Edge
     far: Edge
     """The edge that the passive tip holds."""
+    lean: Interval
+    """Its direction less that of the pushed edge as stated, rad."""
     setup: Setup
     V: Interval
     """Distance of both tips across the travel, m."""
@@ -117,7 +120,9 @@ class _Move:
             common=setup.friction_common,
             radius=box["radius_lower"],
             radius_far=box["radius_passive"],
-            kappa=box["kappa_far"] - box["kappa"] if box["kappa"] != ZERO else ZERO,
+            kappa=box["kappa_far"] - box["kappa"]
+            if (box["kappa_far"], box["kappa"]) != (ZERO, ZERO)
+            else ZERO,
             **{
                 name: box[name]
                 for name in (
@@ -157,9 +162,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     if rule.single is None or rule.side != 1:
         raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
     edge = setup.edge(pre.theta.mid)
-    if edge.beyond:
-        return _step(rule, pre, None, [_undecided(ObligationId.IS_RECTANGLE)])
     move = _move(rule, pre, edge, setup)
+    if not opposite(move.lean):
+        return _step(rule, pre, None, [_undecided(ObligationId.EDGES_OPPOSITE)])
     box = base_box(rule, pre, setup, edge)
     obligations = [*free_at_start((-IDLE, IDLE), box, edge), *_before(move)]
     if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
@@ -193,11 +198,18 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     obligations += _tube_obligations(tube, move, 0.0 if rough else ahead * tube.widest)
     slices = _slices(parts, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
-    obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
+    faced = _faced(move, at_end.edge_angle)
+    faced = faced.hull(faced + move.lean)
+    obligations.append(_of_move(move, comes_free(Which.BOTH, faced)))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
     post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
+
+
+def opposite(lean: Interval) -> bool:
+    """Whether two edges may be held between two tips as opposite ones, by how much they are out of parallel."""
+    return -MOST_LEAN < lean.lo and lean.hi < MOST_LEAN
 
 
 def held_poses(step: Step) -> list[PoseBox]:
@@ -313,8 +325,10 @@ def _roomy(side: Interval, share: float) -> Interval:
 
 
 def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
-    far = setup.edge(pre.theta.mid + PI.mid)
+    far, lean = setup.opposite(edge)
     box = ranges(rule, pre, edge, far, setup)
+    if lean != ZERO:
+        box["kappa_far"] = box["kappa_far"] + lean
     exact = frozenset(name for name, side in box.items() if side == ZERO)
     exact |= _idle_lines(exact)
     from_part = frozenset(name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART)
@@ -325,6 +339,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
         of=of,
         edge=edge,
         far=far,
+        lean=lean,
         setup=setup,
         V=V,
         room=room,
@@ -339,11 +354,11 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
 def _idle_lines(exact: frozenset[str]) -> set[str]:
     """Inputs of an affine bound that belong to what is exactly zero."""
     gone = {
-        "r_D": "radius_lower", "r_S": "radius_passive", "kappa": "kappa",
-        "drag_a": "drag_a", "drag_n": "drag_n",
+        "r_D": ("radius_lower",), "r_S": ("radius_passive",), "kappa": ("kappa", "kappa_far"),
+        "drag_a": ("drag_a",), "drag_n": ("drag_n",),
     }  # fmt: skip
     kinds = ("middle", "spread", "drift")
-    return {f"{kind}_{name}" for name, of in gone.items() if of in exact for kind in kinds}
+    return {f"{kind}_{name}" for name, of in gone.items() if exact.issuperset(of) for kind in kinds}
 
 
 def _before(move: _Move) -> list[Obligation]:
@@ -511,12 +526,12 @@ def _passes(
     c, s = cos(u.travel_direction), sin(u.travel_direction)
     # round tips: the idle one must be off the line by the difference of the radii
     more = box["radius_lower"] - u.tip_radius
-    # the edge in which the pushed one ends faces the probe a quarter turn earlier
-    half = move.setup.edge(move.edge.turn.mid).depth
+    # off the line of the pushed edge, or beyond one across it, the whole part is on the other side
+    half = move.setup.reach_along(move.edge)
     beside = {
         "theta": theta,
         "d2": offset,
-        "half": half.hull(half + u.tip_radius + _leaning(move)),
+        "half": half.hull(half + u.tip_radius),
         "dx": x * c + y * s + short + sin(theta) * more,
         "dy": y * c - x * s - cos(theta) * more,
         "side": Interval.point(float(IDLE)),
@@ -536,17 +551,6 @@ def _of_move(move: _Move, obligation: Obligation) -> Obligation:
     lower = (Interval.point(proof.lower) * STATED).lo
     over = stated({name: move.box[name] for name in ("beta", "spacing")})
     return replace(obligation, proof=replace(proof, lower=lower, box=over))
-
-
-def _leaning(move: _Move) -> Interval:
-    """How much farther out the next edge can be where the idle tip is, as it is out of square, m."""
-    if move.squareness == ZERO:
-        return ZERO
-    lean = move.squareness - move.squareness
-    # no farther from the foot of either edge than this
-    reach = move.edge.last + move.edge.depth + move.setup.spacing + move.setup.spacing
-    across = sin(Interval.point(lean.hi))
-    return reach * across + reach * across * across
 
 
 def _faced(move: _Move, angle: Interval) -> Interval:
