@@ -34,8 +34,8 @@ class Pair:
     @property
     def box(self) -> Box:
         """The variables of the move."""
-        box, lean = self.scene.box, self.scene.lean
-        turned = box["kappa_other"] if lean == 0 else shift(box["kappa_other"], lean)
+        box, askew = self.scene.box, self.scene.askew
+        turned = box["kappa_other"] if askew == 0 else shift(box["kappa_other"], askew)
         far = {"size_far": box["size_other"], "kappa_far": turned}
         return (
             {**box, **far} if self.until_rest is None else {**box, **far, "turned": self.until_rest}
@@ -44,7 +44,7 @@ class Pair:
     @property
     def parallel(self) -> bool:
         """Whether both edges have exactly one direction."""
-        return self.scene.exact("kappa", "kappa_other") and bool(self.scene.lean == 0)
+        return self.scene.exact("kappa", "kappa_other") and bool(self.scene.askew == 0)
 
     def exact(self, *names: str) -> bool:
         """Whether some variables are exactly zero."""

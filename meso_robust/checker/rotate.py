@@ -87,8 +87,8 @@ def check_rotate(scene: Scene) -> Passage:
     Refused
         A requirement does not follow.
     """
-    if not abs(scene.lean) < MOST_LEAN:
-        raise Refused(named(Objection.EDGES_OPPOSITE), float(scene.lean), float(MOST_LEAN))
+    if not abs(scene.askew) < MOST_LEAN:
+        raise Refused(named(Objection.EDGES_OPPOSITE), float(scene.askew), float(MOST_LEAN))
     if scene.rule.side != 1:
         raise Refused(named(Objection.SIDE_OF_MOVE, action="rotate"), scene.rule.side, 1)
     pair = Pair(scene)

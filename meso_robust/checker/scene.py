@@ -115,7 +115,7 @@ class Scene:
     """The edge that faces the active probe, as stated."""
     far: Edge
     """The one on the other side of the part."""
-    lean: arb
+    askew: arb
     """Direction of that, run backwards, minus that of the other one as stated, rad; 0: they are parallel."""
     corner_radius: arb
 
@@ -349,7 +349,7 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
     own = frame.own(pre)
     outline = given.outline.mirrored() if frame.mirrored else given.outline
     edge = outline.facing(whole(own.theta))
-    far, lean = outline.opposite(edge)
+    far, askew = outline.opposite(edge)
     pushed = (edge, far) if rule.action == "rotate" else (edge,)
     if not all(outline.holds(one, given.size, given.squareness) for one in pushed):
         raise Refused(named(Objection.EDGE_ON_HULL), "some of the part", "none on its outer side")
@@ -389,7 +389,7 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
         outline=outline,
         edge=edge,
         far=far,
-        lean=lean,
+        askew=askew,
         corner_radius=given.corner_radius,
     )
 
