@@ -165,12 +165,8 @@ class Polygon:
         lean = abs(turned[0]).max(abs(turned[1])).sin().upper()
         room = edge.d1 + out[0] - self.astray(out, turned)
         own = {edge.name, (edge.name + 1) % len(self.corners)}
-        others = (
-            (_ball(x), _ball(y)) for k, (x, y) in enumerate(self.corners) if k not in own
-        )
-        return all(
-            room + x * s + y * c - lean * abs(x * c - y * s) > 0 for x, y in others
-        )
+        others = ((_ball(x), _ball(y)) for k, (x, y) in enumerate(self.corners) if k not in own)
+        return all(room + x * s + y * c - lean * abs(x * c - y * s) > 0 for x, y in others)
 
     def extent(self, edge: Edge) -> tuple[arb, arb]:
         """How far the part reaches along an edge, run as it is, and to either side of the centre across it, m."""

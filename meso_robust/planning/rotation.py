@@ -286,8 +286,12 @@ def _middles(separation: float, pre: PoseBox, setup: Setup) -> tuple[float, floa
     """The least and greatest height of the pair's middle with both tips on their edges upright, um."""
     edge = setup.edge(pre.theta.mid)
     far, _ = setup.opposite(edge)
-    low = max(units.to_um(edge.first.mid) - 0.5 * separation, 0.5 * separation - units.to_um(far.last.mid))
-    high = min(units.to_um(edge.last.mid) - 0.5 * separation, 0.5 * separation - units.to_um(far.first.mid))
+    low = max(
+        units.to_um(edge.first.mid) - 0.5 * separation, 0.5 * separation - units.to_um(far.last.mid)
+    )
+    high = min(
+        units.to_um(edge.last.mid) - 0.5 * separation, 0.5 * separation - units.to_um(far.first.mid)
+    )
     return low, high
 
 

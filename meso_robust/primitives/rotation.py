@@ -60,6 +60,9 @@ order in it: 0.019 was needed for the paper's task, 0.027 where the room's range
 ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
 """The same where other constants are uncertain as well, across and along the push, where the slide is all that
 is uncertain. 0.05 and 0.104 were seen of tubes that were up to 4 % wider."""
+ROOM_LEAST, ROOM_LEAST_AHEAD = 0.001, 0.008
+"""The same of a polygon at least, over the part's width: what barriers differ by where friction is known closely.
+0.0007 and 0.0053 were seen."""
 EXACT = 1e-12
 """m, or rad: a width that is rounding only."""
 BEYOND = 0.03
@@ -192,8 +195,12 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     if at_end is None:
         obligations += [*_tube_obligations(tube, move), _undecided(ObligationId.END_ENCLOSED)]
         return _step(rule, pre, None, obligations)
-    wide = ROOM_WIDE * grip.room.width / (grip.depth.mid + grip.depth_far.mid)
+    width = grip.depth.mid + grip.depth_far.mid
+    wide = ROOM_WIDE * grip.room.width / width
     ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
+    if edge.beyond:
+        ahead = max(ahead, ROOM_LEAST_AHEAD * width / at_end.pose.x.width)
+        aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
     # rough tubes are wider than those of others
     obligations += _tube_obligations(tube, move, 0.0 if rough else ahead * tube.widest)
     slices = _slices(parts, tube)
@@ -501,10 +508,16 @@ def _idle_tip_clear(
     later = late[0] + lean, late[1]
     end = at_end.edge_angle + lean, at_end.active_offset
     in_flight, back = (Interval(0.0, max(0.0, way.hi)) for way in (move.flight, move.travel))
+    early_on = _passes(move, *in_turn, ZERO, When.EARLY_IN_TURN)
+    later_on = _passes(move, *later, ZERO, When.LATE_IN_TURN)
+    # to others it may be late as soon as both tips touch
+    if early_on.proof.verdict is later_on.proof.verdict is Verdict.PROVED:
+        least = min(early_on.proof.lower, later_on.proof.lower)
+        later_on = replace(later_on, proof=replace(later_on.proof, lower=least))
     return (
         _passes(move, *before, in_flight, When.BEFORE_TOUCH),
-        _passes(move, *in_turn, ZERO, When.EARLY_IN_TURN),
-        _passes(move, *later, ZERO, When.LATE_IN_TURN),
+        early_on,
+        later_on,
         _passes(move, *end, back, When.ON_WITHDRAWAL),
     )
 
