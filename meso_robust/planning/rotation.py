@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 from meso_robust import units
-from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.bounds import Interval, Verdict
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.approach import MOST_STAGES, STAGE

@@ -216,7 +216,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
 
 def opposite(lean: Interval) -> bool:
     """Whether two edges may be held between two tips as opposite ones, by how much they are out of parallel."""
-    return -MOST_LEAN < lean.lo and lean.hi < MOST_LEAN
+    return lean.lo > -MOST_LEAN and lean.hi < MOST_LEAN
 
 
 def held_poses(step: Step) -> list[PoseBox]:
