@@ -198,11 +198,13 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     width = grip.depth.mid + grip.depth_far.mid
     wide = ROOM_WIDE * grip.room.width / width
     ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
+    # rough tubes are wider than those of others
+    wider = 0.0 if rough else ahead * tube.widest
     if edge.beyond:
+        wider = max(wider, ROOM_LEAST_AHEAD * width)
         ahead = max(ahead, ROOM_LEAST_AHEAD * width / at_end.pose.x.width)
         aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
-    # rough tubes are wider than those of others
-    obligations += _tube_obligations(tube, move, 0.0 if rough else ahead * tube.widest)
+    obligations += _tube_obligations(tube, move, wider)
     slices = _slices(parts, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
     faced = _faced(move, at_end.edge_angle)
