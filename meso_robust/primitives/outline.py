@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from meso_robust.bounds import HALF_PI, Interval, enclose
 from meso_robust.bounds.interval import arcsin, cos, sin
 from meso_robust.conditions import condition
-from meso_robust.corners import Corner
 from meso_robust.errors import InputError, NotApplicableError
 from meso_robust.task import Part, PolygonPart
 from meso_robust.units import metres
@@ -376,23 +375,12 @@ def _polygon(part: PolygonPart) -> Polygon:
             replace(
                 side,
                 beyond=(*lines[:k], *lines[k + 1 :]),
-                parallel=tuple(_named(m) for m in own if _parallel(part.corners_um, i, m)),
+                parallel=tuple(_named(m) for m in own if part.are_parallel(i, m)),
             )
             for k, (side, (i, j)) in enumerate(zip(sides, pairs, strict=True))
             if j == (i + 1) % count
         ),
     )
-
-
-def _parallel(corners: Sequence[Corner], one: int, other: int) -> bool:
-    """Whether the edges after two corners have exactly one direction, or opposite ones."""
-    (a, b), (c, d) = (
-        (x1 - x0, y1 - y0)
-        for (x0, y0), (x1, y1) in (
-            (corners[k], corners[(k + 1) % len(corners)]) for k in (one, other)
-        )
-    )
-    return a * d == b * c
 
 
 def _named(corner: int) -> str:

@@ -217,7 +217,18 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
 
 
 def opposite(lean: Interval) -> bool:
-    """Whether two edges may be held between two tips as opposite ones, by how much they are out of parallel."""
+    """Whether two edges may be held between two tips as opposite ones.
+
+    Parameters
+    ----------
+    lean
+        By how much they are out of parallel, rad.
+
+    Returns
+    -------
+    bool
+        Where they are by half a right angle or more, nothing is claimed.
+    """
     return lean.lo > -MOST_LEAN and lean.hi < MOST_LEAN
 
 
