@@ -171,6 +171,15 @@ class PolygonPart(_Made):
         """Which corners are those of the convex hull, counter-clockwise."""
         return hull(self.corners_um)
 
+    def are_parallel(self, one: int, other: int) -> bool:
+        """Whether the edges after two corners have exactly one direction, or opposite ones."""
+        corners, count = self.corners_um, len(self.polygon_um)
+        (a, b), (c, d) = (
+            tuple(q - p for p, q in zip(corners[k], corners[(k + 1) % count], strict=True))
+            for k in (one, other)
+        )
+        return a * d == b * c
+
 
 def _shape(values: object) -> str:
     """Which of the two outlines a section gives."""

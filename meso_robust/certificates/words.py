@@ -91,7 +91,7 @@ _OBLIGATIONS: Mapping[StrEnum, str] = {
     Id.PART_CLEAR_OF_WALLS: "the part stays clear of the slot's walls",
     Id.TIPS_CLEAR_OF_WALLS: "the tips stay clear of the slot's walls",
     Id.FORCE_BELOW_CAP: "no contact force exceeds the largest one that the task allows",
-    Id.IS_RECTANGLE: "the part is a rectangle, as a rotation needs",
+    Id.EDGES_OPPOSITE: "the edge that the passive tip holds is about parallel to the pushed one",
     Id.ACTIVE_ABOVE_PASSIVE: "the active tip is the upper one",
     Id.COMES_TO_REST: "the part comes to rest on both",
     Id.END_ENCLOSED: "the end can be enclosed",

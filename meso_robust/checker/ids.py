@@ -124,7 +124,7 @@ class Objection(StrEnum):
     MOVE_KNOWN = "move_known"
     SIDE_OF_MOVE = "side_of_move"
     PASSIVE_TIP = "passive_tip"
-    IS_RECTANGLE = "is_rectangle"
+    EDGES_OPPOSITE = "edges_opposite"
     EDGE_ON_HULL = "edge_on_hull"
     CENTRE_IN_HULL = "centre_in_hull"
     COMES_TO_REST = "comes_to_rest"

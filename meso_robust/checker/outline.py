@@ -101,6 +101,18 @@ class Rectangle:
         """
         return _astray([self._edge(k) for k in (0, 1)], out, turned)
 
+    def opposite(self, edge: Edge) -> tuple[Edge, arb]:
+        """The edge on the other side, and how it is turned against ``edge``, rad: not at all."""
+        return self._edge(edge.name + 2), arb(0)
+
+    def holds(self, edge: Edge, out: Side, turned: Side) -> bool:
+        """Whether the part as it is lies on one side of an edge's line: a rectangle does."""
+        return True
+
+    def extent(self, edge: Edge) -> tuple[arb, arb]:
+        """How far the part reaches along an edge, run as it is, and to either side of the centre across it, m."""
+        return _extent(self.hull, edge)
+
     def mirrored(self) -> Rectangle:
         """With the y axis mirrored: the same."""
         return self
@@ -134,6 +146,32 @@ class Polygon:
         best = off.index(min(off))
         return replace(own[best], turn=own[best].turn + 2 * arb.pi() * turns[best])
 
+    def opposite(self, edge: Edge) -> tuple[Edge, arb]:
+        """The edge that faces the other way, and how it, run backwards, is turned against ``edge``, rad."""
+        far = self.facing(edge.turn + arb.pi() * 3 / 2)
+        (a, b), (c, d) = self._along(edge), self._along(far)
+        cross, dot = b * c - a * d, -a * c - b * d
+        exact = cross == 0 and dot > 0
+        return far, arb(0) if exact else arb.atan2(_ball(cross), _ball(dot))
+
+    def _along(self, edge: Edge) -> Corner:
+        """From the first corner of an edge of the part to its last."""
+        (p, q), (r, s) = (self.corners[(edge.name + k) % len(self.corners)] for k in (0, 1))
+        return r - p, s - q
+
+    def holds(self, edge: Edge, out: Side, turned: Side) -> bool:
+        """Whether the part as it is lies on one side of an edge's line, whichever that is."""
+        s, c = edge.turn.sin_cos()
+        lean = abs(turned[0]).max(abs(turned[1])).sin().upper()
+        room = edge.d1 + out[0] - self.astray(out, turned)
+        own = {edge.name, (edge.name + 1) % len(self.corners)}
+        others = ((_ball(x), _ball(y)) for k, (x, y) in enumerate(self.corners) if k not in own)
+        return all(room + x * s + y * c - lean * abs(x * c - y * s) > 0 for x, y in others)
+
+    def extent(self, edge: Edge) -> tuple[arb, arb]:
+        """How far the part reaches along an edge, run as it is, and to either side of the centre across it, m."""
+        return _extent([(_ball(x), _ball(y)) for x, y in self.corners], edge)
+
     def sides(self, edge: Edge) -> tuple[Edge, ...]:
         """All sides of the hull, ``edge`` first, the others less than a whole turn on from it."""
         turn = 2 * arb.pi()
@@ -155,14 +193,14 @@ class Polygon:
         return _ball(max(abs(x) + abs(y) for x, y in self.corners))
 
     def astray(self, out: Side, turned: Side) -> arb:
-        """How far a corner of the hull can be from where it is stated, m."""
+        """How far a corner can be from where it is stated, m; one in a notch may come to stick out."""
         return _astray(self._at_corners, out, turned)
 
     @property
     def _at_corners(self) -> list[Edge]:
-        """An edge of the part before or after each corner of the hull."""
+        """The edge of the part after each corner."""
         count = len(self.corners)
-        return [_side(self.corners, k, (k + 1) % count, hull=False) for k in self.around]
+        return [_side(self.corners, k, (k + 1) % count, hull=False) for k in range(count)]
 
     def mirrored(self) -> Polygon:
         """With the y axis mirrored."""
@@ -211,6 +249,21 @@ def _further_right(here: Corner, known: Corner, new: Corner) -> bool:
     a, b = (known[0] - here[0], known[1] - here[1]), (new[0] - here[0], new[1] - here[1])
     left = a[0] * b[1] - a[1] * b[0]
     return left < 0 or (left == 0 and b[0] ** 2 + b[1] ** 2 > a[0] ** 2 + a[1] ** 2)
+
+
+def _extent(corners: Sequence[tuple[arb, arb]], edge: Edge) -> tuple[arb, arb]:
+    """Largest coordinate of corners along an edge, and largest size of one across it."""
+    s, c = edge.turn.sin_cos()  # the edge runs along (c, -s)
+    along = [x * c - y * s for x, y in corners]
+    across = [abs(x * s + y * c) for x, y in corners]
+    return _largest(along), _largest(across)
+
+
+def _largest(values: Sequence[arb]) -> arb:
+    found = values[0]
+    for value in values[1:]:
+        found = found.max(value)
+    return found.upper()
 
 
 def _astray(edges: Sequence[Edge], out: Side, turned: Side) -> arb:

@@ -10,7 +10,7 @@ import dataclasses
 from meso_robust.checker.contact import off_line
 from meso_robust.checker.dual import Dual, Point
 from meso_robust.checker.film import MOVING
-from meso_robust.checker.ranges import Box, Formula, Side, side_of, span
+from meso_robust.checker.ranges import Box, Formula, Side, shift, side_of, span
 from meso_robust.checker.scene import Scene, direction
 
 ACTIVE = -1
@@ -34,16 +34,17 @@ class Pair:
     @property
     def box(self) -> Box:
         """The variables of the move."""
-        box = self.scene.box
-        far = {"size_far": box["size_other"], "kappa_far": box["kappa_other"]}
+        box, askew = self.scene.box, self.scene.askew
+        turned = box["kappa_other"] if askew == 0 else shift(box["kappa_other"], askew)
+        far = {"size_far": box["size_other"], "kappa_far": turned}
         return (
             {**box, **far} if self.until_rest is None else {**box, **far, "turned": self.until_rest}
         )
 
     @property
     def parallel(self) -> bool:
-        """Whether both edges have exactly the stated direction."""
-        return self.scene.exact("kappa", "kappa_other")
+        """Whether both edges have exactly one direction."""
+        return self.scene.exact("kappa", "kappa_other") and bool(self.scene.askew == 0)
 
     def exact(self, *names: str) -> bool:
         """Whether some variables are exactly zero."""
@@ -87,8 +88,8 @@ class Pair:
         return None if self.parallel else at["kappa_far"] - at["kappa"]
 
     def depth_far(self, at: Point) -> Dual:
-        """Of the far edge from the reference point, m; it is the opposite one of a rectangle."""
-        return at["size_far"] + self.scene.d1
+        """Of the far edge from the reference point, m."""
+        return at["size_far"] + self.scene.far.d1
 
     def first_gap(self, at: Point) -> Dual:
         """Distance of the passive tip from the far edge before the move."""

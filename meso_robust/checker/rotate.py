@@ -32,7 +32,7 @@ from meso_robust.checker.dual import Dual, Point, once
 from meso_robust.checker.grip import Forces, Grip, S
 from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.inputs import PoseBox
-from meso_robust.checker.outline import Rectangle
+from meso_robust.checker.outline import Edge, Neighbour, Rectangle
 from meso_robust.checker.pair import ACTIVE, Pair
 from meso_robust.checker.passage import Passage, Pose, Sweep
 from meso_robust.checker.pushing import (
@@ -57,6 +57,7 @@ from meso_robust.checker.ranges import (
     positive,
     shift,
     span,
+    whole,
 )
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables, prove
@@ -70,6 +71,8 @@ NEAR = 2e-7
 NEAR_FORCE = 0.05
 """How closely forces are bounded, over drag and speed."""
 SIGNS = (-1, 1)
+MOST_LEAN = arb("0.78")
+"""rad out of parallel, beyond which two edges are no opposite ones."""
 AHEAD = "ahead"
 """A variable: how far the part is ahead of the passive tip."""
 LABELS = {"begun": "theta", "turned": "turned"}
@@ -84,8 +87,8 @@ def check_rotate(scene: Scene) -> Passage:
     Refused
         A requirement does not follow.
     """
-    if not isinstance(scene.outline, Rectangle):
-        raise Refused(named(Objection.IS_RECTANGLE), "a polygon", "a rectangle")
+    if not abs(scene.askew) < MOST_LEAN:
+        raise Refused(named(Objection.EDGES_OPPOSITE), float(scene.askew), float(MOST_LEAN))
     if scene.rule.side != 1:
         raise Refused(named(Objection.SIDE_OF_MOVE, action="rotate"), scene.rule.side, 1)
     pair = Pair(scene)
@@ -148,7 +151,7 @@ def _no_jam(pair: Pair) -> Requirement:
     }
     points: Variables = {"V": apart, "d1": lambda at: at["depth"], "mu": lambda at: at[mu]}
     required = Requirement(name=must, statement=st.NO_JAM, parts=(Part(variables, pair.box),))
-    if not scene.plain:
+    if not (scene.plain and isinstance(scene.outline, Rectangle)):
         return required
     other = Requirement(name=must, statement=st.NO_JAM_POINTS, parts=(Part(points, pair.box),))
     return dataclasses.replace(required, instead=(other,))
@@ -190,7 +193,9 @@ class _Turn:
         ]
         self.pieces = enclose(self.box, starts, h, h_end)
         self.around = Around.of(self.states())
-        self.near, self.far = self._straight("depth"), self._straight("depth_far")
+        self.near = self._straight(self.scene.edge, "depth")
+        before, beyond = self._straight(self.scene.far, "depth_far")
+        self.far = beyond, before  # it runs the other way
         for must, spare in (
             (Must.NO_JAM, (self._open,)),
             (Must.ACTIVE_PRESSES, (self._pressed,)),
@@ -256,8 +261,12 @@ class _Turn:
 
     def _on_edges(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
         grip = piece.grip(at)
-        ends = ((grip.D_place, self.near - bound), (grip.S_place, self.far - bound))
-        return tuple(end - place * sign for place, end in ends for sign in SIGNS)
+        ends = ((grip.D_place, self.near), (grip.S_place, self.far))
+        return tuple(
+            reach - bound + place * sign
+            for place, reaches in ends
+            for reach, sign in zip(reaches, (1, -1), strict=True)
+        )
 
     def largest_force(self) -> arb:
         """The largest normal force of all, over drag and commanded speed, friction not counted.
@@ -283,18 +292,23 @@ class _Turn:
                 first = first.max(-low)
         return first
 
-    def _straight(self, depth: str) -> arb:
-        """How far the straight part of an edge reaches at least, from the foot of the part, m."""
+    def _straight(self, edge: Edge, depth: str) -> tuple[arb, arb]:
+        """How far the straight part of an edge reaches at least, before and beyond the part's foot, m."""
         scene = self.scene
-        size, kappa = scene.box["size_other"], scene.box["kappa_other"]
-        if self.pair.parallel and scene.exact("size_other") and scene.corner_radius == 0:
-            return scene.half
-        turned = kappa[0].union(kappa[1]) - scene.box["kappa"][0].union(scene.box["kappa"][1])
-        corner = arb.pi() / 2 + turned
-        s, c = corner.sin_cos()
-        out = scene.half + size[0].union(size[1])
-        deep = self.box[depth][0].union(self.box[depth][1])
-        return ((out - deep * c) / s - (corner / 2).tan() * scene.corner_radius).lower()
+        if scene.exact("kappa", "kappa_other", "size_other") and scene.corner_radius == 0:
+            return -edge.first, edge.last
+        if edge.ends is None:
+            raise Refused(named(Objection.EDGE_ON_HULL), 0, "1 or more")
+        size, kappa = whole(scene.box["size_other"]), whole(scene.box["kappa_other"])
+        turned, deep = kappa - whole(scene.box["kappa"]), whole(self.box[depth])
+
+        def reach(other: Neighbour) -> arb:
+            corner = other.turn + turned
+            s, c = corner.sin_cos()
+            out = other.d1 + size
+            return ((out - deep * c) / s - (corner / 2).tan() * scene.corner_radius).lower()
+
+        return reach(edge.ends[0]), reach(edge.ends[1])
 
     def requirements(self) -> list[Requirement]:
         span_of = (Part({"h": lambda at: at["h"], "V": lambda at: at["V"]}, self.ends()),)
@@ -316,8 +330,20 @@ class _Turn:
             passes("early_in_turn", tuple(map(self.early, self.before))),
             passes("late_in_turn", while_turning, cover=(self.at_end(),)),
             passes("on_withdrawal", (self.withdrawal(),)),
-            comes_free("both", self.end_angle, self.scene, self.end_box()),
+            self.comes_free(),
         ]
+
+    def comes_free(self) -> Requirement:
+        """Both edges face away from the ways on which the tips back off."""
+        pushed = comes_free("both", self.end_angle, self.scene, self.end_box())
+        if self.pair.parallel:
+            return pushed
+
+        def held(at: Point) -> Dual:
+            return self.end_angle(at) + (self.pair.turned(at) or 0)
+
+        far = comes_free("both", held, self.scene, self.end_box())
+        return dataclasses.replace(pushed, parts=(*pushed.parts, *far.parts))
 
     def _stages(self) -> Iterator[Piece]:
         yield from self.pieces
@@ -358,12 +384,14 @@ class _Turn:
 
             variables["dx"] = lambda at: x(at) + theta(at).sin_cos()[0] * more(at)
             variables["dy"] = lambda at: y(at) - theta(at).sin_cos()[1] * more(at)
-        if not scene.plain:
-            size, kappa = scene.box["size_other"], scene.box["kappa_other"]
-            leaning = (abs(kappa[0]).max(abs(kappa[1])).sin() * scene.d1).upper()
-            out = scene.half + scene.outline.astray(size, kappa) + leaning
-            variables["half"] = lambda at: at["radius_upper"] + out
-        return variables
+        # the whole part is on one side of the line across the pushed edge that it reaches to
+        out, across = scene.outline.extent(scene.edge)
+        if scene.plain:
+            return {**variables, "half": constant(out)}
+        size, kappa = scene.box["size_other"], scene.box["kappa_other"]
+        leaning = (abs(kappa[0]).max(abs(kappa[1])).sin() * across).upper()
+        out = out + scene.outline.astray(size, kappa) + leaning
+        return {**variables, "half": lambda at: at["radius_upper"] + out}
 
     def flight(self) -> Part:
         """Until the active tip touches the part."""

@@ -113,6 +113,10 @@ class Scene:
     """The part's, in the axes of the move."""
     edge: Edge
     """The edge that faces the active probe, as stated."""
+    far: Edge
+    """The one on the other side of the part."""
+    askew: arb
+    """Direction of that, run backwards, minus that of the other one as stated, rad; 0: they are parallel."""
     corner_radius: arb
 
     @property
@@ -345,6 +349,10 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
     own = frame.own(pre)
     outline = given.outline.mirrored() if frame.mirrored else given.outline
     edge = outline.facing(whole(own.theta))
+    far, askew = outline.opposite(edge)
+    pushed = (edge, far) if rule.action == "rotate" else (edge,)
+    if not all(outline.holds(one, given.size, given.squareness) for one in pushed):
+        raise Refused(named(Objection.EDGE_ON_HULL), "some of the part", "none on its outer side")
     angles = {"beta": given.misalignment, "direction": given.direction}
     if frame.mirrored:
         angles = {name: negative(side) for name, side in angles.items()}
@@ -380,6 +388,8 @@ def scene_of(rule: RuleDocument, pre: PoseBox, given: Given) -> Scene:
         box={name: NOTHING if is_nothing(side) else side for name, side in box.items()},
         outline=outline,
         edge=edge,
+        far=far,
+        askew=askew,
         corner_radius=given.corner_radius,
     )
 

@@ -82,7 +82,7 @@ _SENTENCES: Mapping[StrEnum, str] = {
     Objection.MOVE_KNOWN: "the checker knows each move of the policy",
     Objection.SIDE_OF_MOVE: "the side of a {action}",
     Objection.PASSIVE_TIP: "the passive tip of a {action}",
-    Objection.IS_RECTANGLE: "a rotation turns a rectangle",
+    Objection.EDGES_OPPOSITE: "the two edges that a rotation holds are about parallel, in rad",
     Objection.EDGE_ON_HULL: "an edge of the part belongs to its convex hull",
     Objection.CENTRE_IN_HULL: "the centre lies within the part's convex hull",
     Objection.COMES_TO_REST: "the part comes to rest on both tips",

@@ -47,8 +47,9 @@ def start_ahead_um(rises: tuple[tuple[int, Interval], ...], pre: PoseBox, setup:
 def passive_behind_um(rise: Interval, pre: PoseBox, setup: Setup) -> float:
     """Smallest distance of the passive tip behind the sensed part, um, rounded up to 0.1 um."""
     edge, u = setup.edge(pre.theta.mid), setup.uncertainty
-    angle, off = edge.angle(pre.theta) + u.squareness, u.probe_position + u.probe_wander
-    reach = sticking.contact_reach(angle, edge.depth + u.passive_tip_radius, -rise)
+    far, lean = setup.opposite(edge)
+    angle, off = edge.angle(pre.theta) + u.squareness + lean, u.probe_position + u.probe_wander
+    reach = sticking.contact_reach(angle, far.depth + u.passive_tip_radius, -rise)
     return _rounded_up((reach + u.sensed_position + off).hi, setup)
 
 

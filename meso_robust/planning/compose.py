@@ -12,7 +12,13 @@ from meso_robust.errors import NotApplicableError
 from meso_robust.planning.arrival import Arrival, across, arrive
 from meso_robust.planning.last_push import leaves_goal, narrowed_first
 from meso_robust.planning.remedy import Remedy
-from meso_robust.planning.rotation import CLOSE_ENOUGH_UM, E, Finish, rotate_and_finish
+from meso_robust.planning.rotation import (
+    CLOSE_ENOUGH_UM,
+    E,
+    Finish,
+    beside_um,
+    rotate_and_finish,
+)
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import certify_move
@@ -20,6 +26,7 @@ from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, about
 from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.rotation import opposite
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
 
@@ -39,6 +46,7 @@ _HALF_TURN = (
     "make it two tasks of a quarter turn each, the second from the goal of the first: its long edges "
     "then face probes on the other axis ([probe] headings)"
 )
+LEAST_TURN, MOST_TURN = 45.0, 135.0  # deg; of a polygon between two tips
 UPRIGHT = math.radians(1.5)  # an edge closer than this to upright needs no straightening
 
 
@@ -310,7 +318,7 @@ def _quarter_turns(setup: Setup) -> int:
     """
     start, goal = setup.start.theta.mid, setup.goal.theta.mid
     if setup.edge(start).beyond:
-        return _no_turn(setup)
+        return _turns_of_polygon(setup)
     turns = round((goal - start) / HALF_PI.mid)
     degrees = math.degrees(goal - start)
     if turns not in (0, 1):
@@ -326,24 +334,41 @@ def _quarter_turns(setup: Setup) -> int:
     return turns
 
 
-def _no_turn(setup: Setup) -> int:
-    """Of a polygon, whose edges are in general no quarter turn apart: none.
+def _turns_of_polygon(setup: Setup) -> int:
+    """Of a polygon: none to the same edge, one to another one about a quarter turn away.
 
     Raises
     ------
     NotApplicableError
-        Another edge faces the probe at the goal, or the start is too far from upright.
+        The turn is not one that a rotation makes, or an edge is too far from upright.
     """
     start, goal = setup.start.theta.mid, setup.goal.theta.mid
-    if setup.edge(start) != setup.edge(goal):
+    _check_facing(start, setup)
+    edge = setup.edge(start)
+    if edge == setup.edge(goal):
+        return 0
+    if not math.radians(LEAST_TURN) < goal - start < math.radians(MOST_TURN):
         raise NotApplicableError(
             f"the goal is {math.degrees(goal - start):.1f} deg from the start, and another edge "
-            "faces the probe there; the two-sided rotation, which turns a part that far, needs two "
-            "parallel edges equally far from the centre and is offered for rectangles only: give "
-            "start and goal with the same edge facing the probe"
+            f"faces the probe there; a rotation turns a part by {LEAST_TURN:g} to {MOST_TURN:g} deg: "
+            "give a goal within that, or with the same edge facing the probe"
         )
-    _check_facing(start, setup)
-    return 0
+    if not opposite(setup.opposite(edge)[1]):
+        raise NotApplicableError(
+            f"the goal is {math.degrees(goal - start):.1f} deg from the start, and a rotation, which "
+            "turns a part that far, needs an edge about parallel to the pushed one on the other side of the "
+            "part: start with one of two such edges facing the probe"
+        )
+    over, least = beside_um(setup.start, setup)
+    if over < least:
+        raise NotApplicableError(
+            f"the goal is {math.degrees(goal - start):.1f} deg from the start, and the edges that a "
+            f"rotation would hold lie opposite each other over {over:.0f} um only: tips that cannot jam "
+            f"are {least:.0f} um apart along them at its start; give a part with longer edges, or start "
+            "and goal with the same edge facing the probe"
+        )
+    _check_facing(goal, setup)
+    return 1
 
 
 def _check_facing(theta: float, setup: Setup) -> None:

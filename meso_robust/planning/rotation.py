@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 from meso_robust import units
-from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.bounds import Interval, Verdict
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
 from meso_robust.planning.x_translation import to_goal, upright
+from meso_robust.primitives.approach import MOST_STAGES, STAGE
 from meso_robust.primitives.frame import HEADINGS, Frame
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step
@@ -28,6 +29,7 @@ SCOUT = 2.0  # how much coarser than the certificate the scouting tube is
 FINE_SCOUT = 1.0  # the same where what is left of the tilt decides whether a push can follow
 LONGEST = 0.6  # widths of the part by which the active tip may pass the passive one
 SHORTER_UM = 15.0  # from one push that is tried to the next
+SHARES = (0.5, 0.3, 0.7)  # of where both tips are on their edges: heights of the pair to begin with
 HEIGHTS = (-0.05, -0.025, 0.0, 0.025)  # of half the length: the pair over the part, where it may be
 CLOSER_UM = (
     6.0,
@@ -99,7 +101,7 @@ def rotate_and_finish(
         Whether ``finish`` knows pushes whose first tip may slip.
     """
     for extra in SEPARATION_STEPS_UM:
-        separation = _least_separation_um(setup) + fine(setup) * extra
+        separation = _least_separation_um(pre, setup) + fine(setup) * extra
         # a larger separation leaves a larger tilt, so what fails now would fail with it too
         if not _straightens(_at_best(separation, pre, setup), setup, slipping=slipping):
             return None
@@ -108,6 +110,28 @@ def rotate_and_finish(
             reached = _finish(*turned, pre, setup, finish, fine(setup) * close_um)
             return _eased(reached, setup, finish) if reached and setup.may_slip else reached
     return None
+
+
+def beside_um(pre: PoseBox, setup: Setup) -> tuple[float, float]:
+    """Over what length two opposite edges lie beside each other, and how much a rotation needs of it, um.
+
+    Parameters
+    ----------
+    pre, setup
+        All poses before the rotation, and the task, in its axes.
+
+    Returns
+    -------
+    tuple[float, float]
+        The latter at best: soon after the start, when both tips touch, with tips that just cannot jam.
+    """
+    edge = setup.edge(pre.theta.mid)
+    over = units.to_um(edge.last.mid + setup.opposite(edge)[0].last.mid)
+    apart, width = _least_separation_um(pre, setup), _width(pre, setup)
+    soon, late = edge.angle(pre.theta).lo, edge.angle(pre.theta).hi + float(STAGE * MOST_STAGES)
+    best = math.acos(max(-width / apart, -1.0))  # where it is least
+    angle = min(max(best, soon), late)
+    return over, (apart + width * math.cos(angle)) / math.sin(angle)
 
 
 def _straightens(state: PoseBox, setup: Setup, *, slipping: bool) -> bool:
@@ -131,32 +155,52 @@ def _at_best(separation: float, pre: PoseBox, setup: Setup) -> PoseBox:
 
     A guess; the orientations are those that the errors of the separation and of the width leave.
     """
-    u, edge = setup.uncertainty, setup.edge(HALF_PI.mid)
+    u, edge = setup.uncertainty, setup.edge(pre.theta.mid)
+    far, _ = setup.opposite(edge)
     off = 2.0 * units.to_um(u.probe_position.hi)
     tilts = []
     for side in (-1.0, 1.0):
         radii = u.tip_radius + u.passive_tip_radius
-        wide = edge.depth + edge.depth + radii
+        wide = edge.depth + far.depth + radii
         width = units.to_um(wide.hi if side < 0.0 else wide.lo)
-        sine, cosine = _direction(-LONGEST * width, separation + side * off, width)
+        h = _longest(separation, width, pre, setup)
+        sine, cosine = _direction(h, separation + side * off, width)
         tilts.append(math.atan2(sine, cosine))
     x, y = (
         Interval(middle - units.UM, middle + units.UM) for middle in (pre.x.mid, setup.goal.y.mid)
     )
     angle = Interval(min(tilts), max(tilts))
-    return PoseBox(x=x, y=y, theta=setup.edge(pre.theta.mid).orientation(angle))
+    return PoseBox(x=x, y=y, theta=edge.orientation(angle))
 
 
-def _least_separation_um(setup: Setup) -> float:
+def _longest(separation: float, width: float, pre: PoseBox, setup: Setup) -> float:
+    """How far the active tip may pass the passive one (negative), um: no farther than the goal's turn asks."""
+    edge = setup.edge(pre.theta.mid)
+    angle = edge.angle(setup.goal.theta).mid
+    sine, cosine = math.sin(angle), math.cos(angle)
+    turned = (separation * cosine + width) / sine if sine > 0.0 else -math.inf
+    return max(-LONGEST * width, turned)
+
+
+def _half(pre: PoseBox, setup: Setup) -> float:
+    """Half the length of the pushed edge as stated, m."""
+    edge = setup.outline.edge(pre.theta.mid)
+    return 0.5 * (edge.last.hi - edge.first.lo)
+
+
+def _least_separation_um(pre: PoseBox, setup: Setup) -> float:
     """Nominal separation above which no admissible one can jam, um."""
-    u, depth = setup.uncertainty, setup.edge(HALF_PI.mid).depth
+    u, edge = setup.uncertainty, setup.edge(pre.theta.mid)
+    far, lean = setup.opposite(edge)
+    wide = edge.depth.hi + far.depth.hi
     root = math.sqrt(1.0 + u.friction.hi**2)
     radii = u.tip_radius.hi + u.passive_tip_radius.hi
-    least = 2.0 * depth.hi * root + radii / root
+    least = wide * root + radii / root
     # the grip is shorter by what the edges are out of parallel, over their length
-    least += 2.0 * u.squareness.width * setup.half_length.hi
+    apart = u.squareness.width + max(-lean.lo, lean.hi)
+    least += 2.0 * apart * _half(pre, setup)
     # the direction of the travel turns the distance along it into the separation
-    turned = u.travel_direction.width * depth.hi
+    turned = u.travel_direction.width * 0.5 * wide
     unit, errors = fine(setup), u.probe_position.width + u.probe_wander.width + turned
     return unit * math.ceil(units.to_um(least + errors) / unit)
 
@@ -221,11 +265,50 @@ def _eased(reached: tuple[Step, E], setup: Setup, finish: Finish[E]) -> tuple[St
 
 def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
     """Where the longest push ends and which height of the pair leads to the goal (coarse)."""
-    u, goal = setup.uncertainty, units.to_um(setup.goal.y.mid)
-    edge, half_length = setup.edge(HALF_PI.mid), units.to_um(setup.half_length.mid)
-    radius, depth = units.to_um(u.passive_tip_radius.mid), units.to_um(edge.depth.mid)
-    width = 2.0 * depth + radius + units.to_um(u.tip_radius.mid)
-    choice = _Choice(separation=separation, h_end=-LONGEST * width, middle=goal + 0.1 * half_length)
+    found = (_led(one, pre, setup) for one in _guesses(separation, pre, setup))
+    return next((one for one in found if one is not None), None)
+
+
+def _guesses(separation: float, pre: PoseBox, setup: Setup) -> Iterator[_Choice]:
+    """Pairs from which it is looked for the one that leads to the goal."""
+    h_end = _longest(separation, _width(pre, setup), pre, setup)
+    if not setup.edge(pre.theta.mid).beyond:
+        middle = units.to_um(setup.goal.y.mid) + 0.1 * units.to_um(_half(pre, setup))
+        yield _Choice(separation=separation, h_end=h_end, middle=middle)
+        return
+    low, high = _middles(separation, pre, setup)
+    for share in SHARES:
+        middle = units.to_um(pre.y.mid) + low + share * (high - low)
+        yield _Choice(separation=separation, h_end=h_end, middle=middle)
+
+
+def _middles(separation: float, pre: PoseBox, setup: Setup) -> tuple[float, float]:
+    """The least and greatest height of the pair's middle with both tips on their edges upright, um."""
+    edge = setup.edge(pre.theta.mid)
+    far, _ = setup.opposite(edge)
+    low = max(
+        units.to_um(edge.first.mid) - 0.5 * separation, 0.5 * separation - units.to_um(far.last.mid)
+    )
+    high = min(
+        units.to_um(edge.last.mid) - 0.5 * separation, 0.5 * separation - units.to_um(far.first.mid)
+    )
+    return low, high
+
+
+def _width(pre: PoseBox, setup: Setup) -> float:
+    """Distance of the tips' centres across the edges, um."""
+    u, edge = setup.uncertainty, setup.edge(pre.theta.mid)
+    depths = (edge.depth, setup.opposite(edge)[0].depth, u.passive_tip_radius, u.tip_radius)
+    return sum(units.to_um(one.mid) for one in depths)
+
+
+def _led(choice: _Choice, pre: PoseBox, setup: Setup) -> _Choice | None:
+    """The same pair at the height that leads to the goal."""
+    u, goal, separation = setup.uncertainty, setup.goal, choice.separation
+    edge, width = setup.edge(pre.theta.mid), _width(pre, setup)
+    out = units.to_um(setup.opposite(edge)[0].depth.mid) + units.to_um(u.passive_tip_radius.mid)
+    # about the first contact of the push that straightens it the part goes across it by its lever
+    lever = units.to_um(setup.outline.edge(goal.theta.mid).depth.mid)
     for _ in range(2):
         ends = reach(_rule(choice, pre, setup), pre, setup, SCOUT)
         if ends is None:
@@ -233,15 +316,16 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
         h_end = units.to_um(ends.h)
         # the part's centre lies its length along the edge and its depth off it from the passive tip
         sine, cosine = _direction(h_end, separation, width)
-        ahead = units.to_um(ends.slide) * sine - (depth + radius) * cosine
+        left = edge.angle(goal.theta).mid - math.atan2(sine, cosine)
+        ahead = units.to_um(ends.slide) * sine - out * cosine
         end_y = (
             choice.middle
             - 0.5 * separation
             + ahead
-            + width * 0.5 * (cosine + 1.0)
-            - half_length * sine
+            + width * 0.5 * (1.0 - math.cos(left))
+            - lever * math.sin(left)
         )
-        middle = choice.middle + goal - end_y
+        middle = choice.middle + units.to_um(goal.y.mid) - end_y
         found = replace(choice, h_end=h_end, middle=middle)
         choice = replace(choice, middle=middle)
     return found
@@ -249,14 +333,16 @@ def _scout(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
 
 def _farthest(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
     """The pair with which the push can be longest, the closest one, wherever the part ends."""
-    half_length, width = (units.to_um(side.mid) for side in (setup.half_length, setup.half_width))
+    edge, half = setup.outline.edge(pre.theta.mid), units.to_um(_half(pre, setup))
+    wide = units.to_um(edge.depth.mid) + units.to_um(setup.opposite(edge)[0].depth.mid)
+    over = 0.5 * sum(_middles(separation, pre, setup))
     found: list[_Choice] = []
     for closer, share in itertools.product(CLOSER_UM, HEIGHTS):
         tried = _Choice(
             separation=separation - fine(setup) * closer,
-            h_end=-LONGEST * 2.0 * width,
+            h_end=_longest(separation, wide, pre, setup),
             # the passive tip comes closer, the active one stays
-            middle=units.to_um(pre.y.mid) + share * half_length + 0.5 * fine(setup) * closer,
+            middle=units.to_um(pre.y.mid) + over + share * half + 0.5 * fine(setup) * closer,
         )
         ends = reach(_rule(tried, pre, setup), pre, setup, FINE_SCOUT)
         if ends is not None:

@@ -113,9 +113,8 @@ def approach(
             ),
             require_order(
                 about(ObligationId.TIP_ON_EDGE, tip=Which.ACTIVE),
-                Inequality.WITHIN_EDGE,
-                # a rectangle's edge: what is certain of its straight part ends alike on both sides
-                (edge.half - offset.hull(-offset)) * STATED,
+                Inequality.BETWEEN_CORNERS if edge.beyond else Inequality.WITHIN_EDGE,
+                (offset - edge.first).hull(edge.last - offset) * STATED,
                 {name: box[name] for name in ("depth", "kappa")},
             ),
         ),

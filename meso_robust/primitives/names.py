@@ -83,7 +83,7 @@ class ObligationId(StrEnum):
     TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
     FORCE_BELOW_CAP = "force_below_cap"
     # what stays undecided where no enclosure was found; a PROVED certificate has none of these
-    IS_RECTANGLE = "is_rectangle"
+    EDGES_OPPOSITE = "edges_opposite"
     ACTIVE_ABOVE_PASSIVE = "active_above_passive"
     COMES_TO_REST = "comes_to_rest"
     END_ENCLOSED = "end_enclosed"

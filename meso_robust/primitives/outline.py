@@ -61,6 +61,8 @@ class Edge(Line):
     """The edges of the part that it meets where it begins and where it ends."""
     beyond: tuple[Line, ...] = ()
     """The other sides of the convex hull; none for a rectangle."""
+    parallel: tuple[str, ...] = ()
+    """Names of the edges that are exactly parallel to it as stated."""
 
     @property
     def half(self) -> Interval:
@@ -154,6 +156,7 @@ class Rectangle:
             last=half,
             before=Line(turn=turn + HALF_PI, depth=half),
             after=Line(turn=turn - HALF_PI, depth=half),
+            parallel=("long" if long_edge else "short",),
         )
 
     @property
@@ -232,7 +235,8 @@ class Polygon:
         """Where corners and sides of every part within ``tolerance`` can be.
 
         A side of the hull that joins two corners of the part, none of its edges, is put beyond all of
-        them, which are all that the part is the hull of.
+        them, which are all that the part is the hull of. An edge on whose outer side some of the part may
+        come to lie cannot be pushed.
         """
         walls = self.walls
         corners = tuple(
@@ -252,6 +256,7 @@ class Polygon:
                 ),
             )
             for edge in self.edges
+            if self._holds(edge, corners, tolerance)
         )
         return replace(
             self,
@@ -259,6 +264,15 @@ class Polygon:
             hull=tuple(corners[k] for k in self.around),
             lines=lines,
             edges=edges,
+        )
+
+    def _holds(self, edge: Edge, corners: Sequence[Point], tolerance: Tolerance) -> bool:
+        """Whether all other corners, which can be there, are certain to be inside of an edge's line."""
+        line, count = tolerance.line(edge), len(corners)
+        own = Line(turn=edge.turn, depth=edge.depth)
+        first = self.walls.index(own)
+        return all(
+            _out_of(line, corners[(first + k) % count]).hi < line.depth.lo for k in range(2, count)
         )
 
     @property
@@ -315,9 +329,13 @@ def _next_below(turn: Interval, edge: Interval) -> Interval:
 
 def _beyond(line: Line, corners: Sequence[Point]) -> Line:
     """A line of this direction that has all corners inside."""
-    out = -sin(line.turn), -cos(line.turn)
-    reached = [out[0] * x + out[1] * y for x, y in corners]
+    reached = [_out_of(line, corner) for corner in corners]
     return Line(turn=line.turn, depth=functools.reduce(Interval.hull, reached, line.depth))
+
+
+def _out_of(line: Line, point: Point) -> Interval:
+    """How far a point is from the centre along a line's outward normal, m."""
+    return -sin(line.turn) * point[0] - cos(line.turn) * point[1]
 
 
 def _mirrored(line: Line) -> Line:
@@ -345,6 +363,7 @@ def _polygon(part: PolygonPart) -> Polygon:
     count = len(corners)
     walls = tuple(_line(corners, k, (k + 1) % count)[0] for k in range(count))
     sides = [_side(corners, walls, *pair) for pair in pairs]
+    own = [i for i, j in pairs if j == (i + 1) % count]
     lines = tuple(Line(turn=side.turn, depth=side.depth) for side in sides)
     return Polygon(
         corners=corners,
@@ -353,11 +372,20 @@ def _polygon(part: PolygonPart) -> Polygon:
         walls=walls,
         lines=lines,
         edges=tuple(
-            replace(side, beyond=(*lines[:k], *lines[k + 1 :]))
+            replace(
+                side,
+                beyond=(*lines[:k], *lines[k + 1 :]),
+                parallel=tuple(_named(m) for m in own if part.are_parallel(i, m)),
+            )
             for k, (side, (i, j)) in enumerate(zip(sides, pairs, strict=True))
             if j == (i + 1) % count
         ),
     )
+
+
+def _named(corner: int) -> str:
+    """What the edge after a corner is called."""
+    return f"edge {corner}"
 
 
 def _line(corners: Sequence[Point], first: int, last: int) -> tuple[Line, Interval, Interval]:
@@ -378,7 +406,7 @@ def _side(corners: Sequence[Point], walls: Sequence[Line], first: int, last: int
             "the reference point or too short to be computed with; leave more room"
         )
     return Edge(
-        name=f"edge {first}",
+        name=_named(first),
         turn=line.turn,
         depth=line.depth,
         first=begin,

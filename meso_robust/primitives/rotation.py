@@ -60,6 +60,9 @@ order in it: 0.019 was needed for the paper's task, 0.027 where the room's range
 ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
 """The same where other constants are uncertain as well, across and along the push, where the slide is all that
 is uncertain. 0.05 and 0.104 were seen of tubes that were up to 4 % wider."""
+ROOM_LEAST, ROOM_LEAST_AHEAD = 0.001, 0.008
+"""The same of a polygon at least, over the part's width: what barriers differ by where friction is known closely.
+0.0007 and 0.0053 were seen."""
 EXACT = 1e-12
 """m, or rad: a width that is rounding only."""
 BEYOND = 0.03
@@ -69,6 +72,7 @@ NARROWED = 4
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
+MOST_LEAN = 0.5 * HALF_PI.lo  # rad out of parallel, beyond which two edges are no opposite ones
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +85,8 @@ class _Move:
     edge: Edge
     far: Edge
     """The edge that the passive tip holds."""
+    lean: Interval
+    """Its direction less that of the pushed edge as stated, rad."""
     setup: Setup
     V: Interval
     """Distance of both tips across the travel, m."""
@@ -117,7 +123,9 @@ class _Move:
             common=setup.friction_common,
             radius=box["radius_lower"],
             radius_far=box["radius_passive"],
-            kappa=box["kappa_far"] - box["kappa"] if box["kappa"] != ZERO else ZERO,
+            kappa=box["kappa_far"] - box["kappa"]
+            if (box["kappa_far"], box["kappa"]) != (ZERO, ZERO)
+            else ZERO,
             **{
                 name: box[name]
                 for name in (
@@ -157,9 +165,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     if rule.single is None or rule.side != 1:
         raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
     edge = setup.edge(pre.theta.mid)
-    if edge.beyond:
-        return _step(rule, pre, None, [_undecided(ObligationId.IS_RECTANGLE)])
     move = _move(rule, pre, edge, setup)
+    if not opposite(move.lean):
+        return _step(rule, pre, None, [_undecided(ObligationId.EDGES_OPPOSITE)])
     box = base_box(rule, pre, setup, edge)
     obligations = [*free_at_start((-IDLE, IDLE), box, edge), *_before(move)]
     if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
@@ -187,17 +195,41 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     if at_end is None:
         obligations += [*_tube_obligations(tube, move), _undecided(ObligationId.END_ENCLOSED)]
         return _step(rule, pre, None, obligations)
-    wide = ROOM_WIDE * grip.room.width / (grip.depth.mid + grip.depth_far.mid)
+    width = grip.depth.mid + grip.depth_far.mid
+    wide = ROOM_WIDE * grip.room.width / width
     ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
     # rough tubes are wider than those of others
-    obligations += _tube_obligations(tube, move, 0.0 if rough else ahead * tube.widest)
+    wider = 0.0 if rough else ahead * tube.widest
+    if edge.beyond:
+        wider = max(wider, ROOM_LEAST_AHEAD * width)
+        ahead = max(ahead, ROOM_LEAST_AHEAD * width / at_end.pose.x.width)
+        aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
+    obligations += _tube_obligations(tube, move, wider)
     slices = _slices(parts, tube)
     obligations += _idle_tip_clear(move, touch, slices, at_end)
-    obligations.append(_of_move(move, comes_free(Which.BOTH, _faced(move, at_end.edge_angle))))
+    faced = _faced(move, at_end.edge_angle)
+    faced = faced.hull(faced + move.lean)
+    obligations.append(_of_move(move, comes_free(Which.BOTH, faced)))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
     post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
+
+
+def opposite(lean: Interval) -> bool:
+    """Whether two edges may be held between two tips as opposite ones.
+
+    Parameters
+    ----------
+    lean
+        By how much they are out of parallel, rad.
+
+    Returns
+    -------
+    bool
+        Where they are by half a right angle or more, nothing is claimed.
+    """
+    return lean.lo > -MOST_LEAN and lean.hi < MOST_LEAN
 
 
 def held_poses(step: Step) -> list[PoseBox]:
@@ -313,8 +345,10 @@ def _roomy(side: Interval, share: float) -> Interval:
 
 
 def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
-    far = setup.edge(pre.theta.mid + PI.mid)
+    far, lean = setup.opposite(edge)
     box = ranges(rule, pre, edge, far, setup)
+    if lean != ZERO:
+        box["kappa_far"] = box["kappa_far"] + lean
     exact = frozenset(name for name, side in box.items() if side == ZERO)
     exact |= _idle_lines(exact)
     from_part = frozenset(name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART)
@@ -325,6 +359,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
         of=of,
         edge=edge,
         far=far,
+        lean=lean,
         setup=setup,
         V=V,
         room=room,
@@ -339,11 +374,11 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
 def _idle_lines(exact: frozenset[str]) -> set[str]:
     """Inputs of an affine bound that belong to what is exactly zero."""
     gone = {
-        "r_D": "radius_lower", "r_S": "radius_passive", "kappa": "kappa",
-        "drag_a": "drag_a", "drag_n": "drag_n",
+        "r_D": ("radius_lower",), "r_S": ("radius_passive",), "kappa": ("kappa", "kappa_far"),
+        "drag_a": ("drag_a",), "drag_n": ("drag_n",),
     }  # fmt: skip
     kinds = ("middle", "spread", "drift")
-    return {f"{kind}_{name}" for name, of in gone.items() if of in exact for kind in kinds}
+    return {f"{kind}_{name}" for name, of in gone.items() if exact.issuperset(of) for kind in kinds}
 
 
 def _before(move: _Move) -> list[Obligation]:
@@ -486,10 +521,16 @@ def _idle_tip_clear(
     later = late[0] + lean, late[1]
     end = at_end.edge_angle + lean, at_end.active_offset
     in_flight, back = (Interval(0.0, max(0.0, way.hi)) for way in (move.flight, move.travel))
+    early_on = _passes(move, *in_turn, ZERO, When.EARLY_IN_TURN)
+    later_on = _passes(move, *later, ZERO, When.LATE_IN_TURN)
+    # to others it may be late as soon as both tips touch
+    if early_on.proof.verdict is later_on.proof.verdict is Verdict.PROVED:
+        least = min(early_on.proof.lower, later_on.proof.lower)
+        later_on = replace(later_on, proof=replace(later_on.proof, lower=least))
     return (
         _passes(move, *before, in_flight, When.BEFORE_TOUCH),
-        _passes(move, *in_turn, ZERO, When.EARLY_IN_TURN),
-        _passes(move, *later, ZERO, When.LATE_IN_TURN),
+        early_on,
+        later_on,
         _passes(move, *end, back, When.ON_WITHDRAWAL),
     )
 
@@ -511,12 +552,12 @@ def _passes(
     c, s = cos(u.travel_direction), sin(u.travel_direction)
     # round tips: the idle one must be off the line by the difference of the radii
     more = box["radius_lower"] - u.tip_radius
-    # the edge in which the pushed one ends faces the probe a quarter turn earlier
-    half = move.setup.edge(move.edge.turn.mid).depth
+    # off the line of the pushed edge, or beyond one across it, the whole part is on the other side
+    half = move.setup.reach_along(move.edge)
     beside = {
         "theta": theta,
         "d2": offset,
-        "half": half.hull(half + u.tip_radius + _leaning(move)),
+        "half": half.hull(half + u.tip_radius),
         "dx": x * c + y * s + short + sin(theta) * more,
         "dy": y * c - x * s - cos(theta) * more,
         "side": Interval.point(float(IDLE)),
@@ -536,17 +577,6 @@ def _of_move(move: _Move, obligation: Obligation) -> Obligation:
     lower = (Interval.point(proof.lower) * STATED).lo
     over = stated({name: move.box[name] for name in ("beta", "spacing")})
     return replace(obligation, proof=replace(proof, lower=lower, box=over))
-
-
-def _leaning(move: _Move) -> Interval:
-    """How much farther out the next edge can be where the idle tip is, as it is out of square, m."""
-    if move.squareness == ZERO:
-        return ZERO
-    lean = move.squareness - move.squareness
-    # no farther from the foot of either edge than this
-    reach = move.edge.last + move.edge.depth + move.setup.spacing + move.setup.spacing
-    across = sin(Interval.point(lean.hi))
-    return reach * across + reach * across * across
 
 
 def _faced(move: _Move, angle: Interval) -> Interval:

@@ -11,6 +11,7 @@ import numpy as np
 
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Interval
+from meso_robust.bounds.interval import cos, sin
 from meso_robust.errors import InputError
 from meso_robust.primitives.outline import (
     Edge,
@@ -231,6 +232,31 @@ class Setup:
         Its own error of direction (squareness) is not in its turn.
         """
         return _edge(self.outline, self.tolerance, theta)
+
+    def opposite(self, edge: Edge) -> tuple[Edge, Interval]:
+        """The edge that faces away from a probe where ``edge`` faces it.
+
+        Parameters
+        ----------
+        edge
+            One that can be pushed.
+
+        Returns
+        -------
+        tuple[Edge, Interval]
+            It, and its direction, run the other way, less that of ``edge`` as stated, rad: exactly zero if
+            they are parallel.
+        """
+        far = self.edge(edge.turn.mid + 3.0 * HALF_PI.mid)
+        lean = ZERO if far.name in edge.parallel else edge.turn + HALF_PI + HALF_PI - far.turn
+        return far, lean
+
+    def reach_along(self, edge: Edge) -> Interval:
+        """How far the whole part reaches along an edge, run as it is, from the foot of the centre, m."""
+        turn = edge.turn + self.uncertainty.squareness
+        c, s = cos(turn), sin(turn)
+        places = [c * x - s * y for x, y in self.body.corners]
+        return Interval(max(one.lo for one in places), max(one.hi for one in places))
 
     def sides(self, theta: float) -> tuple[Line, ...]:
         """The sides of the convex hull, the one that faces the probe at orientation ``theta`` first.

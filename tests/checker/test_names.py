@@ -40,7 +40,7 @@ from tests.test_task_real import ROUND, values as task_values
 
 Document = dict[str, Any]
 UNDECIDED = {
-    ObligationId.IS_RECTANGLE,
+    ObligationId.EDGES_OPPOSITE,
     ObligationId.ACTIVE_ABOVE_PASSIVE,
     ObligationId.COMES_TO_REST,
     ObligationId.END_ENCLOSED,

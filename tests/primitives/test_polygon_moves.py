@@ -145,10 +145,11 @@ def test_a_tip_that_meets_the_next_edge_is_not() -> None:
 # ----------------------------------------------------------------- what is not offered
 
 
-def test_a_rotation_of_a_polygon_is_refused_by_name() -> None:
+def test_a_turn_of_a_hexagon_is_refused_by_name() -> None:
+    """Its flats are 900 um apart: 520 um are too few for tips that cannot jam."""
     values = values_of(HEXAGON)
     values["goal"]["theta_deg"] = 60.0
-    with pytest.raises(NotApplicableError, match=r"two-sided rotation.*for rectangles only"):
+    with pytest.raises(NotApplicableError, match=r"lie opposite each other over 520 um only"):
         compose(parse_task(values, "turned"))
 
 
