@@ -10,8 +10,8 @@ is consistent, and its size is told. Shares are those of means of squares, so th
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from math import factorial
 
 import numpy as np
@@ -55,7 +55,7 @@ _COMPONENTS = ("x", "y", "theta")
 
 Names = tuple[str, ...]
 
-SPECIAL_CASE = {"camera_anisotropy": "camera_scale"}
+SPECIAL_CASE = {"camera_anisotropy": "camera_scale", "uneven_support": "dry_friction"}
 """Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
 
 
@@ -240,31 +240,25 @@ def graded(
         m: errors below do not matter; None for a fifth of the noise.
     """
     baseline = bench.baseline
-    pool = _pool(naming, quick) if naming else ()
     plain = rolled_out(bench, baseline.model, baseline.fits.values[0])
-    predicted: dict[Names, RollOut] = {(): plain}
-    for one in pool:
-        try:
-            refit = one.refit
-            predicted[one.effects] = rolled_out(
-                bench, refit.model, refit.fits.values[0], plain.values
-            )
-        except (ValueError, np.linalg.LinAlgError):
-            continue  # its search leaves what can be simulated: no answer, and no fault
-    pool = tuple(one for one in pool if one.effects in predicted)
-    judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
-    place, turn = _left(judge, ())
-    size = max(place, turn * bench.prepared.length)
     matters = _relevant(baseline) if relevant is None else relevant
+    predicted: dict[Names, RollOut] = {(): plain}
     chosen: Candidate | None = None
     rivals: tuple[Candidate, ...] = ()
     everywhere = True
-    # sums of squares of noise vary by themselves, by √(2 N) of N data
-    chance = _CHANCE * float(np.sqrt(2.0 * bench.seen.sum()))
-    missing = naming is not None and size >= matters and judge.explainable > chance
-    # of a single recording none can be left out: what its own fit explains proves nothing
-    if naming and pool and missing and bench.count > 1:
-        chosen, rivals, everywhere = _answer(judge, naming, pool, seed)
+    for asked, pool in _pools(naming, quick):
+        pool = _predicted(bench, predicted, pool)
+        judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
+        place, turn = _left(judge, ())
+        size = max(place, turn * bench.prepared.length)
+        # sums of squares of noise vary by themselves, by √(2 N) of N data
+        chance = _CHANCE * float(np.sqrt(2.0 * bench.seen.sum()))
+        missing = asked is not None and size >= matters and judge.explainable > chance
+        # of a single recording none can be left out: what its own fit explains proves nothing
+        if asked and pool and missing and bench.count > 1:
+            chosen, rivals, everywhere = _answer(judge, asked, pool, seed)
+        if chosen is not None or not missing or bench.count == 1:
+            break
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
@@ -312,19 +306,43 @@ def _relevant(baseline: Baseline) -> float:
     return RELEVANT_SHARE * float(noise.sigma[0]) * noise.floor if noise.known else RELEVANT
 
 
-def _pool(naming: Naming, quick: bool) -> tuple[Candidate, ...]:
-    """Sets that may be the answer: those that the competition leaves, or else the likeliest.
+def _pools(
+    naming: Naming | None, quick: bool
+) -> Iterator[tuple[Naming | None, tuple[Candidate, ...]]]:
+    """Sets that may be the answer: those that the competition leaves; if they fail, the likeliest.
 
-    One that two held-out recordings spoke against, and that is as likely, is asked in every fold.
+    One that two held-out recordings spoke against, and that is as likely, is asked in every fold. A set
+    is likelier than others by recordings that it was fitted to: it may fail on the rest where they hold.
     """
+    if naming is None:
+        yield None, ()
+        return
     if naming.answers:
         least = naming.answers[0].score - _EQUAL_NATS
         near = tuple(one for one in naming.candidates if _refuted(one) and one.score >= least)
-        return (*naming.answers, *near)[: _JUDGED[quick]]
+        yield naming, (*naming.answers, *near)[: _JUDGED[quick]]
     able = [one for one in naming.candidates if not one.duplicate and one.score > 0.0]
     likely = able[: _JUDGED[quick]]
     single = next((one for one in able if len(one.effects) == 1), None)
-    return tuple(likely if single is None or single in likely else [*likely, single])
+    more = [] if single is None or single in likely else [single]
+    yield replace(naming, answers=()), (*likely, *more)
+
+
+def _predicted(
+    bench: Bench, predicted: dict[Names, RollOut], pool: tuple[Candidate, ...]
+) -> tuple[Candidate, ...]:
+    """Those of a pool that can be simulated, predicted fold by fold."""
+    for one in pool:
+        if one.effects in predicted:
+            continue
+        try:
+            refit = one.refit
+            predicted[one.effects] = rolled_out(
+                bench, refit.model, refit.fits.values[0], predicted[()].values
+            )
+        except (ValueError, np.linalg.LinAlgError):
+            continue  # its search leaves what can be simulated: no answer, and no fault
+    return tuple(one for one in pool if one.effects in predicted)
 
 
 def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None) -> Floats:

@@ -27,6 +27,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
+from meso_robust import kernels
 from meso_robust.bounds import Bounded, Interval, bounded
 from meso_robust.bounds.bulk import program
 from meso_robust.conditions.formula import formula
@@ -476,11 +477,16 @@ def enclose_slide(
         )
     whole = parameters_of(grip, start.labels)
     step = coarse * (grip.depth.mid + grip.depth_far.mid) / STEPS
-    cells = []
-    for own, labels in parts or [(grip, start.labels)]:
+    given = parts or [(grip, start.labels)]
+    for own, _ in given:
+        _formulas(_exact(own.box()), own.common)  # prepared once, before threads ask for them
+
+    def cell(part: Part) -> Cell:
+        own, labels = part
         moved = _about(replace(start, labels=labels), whole, parameters_of(own, labels))
-        cells.append(_cell(own, moved, h_end, step, coarse))
-    return SlideTube(cells=tuple(cells))
+        return _cell(own, moved, h_end, step, coarse)
+
+    return SlideTube(cells=tuple(kernels.spread(cell, given)))
 
 
 def _about(start: Start, before: Mapping[str, Interval], after: Mapping[str, Interval]) -> Start:

@@ -11,9 +11,11 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from pathlib import Path
+from threading import Thread
 from typing import Protocol
 
 import numpy as np
@@ -226,43 +228,51 @@ class PolicyController:
 
 
 class PlanController:
-    """Answers from a plan of one move after the other, certified from a box of starts."""
+    """Answers from a plan of one move after the other, certified from a box of starts.
+
+    The task states a box of starts; the plan is mostly proved from many more, which takes seconds to
+    find. That is done beside the first answers, and waited for where a part lies outside the stated ones.
+    """
 
     def __init__(self, rules: tuple[MoveRule, ...], task: Task) -> None:
-        """Certify the plan from as many starts as can be proved.
+        """Certify the plan from the stated starts, and begin to look for more.
 
         Raises
         ------
         NotApplicableError
             The plan is not proved for the task.
         """
-        self._rules, self._setup = rules, _widest(rules, setup_of(task))
-        self._boxes = _stages(rules, self._setup)
-        if self._boxes is None:
+        self._rules, self._setup = rules, setup_of(task)
+        stated = _stages(rules, self._setup)
+        if stated is None:
             raise NotApplicableError(
                 "the plan is not proved for this task, so no pose can be answered; make one with "
                 "`meso-robust plan`, which also reports what prevents a proof"
             )
+        start = task.start
+        self._likely = Sensed(x_um=start.x_um, y_um=start.y_um, theta_deg=start.theta_deg)
+        self._stated = self._boxes = stated
+        self._widest = _beside(lambda: _widest(rules, self._setup, stated))
         self._made = 0
         self._last: tuple[tuple[float, float, float], Move] | None = None
 
     @property
     def likely(self) -> Sensed:
         """A pose that gets a move."""
-        return _middle(self.starts)
+        return self._likely
 
     @property
     def starts(self) -> PoseBox:
         """Certified true poses before the first move."""
-        return self._stage(0)
+        return self._widest.result()[0]
 
     def answer(self, sensed: Sensed) -> Reply:
         """The next move, the end, or why there is none."""
         if self._last is not None and self._last[0] == sensed.numbers and not self._regrasped:
             return self._last[1]
-        angle = self._stage(self._made).theta
+        angle = self._boxes[self._made].theta
         boxes = list(sensed.around(angle.mid - np.pi, angle.mid + np.pi))
-        reply = next((r for box in boxes if (r := self._next(box)) is not None), None)
+        reply = self._next(boxes)
         if isinstance(reply, Move):
             self._last = sensed.numbers, reply
             return reply
@@ -275,23 +285,27 @@ class PlanController:
         """Whether the last move leaves the part where it is, so that the next pose may be the same."""
         return self._made > 0 and self._rules[self._made - 1].action == "regrasp"
 
-    def _stage(self, made: int) -> PoseBox:
-        if self._boxes is None:
-            raise ValueError("a plan that is not proved has no stages")
-        return self._boxes[made]
-
-    def _next(self, box: PoseBox) -> Reply | None:
-        possible = true_poses(box, self._setup)
-        last = len(self._rules)
-        if self._made and meet(self._stage(self._made), possible):
-            now = common(self._stage(self._made), possible)
-            return Done(within=now) if self._made == last else self._move(self._made, box, now)
-        if _exactly(box, self._setup).within(self._stage(0)):
-            return self._move(0, box, _exactly(box, self._setup))
+    def _next(self, boxes: list[PoseBox]) -> Reply | None:
+        """What follows from a pose, of which the boxes are the same but for full turns."""
+        for box in boxes:
+            possible, last = true_poses(box, self._setup), len(self._rules)
+            if self._made and meet(self._boxes[self._made], possible):
+                now = common(self._boxes[self._made], possible)
+                return Done(within=now) if self._made == last else self._move(self._made, box, now)
+        for stages in self._from():
+            for box in boxes:
+                exactly = _exactly(box, self._setup)
+                if exactly.within(stages[0]):
+                    self._boxes = stages
+                    return self._move(0, box, exactly)
         return None
 
+    def _from(self) -> Iterator[Stages]:
+        yield self._stated
+        yield self._widest.result()
+
     def _move(self, number: int, box: PoseBox, now: PoseBox) -> Move:
-        rule, pre, post = self._rules[number], self._stage(number), self._stage(number + 1)
+        rule, pre, post = self._rules[number], self._boxes[number], self._boxes[number + 1]
         # after a tilt, what is certified of y hangs on the pose before the tilt
         free = number == 0 or self._rules[number - 1].action != "tilt"
         self._made = number + 1
@@ -299,7 +313,7 @@ class PlanController:
 
     def _why(self, boxes: Iterable[PoseBox]) -> str:
         u = self._setup.uncertainty
-        first = self._stage(0)
+        first = self.starts
         narrow = [side.width for side in (u.sensed_position, u.sensed_orientation)]
         inner = PoseBox(
             x=_inner(first.x, 0.5 * narrow[0]),
@@ -308,7 +322,7 @@ class PlanController:
         )
         if not self._made:
             return "the sensed pose lies outside the certified starts: " + beyond(boxes, [inner])
-        now = sensed_poses(self._stage(self._made), self._setup)
+        now = sensed_poses(self._boxes[self._made], self._setup)
         return (
             f"the sensed pose lies outside what was certified after move {self._made}: "
             + beyond(boxes, [now])
@@ -332,28 +346,47 @@ def _inner(side: Interval, by: float) -> Interval:
     return Interval(low, high) if low <= high else Interval.point(side.mid)
 
 
-def _stages(rules: tuple[MoveRule, ...], setup: Setup) -> tuple[PoseBox, ...] | None:
-    """Certified true poses before each move and at the end; None if the plan is not proved."""
+Stages = tuple[PoseBox, ...]
+"""Certified true poses before each move and at the end."""
+
+
+def _stages(rules: tuple[MoveRule, ...], setup: Setup) -> Stages | None:
+    """What is certified of a plan; None if it is not proved."""
     chain = certify(rules, setup, whole=False)
     if chain.verdict is not Verdict.PROVED or chain.end is None:
         return None
     return (*(step.pre for step in chain.steps), chain.end)
 
 
-def _widest(rules: tuple[MoveRule, ...], setup: Setup) -> Setup:
-    """The task with its start widened about its middle, as far as the plan is proved."""
+def _widest(rules: tuple[MoveRule, ...], setup: Setup, stated: Stages) -> Stages:
+    """The stages with the start widened about its middle, as far as the plan is proved."""
     for sides in (("y", "theta"), ("y",), ("theta",), ("x",)):
         good, bad = 1.0, 2.0
-        while bad <= WIDEST and _stages(rules, _wider(setup, sides, bad)) is not None:
-            good, bad = bad, 2.0 * bad
+        while bad <= WIDEST and (found := _stages(rules, _wider(setup, sides, bad))) is not None:
+            stated, good, bad = found, bad, 2.0 * bad
         for _ in range(HALVINGS):
             trial = 0.5 * (good + bad)
-            if _stages(rules, _wider(setup, sides, trial)) is not None:
-                good = trial
+            found = _stages(rules, _wider(setup, sides, trial))
+            if found is not None:
+                stated, good = found, trial
             else:
                 bad = trial
         setup = _wider(setup, sides, good)
-    return setup
+    return stated
+
+
+def _beside(work: Callable[[], Stages]) -> Future[Stages]:
+    """Begin some work in a thread that nobody waits for at the end of the process."""
+    done: Future[Stages] = Future()
+
+    def carry_out() -> None:
+        try:
+            done.set_result(work())
+        except BaseException as error:  # told to whoever asks
+            done.set_exception(error)
+
+    Thread(target=carry_out, daemon=True).start()
+    return done
 
 
 def _wider(setup: Setup, sides: tuple[str, ...], factor: float) -> Setup:

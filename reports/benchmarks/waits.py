@@ -49,6 +49,8 @@ class Cost:
     wall: float
     cpu: float
     megabytes: float
+    status: int
+    """Exit status."""
 
 
 def waits(folder: Path) -> tuple[Wait, ...]:
@@ -96,7 +98,12 @@ def cost(wait: Wait) -> Cost:
     wall = time.perf_counter() - start
     process.returncode = os.waitstatus_to_exitcode(status)
     kilobytes = used.ru_maxrss / (1024.0 if sys.platform == "darwin" else 1.0)
-    return Cost(wall=wall, cpu=used.ru_utime + used.ru_stime, megabytes=kilobytes / 1024.0)
+    return Cost(
+        wall=wall,
+        cpu=used.ru_utime + used.ru_stime,
+        megabytes=kilobytes / 1024.0,
+        status=process.returncode,
+    )
 
 
 def _row(wait: Wait) -> tuple[str, ...]:

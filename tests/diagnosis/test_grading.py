@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -16,12 +16,13 @@ from meso_robust.diagnosis.grading import (
     Explained,
     Grade,
     _answer,
+    _earning,
     _explained,
     _floor,
     _holding,
     _holds,
     _Judge,
-    _pool,
+    _pools,
     _verdict,
     graded,
 )
@@ -104,6 +105,24 @@ def test_a_wrong_effect_explains_too_little(late: Diagnosis) -> None:
     naming = replace(late.naming, answers=(), candidates=tuple(wrong), best=wrong[0])
     grade = again(late, naming=naming)
     assert grade.verdict in ("unknown", "partial", "ambiguous")
+
+
+def test_where_the_likeliest_set_fails_the_next_ones_are_asked(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is the likeliest by the recordings that it was fitted to."""
+    assert late.naming is not None
+    right = next(one for one in late.naming.candidates if one.effects == ("camera_latency",))
+    wrong = next(one for one in late.naming.candidates if "camera_latency" not in one.effects)
+
+    def fails(judge: _Judge, naming: Naming, whole: Candidate, *more: Any, **also: Any) -> Any:
+        return None if whole is wrong else _earning(judge, naming, whole, *more, **also)
+
+    monkeypatch.setattr("meso_robust.diagnosis.grading._earning", fails)
+    naming = replace(late.naming, answers=(wrong,), candidates=(wrong, right), best=wrong)
+    grade = again(late, naming=naming)
+    assert grade.verdict == "named"
+    assert grade.chosen == right
 
 
 def test_of_one_recording_nothing_is_named(late: Diagnosis) -> None:
@@ -256,7 +275,10 @@ def test_what_two_held_out_recordings_spoke_against_is_asked_in_every_fold() -> 
     far = stated("c", gain=900.0, ground=Ground.HELD_OUT_WORSE)
     other = stated("d", gain=999.0, ground=Ground.MISMATCH_LEFT)
     naming = contest(a, other, near, far, answers=(a,))
-    assert _pool(naming, True) == (a, near)
+    first, (asked, then) = _pools(naming, True)
+    assert first == (naming, (a, near))
+    assert asked is not None
+    assert (asked.answers, then) == ((), (a, other, near, far))
     judge = stood({(): PLAIN, ("a",): NOISE, ("b",): NOISE})
     assert _answer(judge, naming, (a, near), 0) == (a, (near,), True)
     judge = stood({(): PLAIN, ("a",): NOISE, ("b",): PLAIN})

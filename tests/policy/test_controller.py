@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from meso_robust.bounds import Interval
 from meso_robust.errors import InputError
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.controller import (
@@ -18,11 +20,13 @@ from meso_robust.policy.controller import (
     PlanController,
     PolicyController,
     Refused,
+    _stages,
 )
 from meso_robust.policy.document import policy_document, read_policy
 from meso_robust.policy.pose import Sensed
 from meso_robust.primitives.move import MoveRule, Point, from_part
-from meso_robust.primitives.setup import PoseBox
+from meso_robust.primitives.setup import PoseBox, setup_of
+from meso_robust.task import Task
 from tests.conftest import paper_task
 
 
@@ -39,24 +43,64 @@ def test_the_same_line_again_gets_the_same_move_though_it_could_be_the_end_too()
 
 def short_push() -> PlanController:
     """A plan of one push so short that the poses before and after it overlap."""
-    task = paper_task(
+    return PlanController((PUSH,), short_push_task())
+
+
+def short_push_task() -> Task:
+    return paper_task(
         start__x_um=8.0, start__y_um=0.0, start__theta_deg=180.0,
         goal__position_tolerance_um=11.5, uncertainty__sensed_orientation_deg=0.01,
         uncertainty__probe_position_um=1.0, uncertainty__tip_misalignment_deg=[-0.01, 0.01],
     )  # fmt: skip
-    push = MoveRule(
-        step=1,
-        primitive="x_translation",
-        action="straighten",
-        side=0,
-        dual=Point(x=from_part(820.0), y=from_part(0.0)),
-        dual_end=from_part(800.0),
-    )
-    return PlanController((push,), task)
 
 
+PUSH = MoveRule(
+    step=1,
+    primitive="x_translation",
+    action="straighten",
+    side=0,
+    dual=Point(x=from_part(820.0), y=from_part(0.0)),
+    dual_end=from_part(800.0),
+)
+STATED = Sensed(x_um=8.0, y_um=0.0, theta_deg=180.0)
 AT_START = Sensed(x_um=8.1, y_um=0.0, theta_deg=180.0)
 IN_GOAL = Sensed(x_um=0.1, y_um=0.0, theta_deg=180.0)
+
+
+def test_a_part_at_the_stated_start_is_answered_before_other_starts_are_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And what is expected after its move is of the stated starts, whenever the others are found."""
+    wide, not_yet = Future[tuple[PoseBox, ...]](), Future[tuple[PoseBox, ...]]()
+    not_yet.set_exception(AssertionError("other starts were asked for"))
+    monkeypatch.setattr("meso_robust.policy.controller._beside", lambda work: not_yet)
+    plan = short_push()
+
+    first = plan.answer(STATED)
+    assert isinstance(first, Move)
+    assert isinstance(plan.answer(IN_GOAL), Done)
+
+    stated = _stages((PUSH,), setup_of(short_push_task()))
+    assert stated is not None
+    room = Interval(-5e-6, 5e-6)
+    wide.set_result(tuple(replace(box, x=box.x + room) for box in stated))
+    plan._widest = wide
+    beside = plan.answer(AT_START)
+    assert isinstance(beside, Move)
+    assert isinstance(plan.answer(IN_GOAL), Done)
+    assert plan.answer(STATED) == first
+
+
+def test_what_goes_wrong_while_starts_are_looked_for_is_told_to_who_asks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fails(*_: object) -> tuple[PoseBox, ...]:
+        raise ArithmeticError("no bound")
+
+    monkeypatch.setattr("meso_robust.policy.controller._widest", fails)
+
+    with pytest.raises(ArithmeticError, match="no bound"):
+        short_push().answer(AT_START)
 
 
 @pytest.mark.parametrize("end", ["done", "refused"])
