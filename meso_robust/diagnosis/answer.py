@@ -276,13 +276,6 @@ def _located(found: Diagnosis) -> dict[str, object]:
     }
 
 
-def intervals_of(found: Candidate) -> tuple[Interval, ...]:
-    """Intervals of all numbers of an extended model."""
-    refit = found.refit
-    values, jacobian = refit.fits.values[0], refit.fitted.jacobian[0]
-    return intervals(refit.model, values, jacobian, refit.tangent, refit.rows)
-
-
 def _remainder(found: Diagnosis) -> dict[str, object]:
     left = found.grade.remainder
     return {
@@ -324,7 +317,7 @@ def _residual(found: Diagnosis) -> dict[str, object] | None:
 def _effects(
     found: Diagnosis, best: Candidate, answers: tuple[Candidate, ...]
 ) -> tuple[dict[str, object], ...]:
-    known = {one.key: one for one in intervals_of(best)}
+    known = {one.key: one for one in found.known}
     able = sum(one.probability for one in answers) or 1.0
     return tuple(
         {
@@ -478,7 +471,7 @@ def _model_document(found: Diagnosis, version: str) -> ModelDocument:
     if best is None or found.extended is None:
         made = ModelDocument.model_validate(plain)
         return made.model_copy(update={"verdict": verdict(made)})
-    known = intervals_of(best)
+    known = found.known
     shown = {one.key: one.shown["value"] for one in known}
     # the quality is of the plain fit and goes with it
     return ModelDocument.model_validate(

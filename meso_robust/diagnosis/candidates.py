@@ -13,6 +13,9 @@ from meso_robust.simulator.catalogue import CATALOGUE
 _PRIOR_NATS = np.log(len(CATALOGUE))  # of each further effect: one of the catalogue was picked
 # of the probability may be outside the answers
 _UNCLAIMED_SHARE = 0.05
+# by which an image must be likelier turned or scaled about the very origin of the stage than about a place: nobody has
+# put it there, and what a tracker is off by throughout moves it
+_PLACE_NATS = 3.0
 # of what the best set explains: how well a simulator of finite steps knows scores
 _SCORE_SHARE = 0.005
 _SUPERSET_NATS = 2.0  # by which a larger set must be better than a part of it
@@ -135,9 +138,19 @@ def best_of_each(fits: list[Refit]) -> list[Refit]:
 
 def _leading(own: list[Refit]) -> Refit:
     best, *rest = own
+    general = next((one for one in rest if _with_a_place(one, best)), None)
+    if general is not None and general.gain > best.gain - _PLACE_NATS:
+        best, rest = general, [best, *(one for one in rest if one is not general)]
     laws = [trial.law for trial in best.trials]
     other = next((one for one in rest if [trial.law for trial in one.trials] != laws), None)
     return best if other is None else replace(best, lead=best.gain - other.gain)
+
+
+def _with_a_place(one: Refit, best: Refit) -> bool:
+    """Whether a form is another one with the place of the image's turn or scale as numbers more."""
+    more = {(trial.effect, key) for trial in one.trials for key in trial.scales}
+    less = {(trial.effect, key) for trial in best.trials for key in trial.scales}
+    return less < more and all(key.startswith("about_") for _, key in more - less)
 
 
 def ranked(field: list[Candidate]) -> list[Candidate]:

@@ -24,9 +24,10 @@ from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.localisation import Located, located, predicted_pairs
 from meso_robust.diagnosis.model_selection import Contest
 from meso_robust.diagnosis.noise import noise_of, with_noise
-from meso_robust.diagnosis.refit import Refit
+from meso_robust.diagnosis.refit import Refit, intervals_of
 from meso_robust.diagnosis.residual import ResidualLaw, residual_law
 from meso_robust.diagnosis.store import Store
+from meso_robust.diagnosis.tangent import Interval
 from meso_robust.diagnosis.validation import (
     Extrapolation,
     Split,
@@ -94,6 +95,8 @@ class Diagnosis:
         Errors of the plain model, and of the best extended one; None where nothing was added.
     checked
         What would speak against the extended model.
+    known
+        Intervals of the numbers of the extended model; none where nothing was added.
     residual
         A law of what has no name, where the verdict is partial or unknown; None where none was found.
     """
@@ -110,6 +113,7 @@ class Diagnosis:
     plain: Worth
     extended: Worth | None
     checked: Checked
+    known: tuple[Interval, ...] = ()
     residual: ResidualLaw | None = None
 
     @property
@@ -237,6 +241,7 @@ def diagnose(
         plain=plain,
         extended=extended,
         checked=checks,
+        known=() if best is None else intervals_of(baseline, best.refit),
         residual=law,
     )
 

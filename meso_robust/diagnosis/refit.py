@@ -7,17 +7,19 @@ rule it is the sum of the log densities with which each recording is predicted f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
 from meso_robust.diagnosis.signatures import Signature, estimate, extended, start_of, within
 from meso_robust.diagnosis.store import NOWHERE, Store, kept_fit
-from meso_robust.diagnosis.tangent import Tangent, tangent
+from meso_robust.diagnosis.tangent import Interval, Tangent, intervals, tangent
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.identification.forward import corrected
 from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
+from meso_robust.identification.prepared import Prepared, some_of
 from meso_robust.identification.problem import Fits, Fitted
 from meso_robust.types import Flags, Floats
 
@@ -127,6 +129,50 @@ def refined(
     return _scored(baseline, chosen, rough.model, found)
 
 
+def intervals_of(baseline: Baseline, refit: Refit) -> tuple[Interval, ...]:
+    """Intervals of all numbers of a fit whose search is at its end.
+
+    Parameters
+    ----------
+    baseline
+        The plain fit.
+    refit
+        The extended one.
+    """
+    fits, model = refit.fits, refit.model
+    given = lru_cache(1)(lambda: _corrected(baseline, model, fits))
+
+    def without(row: int) -> Floats | None:
+        rest = np.delete(np.arange(len(baseline.prepared.files)), row)
+        try:
+            again = fit(
+                some_of(given(), rest),
+                model,
+                fits.values,
+                baseline.settings.by_chord(_MOST, 0.05),
+                starts=fits.starts[0, rest],
+                offsets=fits.offsets[0, rest],
+            )
+        except (ValueError, np.linalg.LinAlgError):
+            return None  # its search leaves what can be simulated
+        return np.asarray(model.coordinates(again.fits.values)[0])
+
+    jacobian = refit.fitted.jacobian[0]
+    return intervals(model, fits.values[0], jacobian, refit.tangent, refit.rows, without)
+
+
+def _corrected(baseline: Baseline, model: Model, fits: Fits) -> Prepared:
+    """The recordings with predictions corrected for the length of the steps at a fit."""
+    return corrected(
+        baseline.prepared,
+        baseline.finer,
+        model,
+        fits.values,
+        starts=fits.starts,
+        offsets=fits.offsets,
+    )
+
+
 def _key(chosen: tuple[Signature, ...]) -> str:
     """What tells one set of forms from another."""
     return " ".join(f"{one.trial.effect}{sorted(one.trial.shape.items())}" for one in chosen)
@@ -145,16 +191,8 @@ def _sharp(baseline: Baseline, rough: Refit) -> Fitted:
         offsets=fits.offsets[0],
     )
     fits = found.fits
-    sharp = corrected(
-        baseline.prepared,
-        baseline.finer,
-        model,
-        fits.values,
-        starts=fits.starts,
-        offsets=fits.offsets,
-    )
     return fit(
-        sharp,
+        _corrected(baseline, model, fits),
         model,
         fits.values,
         settings,

@@ -7,7 +7,9 @@ take of such a vector is projected out; what is left is evidence against the fit
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from scipy.stats import chi2, norm, t as student
@@ -15,12 +17,16 @@ from scipy.stats import chi2, norm, t as student
 from meso_robust.identification.models import Model, Parameter
 from meso_robust.types import Flags, Floats
 
+Without: TypeAlias = Callable[[int], Floats | None]
+"""Coordinates (n,) of a model fitted without one of the recordings; None where that fit fails."""
+
 CONFIDENCE = 0.9
 """Probability with which an interval shall cover."""
 _TAIL = 0.5 * (1.0 - CONFIDENCE)
 _DISAGREE = 0.1, 0.025
 """Chances with which recordings that agree are taken to disagree in part, and altogether, which makes
 intervals a little wide."""
+_DECISIVE = 0.2  # of what leaving out recordings does, squared, that is one's alone
 _RANK = 1e-8  # of the largest singular value, below which a direction is none
 _PRIOR = 4  # offsets of the tips, with a prior of their own
 
@@ -162,7 +168,12 @@ class Interval:
 
 
 def intervals(
-    model: Model, values: Floats, jacobian: Floats, at: Tangent, rows: Floats | None = None
+    model: Model,
+    values: Floats,
+    jacobian: Floats,
+    at: Tangent,
+    rows: Floats | None = None,
+    without: Without | None = None,
 ) -> tuple[Interval, ...]:
     """Intervals of all fitted numbers.
 
@@ -181,6 +192,9 @@ def intervals(
         Tells what is seen and the colour of the noise.
     rows
         (R, M) white residuals of the fit; without them no jackknife.
+    without
+        Fits again without a recording, for those that the jackknife hangs on; without it, it is linear
+        in all of them.
 
     Returns
     -------
@@ -202,8 +216,14 @@ def intervals(
     reach[free] = norm.isf(_TAIL) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     if rows is not None:
         count = len(at.seen)
-        apart, share = _jackknife(left[free].reshape(len(free), count, -1), alone.cleaned(rows))
         curved = reach[free]
+
+        def moved(row: int) -> Floats | None:
+            again = None if without is None else without(row)
+            return None if again is None else (model.coordinates(values[None])[0] - again)[free]
+
+        columns = left[free].reshape(len(free), count, -1)
+        apart, share = _jackknife(columns, alone.cleaned(rows), curved, moved)
         reach[free] = np.sqrt(curved**2 + share * np.maximum(apart**2 - curved**2, 0.0))
     middle = model.coordinates(values[None])[0]
     ends = [model.values((middle + sign * np.minimum(reach, 40.0))[None])[0] for sign in (-1, 1)]
@@ -214,8 +234,10 @@ def _inverse(matrix: Floats) -> Floats:
     return np.asarray(np.linalg.pinv(matrix, rcond=1e-12, hermitian=True))
 
 
-def _jackknife(columns: Floats, rows: Floats) -> tuple[Floats, float]:
-    """(k,) half widths by leaving out one recording at a time, to first order; and how far they count.
+def _jackknife(
+    columns: Floats, rows: Floats, curved: Floats, again: Callable[[int], Floats | None]
+) -> tuple[Floats, float]:
+    """(k,) half widths by leaving out one recording at a time; and how far they count.
 
     Parameters
     ----------
@@ -223,6 +245,11 @@ def _jackknife(columns: Floats, rows: Floats) -> tuple[Floats, float]:
         (k, R, M) derivatives of the white data.
     rows
         (R, M) what is left of the white data.
+    curved
+        (k,) half widths by the curvature.
+    again
+        (k,) by how much the numbers are more with a recording than without it, fitted again; None where that
+        is not known.
 
     Returns
     -------
@@ -246,8 +273,19 @@ def _jackknife(columns: Floats, rows: Floats) -> tuple[Floats, float]:
         return np.zeros(len(columns)), 0.0
     share = float(np.interp(pulls, chi2.isf(_DISAGREE, freedom), (0.0, 1.0)))
     moved = np.stack([_inverse(whole - information[r]) @ scores[r] for r in range(count)])
+    for r in _decisive(moved, curved) if share > 0.0 else ():
+        # the only recording that tells a number is far from where anything is linear
+        fitted = again(r)
+        moved[r] = moved[r] if fitted is None else fitted
     variance = (count - 1) / count * np.sum((moved - moved.mean(axis=0)) ** 2, axis=0)
     return np.asarray(student.isf(_TAIL, count - 1) * np.sqrt(variance)), share
+
+
+def _decisive(moved: Floats, curved: Floats) -> list[int]:
+    """Recordings without which numbers (R, k) move by more than their widths, and most of all."""
+    away = np.abs(moved - moved.mean(axis=0))
+    most = away**2 > _DECISIVE * np.sum(away**2, axis=0)
+    return [int(r) for r in np.flatnonzero(np.any(most & (away > curved), axis=1))]
 
 
 def _interval(model: Model, k: int, values: Floats, ends: list[Floats]) -> Interval:

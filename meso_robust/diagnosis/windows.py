@@ -165,6 +165,7 @@ def sliced(prepared: Prepared, cuts: tuple[Cut, ...]) -> Prepared:
         seen=_sliced_poses(prepared.seen, cuts),
         starts=np.stack([prepared.seen[cut.recording, cut.first] for cut in cuts]),
         correction=np.zeros((len(cuts), frames, 3)),
+        lean=prepared.lean[[cut.recording for cut in cuts]],
         notes=(),
     )
 

@@ -186,7 +186,7 @@ def _predicted(
     count, recordings = starts.shape[:2]
     physics = model.physics(np.repeat(values, recordings, axis=0))
     ways = _true_tips(prepared, physics.effects.table, count)
-    ways += _drifting(prepared, offsets)[:, :, None]
+    ways += _drifting(prepared, offsets)
     poses = starts.reshape(-1, 3).copy()
     shifts, caught = _freed(prepared, physics, poses, ways[:, 0])
     poses[:, :2] += shifts
@@ -237,11 +237,12 @@ def _true_tips(prepared: Prepared, table: Floats, count: int) -> Floats:
 
 
 def _drifting(prepared: Prepared, offsets: Floats) -> Floats:
-    """(K R, W, 2) offsets of the tips at the waypoints, even in time between the two ends."""
+    """(K R, W, P, 2) offsets of the tips at the waypoints, even in time between the two ends."""
     first, last = prepared.times[:, :1], prepared.instants[:, -1:]
     share = np.clip((prepared.times - first) / (last - first), 0.0, 1.0)[..., None]
     both = offsets[..., None, :2] * (1.0 - share) + offsets[..., None, 2:] * share
-    return np.asarray(both.reshape(-1, share.shape[1], 2))
+    each = np.einsum("rpij,krwj->krwpi", prepared.lean, both)
+    return np.asarray(each.reshape(-1, *each.shape[2:]))
 
 
 def _freed(

@@ -113,8 +113,11 @@ class Prepared:
     tips_seen
         Whether the waypoints are what the camera showed, not what was commanded.
     tip_offset
-        σ in m by which the first and the last position of a tip may be off; zero if commanded and nothing is
-        stated of it.
+        σ in m by which the first and the last position of a tip may be off, in the direction in which it is known
+        least; zero if commanded and nothing is stated of it.
+    lean
+        (R, P, 2, 2) what an offset is multiplied by: less across that direction than along it. Offsets of fits
+        are those before that, of one σ in all directions.
     parked
         (2,) a place far from everything, m.
     notes
@@ -138,6 +141,7 @@ class Prepared:
     sigmas: Sigmas
     tips_seen: bool
     tip_offset: float
+    lean: Floats
     parked: Floats
     notes: tuple[Note, ...]
     weights: Floats | None = None
@@ -186,7 +190,7 @@ def some_of(prepared: Prepared, rows: Ints) -> Prepared:
     return replace(prepared, files=files, weights=weights, **named)
 
 
-_BY_RECORDING = ("waypoints", "times", "instants", "seen", "starts", "correction")
+_BY_RECORDING = ("waypoints", "times", "instants", "seen", "starts", "correction", "lean")
 
 
 def prepare(
@@ -239,6 +243,7 @@ def prepare(
     tip = Round(recordings.tip_radius) if recordings.tip_radius > 0.0 else Point()
     legs = 1 + max(len(one.times) for one in ones)
     frames = max(len(one.instants) for one in ones)
+    along, across = _tip_offsets(recordings, sigmas)
     return Prepared(
         files=tuple(one.file for one in ones),
         outline=outline,
@@ -254,7 +259,8 @@ def prepare(
         length=length,
         sigmas=sigmas,
         tips_seen=seen_by_camera,
-        tip_offset=_tip_offset(recordings, sigmas),
+        tip_offset=along,
+        lean=_lean(recordings, across / along if along else 1.0, probes),
         parked=parked,
         notes=tuple(notes),
     )
@@ -349,20 +355,36 @@ def _smoothed_as_seen(times: Floats, flat: Floats) -> tuple[Floats, Floats]:
     return times, np.concatenate(list(np.array(np.split(white, len(axes), axis=1)) @ axes), axis=1)
 
 
-def _tip_offset(recordings: RecordingSet, sigmas: Sigmas) -> float:
-    """σ of the ends of a tip's path: as stated; of a seen one with what smoothing leaves of its scatter.
+def _tip_offsets(recordings: RecordingSet, sigmas: Sigmas) -> tuple[float, float]:
+    """σ of the ends of a tip's path, along its needle and across: as stated.
 
-    A tip that was seen, of which nothing is stated, is off as the part is, by what of σ is no scatter.
+    Of a seen one with what smoothing leaves of its scatter. A tip that was seen, of which nothing is stated, is off as the part is, by what of σ is no scatter.
     """
-    stated = recordings.sensor.tip_offset
+    sensor = recordings.sensor
+    along = sensor.tip_offset
+    across = along if sensor.tip_offset_across is None else sensor.tip_offset_across
     if recordings.position_source != "camera":
-        return stated or 0.0
+        return along or 0.0, across or 0.0
     paths = [one.probes.reshape(len(one.times), -1) for one in recordings.recordings]
     seen = [path[np.all(np.isfinite(path), axis=1)] for path in paths]
     white = float(np.mean([roughness(path) ** 2 for path in seen]))
     frames = float(np.median([len(path) for path in seen]))
-    stays = max((sigmas.position or 0.0) ** 2 - white, 0.0) if stated is None else stated**2
-    return float(np.sqrt(stays + _ENDS * white / frames))
+    stays = max((sigmas.position or 0.0) ** 2 - white, 0.0)
+    one, other = (
+        float(np.sqrt((stays if told is None else told**2) + _ENDS * white / frames))
+        for told in (along, across)
+    )
+    return one, other
+
+
+def _lean(recordings: RecordingSet, ratio: float, probes: int) -> Floats:
+    """(R, P, 2, 2) of offsets across a tip's direction over those along it; of no direction where none is told."""
+    lean = np.tile(np.eye(2), (len(recordings.recordings), probes, 1, 1))
+    for of, recording in zip(lean, recordings.recordings, strict=True):
+        for p, angle in enumerate(recording.tip_directions or ()):
+            way = np.array([np.cos(angle), np.sin(angle)])
+            of[p] = ratio * np.eye(2) + (1.0 - ratio) * np.outer(way, way)
+    return lean
 
 
 def _gap_sigma(whole: RecordingSet, sigmas: Sigmas) -> float:

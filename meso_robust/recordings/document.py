@@ -106,6 +106,9 @@ class SensorSection(_Section):
     """Standard deviation of x or y of what a tip is away from where it is said to be throughout a recording, and
     otherwise in the next, um: how well a manipulator finds a place, or, of a seen tip, what every frame's has
     in common; when absent, 0, or, of a seen tip, what position_sigma_um has beyond the tip's scatter."""
+    tip_offset_across_um: Annotated[FiniteFloat, Field(ge=0, le=1e4)] | None = None
+    """Likewise across tip_directions_deg of the recordings, along which tip_offset_um then is, um; when absent,
+    tip_offset_um in all directions."""
     frame_rate_hz: Annotated[FiniteFloat, Field(gt=0, le=1e6)]
     """Frames a second."""
 
@@ -119,10 +122,24 @@ class RecordingSection(_Section):
     """Names of its probes, as in the columns."""
     alike_orientations: Annotated[int, Field(ge=1, le=1000)] = 1
     """Number of orientations in which the part looks the same, where none was chosen; 1: theta is certain."""
+    tip_directions_deg: tuple[FiniteFloat, ...] | None = None
+    """Of each probe the direction in which its place is known least, that of its needle, deg, world frame; goes
+    with tip_offset_across_um."""
 
     @model_validator(mode="after")
     def _names_differ(self) -> Self:
         _raise_if(twice_fault(self.probes))
+        return self
+
+    @model_validator(mode="after")
+    def _each_has_a_direction(self) -> Self:
+        given, probes = self.tip_directions_deg, len(self.probes)
+        wrong = given is not None and len(given) != probes
+        _raise_if(
+            f"tip_directions_deg: {len(given or ())} values; must be {probes}, one of each probe; add or remove some"
+            if wrong
+            else None
+        )
         return self
 
 
@@ -144,6 +161,22 @@ class SetDocument(_Section):
     def _files_differ(self) -> Self:
         fault = twice_fault([recording.file for recording in self.recording])
         _raise_if(fault and f"recording: file {fault}")
+        return self
+
+    @model_validator(mode="after")
+    def _across_has_a_direction(self) -> Self:
+        if self.sensor.tip_offset_across_um is None:
+            return self
+        _raise_if(
+            None
+            if self.sensor.tip_offset_um is not None
+            else "sensor.tip_offset_across_um: needs tip_offset_um, along the needle; state both"
+        )
+        without = next((one.file for one in self.recording if one.tip_directions_deg is None), None)
+        _raise_if(
+            without
+            and f"sensor.tip_offset_across_um: needs tip_directions_deg of every recording; {without} has none; add it"
+        )
         return self
 
 

@@ -33,6 +33,9 @@ def set_hash(recordings: RecordingSet) -> str:
         digest.update(repr(sensor.tip_sigma).encode())
     if sensor.tip_offset is not None:
         digest.update(repr(("tip_offset", sensor.tip_offset)).encode())
+    if sensor.tip_offset_across is not None:
+        ways = [one.tip_directions for one in recordings.recordings]
+        digest.update(repr(("tip_offset_across", sensor.tip_offset_across, ways)).encode())
     for one in recordings.recordings:
         digest.update(repr((one.file, one.probe_names, len(one.times))).encode())
         for array in (one.times, one.poses, one.probes):

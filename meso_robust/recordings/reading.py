@@ -72,7 +72,12 @@ def read_outline(path: Path) -> Rectangle | Polygon:
 
 def stated(recording: Recording, section: RecordingSection) -> Recording:
     """A recording with what ``set.toml`` states of it beside its table."""
-    return replace(recording, alike_orientations=section.alike_orientations)
+    angles = section.tip_directions_deg
+    return replace(
+        recording,
+        alike_orientations=section.alike_orientations,
+        tip_directions=None if angles is None else tuple(angle * DEG for angle in angles),
+    )
 
 
 def assembled(document: SetDocument, folder: Path, recordings: Sequence[Recording]) -> RecordingSet:
@@ -104,10 +109,12 @@ def _part(section: PartSection, path: Path) -> Rectangle | Polygon:
 def _sensor(section: SensorSection) -> SensorInfo:
     position, orientation = section.position_sigma_um, section.orientation_sigma_deg
     tip, offset = section.tip_sigma_um, section.tip_offset_um
+    across = section.tip_offset_across_um
     return SensorInfo(
         frame_rate=section.frame_rate_hz,
         position_sigma=None if position is None else position * UM,
         orientation_sigma=None if orientation is None else orientation * DEG,
         tip_sigma=None if tip is None else tip * UM,
         tip_offset=None if offset is None else offset * UM,
+        tip_offset_across=None if across is None else across * UM,
     )

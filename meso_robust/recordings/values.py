@@ -16,6 +16,15 @@ PositionSource: TypeAlias = Literal["controller", "camera"]
 """Where the positions of the probes are from: commanded, or seen in the images."""
 
 
+_DEVIATIONS = (
+    "position_sigma",
+    "orientation_sigma",
+    "tip_sigma",
+    "tip_offset",
+    "tip_offset_across",
+)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorInfo:
     """What is known of the camera and the tracker that made a set.
@@ -35,6 +44,9 @@ class SensorInfo:
         Standard deviation in m of x and of y of what a tip is away from where it is said to be throughout a
         recording, and otherwise in the next: how well a manipulator finds a place, or, of a seen tip, what
         every frame's has in common. None: a log is taken at its word, and a seen tip is off as the part is.
+    tip_offset_across
+        Likewise across `Recording.tip_directions`, along which `tip_offset` then is: the end of a needle is seen
+        several times worse along it than across. None: as much in all directions.
 
     Raises
     ------
@@ -47,13 +59,14 @@ class SensorInfo:
     orientation_sigma: float | None = None
     tip_sigma: float | None = None
     tip_offset: float | None = None
+    tip_offset_across: float | None = None
 
     def __post_init__(self) -> None:
         """Check the fields."""
         if not 0.0 < self.frame_rate < math.inf:
             rule = "must be positive and finite"
             _refuse("frame_rate", f"{self.frame_rate} Hz", rule, "try 30 Hz")
-        for name in ("position_sigma", "orientation_sigma", "tip_sigma", "tip_offset"):
+        for name in _DEVIATIONS:
             value = getattr(self, name)
             if value is not None and not 0.0 <= value < math.inf:
                 rule = "must be finite and not negative"
@@ -83,6 +96,9 @@ class Recording:
     alike_orientations
         Number of orientations in which the part looks the same and among which none was chosen: θ is
         right up to a whole turn over it. 1 where θ is sure.
+    tip_directions
+        P angles in rad, world frame: of each tip the direction in which its place is known least, along its
+        needle; half a turn does not matter. None: no direction is told from another.
 
     Raises
     ------
@@ -97,6 +113,7 @@ class Recording:
     probes: Floats
     forces: Floats | None = None
     alike_orientations: int = 1
+    tip_directions: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         """Copy, freeze and check the fields."""
@@ -112,12 +129,19 @@ class Recording:
                 array.flags.writeable = False
                 object.__setattr__(self, name, array)
         self._check_shapes()
+        if self.tip_directions is not None:
+            self._check_directions(self.tip_directions)
         fault = clock_fault(self.times)
         if fault:
             raise ValueError(f"times[{fault[0]}]: {fault[1]}")
         for name in ("poses", "probes", "forces"):
             if getattr(self, name) is not None and np.any(np.isinf(getattr(self, name))):
                 _refuse(name, "infinite", "must be finite or NaN", "give NaN where not seen")
+
+    def _check_directions(self, angles: tuple[float, ...]) -> None:
+        if len(angles) != len(self.probe_names) or not all(map(math.isfinite, angles)):
+            rule = f"must be {len(self.probe_names)} finite angles, one of each probe"
+            _refuse("tip_directions", f"{angles}", rule, "give None where they are unknown")
 
     def _check_shapes(self) -> None:
         rows, tips = self.times.size, len(self.probe_names)

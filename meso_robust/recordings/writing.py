@@ -66,6 +66,7 @@ def _values(recordings: RecordingSet) -> dict[str, Any]:
         "orientation_sigma_deg": _in(sensor.orientation_sigma, DEG),
         "tip_sigma_um": _in(sensor.tip_sigma, UM),
         "tip_offset_um": _in(sensor.tip_offset, UM),
+        "tip_offset_across_um": _in(sensor.tip_offset_across, UM),
     }
     return {
         "schema": SCHEMA,
@@ -83,6 +84,7 @@ def _values(recordings: RecordingSet) -> dict[str, Any]:
                 "file": recording.file,
                 "probes": list(recording.probe_names),
                 **_alike(recording.alike_orientations),
+                **_directions(recording.tip_directions),
             }
             for recording in recordings.recordings
         ],
@@ -91,6 +93,10 @@ def _values(recordings: RecordingSet) -> dict[str, Any]:
 
 def _alike(orientations: int) -> dict[str, int]:
     return {"alike_orientations": orientations} if orientations > 1 else {}
+
+
+def _directions(angles: tuple[float, ...] | None) -> dict[str, list[float | None]]:
+    return {} if angles is None else {"tip_directions_deg": [_in(angle, DEG) for angle in angles]}
 
 
 def _outline(part: Rectangle | Polygon) -> dict[str, Any]:

@@ -66,7 +66,7 @@ def experiment_page(
                     ("trials of each", str(bench.trials)),
                     (
                         "speed",
-                        " and ".join(f"{_um(rate * bench.speed)} µm/s" for rate in bench.rates),
+                        ", ".join(f"{_um(rate * bench.speed)} µm/s" for rate in bench.rates),
                     ),
                     ("radius of the tip", f"{number(bench.tip_radius / units.UM)} µm"),
                 ),

@@ -37,7 +37,9 @@ _CLEAR = 12.0  # px from the part, from where on one place is as free as another
 _FREE = 8.0  # px from the part where it serves to fit the needle; what is nearer to it than that does not
 _AHEAD = 2.0  # px ahead of a tip that always serve
 _ROUNDS = 2
-_ALONG, _ACROSS = 0.1, 0.035  # px; what the needle's and the film's simplicity leave
+_ALONG, _ACROSS = 0.05, 0.02  # px; what the needle's and the film's simplicity leave
+# of a tip's variance if what is left were alike wherever the tip's slopes reach: these change their sign there
+_CANCELS = 0.5
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
 # px between part and needle, nearer than which the film between them tells less; and px along the axis by how much
 _CLOSE, _AT_PART = 2.0, 0.15
@@ -125,7 +127,7 @@ def _each(
         if _clearance(one) < matte.needle.radius + _CLOSE:
             doubt = doubt + close
         tips.append(found.tip)
-        spreads.append(matte.alike * found.covariance + constant + doubt)
+        spreads.append(_CANCELS * matte.alike * found.covariance + constant + doubt)
     return Refined(tips=np.array(tips), covariances=np.array(spreads), remark="")
 
 

@@ -38,10 +38,11 @@ _LAG, _ALIKE = (
 )  # bins between values that are compared, and px over which what varies is alike
 _OWN = 0.6  # share of a side's own variation, the rest being the mean of all: 20 px tell little
 _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
-# displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px), and how round the
-# chamfer is: middle and spread of what parts under a 4x objective show; they bind only where the image says nothing
-_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5])
-_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 1.0, 0.4, 0.5])
+# displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px), how round the
+# chamfer and how flat the blur is: middle and spread of what parts under a 4x objective show; they bind only where the
+# image says nothing
+_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5, 0.25])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 1.0, 0.4, 0.5, 0.3])
 _CHAMFER, _FORM = 4, (4, 6)
 _FOIL = 0.35  # spread of the log of the chamfer among etched foils, whose rims are seen wider than the blur
 # a strongly lit rim may have been taken for the edge on one side and not on the other
@@ -227,7 +228,7 @@ def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
             lambda x: np.append(misfit(sides, x), (x - _EXPECTED) / _SPREAD),
             begin,
             jac=lambda x: np.vstack((slopes(sides, x), expected)),
-            x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3],
+            x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3, 0.3],
             max_nfev=12,
         )
     except (ValueError, np.linalg.LinAlgError):  # a shape ran to infinity

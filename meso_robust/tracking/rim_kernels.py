@@ -16,6 +16,7 @@ _LEVELS, _SHARED = (0, 1, 3, 4), (1, 2, 5, 6, 7)  # of each side, and of all ali
 _RIDGE = 1e-6
 _FAR = 8.0  # beyond which the series of the scaled error function is exact enough
 _STEP = 1.5e-8  # of differences
+_FLATTEST = 0.9  # of the variance of the blur that lies between its two halves, at most
 
 Given: TypeAlias = tuple[Floats, Floats, Floats, Floats, float]
 """Centres (B,) of the bins, normals (S, 2), whiteners (S, B, B), what is compared (S B + S,), and the weight
@@ -33,9 +34,9 @@ def _scaled_tail(t: float, exponent: float, less: float) -> float:
 
 
 @inner
-def _shapes(x: float, unknown: Floats, out: Floats) -> None:
-    """Background, its slope, meniscus, face, its slope, chamfer (6,), each blurred, at a place outward, px."""
-    blur, chamfer, meniscus = math.exp(unknown[3]), math.exp(unknown[4]), math.exp(unknown[5])
+def _shapes(x: float, blur: float, unknown: Floats, out: Floats) -> None:
+    """Add half of background, its slope, meniscus, face, its slope, chamfer (6,), each blurred, at a place outward, px."""
+    chamfer, meniscus = math.exp(unknown[4]), math.exp(unknown[5])
     y = x + chamfer
     z, w = x / blur, y / blur
     above, upper = 0.5 * math.erfc(-z / math.sqrt(2.0)), 0.5 * math.erfc(-w / math.sqrt(2.0))
@@ -46,22 +47,34 @@ def _shapes(x: float, unknown: Floats, out: Floats) -> None:
     upper_bend = 0.5 * ((y * y + blur * blur) * upper + y * upper_bell)
     straight = (inside - rising) / chamfer - above
     rounded = 2.0 * inside / chamfer - 2.0 * (upper_bend - bend) / chamfer**2 - above
+    out[0] += 0.5 * above
+    out[1] += 0.05 * rising
     # exp(-x / meniscus) for x > 0, blurred
     ratio = blur / meniscus
     t = (ratio - z) / math.sqrt(2.0)
-    out[0], out[1] = above, 0.1 * rising
-    out[2] = 0.5 * _scaled_tail(t, 0.5 * ratio * ratio - x / meniscus, 0.5 * z * z)
-    out[3], out[4] = 1.0 - above, 0.1 * (x - rising)
-    out[5] = straight + unknown[6] * (rounded - straight)
+    out[2] += 0.25 * _scaled_tail(t, 0.5 * ratio * ratio - x / meniscus, 0.5 * z * z)
+    out[3] += 0.5 * (1.0 - above)
+    out[4] += 0.05 * (x - rising)
+    out[5] += 0.5 * (straight + unknown[6] * (rounded - straight))
 
 
 @inner
 def _side(given: Given, side: int, unknown: Floats, out: Floats) -> None:
-    """Shapes across a side (B, 8): those of `_shapes`, and the chamfer's two cosines to the light."""
+    """Shapes across a side (B, 8): those of `_shapes`, and the chamfer's two cosines to the light.
+
+    The blur is the mean of two normal distributions side by side, about as flat as that of a disc where half of its
+    variance lies between them.
+    """
     centres, normals = given[0], given[1]
     away = normals[side, 0] * unknown[0] + normals[side, 1] * unknown[1] + unknown[2]
+    flat, blur = min(max(unknown[7], 0.0), _FLATTEST), math.exp(unknown[3])
+    apart, sharp = blur * math.sqrt(flat), blur * math.sqrt(1.0 - flat)
     for b in range(len(centres)):
-        _shapes(centres[b] - away, unknown, out[b])
+        x = centres[b] - away
+        for i in range(_SHAPES):
+            out[b, i] = 0.0
+        _shapes(x - apart, sharp, unknown, out[b])
+        _shapes(x + apart, sharp, unknown, out[b])
         for i in range(2):
             out[b, _SHAPES + i] = out[b, _SHAPES - 1] * normals[side, i]
 
@@ -147,20 +160,20 @@ def _less(first: Floats, second: Floats, sign: float) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def misfit(given: Given, unknown: Floats) -> Floats:
-    """What the best levels leave (S B + S,) at displacement (2,), δ, and shape (4,)."""
+    """What the best levels leave (S B + S,) at displacement (2,), δ, and shape (5,)."""
     return _solved(given, unknown)[4]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def slopes(given: Given, unknown: Floats) -> Floats:
-    """How `misfit` varies with each unknown, (S B + S, 7).
+    """How `misfit` varies with each unknown, (S B + S, 8).
 
     Levels that fit best vary, too: Golub and Pereyra, doi:10.1137/0710036.
     """
     unit, size, inverse, levels, rest = _solved(given, unknown)
     count, bins = len(given[1]), len(given[0])
     here, there = np.empty((bins, _SHAPES + 2)), np.empty((bins, _SHAPES + 2))
-    model, pull = np.zeros((len(rest), 7)), np.zeros((len(size), 7))
+    model, pull = np.zeros((len(rest), len(unknown))), np.zeros((len(size), len(unknown)))
     bright, line, own = np.empty(_SHAPES + 2), np.empty(bins), np.empty(bins)
     for side in range(count):
         for b in range(bins):
@@ -168,7 +181,7 @@ def slopes(given: Given, unknown: Floats) -> Floats:
         weights = np.dot(given[2][side].T, own)
         _brightness(levels, size, side, count, bright)
         _side(given, side, unknown, here)
-        for j in range(7):
+        for j in range(len(unknown)):
             moved = unknown.copy()
             moved[j] += _STEP * max(1.0, abs(unknown[j]))
             _side(given, side, moved, there)

@@ -11,6 +11,7 @@ import numpy as np
 from meso_robust.recordings import Polygon, Recording, RecordingSet, Rectangle, SensorInfo
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.tracking.commands import Commands
+from meso_robust.types import Floats
 
 if TYPE_CHECKING:
     from meso_robust.tracking.track import Track
@@ -42,6 +43,7 @@ def recording_of(track: Track, file: str, commands: Commands | None = None) -> R
             poses=track.poses,
             probes=track.tips,
             alike_orientations=track.turns,
+            tip_directions=_tip_directions(track),
         )
     frames, told = np.round(track.times, _CLOCK), np.round(commands.times, _CLOCK)
     times = np.union1d(frames, told)
@@ -72,24 +74,47 @@ def sensor_of(tracks: Sequence[Track], *, tips_seen: bool) -> SensorInfo:
     covariances = np.concatenate([track.covariances[track.found] for track in tracks])
     known = len(covariances) > 0
     place = np.trace(covariances[:, :2, :2], axis1=1, axis2=2) / 2.0
+    tips = _tip_spread(tracks) if tips_seen else None
     return SensorInfo(
         frame_rate=tracks[0].frames.rate,
         position_sigma=float(np.sqrt(place.mean())) if known else None,
         orientation_sigma=float(np.sqrt(covariances[:, 2, 2].mean())) if known else None,
-        tip_offset=_tip_offset(tracks) if tips_seen else None,
+        tip_offset=None if tips is None else tips[0],
+        tip_offset_across=None if tips is None else tips[1],
     )
 
 
-def _tip_offset(tracks: Sequence[Track]) -> float | None:
-    """σ of a seen tip in the direction in which it is known least, m; None if none was seen.
+def _tip_spread(tracks: Sequence[Track]) -> tuple[float, float] | None:
+    """σ of seen tips in the direction in which each is known least, and across it, m; None if none was seen.
 
-    That is along its needle, and nearly all of it is the same in every frame of a video: what the end of the
-    needle looks like. A frame in doubt does not count, hence the median.
+    The first is along its needle, and nearly all of it is the same in every frame of a video: what the end of the
+    needle looks like.
     """
-    each = [track.tip_covariances[:, p] for track in tracks for p in range(len(track.names))]
-    known = [one[np.isfinite(one).all(axis=(1, 2))] for one in each]
-    largest = [np.median(np.linalg.eigvalsh(one)[:, -1]) for one in known if len(one)]
-    return float(np.sqrt(np.mean(largest))) if largest else None
+    known = [_known(track, p) for track in tracks for p in range(len(track.names))]
+    each = [np.median(np.linalg.eigvalsh(one), axis=0) for one in known if len(one)]
+    if not each:
+        return None
+    across, along = np.sqrt(np.maximum(np.mean(each, axis=0), 0.0))
+    return float(along), float(across)
+
+
+def _tip_directions(track: Track) -> tuple[float, ...]:
+    """Directions in which the seen tips are known least, rad, world frame; 0 of one that was never seen."""
+    found = []
+    for p in range(len(track.names)):
+        known = _known(track, p)
+        # of the frame in the middle by size: one in doubt does not count
+        order = np.argsort(np.trace(known, axis1=1, axis2=2))
+        middle = known[order[len(order) // 2]] if len(known) else np.zeros((2, 2))
+        way = np.linalg.eigh(middle)[1][:, -1]
+        found.append(math.atan2(way[1], way[0]) % math.pi)
+    return tuple(found)
+
+
+def _known(track: Track, probe: int) -> Floats:
+    """(T, 2, 2) m², covariances of a tip where it was seen."""
+    covariances = track.tip_covariances[:, probe]
+    return covariances[np.isfinite(covariances).all(axis=(1, 2))]
 
 
 def set_of(

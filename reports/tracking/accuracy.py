@@ -1,6 +1,6 @@
 """How well the part tracker does on rendered video whose truth is known.
 
-``python -m reports.tracking.accuracy --films 24 --film 14 --seed 11 --jobs 2 --out reports/tracking/accuracy.md``
+``python -m reports.tracking.accuracy --films 14 --film 14 --seed 59 --jobs 2 --out reports/tracking/accuracy.md``
 """
 
 from __future__ import annotations

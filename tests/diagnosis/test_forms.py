@@ -72,6 +72,28 @@ def test_the_lead_is_over_another_form_of_the_same_effects() -> None:
     assert leads == {("wall_capillarity",): (40.0, 9.0), ("body_force",): (12.0, None)}
 
 
+@pytest.mark.parametrize(("behind", "has"), [(2.0, True), (4.0, False)])
+def test_an_image_is_turned_about_a_place_unless_the_origin_is_much_likelier(
+    behind: float, has: bool
+) -> None:
+    def fit(gain: float, **free: float) -> Refit:
+        trial = Trial(effect="camera_scale", sizes={"percent": 0.3}, shape=free, free=free)
+        empty = np.zeros(0)
+        return Refit(
+            trials=(trial,),
+            gain=gain,
+            chi2=0.0,
+            rows=empty,
+            **dict.fromkeys(("model", "fits", "fitted", "tangent"), cast("Any", None)),
+        )
+
+    place = fit(50.0 - behind, about_x_um=1.0, about_y_um=1.0)
+    (found,) = best_of_each([fit(50.0), place])
+    assert ("about_x_um" in found.trials[0].scales) == has
+    (other,) = best_of_each([fit(50.0), fit(49.0, width_um=1.0)])
+    assert other.gain == 50.0
+
+
 def test_every_form_of_a_law_is_tried(wall: Diagnosis) -> None:
     tried = {(one.effect, one.law) for one in trials(wall.baseline.prepared)}
     for name, effect in CATALOGUE.items():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -81,6 +83,34 @@ def test_recordings_that_disagree_widen_an_interval_to_what_leaving_each_out_doe
     assert np.all(reach > 1.2 * BETWEEN * deviations(jacobian, 0.0))
     assert (rho.low, rho.high) == pytest.approx((RHO * np.exp(-reach[0]), RHO * np.exp(reach[0])))
     assert (mu.low, mu.high) == pytest.approx((MU - reach[1], MU + reach[1]))
+
+
+def test_a_recording_that_alone_tells_a_number_is_left_out_by_a_fit() -> None:
+    """To first order a number moves out of all bounds without it; where it comes to rest is told by a fit."""
+    generator = np.random.default_rng(5)
+    jacobian = 20.0 * generator.standard_normal((R, 3 * T, 5))
+    jacobian[1:, :, 1] *= 0.01  # only the first recording tells μ
+    apart = np.zeros((R, 2))
+    apart[0, 1] = 0.03
+    data = np.einsum("rmk,rk->rm", 20.0 * generator.standard_normal((R, 3 * T, 2)), apart)
+    left = fitted(jacobian, data + generator.standard_normal((R, 3 * T)))[1] * 3.0
+    at = tangent(jacobian, 2, np.ones((R, T, 3), dtype=bool), 0.0)
+    values, asked = np.array([RHO, MU]), list[int]()
+
+    def without(row: int) -> Floats | None:
+        asked.append(row)
+        return MODEL.coordinates(np.array([[RHO, MU - 0.05]]))[0] if row == 0 else None
+
+    def width(again: Callable[[int], Floats | None] | None) -> float:
+        mu = intervals(MODEL, values, jacobian, at, left, again)[1]
+        return mu.high - mu.low
+
+    linear, found = width(None), width(without)
+    assert asked[0] == 0
+    moved = np.array([0.05, 0.0, 0.0])
+    spread = np.sqrt((R - 1) / R * np.sum((moved - moved.mean()) ** 2))
+    assert found == pytest.approx(2.0 * 2.919985580355516 * spread, rel=0.1)
+    assert linear > 2.0 * found
 
 
 def test_recordings_that_agree_to_within_their_noise_do_not() -> None:

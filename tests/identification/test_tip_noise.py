@@ -117,6 +117,44 @@ def test_tips_seen_off_by_a_stated_error_are_believed_no_more(clean: RecordingSe
     assert not sure.low <= RHO <= sure.high
 
 
+def test_tips_seen_off_along_their_needles_are_believed_across_them(clean: RecordingSet) -> None:
+    """Off by 10 µm along a needle that stands elsewhere in every film, by 0.5 µm across it."""
+    rng = np.random.default_rng(7)
+    angles = rng.uniform(0.0, np.pi, len(clean.recordings))
+    ways = np.column_stack((np.cos(angles), np.sin(angles)))
+    seen = replace(
+        clean,
+        position_source="camera",
+        sensor=replace(clean.sensor, tip_offset=10.0 * UM),
+        recordings=tuple(
+            replace(
+                one,
+                probes=one.probes
+                + 10.0 * UM * rng.normal() * way
+                + 0.5 * UM * rng.normal() * np.array([-way[1], way[0]])
+                + 0.05 * UM * rng.normal(size=one.probes.shape),
+                tip_directions=(float(angle),),
+            )
+            for one, way, angle in zip(clean.recordings, ways, angles, strict=True)
+        ),
+    )
+    told = replace(seen, sensor=replace(seen.sensor, tip_offset_across=0.5 * UM))
+    lean = prepare(told).lean[:, 0]
+    np.testing.assert_allclose(np.einsum("rij,rj->ri", lean, ways), ways, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.det(lean), 0.05, rtol=0.02)
+
+    alike, found = (identify(one, starts=2) for one in (seen, told))
+
+    assert found.quality is not None
+    assert found.quality.chi2 < 1.1 * found.quality.freedom
+    wide, rho = (
+        next(profile for profile in one.profiles if profile.key == "rho_um2")
+        for one in (alike, found)
+    )
+    assert rho.low <= RHO <= rho.high
+    assert rho.high - rho.low < 0.8 * (wide.high - wide.low)
+
+
 def test_only_a_log_with_noise_is_smoothed(clean: RecordingSet) -> None:
     assert path_sigma(clean) < 1e-12
     exact, noisy = prepare(clean), prepare(shaking(clean, 0.3 * UM))

@@ -58,7 +58,7 @@ def test_a_case_is_laid_out_as_a_laboratory_would(concealed: str, tmp_path: Path
     effects = load_lab(tmp_path / "lab.toml").virtual.effects
     assert effects == ({} if concealed == NOTHING else {concealed: CONCEALED[concealed]})
     moves = read_experiment(tmp_path / "experiment.json").moves
-    assert {move.speed_um_s for move in moves} == {37.5, 150.0}
+    assert {move.speed_um_s for move in moves} == {15.0, 75.0, 150.0}
     assert min(move.rest_s for move in moves) >= 1.0
 
 

@@ -159,6 +159,21 @@ WRONG_SETS = [
         "key set: recording: file 'PUSH_00.csv' appears twice; names must differ, not only in case",
     ),
     (
+        '["probe1"]\n',
+        '["probe1"]\ntip_directions_deg = [1, 2]\n',
+        "key recording[0]: tip_directions_deg: 2 values; must be 1, one of each probe",
+    ),
+    (
+        "= 0.08\n",
+        "= 0.08\ntip_offset_um = 2\ntip_offset_across_um = 1\n",
+        "key set: sensor.tip_offset_across_um: needs tip_directions_deg of every recording; push_00.csv",
+    ),
+    (
+        "= 0.08\n",
+        "= 0.08\ntip_offset_across_um = 1\n",
+        "key set: sensor.tip_offset_across_um: needs tip_offset_um, along the needle",
+    ),
+    (
         '[[recording]]\nfile = "push_00.csv"\nprobes = ["probe1"]\n',
         "",
         "key recording is missing",
@@ -276,9 +291,10 @@ def test_the_schema_lists_the_keys_of_the_format() -> None:
             "orientation_sigma_deg",
             "tip_sigma_um",
             "tip_offset_um",
+            "tip_offset_across_um",
             "frame_rate_hz",
         },
-        "RecordingSection": {"file", "probes", "alike_orientations"},
+        "RecordingSection": {"file", "probes", "alike_orientations", "tip_directions_deg"},
     }
     assert json.loads(json.dumps(schema)) == schema
 

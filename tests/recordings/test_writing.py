@@ -41,13 +41,14 @@ def arrays(shape: tuple[int, ...], largest: float) -> st.SearchStrategy[Floats]:
 
 
 @st.composite
-def recordings(draw: st.DrawFn, file: str) -> Recording:
+def recordings(draw: st.DrawFn, file: str, directed: bool) -> Recording:
     names = tuple(draw(st.lists(st.sampled_from(NAMES), unique=True, max_size=3)))
     times = draw(st.lists(st.floats(-1e9, 1e9), unique=True, min_size=1, max_size=6))
     rows = len(times)
     poses = draw(arrays((rows, 3), 1e-2))
     poses[:, 2] *= 1e3  # a few turns
     forces = bool(names) and draw(st.booleans())
+    angles = st.lists(st.floats(-7.0, 7.0), min_size=len(names), max_size=len(names))
     return Recording(
         file=file,
         probe_names=names,
@@ -55,6 +56,7 @@ def recordings(draw: st.DrawFn, file: str) -> Recording:
         poses=poses,
         probes=draw(arrays((rows, len(names), 2), 1e-2)),
         forces=draw(arrays((rows, len(names), 2), 1e-3)) if forces else None,
+        tip_directions=tuple(draw(angles)) if directed else None,
     )
 
 
@@ -75,6 +77,8 @@ def sets(draw: st.DrawFn) -> RecordingSet:
         else Polygon(corners=star)
     )
     sigma = st.none() | st.floats(0.0, 0.1)
+    offset = draw(st.none() | st.floats(0.0, 1e-3))
+    across = None if offset is None else draw(st.none() | st.floats(0.0, 1e-3))
     return RecordingSet(
         part=part,
         tip_radius=draw(st.floats(0.0, 1e-3)),
@@ -84,9 +88,12 @@ def sets(draw: st.DrawFn) -> RecordingSet:
             position_sigma=draw(st.none() | st.floats(0.0, 1e-3)),
             orientation_sigma=draw(sigma),
             tip_sigma=draw(st.none() | st.floats(0.0, 1e-3)),
-            tip_offset=draw(st.none() | st.floats(0.0, 1e-3)),
+            tip_offset=offset,
+            tip_offset_across=across,
         ),
-        recordings=tuple(draw(recordings(file)) for file in files),
+        recordings=tuple(
+            draw(recordings(file, across is not None or draw(st.booleans()))) for file in files
+        ),
     )
 
 
@@ -109,10 +116,13 @@ def test_a_set_comes_back_within_the_digits_of_the_format(written: RecordingSet)
     assert same(found.sensor.orientation_sigma, written.sensor.orientation_sigma)
     assert same(found.sensor.tip_sigma, written.sensor.tip_sigma)
     assert same(found.sensor.tip_offset, written.sensor.tip_offset)
+    assert same(found.sensor.tip_offset_across, written.sensor.tip_offset_across)
     assert len(found.recordings) == len(written.recordings)
     for back, one in zip(found.recordings, written.recordings, strict=True):
         assert (back.file, back.probe_names) == (one.file, one.probe_names)
         assert np.array_equal(back.times, one.times)
+        assert (back.tip_directions is None) == (one.tip_directions is None)
+        np.testing.assert_allclose(back.tip_directions or (), one.tip_directions or (), rtol=1e-11)
         um, deg = 1e-4 * UM, math.radians(1e-5)
         np.testing.assert_allclose(back.poses[:, :2], one.poses[:, :2], rtol=0, atol=um)
         np.testing.assert_allclose(back.poses[:, 2], one.poses[:, 2], rtol=0, atol=deg)

@@ -150,13 +150,34 @@ def test_slopes_of_the_rim_are_differences_of_what_it_leaves() -> None:
     target = np.append(np.tile(100.0 + 50.0 * np.tanh(centres), 4), np.zeros(4))
     target[:-4] += rng.normal(size=4 * len(centres))
     given = (centres, normals, whitener, target, 1.0)
-    unknown = np.array([0.2, -0.3, 0.05, 0.1, 0.9, 0.8, 0.4])
+    unknown = np.array([0.2, -0.3, 0.05, 0.1, 0.9, 0.8, 0.4, 0.1])
 
     found = slopes(given, unknown)
 
-    for k, step in enumerate(1e-4 * np.eye(7)):
+    for k, step in enumerate(1e-4 * np.eye(8)):
         change = (misfit(given, unknown + step) - misfit(given, unknown - step)) / 2e-4
         assert found[:, k] == pytest.approx(change, abs=1e-4 * np.abs(change).max())
+
+
+def test_an_edge_that_is_blurred_by_a_disc_is_met_by_a_flat_blur_only() -> None:
+    centres, radius = np.arange(-10.0, 9.0, 0.25) + 0.125, 2.2
+    normals = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    # a half plane seen through a disc: the share of the disc that lies beyond the edge
+    reach = np.clip(centres / radius, -1.0, 1.0)
+    share = 0.5 - (np.arcsin(reach) + reach * np.sqrt(1.0 - reach**2)) / math.pi
+    target = np.append(np.tile(70.0 + 80.0 * share, 4), np.zeros(4))
+    given = (centres, normals, np.tile(np.eye(len(centres)), (4, 1, 1)), target, 1.0)
+
+    def left(flat: float) -> float:
+        each = [
+            np.linalg.norm(
+                misfit(given, np.array([0.0, 0.0, 0.0, math.log(blur), 0.9, 0.9, 0.5, flat]))
+            )
+            for blur in np.linspace(0.3 * radius, 0.7 * radius, 41)
+        ]
+        return float(min(each))
+
+    assert left(0.55) < 0.6 * left(0.0)
 
 
 def test_profiles_are_differentiated_wherever_nothing_is_hidden() -> None:
