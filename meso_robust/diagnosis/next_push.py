@@ -200,6 +200,7 @@ def arranged(prepared: Prepared, pushes: list[PushPlan]) -> Prepared:
         seen=np.full((len(pushes), frames, 3), np.nan),
         starts=starts,
         correction=np.zeros((len(pushes), frames, 3)),
+        lean=np.tile(np.eye(2), (len(pushes), 1, 1, 1)),
         notes=(),
     )
 

@@ -122,7 +122,7 @@ class RecordingSection(_Section):
     """Names of its probes, as in the columns."""
     alike_orientations: Annotated[int, Field(ge=1, le=1000)] = 1
     """Number of orientations in which the part looks the same, where none was chosen; 1: theta is certain."""
-    tip_directions_deg: tuple[FiniteFloat, ...] | None = None
+    tip_directions_deg: tuple[Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)], ...] | None = None
     """Of each probe the direction in which its place is known least, that of its needle, deg, world frame; goes
     with tip_offset_across_um."""
 

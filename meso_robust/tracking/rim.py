@@ -52,6 +52,7 @@ _LOOSEST = 2.5  # px; a larger displacement is no rim
 # variance of errors over that of the fit: always, a px of displacement, and a step between blocks of
 # compression over those within; set on films of their own
 _OWN_ERROR, _BY_LIGHT, _BY_BLOCKS = 0.1, 0.5, 0.25
+_WRONG = 0.2  # of a displacement, that the model of a rim gets wrong however well it fits
 _BLOCK = 8  # px, side of a block
 _ALIEN = 2.0  # standard deviations of a displacement common to all sides, beyond which edges are not the outline's
 _DISTINCT, _DOUBT = 0.2, 2.0  # px between solutions, and decline of their likelihood by their cost
@@ -172,7 +173,8 @@ def lamp_displacement(
         if np.hypot(*away) > _DISTINCT and np.hypot(*other.x[:2]) < _LOOSEST:
             doubt += math.exp(_DOUBT * (fit.cost - other.cost)) * np.outer(away, away) / len(fits)
     found = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)
-    covariance = _scatter(frame, fit.x[:2]) * found[:2, :2] + _by_form(found)
+    wrong = (_WRONG * float(np.hypot(*fit.x[:2]))) ** 2 * np.eye(2)
+    covariance = _scatter(frame, fit.x[:2]) * found[:2, :2] + _by_form(found) + wrong
     return LampFit(-fit.x[:2], covariance, doubt)
 
 
