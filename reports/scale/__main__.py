@@ -7,6 +7,8 @@ of the sizes.
 from __future__ import annotations
 
 import argparse
+import subprocess
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -14,7 +16,6 @@ from matplotlib.figure import Figure
 
 from reports.benchmarks.timing import number, table
 from reports.scale.curves import CURVES, Curve, exponent
-from reports.scale.memory import peaks
 
 COLUMNS = 4
 
@@ -76,6 +77,14 @@ def page(found: Sequence[tuple[Curve, list[float]]], memory: Sequence[tuple[str,
         *table("Memory of a verb at its peak", ("verb", "MB"), [(n, f"{m:.0f}") for n, m in memory]),
     ]  # fmt: skip
     return "\n".join(text)
+
+
+def peaks() -> list[tuple[str, float]]:
+    """Megabytes that each verb holds at most, from a process of its own; see `reports.scale.memory`."""
+    command = [sys.executable, "-m", "reports.scale.memory"]
+    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    rows = (line.split("\t") for line in told.splitlines())
+    return [(name, float(megabytes)) for name, megabytes in rows]
 
 
 def main() -> None:

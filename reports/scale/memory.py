@@ -1,9 +1,14 @@
-"""Largest memory of every verb, on the tutorial's data."""
+"""Largest memory of every verb, on the tutorial's data: ``python -m reports.scale.memory`` prints it.
+
+In a process of its own, with little in memory: what a process holds before it becomes another one counts as
+the other's.
+"""
 
 from __future__ import annotations
 
 import shutil
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from meso_robust.tasks import MICROSCOPE, PAPER
@@ -51,7 +56,7 @@ def words(folder: Path) -> dict[str, tuple[str, ...]]:
     }  # fmt: skip
 
 
-def peaks() -> list[tuple[str, float]]:
+def peaks() -> Iterator[tuple[str, float]]:
     """Name and megabytes of each verb, the largest of its processes.
 
     Raises
@@ -61,21 +66,27 @@ def peaks() -> list[tuple[str, float]]:
     """
     folder = Path(tempfile.mkdtemp())
     (folder / "attack.toml").write_text(CAMPAIGN, encoding="utf-8")
-    found = []
     try:
-        _cost("plan", ("plan", str(MICROSCOPE), "--out", str(folder / "live")))
+        _megabytes("plan", ("plan", str(MICROSCOPE), "--out", str(folder / "live")))
+        # what a verb works on may be written by the one before
         for name in words(folder):
-            # what a verb works on may be written by the one before
-            megabytes = _cost(name, words(folder)[name])
-            print(f"{name}: {megabytes:.0f} MB", flush=True)
-            found.append((name, megabytes))
+            yield name, _megabytes(name, words(folder)[name])
     finally:
         shutil.rmtree(folder)
-    return found
 
 
-def _cost(name: str, given: tuple[str, ...]) -> float:
+def _megabytes(name: str, given: tuple[str, ...]) -> float:
     took = cost(Wait(name=name, words=given, before="", wanted=0.0))
     if took.status not in (0, 1):
         raise RuntimeError(f"{name} ended with {took.status}: meso-robust {' '.join(given)}")
     return took.megabytes
+
+
+def main() -> None:
+    """Print a line for each verb."""
+    for name, megabytes in peaks():
+        print(f"{name}\t{megabytes:.0f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
