@@ -264,7 +264,9 @@ def _decider(
     from meso_robust.planning.reading import read_text
 
     if f'"{SCHEMA}' not in read_text(plan):
-        return drive(task, plan, progress=progress).answer, None
+        driver = drive(task, plan, progress=progress)
+        driver.controller.settle()  # a frame that waits for an answer grows too old
+        return driver.answer, None
     designed = Designed(read_experiment(plan), lab)
     return designed.answer, designed.files
 

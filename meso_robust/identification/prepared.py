@@ -358,7 +358,8 @@ def _smoothed_as_seen(times: Floats, flat: Floats) -> tuple[Floats, Floats]:
 def _tip_offsets(recordings: RecordingSet, sigmas: Sigmas) -> tuple[float, float]:
     """σ of the ends of a tip's path, along its needle and across: as stated.
 
-    Of a seen one with what smoothing leaves of its scatter. A tip that was seen, of which nothing is stated, is off as the part is, by what of σ is no scatter.
+    Of a seen one with what smoothing leaves of its scatter. One of which nothing is stated is off as the part
+    is, by what of σ is no scatter.
     """
     sensor = recordings.sensor
     along = sensor.tip_offset

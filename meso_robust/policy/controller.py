@@ -87,6 +87,9 @@ class Controller(Protocol):
     def answer(self, sensed: Sensed) -> Reply:
         """The next move, the end, or why there is none."""
 
+    def settle(self) -> None:
+        """Wait for what is still worked out beside the answers: for a loop whose answers have a deadline."""
+
 
 def controller_of(path: Path, task: Task) -> Controller:
     """The controller for a plan or policy file, proved again.
@@ -176,6 +179,9 @@ class PolicyController:
         """A pose that gets a move."""
         return _middle(self._policy.cells[-1].sensed)
 
+    def settle(self) -> None:
+        """Nothing is worked out beside the answers."""
+
     @property
     def to_go(self) -> int:
         """Bound of the moves to the goal, the last one answered included."""
@@ -260,6 +266,10 @@ class PlanController:
     def likely(self) -> Sensed:
         """A pose that gets a move."""
         return self._likely
+
+    def settle(self) -> None:
+        """Wait until all starts are found."""
+        self._widest.result()
 
     @property
     def starts(self) -> PoseBox:

@@ -101,6 +101,8 @@ def test_what_goes_wrong_while_starts_are_looked_for_is_told_to_who_asks(
 
     with pytest.raises(ArithmeticError, match="no bound"):
         short_push().answer(AT_START)
+    with pytest.raises(ArithmeticError, match="no bound"):
+        short_push().settle()
 
 
 @pytest.mark.parametrize("end", ["done", "refused"])
