@@ -8,7 +8,7 @@ INSTALLED := .venv/.installed
 # that a test starts would compile the package anew.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test test-all compiled check lock benchmark reports campaign tutorial nightly package oldest newest clean
+.PHONY: demo test test-all compiled check typed linted derived lock benchmark reports campaign tutorial nightly package oldest newest clean
 
 demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
@@ -24,10 +24,18 @@ compiled: $(INSTALLED)
 	@$(BIN)/python -c "from tests.compiled import compile_events; compile_events()" & other=$$!; folder=$$(mktemp -d) && \
 	$(BIN)/meso-robust plan --quiet --samples 10 --out "$$folder" && rm -r "$$folder" && wait $$other
 
+# mypy keeps one core busy, derivations another.
 check: $(INSTALLED)
+	$(MAKE) --jobs 2 typed linted derived
+
+typed: $(INSTALLED)
+	$(BIN)/mypy
+
+linted: $(INSTALLED)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy
+
+derived: $(INSTALLED)
 	$(BIN)/meso-robust derive --check
 
 # The peers live in a folder of their own, seen by this target alone.

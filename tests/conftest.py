@@ -13,9 +13,11 @@ from meso_robust import pipeline
 from meso_robust.certificates.margin import margin
 from meso_robust.pipeline import Planned, make
 from meso_robust.planning.compose import compose
+from meso_robust.policy.cells import Policy
 from tests.browser import REQUIRED, Browser, Page, browser as started, executable, tab
 from tests.paper import paper_task as paper_task  # read from here by many tests
 from tests.plan_once import once, one_at_a_time
+from tests.policy.small import built
 
 if TYPE_CHECKING:
     from derivations._derivation import Derivation
@@ -58,6 +60,13 @@ def paper_plan() -> Planned:
 def wide_friction_plan() -> Planned:
     """The same task with friction anywhere from 0.05 to 0.9, and a probe on one side only."""
     return make(paper_task(uncertainty__friction=[0.05, 0.9], probe__headings=["-x"]), 100, 0)
+
+
+@pytest.fixture(scope="session")
+def small_policy(shared: Path) -> Policy:
+    """The policy of ``tests.policy.small``."""
+    found: Policy = once(built, shared)()
+    return found
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,6 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +16,20 @@ import numpy as np
 import pytest
 
 from meso_robust.planning.document import MoveDocument
+from meso_robust.policy.cells import Policy
 from meso_robust.policy.document import policy_document
 from meso_robust.simulator import Outcome, Push, simulate
 from meso_robust.tasks import PAPER
-from tests.policy.small import built
+from tests.policy.small import from_starts
 from tests.strategies import paper_task
 
 PLAN = Path(__file__).parents[2] / "reports" / "paper_task" / "plan.json"
 START = {"x_um": 2060.4, "y_um": -9.2, "theta_deg": 90.0}
+FAR = (
+    {"x_um": 900.0, "y_um": 800.0, "theta_deg": 181.0},
+    {"x_um": 1500.0, "y_um": -1200.0, "theta_deg": 178.0},
+)
+"""Two moves from the goal of the paper's task."""
 LIMIT_S = 0.05  # of an answer, as the contract states it
 
 
@@ -80,11 +85,11 @@ def plan() -> Iterator[Drive]:
 
 
 @pytest.fixture(scope="module")
-def policy_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The last two moves of a policy."""
-    cells = tuple(cell for cell in built().cells if cell.moves <= 2)
+def policy_file(small_policy: Policy, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a policy may answer from two starts."""
+    sensed = [(1e-6 * s["x_um"], 1e-6 * s["y_um"], np.radians(s["theta_deg"])) for s in FAR]
     path = tmp_path_factory.mktemp("drive") / "policy.json"
-    document = policy_document(replace(built(), cells=cells))
+    document = policy_document(from_starts(small_policy, sensed))
     path.write_text(document.model_dump_json(by_alias=True), encoding="utf-8")
     return path
 
@@ -237,9 +242,9 @@ def test_a_policy_is_proved_again_and_driven(policy_file: Path) -> None:
     with driving(PAPER, policy_file) as drive:
         for seed, pose in enumerate(
             (
-                {"x_um": 900.0, "y_um": 800.0, "theta_deg": 181.0},
-                {"x_um": 1500.0, "y_um": -1200.0, "theta_deg": -182.0},
-                {"x_um": 20.0, "y_um": -30.0, "theta_deg": 180.0},
+                FAR[0],
+                FAR[1] | {"theta_deg": -182.0},  # the same, a turn back
+                {"x_um": 20.0, "y_um": -30.0, "theta_deg": 180.0},  # in the goal
             )
         ):
             laboratory = Laboratory(pose, seed)

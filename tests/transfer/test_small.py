@@ -29,6 +29,7 @@ from meso_robust.transfer.answer import document, summary, why
 from meso_robust.transfer.promise import promise, read
 from reports.tasks.adhesion import adhering, at, page
 from tests.conftest import paper_task
+from tests.nightly import at_night
 
 UM = 1e-6
 
@@ -70,6 +71,7 @@ def test_every_box_holds_event_driven_runs_at_corners() -> None:
             assert np.all(move.after[:, column] <= side.hi)
 
 
+@at_night
 def test_with_a_coarser_objective_next_to_nothing_is_left_in_hand() -> None:
     """10X instead of 20X: pixels of 2 um, and the probe is placed by them."""
     worse = {"sensed_position_um": 2.0, "sensed_orientation_deg": 0.64, "probe_position_um": 2.0}
