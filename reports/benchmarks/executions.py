@@ -62,7 +62,7 @@ def _spell(engine: Engine, held: bool, seed: int, together: Barrier) -> Spell:
         return Spell(start=start, end=time.perf_counter(), cpu=time.process_time() - cpu)
 
 
-def _rates(processes: int, engine: Engine, held: bool) -> tuple[float, float]:
+def rates(processes: int, engine: Engine, held: bool) -> tuple[float, float]:
     """Median executions a second of all processes: by the wall clock, and by processor time."""
     context = multiprocessing.get_context("spawn")
     walls, cpus = [], []
@@ -80,7 +80,7 @@ def _rates(processes: int, engine: Engine, held: bool) -> tuple[float, float]:
 
 def _row(engine: Engine, held: bool) -> list[str]:
     """One line: an engine, with or without the claims."""
-    (one, one_cpu), (two, two_cpu) = (_rates(n, engine, held) for n in (1, 2))
+    (one, one_cpu), (two, two_cpu) = (rates(n, engine, held) for n in (1, 2))
     name = f"{NAMES[engine]}, {'held against the claims' if held else 'plain'}"
     speeds = [number(rate) for rate in (one, one_cpu, two, two_cpu)]
     return [name, *speeds, f"{100 * two / (2 * one):.0f} %", *reached(two, TARGETS[engine])]

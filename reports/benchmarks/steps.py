@@ -89,6 +89,12 @@ def jobs() -> list[Job]:
     ]
 
 
+def rate(job: Job) -> float:
+    """Steps a second of the processor, by one thread; all runs are completed."""
+    clock = best_of(lambda: simulate(job.push, workers=1), 8)
+    return job.push.steps * len(job.push.poses) / clock.cpu
+
+
 def _row(job: Job) -> tuple[str, ...]:
     """Time one batch."""
     result = simulate(job.push, workers=1)

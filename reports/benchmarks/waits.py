@@ -1,8 +1,8 @@
 """What a person waits for: ``python -m reports.benchmarks.waits [--only WORD] [--out FILE]``.
 
 Each command runs in a process of its own; its wall clock, processor time and largest memory are what the
-system counts for that process and those it starts. Peers of the engines stand on the other pages; no
-other program does what these commands do.
+system counts for that process and those it starts; no other program does what these commands do. Then the
+rates of compiled parts (``rates``), with a peer where there is one.
 """
 
 from __future__ import annotations
@@ -15,10 +15,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from meso_robust.files import write_all
+from meso_robust.recordings.writing import write_set
+from reports.benchmarks import identification, rates
 from reports.benchmarks.timing import number, reached, table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -61,6 +63,9 @@ def waits(folder: Path) -> tuple[Wait, ...]:
     text = TASK.read_text(encoding="utf-8")
     short = text.replace("tip_spacing_um = 580.0", "tip_spacing_um = 200.0")
     hopeless.write_text(short, encoding="utf-8")
+    recorded = folder / "recorded"
+    one = identification.made("viscous")
+    write_set(recorded, replace(one, recordings=one.recordings[:1]))
     task, cold = str(TASK), {"NUMBA_CACHE_DIR": str(empty)}
     return (
         Wait(name="plan, nothing compiled", words=("plan", task, *out), before="106", wanted=24.0,
@@ -70,6 +75,8 @@ def waits(folder: Path) -> tuple[Wait, ...]:
         Wait(name="drive, until ready", words=("drive", task, plan), before="", wanted=2.0),
         Wait(name="check", words=("check", str(folder / "certificate.json")), before="2.8",
              wanted=1.5),
+        Wait(name="recordings, 240 rows", words=("recordings", str(recorded), *out), before="7",
+             wanted=1.0),
         Wait(name="plan, a bad file", words=("plan", str(bad), *out), before="", wanted=0.5),
         Wait(name="plan, a hopeless task", words=("plan", str(hopeless), *out), before="15–60",
              wanted=5.0),
@@ -115,7 +122,7 @@ def _row(wait: Wait) -> tuple[str, ...]:
 def main() -> None:
     """Print the table, or write it as a page."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", default="", help="time only the waits whose name has this word")
+    parser.add_argument("--only", default="", help="measure only what has this word in its name")
     parser.add_argument("--out", type=Path)
     chosen = parser.parse_args()
     load = f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} before the start"
@@ -130,7 +137,8 @@ def main() -> None:
         "a command in a new process", "s (wall clock)", "s (CPU time)", "MB at most",
         "s at a28a793", "wanted", "reached",
     )  # fmt: skip
-    text = "\n".join([load, "", *table("Waits", heads, rows)])
+    lines = table("Waits", heads, rows) + rates.section(chosen.only)
+    text = "\n".join([load, "", *lines])
     if chosen.out is None:
         print(text)
         return
