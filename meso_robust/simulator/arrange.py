@@ -29,7 +29,7 @@ from meso_robust.simulator.support import NODE_SLOTS
 from meso_robust.simulator.support_models import Tables
 from meso_robust.simulator.tables import OBSTACLE_COLUMNS, OBSTACLES
 from meso_robust.simulator.tips import Flat, Point
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
 _DEPTH = 20.0  # steps: what lies deeper than this is another side of the part
 _NODES = 6  # cells along the part for effects that act on its whole area
@@ -98,8 +98,11 @@ def case_of(i: int, inputs: Inputs) -> Case:
     )
 
 
-def inputs_of(push: Push, unique: bool) -> Inputs:
-    """What the kernels read of a push that has runs; ``unique``: look for a second motion too."""
+def inputs_of(push: Push, steps: Ints, unique: bool) -> Inputs:
+    """What the kernels read of a push that has runs.
+
+    ``steps`` are those of its legs; ``unique``: look for a second motion too.
+    """
     table, tables = push.effects.table, push.support.tables()
     outline = outlines(push.vertices, table)
     edges, obstacles = _obstacles(push)
@@ -110,7 +113,7 @@ def inputs_of(push: Push, unique: bool) -> Inputs:
         _depth(push, push.thickness),
         obstacles,
         _ways(push),
-        _legs(push),
+        _legs(push, steps),
         _law(push, tables, unique),
         _points(push, tables),
         table,
@@ -198,9 +201,10 @@ def _radii(push: Push) -> Floats:
     return radius
 
 
-def _legs(push: Push) -> Floats:
-    steps = np.append(push.steps_of_legs, 0)
-    return np.stack([push.times, np.broadcast_to(steps, push.times.shape)], axis=2)
+def _legs(push: Push, steps: Ints) -> Floats:
+    legs = np.zeros((*push.times.shape, 2))
+    legs[..., 0], legs[:, :-1, 1] = push.times, steps
+    return legs
 
 
 def _law(push: Push, tables: Tables, unique: bool) -> Floats:

@@ -99,14 +99,14 @@ def simulate(
     if workers is not None and workers < 1:
         refuse("workers", f"{workers}", "must be at least 1", "leave it out to use all cores")
     chosen = _instants(push, record, instants)
-    outputs = outputs_of(push, chosen)
+    outputs, steps = outputs_of(push, chosen), push.steps_of_legs
     if len(push.poses):
-        inputs = inputs_of(push, unique)
+        inputs = inputs_of(push, steps, unique)
         _in_pieces(inputs, outputs, len(push.poses), workers or threads())
-    return _result(push, outputs)
+    return _result(push, outputs, int(steps.sum()))
 
 
-def _result(push: Push, outputs: Outputs) -> PushResult:
+def _result(push: Push, outputs: Outputs, steps: int) -> PushResult:
     table, record = push.effects.table, outputs.record
     path = np.ascontiguousarray(record[:, :, POSE : POSE + 3])
     each = record[:, :, PROBES:].reshape(*record.shape[:2], len(push.shapes), PER_PROBE)
@@ -120,7 +120,7 @@ def _result(push: Push, outputs: Outputs) -> PushResult:
         forces=each[..., FORCE : FORCE + 2].copy(),
         modes=each[..., PROBE_MODE].astype(np.int8),
         fixture_modes=record[:, :, FIXTURE_MODE].astype(np.int8),
-        steps=push.steps,
+        steps=steps,
     )
     for item in fields(result):
         if item.name != "steps":

@@ -66,4 +66,4 @@ class Effects:
 
     def is_on(self, *slots: int) -> bool:
         """Whether any of the columns differs from zero in any run."""
-        return bool(np.any(self.table[:, list(slots)] != 0.0))
+        return bool(self.values) and bool(np.any(self.table[:, list(slots)] != 0.0))

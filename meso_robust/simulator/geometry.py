@@ -95,7 +95,7 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
     ndarray
         (1|N, V, 2) corners, m.
     """
-    moved = table[:, [_OUT_X, _OUT_Y]] * _SIDES[table[:, _OUT_FORM].astype(int)]
+    moved = table[:, _OUT_X : _OUT_Y + 1] * _SIDES[table[:, _OUT_FORM].astype(int)]
     return np.asarray(vertices * stretch(vertices, table)[:, None] + moved[:, None])
 
 
@@ -119,7 +119,7 @@ def stretch(vertices: Floats, table: Floats) -> Floats:
     ValueError
         If an edge would stand in by as much as half the part.
     """
-    factor = 1.0 + table[:, [_OUT_X, _OUT_Y]] / (0.5 * np.ptp(vertices, axis=-2))
+    factor = 1.0 + table[:, _OUT_X : _OUT_Y + 1] / (0.5 * np.ptp(vertices, axis=-2))
     for run, axis in np.argwhere(~(factor > 0.0)):
         refuse(
             "effects.part_geometry",
@@ -143,7 +143,7 @@ def radii(stated: Floats, table: Floats) -> Floats:
     Floats
         (1|N, P) m.
     """
-    return np.asarray(stated + table[:, [EXCESS]])
+    return np.asarray(stated + table[:, EXCESS : EXCESS + 1])
 
 
 def reference_of_tracked(poses: Floats, table: Floats) -> Floats:
@@ -190,7 +190,7 @@ def _turned(poses: Floats, table: Floats, sign: float) -> Floats:
 
 
 def _shifted(poses: Floats, table: Floats, sign: float) -> Floats:
-    offset = sign * table[:, [_OFFSET_X, _OFFSET_Y]]
+    offset = sign * table[:, _OFFSET_X : _OFFSET_Y + 1]
     if not np.any(offset):
         return poses
     offset = offset.reshape(-1, *[1] * (poses.ndim - 2), 2)

@@ -43,9 +43,10 @@ def edge_table(vertices: Floats, first: int = 0) -> Floats:
         unit normal, offset ``b = N · v``, length in m, the rows of the edges before and after, and
         whether the first corner is convex.
     """
-    if vertices.ndim > 2:
+    if vertices.ndim > 2 and len(vertices) > 1:
         return _edges_of(vertices, first)
-    return _edge_table(np.ascontiguousarray(vertices, dtype=np.float64).tobytes(), first)
+    corners = np.ascontiguousarray(vertices, dtype=np.float64).tobytes()
+    return _edge_table(corners, first).reshape(*vertices.shape[:-1], EDGE)
 
 
 @lru_cache(maxsize=256)

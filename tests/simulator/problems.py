@@ -108,7 +108,7 @@ def contacts_at(
     tuple
         (k, 7) rows of gap, normal, point, displacement of the obstacle, body frame; (k,) obstacles.
     """
-    case = case_of(0, inputs_of(push, unique=False))
+    case = case_of(0, inputs_of(push, push.steps_of_legs, unique=False))
     obstacles, probes = case.obstacles.copy(), len(push.shapes)
     obstacles[:probes, OBSTACLES.x : OBSTACLES.x + 2] = tips
     obstacles[:probes, OBSTACLES.move_x : OBSTACLES.move_x + 2] = way

@@ -64,7 +64,9 @@ def _push(friction: np.ndarray) -> Push:
 
 def test_pushes_of_one_friction_and_of_many_take_the_same_kernel() -> None:
     """Or the longest compilation of all is made twice."""
-    plain, by_leg = (inputs_of(_push(np.full(shape, 0.3)), False) for shape in ((1, 1), (1, 2, 1)))
+    plain, by_leg = (
+        inputs_of(_push(np.full(shape, 0.3)), np.array([1]), False) for shape in ((1, 1), (1, 2, 1))
+    )
     assert by_leg.waypoints.shape[-1] == plain.waypoints.shape[-1] + 1
     assert typeof(plain) == typeof(by_leg)
 
