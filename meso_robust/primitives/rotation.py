@@ -63,6 +63,10 @@ is uncertain. 0.05 and 0.104 were seen of tubes that were up to 4 % wider."""
 ROOM_LEAST, ROOM_LEAST_AHEAD = 0.001, 0.008
 """The same of a polygon at least, over the part's width: what barriers differ by where friction is known closely.
 0.0007 and 0.0053 were seen."""
+ROOM_CLOSE, ROOM_WITHIN, ROOM_ON_EDGE = 0.0103, 0.4, 0.0015
+"""The same where the slide alone is uncertain, and closely known: along the push at least, over the part's width,
+less a share of how wide the tube gets; and then of the tube. What barriers differ by shows there: 3.4, 3.6, 4.3
+and 4.5 um were needed of tubes of 13, 9, 6 and 4.5 um, of a part of 837 um, and 1.2 um of a tube."""
 EXACT = 1e-12
 """m, or rad: a width that is rounding only."""
 BEYOND = 0.03
@@ -200,6 +204,10 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
     # rough tubes are wider than those of others
     wider = 0.0 if rough else ahead * tube.widest
+    close = (ROOM_CLOSE * width - ROOM_WITHIN * tube.widest) / at_end.pose.x.width
+    if alone and close > ahead:
+        ahead, wider = close, max(wider, ROOM_ON_EDGE * width)
+        aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
     if edge.beyond:
         wider = max(wider, ROOM_LEAST_AHEAD * width)
         ahead = max(ahead, ROOM_LEAST_AHEAD * width / at_end.pose.x.width)

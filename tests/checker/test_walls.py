@@ -36,6 +36,7 @@ from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.checker.walls import apart
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import goal_document, plan_document
+from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Slot, Task, load_task
 from tests.checker.test_check import checked, relisted
@@ -52,8 +53,12 @@ def _as_the_checker_computes() -> Iterator[None]:
 
 @cache
 def certificate(task: Task) -> str:
-    """A certificate of a task with the slot; a margin of 1 saves the search of a wider one."""
-    rules = compose(task).rules
+    """A certificate of a task with the slot."""
+    return certificate_of(task, compose(task).rules)
+
+
+def certificate_of(task: Task, rules: tuple[MoveRule, ...]) -> str:
+    """What is certified of a plan; a margin of 1 saves the search of a wider one."""
     setup = setup_of(task)
     chain = certify(rules, setup)
     each = dict.fromkeys(setup.uncertainty.stated, 1.0)
