@@ -16,10 +16,10 @@ from derivations._statement import DerivationError
 
 _NAMES = {
     "1": "theta theta_0 theta_1 theta_2 theta_start theta_end beta mu tau tau_D tau_S side "
-    "direction exterior stretch shear bend f_x f_y c s kappa mu_D mu_S total",
+    "direction exterior stretch shear bend f_x f_y c s kappa mu_D mu_S mu_w phi psi total",
     "m": "d1 d2 d2_back d4 h V T sigma p_S rise dx dy half x0 y0 x1 y1 x_1 y_1 x_2 y_2 x_3 y_3 "
     "r r_upper r_lower spacing gap d1_next rounding x y x_f y_f "
-    "q W creep p_D d_D d_S r_D r_S drag_a drag_n width radii room clear",
+    "q W creep p_D d_D d_S r_D r_S p b engaged drag_a drag_n width radii room clear",
     "1/m": "omega",
     "m^2": "rho",
     "N s/m": "e_x",

@@ -45,6 +45,7 @@ SOURCES = (
     "polygon_edge",
     "drag_tensor",
     "uneven_film",
+    "slot_walls",
     "contact_response",
     "dry_sticking",
     "printed_numbers",

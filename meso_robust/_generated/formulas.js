@@ -577,6 +577,33 @@ const formulas = {
       return [gap*x4 - x5, x5];
     },
   },
+  slot_walls: {
+    // what d2 of the tip has to spare, m, for the slot's edge p ahead of the centre to turn back a part that bears on it with its side, half a width from the centre
+    bears(d1, d2, p, b, mu, mu_w) {
+      const x0 = mu*(-b*mu_w + d1 + p);
+      return [d2 - x0, d2 + x0];
+    },
+    // positive, m^2, where friction at the slot's edge cannot turn the part against the film
+    stiff(rho, b, mu_w) {
+      return [-Math.pow(b, 2)*Math.pow(mu_w, 2) + 4*rho];
+    },
+    // positive, m, where the part turns back though no slot's edge holds it; psi: angle between the part and the tip's path
+    steers(d1, d2, psi) {
+      return [-d1*Math.sin(psi) + d2*Math.cos(psi)];
+    },
+    // positive, m, where the wall's force on a front corner turns a part back that leans by up to phi; d1: the least distance of its ends from the centre
+    corner(d1, b, mu_w, phi) {
+      return [-(b + d1*mu_w)*Math.sin(phi) + (-b*mu_w + d1)*Math.cos(phi)];
+    },
+    // what a slot of width room has to spare, m, for a part that leans by phi not to touch both walls, where its side is within the slot over this length
+    one_wall(b, room, engaged, phi) {
+      return [-2*b*Math.cos(phi) - engaged*Math.sin(phi) + room];
+    },
+    // positive where tips and one wall cannot hold the part between them
+    no_jam(mu, mu_w, phi) {
+      return [-(mu + mu_w)*Math.sin(phi) + (-mu*mu_w + 1)*Math.cos(phi)];
+    },
+  },
   contact_response: {
     // velocity of the part's point (x, y) where a force (f_x, f_y), over e_x, acts at (x_f, y_f); both from the centre of drag, in axes of the part
     velocity(x, y, x_f, y_f, f_x, f_y, rho, stretch, shear) {

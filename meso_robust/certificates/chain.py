@@ -23,6 +23,8 @@ class Chain:
     complete: bool
     """Whether every move of the plan was reached."""
     setup: Setup
+    guided: bool = False
+    """Whether the part may touch the slot's walls in one of the plan's moves."""
 
     @property
     def end(self) -> PoseBox | None:
@@ -91,4 +93,5 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> C
         steps.append(step)
         state = step.post
     complete = 0 < len(steps) == len(rules) and state is not None
-    return Chain(steps=tuple(steps), complete=complete, setup=setup)
+    guided = any(rule.action == "guide" for rule in rules)
+    return Chain(steps=tuple(steps), complete=complete, setup=setup, guided=guided)

@@ -78,7 +78,7 @@ class StepDocument(Document):
     primitive: str
     """The primitive: y_translation, rotation or x_translation."""
     action: str
-    """Which certified motion the move is: tilt, straighten, rotate or regrasp."""
+    """Which certified motion the move is: tilt, straighten, rotate, regrasp or guide."""
     property: NamedDocument
     """What the move is claimed to do; `reading.properties` has it in words."""
     verdict: VerdictWord
@@ -99,7 +99,7 @@ class ClaimDocument(Document):
     """What the certificate is about: for all uncertainties and starts every motion ends in the goal."""
 
     id: str
-    """ends_in_goal; of a task with a slot ends_in_goal_clear_of_walls."""
+    """ends_in_goal; of a task with a slot ends_in_goal_clear_of_walls, or ends_in_goal_guided."""
     moves: MoveNumber
     """Number of moves of the plan."""
     premises: tuple[Premise, ...]
@@ -118,7 +118,7 @@ class UndecidedDocument(Document):
     step: PaperStep
     """Step of the paper's algorithm, 1 to 4, that it belongs to."""
     action: str
-    """Which motion the move is: tilt, straighten, rotate or regrasp."""
+    """Which motion the move is: tilt, straighten, rotate, regrasp or guide."""
     reason: NamedDocument
     """What is not proved: an obligation, or ends_in_goal, premise_kept, effect_bounded, within_bounds."""
     inequality: Inequality | None
@@ -409,8 +409,9 @@ def claim_document(task: Task, chain: Chain, moves: int) -> ClaimDocument:
         By stable names, the ranges of everything uncertain exactly.
     """
     u = setup_of(task).uncertainty
+    walls = "ends_in_goal_guided" if chain.guided else "ends_in_goal_clear_of_walls"
     return ClaimDocument(
-        id="ends_in_goal" if task.slot is None else "ends_in_goal_clear_of_walls",
+        id="ends_in_goal" if task.slot is None else walls,
         moves=moves,
         premises=premises(task),
         uncertainties=_hex_box(u.stated),
@@ -451,7 +452,7 @@ def reading_document(
     """
     listed = tuple(_obligations(chain))
     return ReadingDocument(
-        claim=claim_words(task, moves),
+        claim=claim_words(task, moves, guided=chain.guided),
         premises={one.value: PREMISES[one] for one in premises(task)},
         properties={step.claim.key: words(step.claim) for step in chain.steps},
         obligations={one.name.key: words(one.name) for one in listed},

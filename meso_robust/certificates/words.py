@@ -25,7 +25,7 @@ PREMISES: Mapping[Premise, str] = {
     Premise.COULOMB_FRICTION: "Coulomb friction at point contacts; at every instant mu is the same "
     "at all tips",
     Premise.PART_KNOWN: "the part has the task's outline, rigid and exactly known; nothing but the "
-    "probes touches it",
+    "probes touches it and, in a guided push, the slot's walls, which are as stated and have Coulomb friction",
     Premise.ERRORS_BOUNDED: "each error keeps within its bound; a probe's position error is constant "
     "during a move (and may differ in the next), and the two tips of the active probe share it",
     Premise.TRAVEL_STRAIGHT: "the active probe travels exactly along an axis of the task's frame, as "
@@ -49,7 +49,8 @@ PREMISES: Mapping[Premise, str] = {
     Premise.COULOMB_EACH_TIP: "Coulomb friction at point contacts; each tip has its own mu in the range "
     "at every instant",
     Premise.PART_WITHIN_TOLERANCE: "the part is rigid, with straight edges that keep within their "
-    "tolerances, and no rounding of its corners is larger than stated; nothing but the probes touches it",
+    "tolerances, and no rounding of its corners is larger than stated; nothing but the probes touches it and, "
+    "in a guided push, the slot's walls, which are as stated and have Coulomb friction",
     Premise.TRAVEL_WITHIN_BOUNDS: "the travel of a moving probe keeps within its bounds of direction, "
     "length and wandering; a probe that is not moved rests",
     Premise.TIPS_ARE_DISCS: "tips are discs that do not turn, each with a radius in its range; positions "
@@ -63,6 +64,8 @@ _PROPERTIES: Mapping[StrEnum, str] = {
     "translates with the probe; the motion is unique",
     Property.TURNS_BETWEEN_TIPS: "both tips stay in contact and the part turns to nearly horizontal "
     "without jamming; its slide stays in the tube although the motion need not be unique",
+    Property.GUIDED_BY_WALLS: "the tips push the part into the slot, whose side walls it may touch: they do "
+    "not let it lean more than before, and it does not jam; the motion need not be unique",
     Property.PART_RESTS: "the probes travel clear of the part, which stays at rest",
 }
 
@@ -91,6 +94,14 @@ _OBLIGATIONS: Mapping[StrEnum, str] = {
     Id.PART_CLEAR_OF_WALLS: "the part stays clear of the slot's walls",
     Id.TIPS_CLEAR_OF_WALLS: "the tips stay clear of the slot's walls",
     Id.FORCE_BELOW_CAP: "no contact force exceeds the largest one that the task allows",
+    Id.PART_IN_SLOT: "the front is within the slot and clear of its end, the rear is outside",
+    Id.ONE_WALL_AT_A_TIME: "the part is too narrow to touch both walls at once",
+    Id.EDGE_TURNS_BACK: "a part that bears on the slot's edge turns back ({tip} tip)",
+    Id.WALL_TURNS_BACK: "a wall that presses on a corner of the front turns the part back",
+    Id.FILM_TURNS_WITH: "friction at the slot's edge is too small to turn the part against the film",
+    Id.TIP_STEERS: "the part turns back where no edge of the slot holds it ({tip} tip)",
+    Id.GUIDE_COVERED: "the walls can guide it: a rectangle of right angles and sharp corners on an even film, "
+    "leaning little, pushed into the slot, and no cap on forces",
     Id.EDGES_OPPOSITE: "the edge that the passive tip holds is about parallel to the pushed one",
     Id.ACTIVE_ABOVE_PASSIVE: "the active tip is the upper one",
     Id.COMES_TO_REST: "the part comes to rest on both",
@@ -153,6 +164,7 @@ _PLAIN: Mapping[Inequality, str] = {
     Inequality.PART_TO_WALL: "distance of part and wall along one of their sides > 0 over the tube",
     Inequality.TIP_TO_WALL: "distance of tip and wall along x or y > 0 over the travel",
     Inequality.FORCE: "largest force allowed > bound of all contact forces",
+    Inequality.IN_SLOT: "depth of the front, of the rear outside, room at the end and aside > 0",
     Inequality.NONE: "undecided",
 }
 
@@ -235,10 +247,14 @@ def derivation_words(derivation: str | None) -> str:
     return derivation or "interval arithmetic on the enclosures above"
 
 
-def claim_words(task: Task, moves: int) -> str:
-    """What is claimed of a plan of so many moves."""
+def claim_words(task: Task, moves: int, *, guided: bool = False) -> str:
+    """What is claimed of a plan of so many moves, in some of which walls may guide the part."""
     goal, u = task.goal, task.uncertainty
     walls = "" if task.slot is None else " and neither the part nor a tip touches the slot's walls"
+    if guided:
+        walls = (
+            "; no tip touches the slot's walls, and the part only its side walls, in guided pushes"
+        )
     real = ", ".join(("", *task.schema_2_values))
     return (
         f"From every start within {u.sensed_position_um} um and {u.sensed_orientation_deg} deg of "

@@ -38,8 +38,15 @@ class Must(StrEnum):
     PART_CLEAR_OF_WALLS = "part_clear_of_walls"
     TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
     FORCE_BELOW_CAP = "force_below_cap"
+    PART_IN_SLOT = "part_in_slot"
+    ONE_WALL_AT_A_TIME = "one_wall_at_a_time"
+    EDGE_TURNS_BACK = "edge_turns_back"
+    WALL_TURNS_BACK = "wall_turns_back"
+    FILM_TURNS_WITH = "film_turns_with"
+    TIP_STEERS = "tip_steers"
     # proved by the checker only: no certificate lists them
     ACTIVE_PRESSES = "active_presses"
+    GUIDE_COVERED = "guide_covered"
     ACTIVE_PRESSES_ALONE = "active_presses_alone"
 
 
@@ -50,6 +57,7 @@ class Property(StrEnum):
     STRAIGHTENS = "straightens"
     TURNS_BETWEEN_TIPS = "turns_between_tips"
     PART_RESTS = "part_rests"
+    GUIDED_BY_WALLS = "guided_by_walls"
 
 
 class Premise(StrEnum):
@@ -109,6 +117,7 @@ class Claim(StrEnum):
 
     ENDS_IN_GOAL = "ends_in_goal"
     ENDS_IN_GOAL_CLEAR_OF_WALLS = "ends_in_goal_clear_of_walls"
+    ENDS_IN_GOAL_GUIDED = "ends_in_goal_guided"
 
 
 class Objection(StrEnum):

@@ -67,6 +67,23 @@ class PoseBox:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Channel:
+    """A slot along -x of axes turned by quarter turns from the world's, m."""
+
+    quarters: int
+
+    x: Side
+    """Of its mouth."""
+    y: Side
+    """Of its axis."""
+    half: arb
+    """Half its width."""
+    depth: arb
+    friction: arb
+    """Between wall and part."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Given:
     """A task: the part, the probe, all errors, where it starts and where it must end."""
 
@@ -123,6 +140,8 @@ class Given:
     goal: PoseBox
     blocks: tuple[Block, ...] = ()
     """The slot's walls, world axes."""
+    channel: Channel | None = None
+    """The free space between these, in axes along it."""
 
 
 def uncertainties(known: Given) -> dict[str, Side]:
@@ -207,6 +226,7 @@ def given(task: Task, factor: Fraction = Fraction(1), only: str | None = None) -
             theta=_angles((to - turn, to + turn)),
         ),
         blocks=() if task.slot is None else _walls(task.slot),
+        channel=None if task.slot is None else _channel(task.slot),
     )
 
 
@@ -259,6 +279,21 @@ def _walls(slot: Slot) -> tuple[Block, ...]:
         return (first, second) if deep == 0 else (second, first)
 
     return tuple(block(depths, beside) for depths, beside in solids)
+
+
+def _channel(slot: Slot) -> Channel:
+    quarters = ("+x", "+y", "-x", "-y").index(slot.opens)
+    x, y = metres(slot.mouth_x_um), metres(slot.mouth_y_um)
+    for _ in range(quarters):
+        x, y = y, -x
+    return Channel(
+        quarters=quarters,
+        x=_side((x, x)),
+        y=_side((y, y)),
+        half=ball(metres(slot.width_um) / 2),
+        depth=ball(metres(slot.depth_um)),
+        friction=ball(exact(slot.friction)),
+    )
 
 
 def _around(reach: Fraction) -> Range:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from meso_robust.checker.document import RuleDocument
 from meso_robust.checker.force import force_below_cap
+from meso_robust.checker.guide import check_guide
 from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.passage import Memory, Passage
@@ -23,6 +24,7 @@ MOVES: dict[str, Check] = {
     "tilt": lambda scene, given, memory: check_tilt(scene),
     "straighten": lambda scene, given, memory: check_straighten(scene, memory),
     "rotate": lambda scene, given, memory: check_rotate(scene),
+    "guide": lambda scene, given, memory: check_guide(scene, given),
     "regrasp": lambda scene, given, memory: check_regrasp(scene),
 }
 

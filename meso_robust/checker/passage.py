@@ -61,5 +61,7 @@ class Passage:
     """Every pose of the move but those at rest before it."""
     largest_force: Callable[[], arb] | None = None
     """Bound of all contact forces over drag and commanded speed, if it depends on the motion."""
+    guided: bool = False
+    """Whether the part may touch the slot's side walls."""
     slips: bool = False
     """Whether a tip that pushes alone may slip: poses on the way and forces are not bounded then."""

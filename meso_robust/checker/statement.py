@@ -161,6 +161,42 @@ def _no_jam_points(at: Point) -> Values:
     return (at["V"].squared() - width.squared() * (at["mu"].squared() + 1),)
 
 
+def _in_slot(at: Point) -> Values:
+    return at["front"], at["rear"], at["end"], at["aside"]
+
+
+def _bears(at: Point) -> Values:
+    # moment about the slot's edge, and the film's about the centre, for either end of the cone
+    lever = (at["d1"] + at["p"] - at["mu_w"] * at["b"]) * at["mu"]
+    return at["d2"] - lever, at["d2"] + lever
+
+
+def _steers(at: Point) -> Values:
+    s, c = at["psi"].sin_cos()
+    return (c * at["d2"] - s * at["d1"],)
+
+
+def _corner_turns(at: Point) -> Values:
+    s, c = at["phi"].sin_cos()
+    d1, b, mu = at["d1"], at["b"], at["mu_w"]
+    return (c * (d1 - mu * b) - s * (mu * d1 + b),)
+
+
+def _stiff(at: Point) -> Values:
+    return (at["rho"] * 4 - (at["mu_w"] * at["b"]).squared(),)
+
+
+def _one_wall(at: Point) -> Values:
+    s, c = at["phi"].sin_cos()
+    return (at["room"] - c * at["b"] * 2 - s * at["engaged"],)
+
+
+def _no_jam_in_slot(at: Point) -> Values:
+    # cosine of both angles of friction and the lean together
+    s, c = at["phi"].sin_cos()
+    return (c * (-(at["mu"] * at["mu_w"]) + 1) - s * (at["mu"] + at["mu_w"]),)
+
+
 def _less(values: Callable[[Point], Values]) -> Callable[[Point, arb], Values]:
     return lambda at, above: tuple(value - above for value in values(at))
 
@@ -193,6 +229,13 @@ ARRIVES_SLIPPING = _plain("travel_to_spare", lambda at: (at["spare"],))
 """The same of a first tip that may slip."""
 RESTS = _plain("touch_before_end", lambda at: (at["h_start"] - at["h_end"],))
 COMES_FREE = _plain("faces_back", _faces_back)
+IN_SLOT = _plain("in_slot", _in_slot)
+BEARS = _plain("slot_walls.bears", _bears)
+STEERS = _plain("slot_walls.steers", _steers)
+CORNER_TURNS = _plain("slot_walls.corner", _corner_turns)
+STIFF = _plain("slot_walls.stiff", _stiff)
+ONE_WALL = _plain("slot_walls.one_wall", _one_wall)
+NO_JAM_IN_SLOT = _plain("slot_walls.no_jam", _no_jam_in_slot)
 PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR, TIPS_CLEAR, FORCE = (
     # verified over a tube (rotate.py), a sweep (walls.py) or all (force.py), not as a formula of a few numbers
     Statement(id_, lambda at, above: ())
@@ -206,6 +249,6 @@ STATEMENTS: Mapping[str, Statement] = {
     for one in (
         CLEARANCE, BESIDE, PRESSES, STICKS, TURNS, ONLY, ANY_WAY, TURNS_BACK, SLIPS_ONE_WAY, CREEPS_LESS, PAIR_STICKS, PAIR_PRESSES, NO_JAM,
         NO_JAM_POINTS, REACHES, ON_EDGE, BETWEEN_ENDS, ARRIVES, RESTS, COMES_FREE, PASSIVE_FORCE, TIPS_ON_EDGES, PART_CLEAR,
-        TIPS_CLEAR, FORCE,
+        TIPS_CLEAR, FORCE, IN_SLOT, BEARS, STEERS, CORNER_TURNS, STIFF, ONE_WALL, NO_JAM_IN_SLOT,
     )
 }  # fmt: skip

@@ -142,7 +142,7 @@ def _check(
     if not elsewhere():
         margins.check_factor(certificate, task, alone=thorough, prover=prover)
     not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
-    claims = words.claim(task, len(certificate.policy))
+    claims = words.claim(task, len(certificate.policy), guided=_guided(certificate))
     granted = {one.value: words.PREMISES[one] for one in premises(task)}
     return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked, premises=granted)
 
@@ -193,6 +193,8 @@ def _check_claim(certificate: Certificate, task: Task, known: Given) -> None:
     """The certificate claims neither more nor less than what is verified here, on the same ground."""
     claim = certificate.claim
     own = Claim.ENDS_IN_GOAL if task.slot is None else Claim.ENDS_IN_GOAL_CLEAR_OF_WALLS
+    if _guided(certificate):
+        own = Claim.ENDS_IN_GOAL_GUIDED
     _same(place("task"), certificate.task, task.name)
     _same(place("claim.id"), claim.id, own)
     _same(place("claim.moves"), claim.moves, len(certificate.policy))
@@ -204,6 +206,11 @@ def _check_claim(certificate: Certificate, task: Task, known: Given) -> None:
         where = place(f"claim.inequalities.{id_}")
         _expect(where, id_ in STATEMENTS, id_, "an inequality that the checker knows")
         _same(where, derivation, STATEMENTS[id_].derivation)
+
+
+def _guided(certificate: Certificate) -> bool:
+    """Whether the part may touch walls in one of the moves."""
+    return any(rule.action == "guide" for rule in certificate.policy)
 
 
 def _check_uncertainties(stated: Mapping[str, HexPair], own: Mapping[str, Side]) -> None:

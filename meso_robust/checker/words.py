@@ -17,7 +17,7 @@ PREMISES: Mapping[Premise, str] = {
     "(a rectangle's centre), and only rho = e_theta/e_x matters",
     Premise.COULOMB_FRICTION: "point contacts have Coulomb friction, with one mu at all tips at every "
     "instant",
-    Premise.PART_KNOWN: "the part has exactly the task's outline and is rigid; only probes touch it",
+    Premise.PART_KNOWN: "the part has exactly the task's outline and is rigid; only probes touch it and, in a guided push, the walls of the slot, which are as stated",
     Premise.ERRORS_BOUNDED: "errors keep within their bounds; a probe's position error is constant "
     "during a move, and one for both tips of the active probe",
     Premise.TRAVEL_STRAIGHT: "the active probe travels exactly along an axis of the task's frame",
@@ -38,7 +38,8 @@ PREMISES: Mapping[Premise, str] = {
     Premise.COULOMB_EACH_TIP: "point contacts have Coulomb friction; each tip has a mu of its own in the "
     "range at every instant",
     Premise.PART_WITHIN_TOLERANCE: "the part is rigid, its edges are straight and within tolerance, its "
-    "corners rounded by no more than stated; only probes touch it",
+    "corners rounded by no more than stated; only probes touch it and, in a guided push, the walls of the slot, "
+    "which are as stated",
     Premise.TRAVEL_WITHIN_BOUNDS: "a moving probe keeps within the bounds of direction, length and "
     "wandering; one that is not moved rests",
     Premise.TIPS_ARE_DISCS: "tips are discs of a radius in the range that do not turn; positions are "
@@ -70,6 +71,13 @@ _SENTENCES: Mapping[StrEnum, str] = {
     Must.PART_CLEAR_OF_WALLS: "the part stays clear of the slot's walls",
     Must.TIPS_CLEAR_OF_WALLS: "the tips stay clear of the slot's walls",
     Must.FORCE_BELOW_CAP: "no contact force exceeds the largest one that the task allows",
+    Must.PART_IN_SLOT: "the front is within the slot, clear of its end, and the rear outside",
+    Must.ONE_WALL_AT_A_TIME: "the part cannot touch both walls at once",
+    Must.EDGE_TURNS_BACK: "the slot's edge turns the part back ({tip} tip)",
+    Must.WALL_TURNS_BACK: "a wall turns the part back by a corner of its front",
+    Must.FILM_TURNS_WITH: "friction at the slot's edge does not turn the part against the film",
+    Must.TIP_STEERS: "the {tip} tip turns the part back where no edge of the slot holds it",
+    Must.GUIDE_COVERED: "the walls can guide the part",
     Must.ACTIVE_PRESSES: "the active tip presses on the part between both tips",
     Must.ACTIVE_PRESSES_ALONE: "the active tip alone would press on the part",
     Objection.VALUE: "",
@@ -104,8 +112,8 @@ def sentence(name: Named) -> str:
     return ": ".join(part for part in (said, name.at) if part)
 
 
-def claim(task: Task, moves: int) -> str:
-    """What is verified of a policy of so many moves."""
+def claim(task: Task, moves: int, *, guided: bool = False) -> str:
+    """What is verified of a policy of so many moves, in some of which walls may guide the part."""
     u, start, goal = task.uncertainty, task.start, task.goal
     real = ", ".join(("", *task.schema_2_values))
     return (
@@ -117,9 +125,13 @@ def claim(task: Task, moves: int) -> str:
         f"plan's policy of {moves} move{'s' * (moves != 1)} can be carried out, and every motion of the quasi-static "
         f"model ends with the part within {goal.position_tolerance_um} um and "
         f"{goal.orientation_tolerance_deg} deg of ({goal.x_um} um, {goal.y_um} um, "
-        f"{goal.theta_deg} deg){_walls(task)}."
+        f"{goal.theta_deg} deg){_walls(task, guided)}."
     )
 
 
-def _walls(task: Task) -> str:
+def _walls(task: Task, guided: bool) -> str:
+    if guided:
+        return (
+            "; no tip touches the slot's walls, and the part only its side walls, in guided pushes"
+        )
     return "" if task.slot is None else " and neither the part nor a tip touches the slot's walls"

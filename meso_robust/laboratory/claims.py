@@ -196,6 +196,8 @@ def _contacts(rule: MoveRule, move: MoveRun, slip: float, creep: float) -> Flags
     touching = np.abs(gaps) <= CONTACT
     if rule.action == "regrasp":
         return (move.after == move.before).all(axis=1) & (gaps > 0.0).all(axis=1)
+    if rule.action == "guide":
+        return np.asarray(touching.any(axis=1))  # what walls do to a tip's slip is not claimed
     if rule.action == "rotate":
         pusher = LOWER if rule.side > 0 else UPPER
         idle = UPPER if rule.side > 0 else LOWER

@@ -15,6 +15,7 @@ from functools import lru_cache
 from meso_robust import units
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.planning.clearance import fine
+from meso_robust.planning.guided import cut_in_two
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.certify import certify_move, known_before
 from meso_robust.primitives.frame import Frame, Heading
@@ -38,7 +39,12 @@ class Arrival:
 
 
 def arrive(
-    state: PoseBox, setup: Setup, headings: Sequence[Heading], *, mirrored: bool = False
+    state: PoseBox,
+    setup: Setup,
+    headings: Sequence[Heading],
+    *,
+    mirrored: bool = False,
+    guide: bool = False,
 ) -> Arrival | None:
     """The shortest robust sequence of pushes to the goal, clear of all walls, that is found.
 
@@ -50,12 +56,14 @@ def arrive(
         Directions in which the part can be pushed.
     mirrored
         Whether the y axes of the pushes are mirrored, as in a plan for the mirrored task.
+    guide
+        Whether the slot's walls may guide the part at the end of the last push.
     """
     frames = [Frame(heading=heading, mirrored=mirrored) for heading in headings]
     state = _given(state, setup)
     for length in range(1, MOST_PUSHES + 1):
         for way in itertools.permutations(frames, length):
-            found = _along(state, setup, way)
+            found = _along(state, setup, way, guide=guide)
             if found is not None:
                 return found
     return None
@@ -74,7 +82,12 @@ def across(state: PoseBox, setup: Setup, frame: Frame) -> Arrival | None:
 
 
 def _along(
-    state: PoseBox, setup: Setup, way: tuple[Frame, ...], before: Step | None = None
+    state: PoseBox,
+    setup: Setup,
+    way: tuple[Frame, ...],
+    before: Step | None = None,
+    *,
+    guide: bool,
 ) -> Arrival | None:
     """Pushes in these frames, one after the other."""
     frame, rest = way[0], way[1:]
@@ -90,10 +103,13 @@ def _along(
         rule, post = replace(step.rule, frame=frame), _given(step.post, setup)
         after = frame.box_to_world(post)
         if setup.blocks and not _clear_of_walls(rule, state, setup):
+            cut = cut_in_two(rule, state, setup, before) if guide and not rest else None
+            if cut is not None and cut[1].post is not None:
+                return Arrival(rules=tuple(one.rule for one in cut), post=cut[1].post)
             continue
         if not rest and post.within(there.goal):
             return Arrival(rules=(rule,), post=after)
-        found = _along(after, setup, rest, replace(step, rule=rule)) if rest else None
+        found = _along(after, setup, rest, replace(step, rule=rule), guide=guide) if rest else None
         if found is not None:
             return replace(found, rules=(rule, *found.rules))
     return None

@@ -6,10 +6,12 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.arrival import Arrival, across, arrive
+from meso_robust.planning.guided import guided
 from meso_robust.planning.last_push import leaves_goal, narrowed_first
 from meso_robust.planning.remedy import Remedy
 from meso_robust.planning.rotation import (
@@ -48,6 +50,17 @@ _HALF_TURN = (
 )
 LEAST_TURN, MOST_TURN = 45.0, 135.0  # deg; of a polygon between two tips
 UPRIGHT = math.radians(1.5)  # an edge closer than this to upright needs no straightening
+
+
+class Walls(Enum):
+    """What the walls of a slot may be to a plan; the first is preferred."""
+
+    CLEAR = "clear"
+    """Touched by nothing."""
+    GUIDE = "guide"
+    """Touched by the part, which they guide, at the end."""
+    OPEN = "open"
+    """Left aside: the plan shows what they are in the way of."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,9 +107,9 @@ def compose(task: Task) -> Found:
     """
     ways, choices = _ways(task), _choices(task)
     # with a slot, one that is robust in the open shows what the walls are in the way of
-    for clear in (True,) if task.slot is None else (True, False):
+    for walls in (Walls.CLEAR,) if task.slot is None else Walls:
         for headings in choices:
-            found = _with_most_in_hand(task, ways, headings, clear=clear)
+            found = _with_most_in_hand(task, ways, headings, walls)
             if found is not None:
                 return found
     headings = choices[-1]
@@ -144,23 +157,23 @@ def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
         No primitive can handle the start pose.
     """
     ways = _ways(task)
-    found = (_rules(task, ways, headings, scale, clear=True) for headings in _choices(task))
+    found = (_rules(task, ways, headings, scale, walls=Walls.CLEAR) for headings in _choices(task))
     return next((rules for rules in found if rules is not None), None)
 
 
 def _with_most_in_hand(
-    task: Task, ways: Sequence[_Way], headings: Sequence[Heading], *, clear: bool
+    task: Task, ways: Sequence[_Way], headings: Sequence[Heading], walls: Walls
 ) -> Found | None:
     """The plan that bears the most; where none bears the task's uncertainties none bears more."""
     room = ROOM if setup_of(task).may_slip else 1.0
     most, more, least = (scale * room if scale > 1.0 else scale for scale in IN_HAND)
-    rules = _rules(task, ways, headings, most, clear=clear)
+    rules = _rules(task, ways, headings, most, walls=walls)
     if rules is not None:
         return Found(rules=rules, scale=most)
-    rules = _rules(task, ways, headings, least, clear=clear)
+    rules = _rules(task, ways, headings, least, walls=walls)
     if rules is None:
         return None
-    better = _rules(task, ways, headings, more, clear=clear)
+    better = _rules(task, ways, headings, more, walls=walls)
     return Found(rules=rules, scale=least) if better is None else Found(rules=better, scale=more)
 
 
@@ -181,16 +194,23 @@ def _rules(
     scale: float,
     only: str | None = None,
     *,
-    clear: bool = False,
+    walls: Walls | None = None,
 ) -> tuple[MoveRule, ...] | None:
-    """The first plan that is proved with all its ways, with ``clear`` in front of the slot too."""
+    """The first plan that is proved with all its ways; without ``walls`` in the open."""
     setup = setup_of(task, scale, only)
     if leaves_goal(setup, _last_headings(ways, headings)):
         return None
-    if not clear:  # proposed without a slot, or pushes that a wall is in the way of were left out
+    if walls in (None, Walls.OPEN):
+        # proposed without a slot, or pushes that a wall is in the way of were left out
         setup = replace(setup, blocks=())
-    proposed = _proposed(task, setup, ways, headings)
-    return next((rules for rules in proposed if _proved(rules, setup)), None)
+    guide = walls is Walls.GUIDE
+    for rules in _proposed(task, setup, ways, headings, guide=guide):
+        if _proved(rules, setup):
+            return rules
+        cut = guided(rules, setup) if guide else None
+        if cut is not None:
+            return cut
+    return None
 
 
 def _last_headings(ways: Sequence[_Way], headings: Sequence[Heading]) -> Sequence[Heading]:
@@ -199,11 +219,11 @@ def _last_headings(ways: Sequence[_Way], headings: Sequence[Heading]) -> Sequenc
 
 
 def _proposed(
-    task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading]
+    task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading], *, guide: bool
 ) -> Iterator[tuple[MoveRule, ...]]:
     """Plans of which every move is proved to end where it should, in the open."""
     if len(headings) > 1:
-        yield from _in_any(task, setup, ways, headings)
+        yield from _in_any(task, setup, ways, headings, guide=guide)
     for way in _forward(ways):
         steps = _compose(task, way.frame.setup(setup), way.turns)
         if steps is not None:
@@ -211,16 +231,16 @@ def _proposed(
 
 
 def _in_any(
-    task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading]
+    task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading], *, guide: bool
 ) -> Iterator[tuple[MoveRule, ...]]:
     """Plans of moves with headings of their own, the shortest first."""
     if ways[0].turns == 0:
-        straight = arrive(setup.start, setup, headings)
+        straight = arrive(setup.start, setup, headings, guide=guide)
         yield from () if straight is None else (straight.rules,)
         return
     for first, state in _starts(setup, headings):
         here = replace(setup, start=state)
-        turned = (_turned(task, here, way.frame, headings) for way in ways)
+        turned = (_turned(task, here, way.frame, headings, guide=guide) for way in ways)
         found = [(*first, *rules) for rules in turned if rules is not None]
         yield from sorted(found, key=len)
         if found:
@@ -237,12 +257,13 @@ def _starts(
 
 
 def _turned(
-    task: Task, setup: Setup, frame: Frame, headings: Sequence[Heading]
+    task: Task, setup: Setup, frame: Frame, headings: Sequence[Heading], *, guide: bool
 ) -> tuple[MoveRule, ...] | None:
     """Steps 1 and 2 in one frame, and pushes to the goal in any headings."""
 
     def finish(own: PoseBox) -> Arrival | None:
-        found = arrive(frame.box_to_world(own), setup, headings, mirrored=frame.mirrored)
+        state = frame.box_to_world(own)
+        found = arrive(state, setup, headings, mirrored=frame.mirrored, guide=guide)
         return None if found is None else replace(found, post=frame.from_world(found.post))
 
     plan = _turn(frame.setup(setup), finish, (task.plan.least_y_translations,), COMING_BACK_UM)

@@ -4,4 +4,4 @@ from __future__ import annotations
 
 from typing import Literal
 
-Action = Literal["tilt", "straighten", "rotate", "regrasp"]
+Action = Literal["tilt", "straighten", "rotate", "regrasp", "guide"]

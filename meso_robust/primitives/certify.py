@@ -7,6 +7,7 @@ from dataclasses import replace
 from meso_robust.bounds import HALF_PI, Interval
 from meso_robust.primitives.force import force_below_cap
 from meso_robust.primitives.frame import Frame
+from meso_robust.primitives.guide import certify_guide
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Leaves, Step
 from meso_robust.primitives.outline import Edge
@@ -17,7 +18,7 @@ from meso_robust.primitives.straighten import Across, Pushed, certify_straighten
 from meso_robust.primitives.tilt import Turn, certify_tilt
 from meso_robust.primitives.walls import part_clear, tips_clear
 
-SIDES = {"tilt": (1, -1), "rotate": (1,), "straighten": (0,), "regrasp": (0,)}
+SIDES = {"tilt": (1, -1), "rotate": (1,), "straighten": (0,), "regrasp": (0,), "guide": (0,)}
 
 
 def certify_move(
@@ -60,6 +61,8 @@ def certify_move(
         step = certify_rotation(rule, own, there, rough=rough)
     elif rule.action == "regrasp":
         step = certify_regrasp(rule, own, there)
+    elif rule.action == "guide":
+        step = certify_guide(rule, own, there)
     else:
         known = None if before is None else known_before(before, own, frame, there)
         step = certify_straighten(rule, own, there, known, whole=whole)
@@ -71,7 +74,8 @@ def certify_move(
         tube=tuple(replace(k, box=frame.box_to_world(k.box)) for k in step.tube),
     )
     if setup.blocks:
-        walls = (part_clear(seen.tube, setup), tips_clear(rule, own, there))
+        part = () if rule.action == "guide" else (part_clear(seen.tube, setup),)
+        walls = (*part, tips_clear(rule, own, there))
         seen = replace(seen, obligations=(*seen.obligations, *walls))
     return seen
 

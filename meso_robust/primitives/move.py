@@ -118,7 +118,7 @@ class MoveRule:
     primitive: str
     """y_translation, rotation or x_translation."""
     action: Action
-    """tilt, straighten, rotate or regrasp: which certified motion the move is."""
+    """tilt, straighten, rotate, regrasp or guide: which certified motion the move is."""
     side: int
     """tilt, rotate: +1 turns the part counter-clockwise, -1 clockwise; else 0."""
     dual: Point

@@ -82,11 +82,18 @@ class ObligationId(StrEnum):
     PART_CLEAR_OF_WALLS = "part_clear_of_walls"
     TIPS_CLEAR_OF_WALLS = "tips_clear_of_walls"
     FORCE_BELOW_CAP = "force_below_cap"
+    PART_IN_SLOT = "part_in_slot"
+    ONE_WALL_AT_A_TIME = "one_wall_at_a_time"
+    EDGE_TURNS_BACK = "edge_turns_back"
+    WALL_TURNS_BACK = "wall_turns_back"
+    FILM_TURNS_WITH = "film_turns_with"
+    TIP_STEERS = "tip_steers"
     # what stays undecided where no enclosure was found; a PROVED certificate has none of these
     EDGES_OPPOSITE = "edges_opposite"
     ACTIVE_ABOVE_PASSIVE = "active_above_passive"
     COMES_TO_REST = "comes_to_rest"
     END_ENCLOSED = "end_enclosed"
+    GUIDE_COVERED = "guide_covered"
 
 
 class Inequality(StrEnum):
@@ -107,6 +114,12 @@ class Inequality(StrEnum):
     NO_JAM = "opposite_edges.no_jam"
     NO_JAM_OF_POINTS = "two_sided_rotation.no_jam"
     """The same of point tips, as older certificates name it: read, and no longer written."""
+    BEARS = "slot_walls.bears"
+    STEERS = "slot_walls.steers"
+    CORNER_TURNS = "slot_walls.corner"
+    STIFF = "slot_walls.stiff"
+    ONE_WALL = "slot_walls.one_wall"
+    NO_JAM_IN_SLOT = "slot_walls.no_jam"
     PASSIVE_FORCE = "two_sided_rotation.passive_force"
     ENDS_OF_EDGES = "two_sided_rotation.ends_of_edges"
     TRAVEL = "travel"
@@ -118,6 +131,7 @@ class Inequality(StrEnum):
     PART_TO_WALL = "part_to_wall"
     TIP_TO_WALL = "tip_to_wall"
     FORCE = "force_to_spare"
+    IN_SLOT = "in_slot"
     NONE = "undecided"
     """Nothing could be bounded."""
 
@@ -140,6 +154,7 @@ class Property(StrEnum):
     STRAIGHTENS = "straightens"
     TURNS_BETWEEN_TIPS = "turns_between_tips"
     PART_RESTS = "part_rests"
+    GUIDED_BY_WALLS = "guided_by_walls"
 
 
 class Reason(StrEnum):
@@ -163,6 +178,8 @@ DATA: Mapping[ObligationId, Mapping[str, tuple[StrEnum, ...]]] = {
     ObligationId.IDLE_TIP_PASSES: {"when": tuple(When)},
     ObligationId.WITHDRAWS_FREE: {"tips": (Which.PUSHING, Which.PAIR, Which.BOTH)},
     ObligationId.TIP_CLEAR_OF_PART: {"tip": (Which.UPPER, Which.LOWER)},
+    ObligationId.EDGE_TURNS_BACK: {"tip": (Which.UPPER, Which.LOWER)},
+    ObligationId.TIP_STEERS: {"tip": (Which.UPPER, Which.LOWER)},
 }
 """The data that obligations are about, and what it can be; all others have none."""
 

@@ -14,11 +14,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from meso_robust.bounds import HALF_PI, Interval, Proof, Verdict, enclose, prove_positive
+from meso_robust.bounds import Interval, Proof, Verdict, enclose, prove_positive
 from meso_robust.bounds.implicit import Ends, bound
-from meso_robust.bounds.interval import arcsin, cos
 from meso_robust.bounds.prove import fails_somewhere
 from meso_robust.motion import one_tip
+from meso_robust.primitives import tips
 from meso_robust.primitives.base import (
     Wanted,
     base_box,
@@ -106,7 +106,7 @@ def certify_straighten(
         In the move's axes; without a ``post`` where a tip is not proved to hold.
     """
     edge = setup.edge(pre.theta.mid)
-    box, aligned = base_box(rule, pre, setup, edge), _aligned(setup)
+    box, aligned = base_box(rule, pre, setup, edge), tips.aligned(setup)
     obligations = [*free_at_start((1, -1), box, edge)]
     alike = len(obligations)
     posts: list[PoseBox | None] = []
@@ -143,15 +143,6 @@ def certify_straighten(
 
 def _hull(one: PoseBox | None, other: PoseBox | None) -> PoseBox | None:
     return None if one is None or other is None else one.hull(other)
-
-
-def _aligned(setup: Setup) -> Interval:
-    """All directions of the edge at which both tips touch."""
-    u = setup.uncertainty
-    if u.tip_radius.lo == u.tip_radius.hi:
-        return HALF_PI + u.misalignment
-    apart = setup.spacing / cos(u.misalignment)
-    return HALF_PI + u.misalignment + arcsin((u.tip_radius - u.tip_radius) / apart)
 
 
 def _first_contacts(theta: Interval, aligned: Interval) -> list[tuple[int, Interval]]:

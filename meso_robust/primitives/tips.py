@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meso_robust.bounds import Box, Interval
-from meso_robust.bounds.interval import cos, sin
+from meso_robust.bounds import HALF_PI, Box, Interval
+from meso_robust.bounds.interval import arcsin, cos, sin
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import Anchor, MoveRule
 from meso_robust.primitives.names import (
@@ -80,8 +80,19 @@ def astray(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Interval, Interv
         sensed = pre.x + u.sensed_position
         base = sensed if rule.dual.x.anchor is Anchor.PART else -sensed
     travel = base + rule.dual.x.offset - rule.dual_end.offset
-    length = travel * (ONE + u.travel_scale)
-    return travel - length * cos(u.travel_direction), -(length * sin(u.travel_direction))
+    longer = ONE + u.travel_scale
+    # a length that is known no better than the pose before is short by little of itself
+    short = travel * (ONE - longer * cos(u.travel_direction))
+    return short, -(travel * longer * sin(u.travel_direction))
+
+
+def aligned(setup: Setup) -> Interval:
+    """All directions of an edge at which both tips of the active probe touch it, in the axes of ``setup``, rad."""
+    u = setup.uncertainty
+    if u.tip_radius.lo == u.tip_radius.hi:
+        return HALF_PI + u.misalignment
+    apart = setup.spacing / cos(u.misalignment)
+    return HALF_PI + u.misalignment + arcsin((u.tip_radius - u.tip_radius) / apart)
 
 
 def second_tip(side: int, setup: Setup) -> tuple[Interval, Interval]:

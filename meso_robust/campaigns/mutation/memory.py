@@ -15,7 +15,7 @@ from flint import arb
 
 from meso_robust.checker.document import ObligationDocument, RuleDocument
 from meso_robust.checker.ids import Named
-from meso_robust.checker.inputs import Given, PoseBox
+from meso_robust.checker.inputs import Channel, Given, PoseBox
 from meso_robust.checker.outline import Edge, Neighbour, Polygon, Rectangle
 from meso_robust.checker.passage import Memory, Passage
 from meso_robust.checker.prover import PLAIN, Prover
@@ -98,7 +98,7 @@ def _key(value: Any) -> Hashable:
         return (str(value.mid().man_exp()), str(value.rad().man_exp()))
     if isinstance(value, tuple):
         return tuple(map(_key, value))
-    if isinstance(value, PoseBox | Given | Rectangle | Polygon | Edge | Neighbour):
+    if isinstance(value, PoseBox | Given | Channel | Rectangle | Polygon | Edge | Neighbour):
         return tuple(_key(getattr(value, name)) for name in value.__slots__)
     if isinstance(value, str | int | float | Fraction | None):
         return value

@@ -1,0 +1,11 @@
+; $\rho + p^2 - \kappa b p > 0$ where friction at the wall is less than $2\sqrt\rho/b$
+(set-logic QF_NRA)
+(declare-const b Real)
+(declare-const kappa Real)
+(declare-const p Real)
+(declare-const rho Real)
+(assert (> b 0))
+(assert (> rho 0))
+(assert (< (* (* b b) (* kappa kappa)) (* 4 rho)))
+(assert (<= (+ (* (- 1) b kappa p) (* p p) rho) 0))
+(check-sat)
