@@ -78,6 +78,37 @@ def _hat(across: float, knot: int, knots: int) -> float:
     return max(0.0, 1.0 - abs(across - (2.0 * knot / (knots - 1) - 1.0)) * 0.5 * (knots - 1))
 
 
+@inner
+def _defocused(n: float, half: float, sigma: float, out: Floats) -> None:
+    """Shares (K,) of knots across a needle at a place n from its axis, where it is blurred by sigma, of sum 1.
+
+    What a shaft looks like is as much out of focus as its flanks: the hats, which end at the flanks, are
+    convolved with a normal distribution. A ramp's convolution is x Phi + sigma phi.
+    """
+    last = len(out) - 1
+    step = 2.0 * half / last
+    total, ramp, rise = 0.0, 0.0, 0.0
+    for knot in range(last + 1):
+        z = (n + half - knot * step) / sigma
+        share = 0.5 * math.erfc(-z / math.sqrt(2.0))
+        here = sigma * (z * share + math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi))
+        # each knot takes the rise of the ramp towards it, less that beyond it
+        if knot == 0:
+            out[0] = share
+        else:
+            rise = (ramp - here) / step
+            out[knot - 1] -= rise
+            out[knot] = rise
+        ramp = here
+        if knot == last:
+            out[last] -= share
+    for knot in range(last + 1):
+        out[knot] = max(out[knot], 0.0)
+        total += out[knot]
+    for knot in range(last + 1):
+        out[knot] /= max(total, 1e-12)
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def distances(s: Floats, n: Floats, taper: float, radius: float, out: Floats) -> None:
     """Signed distances (N,) of places along and across the axis."""
@@ -190,6 +221,7 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
     """
     radius, rise = shape[1], shape[2]
     c, d = math.cos(shape[0]), math.sin(shape[0])
+    shares = np.empty(FINE_KNOTS)
     for i in range(out.shape[1]):
         for j in range(out.shape[2]):
             u, v = first[0] + j / finer, first[1] + i / finer
@@ -211,11 +243,11 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
                 out[1 + k, i, j] = clear * near * hats[k]
                 out[4 + k, i, j] = clear * wide * hats[k]
                 out[7 + k, i, j] = clear * ring * hats[k]
-            across = n / _half_width(s, c, d, radius) if inside > 0.0 else 0.0
+            if inside > 0.0:
+                sigma = max(rise * s, _SHARPEST)
+                _defocused(n, _half_width(s, c, d, radius), sigma, shares)
             for knot in range(FINE_KNOTS):
-                out[10 + knot, i, j] = (
-                    inside * _hat(across, knot, FINE_KNOTS) if inside > 0.0 else 0.0
-                )
+                out[10 + knot, i, j] = inside * shares[knot] if inside > 0.0 else 0.0
             out[10 + FINE_KNOTS, i, j] = 0.1 * inside * s
 
 
