@@ -79,34 +79,34 @@ def _hat(across: float, knot: int, knots: int) -> float:
 
 
 @inner
-def _defocused(n: float, half: float, sigma: float, out: Floats) -> None:
-    """Shares (K,) of knots across a needle at a place n from its axis, where it is blurred by sigma, of sum 1.
+def _ramp(z: float) -> tuple[float, float]:
+    """A step and a ramp that begin at 0, convolved with a normal distribution of deviation 1."""
+    if abs(z) > _CERTAIN:
+        return (1.0, z) if z > 0.0 else (0.0, 0.0)
+    step = 0.5 * math.erfc(-z / math.sqrt(2.0))
+    return step, z * step + math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
 
-    What a shaft looks like is as much out of focus as its flanks: the hats, which end at the flanks, are
-    convolved with a normal distribution. A ramp's convolution is x Phi + sigma phi.
+
+@inner
+def _defocused(n: float, half: float, sigma: float, out: Floats) -> None:
+    """Shares (K,), of sum 1, of knots at a place n across a needle that is blurred by sigma.
+
+    What is seen on a shaft is as much out of focus as its flanks: the knots' hats, which end at the
+    flanks, are convolved with a normal distribution.
     """
     last = len(out) - 1
-    step = 2.0 * half / last
-    total, ramp, rise = 0.0, 0.0, 0.0
+    apart = 2.0 * half / last
+    first, before = _ramp((n + half) / sigma)
+    out[0] = first
+    for knot in range(1, last + 1):
+        step, ramp = _ramp((n + half - knot * apart) / sigma)
+        risen = sigma * (before - ramp) / apart  # of the hat of this knot, from the one before
+        out[knot - 1] -= risen
+        out[knot] = risen if knot < last else risen - step
+        before = ramp
+    total = max(out.sum(), 1e-9)  # before the flanks nothing but rounding is left
     for knot in range(last + 1):
-        z = (n + half - knot * step) / sigma
-        share = 0.5 * math.erfc(-z / math.sqrt(2.0))
-        here = sigma * (z * share + math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi))
-        # each knot takes the rise of the ramp towards it, less that beyond it
-        if knot == 0:
-            out[0] = share
-        else:
-            rise = (ramp - here) / step
-            out[knot - 1] -= rise
-            out[knot] = rise
-        ramp = here
-        if knot == last:
-            out[last] -= share
-    for knot in range(last + 1):
-        out[knot] = max(out[knot], 0.0)
-        total += out[knot]
-    for knot in range(last + 1):
-        out[knot] /= max(total, 1e-12)
+        out[knot] /= total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
