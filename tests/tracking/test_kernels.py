@@ -11,8 +11,8 @@ import pytest
 
 from meso_robust.tracking.alpha_matting import HALO_COUNT, PAD, Window, sharp
 from meso_robust.tracking.edge_profile import behind
-from meso_robust.tracking.fit_kernels import behind as scene_behind
 from meso_robust.tracking.fit_kernels import (
+    behind as scene_behind,
     carried,
     compare,
     face_step,
