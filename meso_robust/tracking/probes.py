@@ -44,7 +44,7 @@ _CANCELS = 0.5
 _OF_SHAPE = 0.5
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
 # px between part and needle, nearer than which the film between them tells less; and px along the axis by how much
-_CLOSE, _AT_PART = 2.0, 0.15
+_CLOSE, _AT_PART = 2.0, 0.12
 _UNSEEN = 0.5  # px along the axis, where the part may be in front of the tip but was not found
 _BLOCKED = 1.0  # px along the axis, where the part hides the end of the tip in all frames
 _LEAST_GAP = 2.0  # px between part and needle where its end shows

@@ -125,8 +125,8 @@ def _bright(scene: Scene, tip: Floats) -> list[Floats]:
     size, level = optics.pixel_size, scene.oil.brightness
     layer = probe_layer(replace(probe, direction=0.0), scene.oil, size / _FINE, 2.0 * AROUND * size)
     height, width = layer.texels.shape[:2]
-    x = layer.origin[0] + layer.pitch * np.arange(width)[None, :]
-    y = layer.origin[1] + layer.pitch * np.arange(height)[:, None]
+    x: Floats = layer.origin[0] + layer.pitch * np.arange(width, dtype=np.float64)[None, :]
+    y: Floats = layer.origin[1] + layer.pitch * np.arange(height, dtype=np.float64)[:, None]
     cover = layer.texels[..., COVERAGE].astype(float)
     away, up = np.maximum(needle_distance(probe, x, y), 0.0) / size, np.maximum(x, 0.0) / size
     across = np.clip(y / np.maximum(_half(probe, x), probe.tip_radius), -1.0, 1.0)
