@@ -612,11 +612,31 @@ def _slope(image: Floats | Singles, i: int, j: int) -> tuple[float, float]:
 
 
 @inner
+def _bend(image: Floats | Singles, i: int, j: int) -> tuple[float, float, float]:
+    """Second differences to the right, to the right and down, and down; none at the border."""
+    if not (0 < i < image.shape[0] - 1 and 0 < j < image.shape[1] - 1):
+        return 0.0, 0.0, 0.0
+    middle = 2.0 * image[i, j]
+    right = image[i, j + 1] - middle + image[i, j - 1]
+    down = image[i + 1, j] - middle + image[i - 1, j]
+    oblique = image[i + 1, j + 1] - image[i + 1, j - 1] - image[i - 1, j + 1] + image[i - 1, j - 1]
+    return right, 0.25 * oblique, down
+
+
+@inner
 def _through(scene: Floats, variance: float, clear: Singles, i: int, j: int) -> float:
     """What a needle of some transmission lets through at one pixel; see `through`."""
     right, down = _slope(clear, i, j)
     mixed = scene[4, i, j] * down + scene[3, i, j] * right
     return scene[2, i, j] * clear[i, j] + variance * mixed
+
+
+@inner
+def _bent(scene: Floats, variance: float, clear: Singles, i: int, j: int) -> float:
+    """The third term of what a needle lets through, which counts where a tip meets the part's edge."""
+    behind, before = _bend(scene[2], i, j), _bend(clear, i, j)
+    mixed = behind[0] * before[0] + 2.0 * behind[1] * before[1] + behind[2] * before[2]
+    return 0.5 * variance * variance * mixed
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -680,6 +700,8 @@ def compare(
                 continue
             clear = images[0, i, j]
             model = _through(scene, variance, images[0], i, j) + film * images[1, i, j]
+            if seen[1, i, j] != 1.0:  # before nothing but film, slopes do not change
+                model += _bent(scene, variance, images[0], i, j)
             lit = 0.1 * film * seen[1, i, j] * clear
             own[0, at] = -_through(scene, variance, images[2], i, j) - film * images[3, i, j]
             own[1, at] = -_through(scene, variance, images[4], i, j) - film * images[5, i, j]

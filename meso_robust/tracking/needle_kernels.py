@@ -78,6 +78,37 @@ def _hat(across: float, knot: int, knots: int) -> float:
     return max(0.0, 1.0 - abs(across - (2.0 * knot / (knots - 1) - 1.0)) * 0.5 * (knots - 1))
 
 
+@inner
+def _ramp(z: float) -> tuple[float, float]:
+    """A step and a ramp that begin at 0, convolved with a normal distribution of deviation 1."""
+    if abs(z) > _CERTAIN:
+        return (1.0, z) if z > 0.0 else (0.0, 0.0)
+    step = 0.5 * math.erfc(-z / math.sqrt(2.0))
+    return step, z * step + math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
+
+
+@inner
+def _defocused(n: float, half: float, sigma: float, out: Floats) -> None:
+    """Shares (K,), of sum 1, of knots at a place n across a needle that is blurred by sigma.
+
+    What is seen on a shaft is as much out of focus as its flanks: the knots' hats, which end at the
+    flanks, are convolved with a normal distribution.
+    """
+    last = len(out) - 1
+    apart = 2.0 * half / last
+    first, before = _ramp((n + half) / sigma)
+    out[0] = first
+    for knot in range(1, last + 1):
+        step, ramp = _ramp((n + half - knot * apart) / sigma)
+        risen = sigma * (before - ramp) / apart  # of the hat of this knot, from the one before
+        out[knot - 1] -= risen
+        out[knot] = risen if knot < last else risen - step
+        before = ramp
+    total = max(out.sum(), 1e-9)  # before the flanks nothing but rounding is left
+    for knot in range(last + 1):
+        out[knot] /= total
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def distances(s: Floats, n: Floats, taper: float, radius: float, out: Floats) -> None:
     """Signed distances (N,) of places along and across the axis."""
@@ -190,6 +221,7 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
     """
     radius, rise = shape[1], shape[2]
     c, d = math.cos(shape[0]), math.sin(shape[0])
+    shares = np.empty(FINE_KNOTS)
     for i in range(out.shape[1]):
         for j in range(out.shape[2]):
             u, v = first[0] + j / finer, first[1] + i / finer
@@ -211,11 +243,11 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
                 out[1 + k, i, j] = clear * near * hats[k]
                 out[4 + k, i, j] = clear * wide * hats[k]
                 out[7 + k, i, j] = clear * ring * hats[k]
-            across = n / _half_width(s, c, d, radius) if inside > 0.0 else 0.0
+            if inside > 0.0:
+                sigma = max(rise * s, _SHARPEST)
+                _defocused(n, _half_width(s, c, d, radius), sigma, shares)
             for knot in range(FINE_KNOTS):
-                out[10 + knot, i, j] = (
-                    inside * _hat(across, knot, FINE_KNOTS) if inside > 0.0 else 0.0
-                )
+                out[10 + knot, i, j] = inside * shares[knot] if inside > 0.0 else 0.0
             out[10 + FINE_KNOTS, i, j] = 0.1 * inside * s
 
 

@@ -40,9 +40,11 @@ _ROUNDS = 2
 _ALONG, _ACROSS = 0.05, 0.02  # px; what the needle's and the film's simplicity leave
 # of a tip's variance if what is left were alike wherever the tip's slopes reach: these change their sign there
 _CANCELS = 0.5
+# likewise, along the needle, of what all tips of a film are off by, as it is not known exactly
+_OF_SHAPE = 0.5
 _AMISS = 2.0  # px between the two estimates that are worth a doubt
 # px between part and needle, nearer than which the film between them tells less; and px along the axis by how much
-_CLOSE, _AT_PART = 2.0, 0.15
+_CLOSE, _AT_PART = 2.0, 0.12
 _UNSEEN = 0.5  # px along the axis, where the part may be in front of the tip but was not found
 _BLOCKED = 1.0  # px along the axis, where the part hides the end of the tip in all frames
 _LEAST_GAP = 2.0  # px between part and needle where its end shows
@@ -114,7 +116,8 @@ def _each(
 ) -> Refined:
     axis = matte.needle.axis
     constant = _ACROSS**2 * np.eye(2) + (_ALONG**2 - _ACROSS**2) * np.outer(axis, axis)
-    constant = constant + matte.common
+    shrunk = np.eye(2) + (math.sqrt(_OF_SHAPE) - 1.0) * np.outer(axis, axis)
+    constant = constant + shrunk @ matte.common @ shrunk
     unseen, close = _UNSEEN**2 * np.outer(axis, axis), _AT_PART**2 * np.outer(axis, axis)
     tips, spreads = [], []
     for one in glimpses:

@@ -44,7 +44,7 @@ _DISC, _DISC_SPREAD = 0.25, 0.5  # of how flat the blur is
 _DISCS = -0.25, 1.25  # limits of it
 _REACH = 4.5  # px from the window's middle, beyond which its images do not reach
 _PIXEL = 1.0 / 12.0  # px²; variance of a place within a pixel
-_NEAR = 4  # px within which what is left may be alike
+_NEAR = 6  # px within which what is left may be alike
 _FAR = 4.0  # standard deviations at which what is left is cut off, to compare it
 _ROUNDING = (
     1.0 / 48.0

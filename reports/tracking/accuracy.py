@@ -30,13 +30,13 @@ from meso_robust.microscope import (
     project,
     render,
 )
-from meso_robust.microscope.frame import irradiance
 from meso_robust.tracking.edges import placed
 from meso_robust.tracking.learned import Tip
 from meso_robust.tracking.memory import LEARNING
 from meso_robust.tracking.pose import PartTracker, Sighting
 from meso_robust.tracking.probe_search import needle_at
 from meso_robust.tracking.probes import ProbeTracker
+from reports.tracking.least import least_alike, least_along
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -49,8 +49,6 @@ REST = 4
 """Frames at rest before the part is pushed."""
 TIP_FRAMES = 20
 """Of a film of a probe that comes to the part and pushes it."""
-AROUND_TIP = 24.0
-"""px about a tip that the least possible error counts."""
 NORMAL_90 = 1.6448536269514722
 Random = np.random.Generator
 
@@ -267,36 +265,11 @@ def pushing(rng: Random) -> tuple[Scene, Floats, Floats]:
     return scene, np.column_stack((pose[:2] + pushed, np.full(TIP_FRAMES, pose[2]))), tips
 
 
-def least_along(scene: Scene, tip: Floats) -> float:
-    """Standard deviation in px along its axis below which no unbiased estimate of a tip (2,) m from one frame gets.
+def tip_errors(rng: Random) -> tuple[Floats, Floats, Floats]:
+    """Errors (n, 2) px along and across a tip in one film, the standard deviations stated, and the least (2,).
 
-    The bound of Cramer and Rao for a needle before film without a part, from the renderer's own images: how they
-    vary with the tip, against the sensor's noise, within `AROUND_TIP`. The needle's look and shape, the blur and the
-    film's texture count as known, and nothing as compressed; the film's brightness and its slopes are free.
+    These are along the needle: of one frame, its look being known, and of what is alike in the film, it being not.
     """
-    way = np.array([math.cos(scene.probes[0].direction), math.sin(scene.probes[0].direction)])
-    away = np.full(3, np.nan)
-    at = project(scene.optics, tip)
-    v, u = np.indices((scene.optics.height, scene.optics.width))
-    near = np.hypot(u - at[0], v - at[1]) < AROUND_TIP
-
-    def seen(of: Scene, shift: Floats) -> Floats:
-        return np.asarray(irradiance(of, away, (tip + shift)[None])[near], dtype=float)
-
-    still = np.zeros(2)
-    brighter = replace(scene, oil=replace(scene.oil, brightness=1.1 * scene.oil.brightness))
-    film = seen(brighter, still) - seen(scene, still)
-    step = 0.2 * PIXEL * np.array([way, [-way[1], way[0]]])
-    moved = [(seen(scene, s) - seen(scene, -s)) / 0.4 for s in step]
-    light, exposure = seen(scene, still), scene.exposure
-    variance = exposure.shot_noise * light + exposure.read_noise**2 + 1.0 / 12.0
-    slopes = [film * (u[near] - at[0]), film * (v[near] - at[1])]
-    columns = np.array([*moved, film, *slopes]) / np.sqrt(variance)
-    return float(math.sqrt(np.linalg.inv(columns @ columns.T)[0, 0]))
-
-
-def tip_errors(rng: Random) -> tuple[Floats, Floats, float]:
-    """Errors (n, 2) px along and across a tip in one film, the standard deviations stated, and the least along."""
     scene, poses, tips = pushing(rng)
     truth = project(scene.optics, tips)
     part = PartTracker(BODY)
@@ -332,7 +305,8 @@ def tip_errors(rng: Random) -> tuple[Floats, Floats, float]:
     axes = np.array([way, [-way[1], way[0]]]) / np.hypot(*way)
     error = (said.tips - truth) @ axes.T
     sigma = np.sqrt(np.einsum("ki,tij,kj->tk", axes, said.covariances, axes))
-    return error, sigma, least_along(scene, tips[0])
+    least = least_along(scene, tips[0]), least_alike(scene, tips[0], TIP_FRAMES)
+    return error, sigma, np.array(least)
 
 
 def row(r: Result) -> str:
@@ -367,14 +341,16 @@ A probe with a tip of 12.5 um radius comes to the part and pushes it, {films} fi
 brightness and defocus drawn at random too; errors along and across its axis. "Alike in a film": RMS of the
 films' mean errors. "Least possible along": RMS over the films of the Cramer-Rao bound of one frame, below which no
 unbiased estimate gets: the noise alone, without compression, of a needle before film whose look and shape are known
-exactly; only the film's brightness and its slopes about the tip are not.
+exactly; only the film's brightness and its slopes about the tip are not. "Least possible alike": the same of the mean
+of {frames} frames if the needle's taper, defocus, direction and blur are not known, nor how bright it is across and
+the film about it is as a function of the distance; a frame in which the tip is near the part tells less than this.
 
-| tip | frames | no place | RMS along, px | least possible along, px | RMS across, px | along, alike in a film, px | coverage along / across, % | error / sigma |
-|---|---|---|---|---|---|---|---|---|
+| tip | frames | no place | RMS along, px | least possible along, px | RMS across, px | along, alike in a film, px | least possible alike, px | coverage along / across, % | error / sigma |
+|---|---|---|---|---|---|---|---|---|---|
 """
 
 
-def tip_row(films: list[tuple[Floats, Floats, float]]) -> str:
+def tip_row(films: list[tuple[Floats, Floats, Floats]]) -> str:
     """One line of the table of tips, from errors and standard deviations (n, 2) px of each film, and the least along."""
     kept = [
         (e[seen], s[seen])
@@ -382,7 +358,7 @@ def tip_row(films: list[tuple[Floats, Floats, float]]) -> str:
         for seen in [np.isfinite(e).all(axis=1)]
         if seen.any()
     ]
-    least = math.sqrt(np.mean([bound**2 for _, _, bound in films]))
+    least, common = np.sqrt(np.mean([bound**2 for _, _, bound in films], axis=0))
     error = np.concatenate([e for e, _ in kept])
     pull = error / np.concatenate([s for _, s in kept])
     along, across = np.sqrt((error**2).mean(axis=0))
@@ -392,7 +368,7 @@ def tip_row(films: list[tuple[Floats, Floats, float]]) -> str:
     ratio = " / ".join(f"{k:.2f}" for k in np.sqrt((pull**2).mean(axis=0)))
     return (
         f"| pushing | {frames} | {frames - len(error)} | {along:.3f} | {least:.3f} | "
-        f"{across:.3f} | {alike:.3f} | "
+        f"{across:.3f} | {alike:.3f} | {common:.3f} | "
         f"{cover} | {ratio} |"
     )
 
@@ -402,7 +378,7 @@ def _condition(name: str, seed: np.random.SeedSequence, films: int, count: int) 
     return measured(name, np.random.default_rng(seed), films, count)
 
 
-def _tips(seed: np.random.SeedSequence) -> tuple[Floats, Floats, float]:
+def _tips(seed: np.random.SeedSequence) -> tuple[Floats, Floats, Floats]:
     cv2.setNumThreads(1)
     return tip_errors(np.random.default_rng(seed))
 

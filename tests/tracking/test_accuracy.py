@@ -13,13 +13,11 @@ from meso_robust.microscope import Scene, project, render
 from meso_robust.microscope.frame import irradiance
 from meso_robust.tracking.pose import PartTracker
 from reports.tracking.accuracy import (
-    AROUND_TIP,
     BODY,
     CONDITIONS,
     PIXEL,
     Result,
     filmed,
-    least_along,
     measured,
     motion,
     pushing,
@@ -28,6 +26,7 @@ from reports.tracking.accuracy import (
     tip_row,
     together,
 )
+from reports.tracking.least import AROUND, least_alike, least_along
 
 
 @pytest.fixture(scope="session")
@@ -60,8 +59,12 @@ def test_the_table_says_what_was_measured() -> None:
 def test_the_table_of_tips_says_what_was_measured() -> None:
     here, there = np.array([[0.3, 0.0], [0.1, 0.0]]), np.array([[-0.2, 0.1], [np.nan, np.nan]])
     sigma = np.full((2, 2), 0.1)
-    line = tip_row([(here, sigma, 0.03), (there, sigma, 0.04)])
-    assert line == "| pushing | 4 | 1 | 0.216 | 0.035 | 0.058 | 0.200 | 33 / 100 | 2.16 / 0.58 |"
+    least = np.array([[0.03, 0.06], [0.04, 0.08]])
+    line = tip_row([(here, sigma, least[0]), (there, sigma, least[1])])
+    assert (
+        line
+        == "| pushing | 4 | 1 | 0.216 | 0.035 | 0.058 | 0.200 | 0.071 | 33 / 100 | 2.16 / 0.58 |"
+    )
 
 
 def test_a_fit_to_the_renderers_own_images_errs_by_the_least_possible() -> None:
@@ -71,7 +74,7 @@ def test_a_fit_to_the_renderers_own_images_errs_by_the_least_possible() -> None:
     at = np.rint(project(scene.optics, tip)).astype(int)
     near = np.s_[at[1] - 23 : at[1] + 24, at[0] - 23 : at[0] + 24]
     v, u = np.mgrid[-23:24, -23:24]
-    disc = np.hypot(u, v) < AROUND_TIP
+    disc = np.hypot(u, v) < AROUND
     way = scene.probes[0].direction
 
     def image(along: float, across: float = 0.0, of: Scene = scene) -> npt.NDArray[np.float64]:
@@ -93,6 +96,20 @@ def test_a_fit_to_the_renderers_own_images_errs_by_the_least_possible() -> None:
     curve = np.polynomial.polynomial.polyfit(places, [np.sum(k**2, axis=1) for k in left], 2)
     found = -0.5 * curve[1] / curve[2]
     assert found.std() == pytest.approx(least_along(scene, tip), rel=0.15)
+
+
+def test_what_is_alike_in_a_film_tells_least_where_the_look_is_unknown() -> None:
+    """A known needle's mean errs by the root of the frames less; the rest, the look's, falls with frames too."""
+    scene, _, (tip, *_) = pushing(np.random.default_rng(4))
+    known = least_along(scene, tip)
+    few, many = (least_alike(scene, tip, frames) for frames in (10, 40))
+    assert known / math.sqrt(10) < few
+    assert 1.3 * few / 2.0 > many > known / math.sqrt(40)
+    light = scene.exposure
+    noisier = replace(light, shot_noise=4.0 * light.shot_noise, read_noise=2.0 * light.read_noise)
+    assert least_alike(replace(scene, exposure=noisier), tip, 10) == pytest.approx(
+        2.0 * few, rel=0.1
+    )
 
 
 def test_the_probe_meets_the_side_and_pushes() -> None:

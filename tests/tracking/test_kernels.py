@@ -9,10 +9,19 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from meso_robust.tracking.alpha_matting import HALO_COUNT, PAD, Window, sharp
 from meso_robust.tracking.edge_profile import behind
-from meso_robust.tracking.fit_kernels import carried, face_step, reweighted, robust, shifted
-from meso_robust.tracking.needle import Needle, coverage
-from meso_robust.tracking.needle_kernels import film_beside
+from meso_robust.tracking.fit_kernels import (
+    behind as scene_behind,
+    carried,
+    compare,
+    face_step,
+    reweighted,
+    robust,
+    shifted,
+)
+from meso_robust.tracking.needle import FINER, Needle, coverage
+from meso_robust.tracking.needle_kernels import FINE_KNOTS, film_beside
 from meso_robust.tracking.rim_kernels import misfit, slopes
 from meso_robust.tracking.sampling import Patch, derivatives, sample
 
@@ -44,6 +53,52 @@ def test_a_tapering_needle_covers_its_polygon() -> None:
     inner = np.s_[8:72, 8:72]  # a blur sees beyond the window
     assert np.abs(share - wide)[inner].max() < 0.04
     assert share[inner].sum() == pytest.approx(wide[inner].sum(), rel=0.01)
+
+
+@pytest.mark.parametrize("s", [0.0, 8.0, 16.0])
+def test_what_is_seen_on_a_shaft_is_blurred_as_its_flanks_are(s: float) -> None:
+    """A line along a needle's middle, from the fine image of its knots and by summing over the shaft's width."""
+    needle = Needle(tip=(0.0, 0.0), direction=0.0, taper=0.0, radius=3.0, rise=0.06)
+    window = Window(low=(-8, -12), shape=(25, 33))
+    bright = np.array([0.2, 0.1, 0.5, 1.3, 0.9, 0.3, 0.4])
+    column = FINER * (int(s) + 8 + PAD) + FINER // 2
+    n = (np.arange(FINER * (25 + 2 * PAD)) + 0.5) / FINER - 0.5 - PAD - 12.0
+
+    drawn = sharp(needle, window)[1 + HALO_COUNT :][:FINE_KNOTS, :, column].T @ bright
+
+    at = np.linspace(-3.0, 3.0, 3001)
+    look = np.interp(at, np.linspace(-3.0, 3.0, 7), bright)
+    sigma = max(0.06 * s, 0.1)
+    blur = np.exp(-0.5 * ((n[:, None] - at) / sigma) ** 2) / (sigma * math.sqrt(2.0 * math.pi))
+    assert drawn == pytest.approx(np.trapezoid(blur * look, at, axis=1), abs=2e-3)
+
+
+def test_a_needle_near_an_edge_hides_what_a_sharp_one_does_that_is_blurred() -> None:
+    """A needle up to u = 19, film, and a part that is twice as bright from 21 on: drawn finely, then blurred."""
+    fine, sigma = (np.arange(4000) + 0.5) / 100.0 - 0.5, 1.0
+    kernel = np.exp(-0.5 * (np.arange(-600, 601) / 100.0 / sigma) ** 2)
+
+    def seen(sharp: Floats) -> Floats:
+        wide = np.pad(sharp, 600, mode="edge")
+        each = np.convolve(wide, kernel / kernel.sum(), "valid")
+        return np.tile(each.reshape(40, 100).mean(axis=1), (21, 1))
+
+    part, clear = np.where(fine < 21.0, 1.0, 2.0), np.where(fine < 19.0, 0.0, 1.0)
+    images = np.zeros((6, 21, 40), np.float32)
+    images[0] = seen(clear)
+    given = np.stack([70.0 * seen(part * clear), seen(part), *np.zeros((2, 21, 40))])
+    given[3] = 1.0
+    scene, own, left, weight = np.empty((5, 21, 40)), np.empty((5, 840)), *np.empty((2, 840))
+    film = np.array([70.0, 0.0, 0.0])
+    scene_behind(
+        given[1].astype(np.float32), np.array([0.0, 10.0]), np.array([1.0, 0.0]), film, scene
+    )
+
+    variance, reach = sigma**2 + 1.0 / 12.0, np.array([8.0, 40.0, 9.0])
+    compare(images, scene, variance, given.astype(np.float32), 70.0, reach, own, left, weight)
+
+    # of 70 grey values of contrast; the first two terms alone are 2.2 off
+    assert np.abs(left.reshape(21, 40)[5:16, 5:35]).max() < 1.5
 
 
 @pytest.mark.parametrize("count", [11, 12])
