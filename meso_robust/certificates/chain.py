@@ -100,7 +100,7 @@ def begins(rules: Sequence[MoveRule], setup: Setup) -> bool:
     Parameters
     ----------
     rules, setup
-        The moves in order, the task.
+        The moves in order, the task. Without a rotation all of them take little time.
 
     Returns
     -------

@@ -84,10 +84,11 @@ def _search(
 ) -> tuple[float, float | None]:
     """Largest factor found at which the plan is proved, at least ``good``; the smallest at which it is not.
 
-    What is refused at a factor is mostly refused by its first moves, in a fifth of the time of a proof. So the
-    bisection goes by these alone first, and the plan is proved where that ends.
+    What is refused at a factor is mostly refused by the moves before a rotation, in a fifth of the time of a
+    proof. So the bisection goes by these alone first, and the plan is proved where that ends.
     """
 
+    @cache
     def proved(factor: float) -> bool:
         chain = certify(rules, setup_of(task, factor, only), whole=False)
         return chain.verdict is Verdict.PROVED
@@ -96,13 +97,12 @@ def _search(
     def hopeful(factor: float) -> bool:
         return begins(rules, setup_of(task, factor, only))
 
-    most, bad = _bisect(hopeful, good, first)
+    turns = any(rule.action == "rotate" for rule in rules)
+    most, bad = _bisect(hopeful if turns else proved, good, first)
     if most > good and proved(most):
         return most, bad
     if only is None and not proved(good):
         return 0.0, good
-    if most == good:
-        return good, bad
     return _bisect(lambda scale: scale < most and hopeful(scale) and proved(scale), good, first)
 
 

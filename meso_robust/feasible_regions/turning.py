@@ -87,7 +87,7 @@ def _runs_off(rule: MoveRule, pose: PoseBox, setup: Setup) -> bool:
     one. That the idle tip would touch the longer part does not matter.
     """
     longer = replace(setup.rectangle, half_length=setup.half_length * LONGER)
-    step = certify_rotation(rule, pose, replace(setup, outline=longer))
+    step = certify_rotation(rule, pose, replace(setup, outline=longer), rough=True)
     if step.post is None or not _enclosed(step):
         return False
     edge = setup.edge(pose.theta.mid)

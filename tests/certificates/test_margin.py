@@ -39,7 +39,7 @@ def test_the_factors_are_those_of_a_bisection_by_proofs(
     monkeypatch.setattr(searched, "begins", lambda _, factor: factor <= first_moves)
     monkeypatch.setattr(searched, "certify", proved)
 
-    found = searched._search([], paper_task(), only, 1.0, 2.0)
+    found = searched._search(RULES, paper_task(), only, 1.0, 2.0)
 
     assert found == bisected(min(first_moves, all_moves), 1.0, 2.0)
     assert found[0] == 1.0 or found[0] in proofs
@@ -51,7 +51,7 @@ def test_a_plan_that_is_not_proved_bears_nothing(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(searched, "begins", lambda *_: True)
     unknown = SimpleNamespace(verdict=Verdict.UNKNOWN)
     monkeypatch.setattr(searched, "certify", lambda *_, **__: unknown)
-    assert searched._search([], paper_task(), None, 1.0, 1.25) == (0.0, 1.0)
+    assert searched._search(RULES, paper_task(), None, 1.0, 1.25) == (0.0, 1.0)
 
 
 def test_what_does_not_begin_is_not_proved() -> None:
