@@ -341,8 +341,9 @@ def test_an_idle_tip_that_would_strike_the_corner_on_its_way_is_seen(beyond_um: 
 def test_a_rotation_refused_at_its_start_is_not_followed_in_haste() -> None:
     """Tips so close that they may jam: the verdict is the same, and nothing of the turn is worked out."""
     old, given = paper_chain().steps[ROTATE], paper_chain().setup
-    single = replace(old.rule.single, y=by(old.rule.single.y, 60.0))
-    rule = replace(old.rule, single=single)
+    assert old.rule.single is not None
+    closer = replace(old.rule.single, y=by(old.rule.single.y, 60.0))
+    rule = replace(old.rule, single=closer)
     thorough, hasty = (
         certify_rotation(rule, old.pre, given, rough=rough) for rough in (False, True)
     )
