@@ -164,12 +164,15 @@ def check(
     found: ...
     """
     from meso_robust.api.aside import aside
-    from meso_robust.checker.verdict import check as verified
 
-    known = task_of(task)
-    found, digest = _read(certificate, known)
-    with progress.doing("verifying"), aside(found, known, alone=thorough) as elsewhere:
-        answer = verified(found, digest, known, thorough=thorough, elsewhere=elsewhere)
+    with aside() as asked:
+        from meso_robust.checker.verdict import check as verified
+
+        known = task_of(task)
+        found, digest = _read(certificate, known)
+        with progress.doing("verifying"):
+            elsewhere = asked(found, known, alone=thorough)
+            answer = verified(found, digest, known, thorough=thorough, elsewhere=elsewhere)
     return Checked(answer=answer, certificate=found, task=known, inputs=files_of(certificate, task))
 
 

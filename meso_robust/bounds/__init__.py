@@ -13,5 +13,6 @@ from meso_robust.bounds.prove import (
     Verdict as Verdict,
     VerdictWord as VerdictWord,
     enclose as enclose,
+    enclose_rows as enclose_rows,
     prove_positive as prove_positive,
 )

@@ -298,24 +298,28 @@ def _bisect(
         tail += 2
 
 
-def enclose_range(
+def enclose_ranges(
     of: Bounded, lo: Floats, hi: Floats, boxes: int, slack: float
 ) -> tuple[Floats, Floats]:
-    """Enclose the range of every output over one box.
+    """Enclose the range of every output over each of some boxes.
 
     Parameters
     ----------
     of
         The function.
     lo, hi
-        (inputs,) ends of the box.
+        (N, inputs) ends of the boxes.
     boxes, slack
-        When to stop bisecting; see :func:`meso_robust.bounds.prove.enclose`.
+        When to stop bisecting one of them; see :func:`meso_robust.bounds.prove.enclose`.
+
+    Returns
+    -------
+    lower, upper
+        (N, outputs) proved bounds.
     """
-    lower, upper = np.empty((2, of.values.outputs))
-    queue_lo, queue_hi = np.empty((2, max(boxes, 1), lo.size))
-    queue_lo[0], queue_hi[0] = lo, hi
-    _range(program(of), queue_lo, queue_hi, slack, lower, upper)
+    lower, upper = np.empty((2, lo.shape[0], of.values.outputs))
+    queue_lo, queue_hi = np.empty((2, max(boxes, 1), lo.shape[1]))
+    _ranges(program(of), lo, hi, queue_lo, queue_hi, slack, lower, upper)
     return lower, upper
 
 
@@ -335,15 +339,23 @@ def _compiled() -> tuple[Callable[..., None], ...]:
 
     @njit(cache=True, nogil=True)
     def whole(
-        program: Program, lo: Floats, hi: Floats, slack: float, lower: Floats, upper: Floats
+        program: Program,
+        lo: Floats,
+        hi: Floats,
+        queue_lo: Floats,
+        queue_hi: Floats,
+        slack: float,
+        lower: Floats,
+        upper: Floats,
     ) -> None:
-        if key >= 0:
-            _bisect(program, lo, hi, slack, lower, upper)
+        for k in range(lo.shape[0] if key >= 0 else 0):
+            queue_lo[0], queue_hi[0] = lo[k], hi[k]
+            _bisect(program, queue_lo, queue_hi, slack, lower[k], upper[k])
 
     return each, natural, whole
 
 
-_enclose_each, _enclose_natural, _range = _compiled()
+_enclose_each, _enclose_natural, _ranges = _compiled()
 
 
 def enclose_many(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Literal, cast
@@ -10,7 +10,7 @@ from typing import Literal, cast
 import numpy as np
 
 from meso_robust.bounds import branch
-from meso_robust.bounds.bulk import Bounded, enclose_many, enclose_range
+from meso_robust.bounds.bulk import Bounded, enclose_many, enclose_ranges
 from meso_robust.bounds.interval import Interval
 from meso_robust.types import Floats
 
@@ -138,11 +138,46 @@ def enclose(of: Bounded, box: Box, *, boxes: int = 64, slack: float = 0.02) -> t
     ValueError
         The box lacks an input.
     """
-    lo, hi = _ends(of, box)
-    if not np.isfinite(lo).all() or not np.isfinite(hi).all():
-        return (Interval(-np.inf, np.inf),) * of.values.outputs
-    lower, upper = enclose_range(of, lo, hi, boxes, slack)
-    return tuple(map(Interval, lower.tolist(), upper.tolist()))
+    return enclose_rows(of, box, [{}], boxes=boxes, slack=slack)[0]
+
+
+def enclose_rows(
+    of: Bounded, box: Box, rows: Sequence[Box], *, boxes: int = 64, slack: float = 0.02
+) -> list[tuple[Interval, ...]]:
+    """Enclose the ranges of every output over boxes that differ in a few sides, as `enclose` does each.
+
+    Parameters
+    ----------
+    of, box, boxes, slack
+        As for `enclose`.
+    rows
+        What is different in each box; all of the same names.
+
+    Returns
+    -------
+    list[tuple[Interval, ...]]
+        One a row.
+
+    Raises
+    ------
+    ValueError
+        The boxes lack an input.
+    """
+    ends = np.empty((2, len(rows), len(of.inputs)))
+    ends[0], ends[1] = _ends(of, {**box, **rows[0]})
+    if len(rows) > 1:
+        for k in (k for k, name in enumerate(of.inputs) if name in rows[0]):
+            sides = [row[of.inputs[k]] for row in rows]
+            ends[0, :, k], ends[1, :, k] = [side.lo for side in sides], [side.hi for side in sides]
+    finite = np.isfinite(ends)
+    if finite.all():
+        lower, upper = enclose_ranges(of, ends[0], ends[1], boxes, slack)
+    else:
+        some = finite.all(axis=(0, 2))
+        lower, upper = np.full((2, len(rows), of.values.outputs), [[[-np.inf]], [[np.inf]]])
+        lower[some], upper[some] = enclose_ranges(of, ends[0, some], ends[1, some], boxes, slack)
+    pairs = zip(lower.tolist(), upper.tolist(), strict=True)
+    return [tuple(map(Interval, *pair)) for pair in pairs]
 
 
 def _ends(of: Bounded, box: Box) -> tuple[Floats, Floats]:

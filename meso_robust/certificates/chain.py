@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from meso_robust.bounds import Verdict
-from meso_robust.primitives.certify import certify_move
+from meso_robust.primitives.certify import certify_move, may_rotate
 from meso_robust.primitives.grid import roomy
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import Named, Reason, about
@@ -95,3 +95,26 @@ def certify(rules: Sequence[MoveRule], setup: Setup, *, whole: bool = True) -> C
     complete = 0 < len(steps) == len(rules) and state is not None
     guided = any(rule.action == "guide" for rule in rules)
     return Chain(steps=tuple(steps), complete=complete, setup=setup, guided=guided)
+
+
+def begins(rules: Sequence[MoveRule], setup: Setup) -> bool:
+    """Whether ``rules`` are proved as far as that takes little time: up to where a rotation begins.
+
+    Parameters
+    ----------
+    rules, setup
+        The moves in order, the task. Without a rotation all of them take little time.
+
+    Returns
+    -------
+    bool
+        False: `certify` does not prove them either.
+    """
+    first = next((k for k, rule in enumerate(rules) if rule.action == "rotate"), len(rules))
+    chain = certify(rules[:first], setup, whole=False)
+    if first == len(rules):
+        return chain.verdict is Verdict.PROVED
+    if not all(step.verdict is Verdict.PROVED for step in chain.steps):
+        return False
+    state = chain.steps[-1].post if chain.steps else setup.start
+    return state is not None and may_rotate(rules[first], state, setup)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 
 from meso_robust.bounds import Verdict
-from meso_robust.certificates.chain import certify
+from meso_robust.certificates.chain import begins, certify
 from meso_robust.primitives.move import Action, MoveRule
 from meso_robust.primitives.names import Named
 from meso_robust.primitives.setup import setup_of
@@ -59,21 +60,12 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
         Lower bounds of what the plan bears: factors at which it was certified, for one uncertainty with
         that one or all of them scaled.
     """
-
-    def proved(factor: float, only: str | None) -> bool:
-        chain = certify(rules, setup_of(task, factor, only), whole=False)
-        return chain.verdict is Verdict.PROVED
-
     names = list(setup_of(task).uncertainty.stated)
-    factor, refused = (
-        _bisect(lambda scale: proved(scale, None), 1.0, TOGETHER)
-        if proved(1.0, None)
-        else (0.0, 1.0)
-    )
+    factor, refused = _search(rules, task, None, 1.0, TOGETHER)
 
     def alone(only: str) -> float:
         # what is proved with all of them scaled is proved with one
-        return _bisect(lambda scale: proved(scale, only), factor, ALONE)[0] if factor > 0.0 else 0.0
+        return _search(rules, task, only, factor, ALONE)[0] if factor > 0.0 else 0.0
 
     with ThreadPoolExecutor() as pool:  # the kernels run without the interpreter's lock
         each = dict(zip(names, pool.map(alone, names), strict=True))
@@ -85,6 +77,33 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
         each=each,
         limit=None if refused is None else _limit(rules, task, refused),
     )
+
+
+def _search(
+    rules: Sequence[MoveRule], task: Task, only: str | None, good: float, first: float
+) -> tuple[float, float | None]:
+    """Largest factor found at which the plan is proved, at least ``good``; the smallest at which it is not.
+
+    What is refused at a factor is mostly refused by the moves before a rotation, in a fifth of the time of a
+    proof. So the bisection goes by these alone first, and the plan is proved where that ends.
+    """
+
+    @cache
+    def proved(factor: float) -> bool:
+        chain = certify(rules, setup_of(task, factor, only), whole=False)
+        return chain.verdict is Verdict.PROVED
+
+    @cache
+    def hopeful(factor: float) -> bool:
+        return begins(rules, setup_of(task, factor, only))
+
+    turns = any(rule.action == "rotate" for rule in rules)
+    most, bad = _bisect(hopeful if turns else proved, good, first)
+    if most > good and proved(most):
+        return most, bad
+    if only is None and not proved(good):
+        return 0.0, good
+    return _bisect(lambda scale: scale < most and hopeful(scale) and proved(scale), good, first)
 
 
 def _bisect(

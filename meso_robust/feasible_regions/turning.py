@@ -87,17 +87,20 @@ def _runs_off(rule: MoveRule, pose: PoseBox, setup: Setup) -> bool:
     one. That the idle tip would touch the longer part does not matter.
     """
     longer = replace(setup.rectangle, half_length=setup.half_length * LONGER)
-    step = certify_rotation(rule, pose, replace(setup, outline=longer))
-    if step.post is None or not _enclosed(step):
-        return False
     edge = setup.edge(pose.theta.mid)
-    angle = edge.angle(step.post.theta)
-    active, passive = (height - step.post.y for height in _heights(rule, pose, setup))
-    # the far edge is the near one after half a turn of the part
-    return any(
-        misses(sticking.contact_offset(angle, edge.depth, rise), edge)
-        for rise in (active, -passive)
-    )
+    for rough in (True, False):  # the latter takes twice as long and is needed near an end only
+        step = certify_rotation(rule, pose, replace(setup, outline=longer), rough=rough)
+        if step.post is None or not _enclosed(step):
+            continue
+        angle = edge.angle(step.post.theta)
+        active, passive = (height - step.post.y for height in _heights(rule, pose, setup))
+        # the far edge is the near one after half a turn of the part
+        offsets = [sticking.contact_offset(angle, edge.depth, rise) for rise in (active, -passive)]
+        if any(misses(offset, edge) for offset in offsets):
+            return True
+        if all(-edge.half.lo < offset.lo and offset.hi < edge.half.lo for offset in offsets):
+            return False
+    return False
 
 
 def _enclosed(step: Step) -> bool:

@@ -200,6 +200,8 @@ class Cell:
     """(K+1,) upper bound, m."""
     parameters: Mapping[str, Interval]
     """The constants whose effect ``spread`` holds, and the labels."""
+    ranges: Known
+    """The same as the kernels take them."""
     status: TubeStatus
     margins: Floats
     """(4,) as of `SlideTube`."""
@@ -211,7 +213,7 @@ class Cell:
         rate = float(self.centre[last] - self.centre[first]) / reach
         drift = (self.spread[last] - self.spread[first]) / reach
         off_lo, off_hi = offsets(
-            self.h[used], self.centre[used], self.spread[used], rate, drift, known(self.parameters)
+            self.h[used], self.centre[used], self.spread[used], rate, drift, self.ranges
         )
         sag_lo, sag_hi = beside_chords(self.h[first : last + 1], self.bend[first:last])
         return Line(
@@ -544,6 +546,7 @@ def _cell(grip: Grip, start: Start, h_end: float, step: float, coarse: float) ->
         lower=tube.lower,
         upper=tube.upper,
         parameters=parameters,
+        ranges=ranges,
         status=TubeStatus(status),
         margins=tube.margins,
     )

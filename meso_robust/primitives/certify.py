@@ -12,7 +12,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Leaves, Step
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.regrasp import certify_regrasp
-from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.rotation import certify_rotation, rotation_begins
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.straighten import Across, Pushed, certify_straighten
 from meso_robust.primitives.tilt import Turn, certify_tilt
@@ -78,6 +78,22 @@ def certify_move(
         walls = (*part, tips_clear(rule, own, there))
         seen = replace(seen, obligations=(*seen.obligations, *walls))
     return seen
+
+
+def may_rotate(rule: MoveRule, pre: PoseBox, setup: Setup) -> bool:
+    """Whether what must hold of a rotation before it turns the part is proved, which takes little time.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        The rotation, all poses before it and the task, world frame.
+
+    Returns
+    -------
+    bool
+        False: `certify_move` does not prove it either.
+    """
+    return rotation_begins(rule, rule.frame.from_world(pre), rule.frame.setup(setup))
 
 
 def known_before(before: Step, own: PoseBox, frame: Frame, there: Setup) -> Leaves | None:

@@ -16,10 +16,10 @@ import casadi as ca
 from meso_robust.bounds import Bounded, Interval, bounded
 from meso_robust.conditions.formula import formula
 from meso_robust.motion.two_sided import CONSTANT, INSTANT, MODULE, Line
+from meso_robust.primitives.base import bend_of
 from meso_robust.primitives.move import Aim, MoveRule
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.units import metres
 
 ZERO, ONE = Interval.point(0.0), Interval.point(1.0)
 Values = Mapping[str, ca.SX]
@@ -56,8 +56,6 @@ LINE = (
     *(f"{kind}_{name}" for kind in ("middle", "spread", "drift") for name in PARAMETERS),
 )
 """An affine bound of the slide (`motion.two_sided.Line`)."""
-PATH = metres(100.0)
-"""A probe that wanders by w turns from its direction by at most w over this length, m."""
 INPUTS = (*MOVE, *RULE, *PART, *NOW, *ALONE, *LINE, "h")
 
 
@@ -339,7 +337,7 @@ def ranges(
         "drag_a": setup.fixed_centre, "drag_n": setup.fixed_centre,
         "centre_a": setup.moving_centre, "centre_n": setup.moving_centre,
         "rho": u.film_ratio, "stretch": u.drag_anisotropy, "shear": u.drag_anisotropy,
-        "bend": u.probe_wander / PATH, "sway": wander, "sway_first": wander, "travel_x": wander,
+        "bend": bend_of(u), "sway": wander, "sway_first": wander, "travel_x": wander,
     }  # fmt: skip
 
 

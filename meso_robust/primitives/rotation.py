@@ -11,16 +11,18 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.bounds import HALF_PI, Bounded, Interval, Verdict, enclose
+from meso_robust.bounds import HALF_PI, Bounded, Interval, Verdict, enclose, enclose_rows
 from meso_robust.bounds.interval import arcsin, cos, sin
 from meso_robust.motion import one_tip
 from meso_robust.motion.two_sided import (
+    Cell,
     Grip,
+    Line,
     SlideTube,
     TubeStatus,
     cut,
@@ -154,7 +156,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
         The move (``side`` = 1, with a passive tip), all poses before it, the task; all in the
         move's axes.
     rough
-        Whether looser bounds will do, at a fifth of the work.
+        Whether looser bounds will do, at a fifth of the work, and nothing but whether all is proved is asked.
 
     Returns
     -------
@@ -166,17 +168,10 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     ValueError
         If the rule is not a counter-clockwise rotation with a passive tip.
     """
-    if rule.single is None or rule.side != 1:
-        raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
-    edge = setup.edge(pre.theta.mid)
-    move = _move(rule, pre, edge, setup)
-    if not opposite(move.lean):
-        return _step(rule, pre, None, [_undecided(ObligationId.EDGES_OPPOSITE)])
-    box = base_box(rule, pre, setup, edge)
-    obligations = [*free_at_start((-IDLE, IDLE), box, edge), *_before(move)]
-    if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
-        return _step(rule, pre, None, [*obligations, _undecided(ObligationId.ACTIVE_ABOVE_PASSIVE)])
-    grip = move.grip
+    move, obligations = _begun(rule, pre, setup)
+    hasty, grip, edge = rough, move.grip, move.edge
+    if not (opposite(move.lean) and move.V.lo > 0.0) or (hasty and not _all_proved(obligations)):
+        return _step(rule, pre, None, obligations)
     touch = approach(move.box, grip, move.labels, move.first_gap, edge, move.of)
     if touch is None:
         return _step(rule, pre, None, [*obligations, _undecided(ObligationId.COMES_TO_REST)])
@@ -188,14 +183,14 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
         {"h_start": h_start + Interval(-h_start.width, h_start.width), "h_end": move.h_end},
     )
     obligations += [*touch.obligations, rests]
-    if rests.proof.verdict is not Verdict.PROVED:
+    if not _all_proved(obligations if hasty else [rests]):
         return _step(rule, pre, None, obligations)
     alone = all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
     rough = rough or not alone
     tube, parts = _tube(move, touch, rough=rough)
     if tube.status is not TubeStatus.COMPLETE:
         return _step(rule, pre, None, [*obligations, *_tube_obligations(tube, move)])
-    at_end = _held(move.of.end, parts, tube, move.h_end, AT_END)
+    (at_end,) = _held(move.of.end, parts, tube, [move.h_end], AT_END)
     if at_end is None:
         obligations += [*_tube_obligations(tube, move), _undecided(ObligationId.END_ENCLOSED)]
         return _step(rule, pre, None, obligations)
@@ -222,6 +217,46 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
     post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
+
+
+def rotation_begins(rule: MoveRule, pre: PoseBox, setup: Setup) -> bool:
+    """Whether what must hold of a rotation before its tips touch is proved.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        As of `certify_rotation`.
+
+    Returns
+    -------
+    bool
+        It takes little time.
+
+    Raises
+    ------
+    ValueError
+        If the rule is not a counter-clockwise rotation with a passive tip.
+    """
+    return _all_proved(_begun(rule, pre, setup)[1])
+
+
+def _begun(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[_Move, list[Obligation]]:
+    """The move, and what must hold before its tips touch."""
+    if rule.single is None or rule.side != 1:
+        raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
+    edge = setup.edge(pre.theta.mid)
+    move = _move(rule, pre, edge, setup)
+    if not opposite(move.lean):
+        return move, [_undecided(ObligationId.EDGES_OPPOSITE)]
+    box = base_box(rule, pre, setup, edge)
+    obligations = [*free_at_start((-IDLE, IDLE), box, edge), *_before(move)]
+    if not move.V.lo > 0.0:  # what the conditions are derived for; they square it
+        obligations.append(_undecided(ObligationId.ACTIVE_ABOVE_PASSIVE))
+    return move, obligations
+
+
+def _all_proved(obligations: Sequence[Obligation]) -> bool:
+    return all(one.proof.verdict is Verdict.PROVED for one in obligations)
 
 
 def opposite(lean: Interval) -> bool:
@@ -380,12 +415,12 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
 
 
 def _idle_lines(exact: frozenset[str]) -> set[str]:
-    """Inputs of an affine bound that belong to what is exactly zero."""
+    """Inputs of an affine bound, and of what is told of the creep, that belong to what is exactly zero."""
     gone = {
         "r_D": ("radius_lower",), "r_S": ("radius_passive",), "kappa": ("kappa", "kappa_far"),
         "drag_a": ("drag_a",), "drag_n": ("drag_n",),
     }  # fmt: skip
-    kinds = ("middle", "spread", "drift")
+    kinds = ("middle", "spread", "drift", "by", "at")
     return {f"{kind}_{name}" for name, of in gone.items() if exact.issuperset(of) for kind in kinds}
 
 
@@ -459,30 +494,58 @@ class _Held:
 
 
 def _held(
-    of: tuple[Bounded, ...], parts: list[_Move], tube: SlideTube, h: Interval, boxes: int
-) -> _Held | None:
-    """All poses while the tips are ``h`` apart along the travel."""
-    found = []
-    for part, cell, line in zip(parts, tube.cells, tube.lines(h), strict=True):
-        own = {**on_line(line, cell.parameters), "h": h, "turned": cell.parameters["turned"]}
-        found.append(_poses(of, part, own, boxes))
-    held = [one for one in found if one is not None]
-    return functools.reduce(_Held.hull, held) if len(held) == len(found) else None
+    of: tuple[Bounded, ...],
+    parts: list[_Move],
+    tube: SlideTube,
+    spans: Sequence[Interval],
+    boxes: int,
+) -> list[_Held | None]:
+    """All poses while the distance of the tips along the travel is in a range, for each of some ranges."""
+    lines = zip(*(tube.lines(h) for h in spans), strict=True)
+    found = [
+        _poses(of, part, cell, spans, own, boxes)
+        for part, cell, own in zip(parts, tube.cells, lines, strict=True)
+    ]
+    return [functools.reduce(_joined, same) for same in zip(*found, strict=True)]
+
+
+def _joined(one: _Held | None, other: _Held | None) -> _Held | None:
+    return None if one is None or other is None else one.hull(other)
 
 
 def _poses(
-    of: tuple[Bounded, ...], part: _Move, own: Mapping[str, Interval], boxes: int
+    of: tuple[Bounded, ...],
+    part: _Move,
+    cell: Cell,
+    spans: Sequence[Interval],
+    lines: Sequence[Line],
+    boxes: int,
+) -> list[_Held | None]:
+    """The same where the room is in the range of one cell."""
+    box = {**part.box, "turned": cell.parameters["turned"]}
+    rows = [
+        {**on_line(line, cell.parameters), "h": h} for line, h in zip(lines, spans, strict=True)
+    ]
+    sides = (enclose_rows(one, box, rows, boxes=boxes, slack=0.002) for one in of)
+    return [_pose(part, *each) for each in zip(*sides, strict=True)]
+
+
+def _pose(
+    part: _Move,
+    x: tuple[Interval, ...],
+    y: tuple[Interval, ...],
+    direction: tuple[Interval, ...],
+    offset: tuple[Interval, ...],
 ) -> _Held | None:
-    box = {**part.box, **own}
-    (x,), (y,), (c, s), (offset,) = (enclose(one, box, boxes=boxes, slack=0.002) for one in of)
+    c, s = direction
     # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
     angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)
     if not angle.width < math.inf:
         return None
     return _Held(
-        pose=PoseBox(x=x, y=y, theta=part.edge.orientation(angle)),
+        pose=PoseBox(x=x[0], y=y[0], theta=part.edge.orientation(angle)),
         edge_angle=angle,
-        active_offset=offset,
+        active_offset=offset[0],
     )
 
 
@@ -503,10 +566,9 @@ def _slices(parts: list[_Move], tube: SlideTube) -> list[_Slice]:
         edge_angle=everywhere,
         active_offset=everywhere,
     )
-    return [
-        _Slice(h=h, held=_held(parts[0].of.during, parts, tube, h, 1) or unknown)
-        for h in (Interval(low, high) for high, low in itertools.pairwise(ends))
-    ]
+    spans = [Interval(low, high) for high, low in itertools.pairwise(ends)]
+    held = _held(parts[0].of.during, parts, tube, spans, 1)
+    return [_Slice(h=h, held=one or unknown) for h, one in zip(spans, held, strict=True)]
 
 
 def _knots(slices: list[_Slice]) -> tuple[Knot, ...]:

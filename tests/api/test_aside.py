@@ -52,8 +52,8 @@ def exaggerated(document: Document) -> Document:
 
 
 def says(document: Document) -> bool:
-    with aside(read(document)[0], TASK, alone=False) as verified:
-        return verified()
+    with aside() as asked:
+        return asked(read(document)[0], TASK, alone=False)()
 
 
 def test_only_a_margin_that_holds_is_said_to(document: Document) -> None:
@@ -90,7 +90,8 @@ def answer(document: Document, monkeypatch: pytest.MonkeyPatch) -> tuple[Answer,
 
     monkeypatch.setattr(margins, "check_factor", counted)
     certificate, own_digest = read(document)
-    with aside(certificate, TASK, alone=False) as elsewhere:
+    with aside() as asked:
+        elsewhere = asked(certificate, TASK, alone=False)
         return check(certificate, own_digest, TASK, elsewhere=elsewhere), here
 
 
@@ -109,17 +110,20 @@ def test_a_margin_that_is_refused_is_refused_here(
     assert (found.refused.name.key, here) == ("value: margin.factor", [1.9])
 
 
+@pytest.mark.parametrize("told", [False, True])
 def test_no_process_outlives_a_check_that_ends_early(
-    document: Document, monkeypatch: pytest.MonkeyPatch
+    document: Document, told: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun, own = [], asides._begun
 
-    def kept(*given: Any) -> Any:
-        begun.append(own(*given))
+    def kept() -> Any:
+        begun.append(own())
         return begun[-1]
 
     monkeypatch.setattr(asides, "_begun", kept)
-    with suppress(KeyError), aside(read(document)[0], TASK, alone=False):
+    with suppress(KeyError), aside() as asked:
+        if told:
+            asked(read(document)[0], TASK, alone=False)
         raise KeyError
     (process,) = begun
     assert process is not None

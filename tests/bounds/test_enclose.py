@@ -9,7 +9,7 @@ import mpmath  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 
-from meso_robust.bounds import Interval, enclose
+from meso_robust.bounds import Interval, enclose, enclose_rows
 from meso_robust.conditions import condition
 from tests.bounds.formulas import corners, inside
 
@@ -149,3 +149,16 @@ def test_a_missing_side_is_named() -> None:
     of = condition("two_sided_rotation", "no_jam")
     with pytest.raises(ValueError, match=r"no_jam lacks d1, mu; it has V"):
         enclose(of, {"V": V})
+
+
+def test_rows_are_enclosed_as_each_box_alone() -> None:
+    """The second box has no end, so nothing is known of it."""
+    of = condition("one_point_sticking", "normal_force")
+    box = dict(zip(of.inputs, (THETA, DEPTH, OFFSET, RHO), strict=True))
+    offsets = (OFFSET, Interval(0.0, np.inf), Interval(-300 * UM, -100 * UM))
+    rows = [{"d2": offset} for offset in offsets]
+    for boxes in (1, 16):
+        alone = [enclose(of, {**box, **row}, boxes=boxes) for row in rows]
+        assert enclose_rows(of, box, rows, boxes=boxes) == alone
+    assert alone[1] == (Interval(-np.inf, np.inf),)
+    assert alone[0] != alone[2]

@@ -12,10 +12,11 @@ import pytest
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import certify
+from meso_robust.primitives import rotation
 from meso_robust.primitives.move import Aim, MoveRule, Point, from_part
 from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Step
-from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.rotation import certify_rotation, rotation_begins
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.primitives.straighten import certify_straighten
 from meso_robust.primitives.tilt import certify_tilt
@@ -335,3 +336,30 @@ def test_an_idle_tip_that_would_strike_the_corner_on_its_way_is_seen(beyond_um: 
         return certify_tilt(rule, setup.start, setup)
 
     assert "idle_tip_passes/before_touch" in open_claims(tilt(400.0))
+
+
+def test_a_rotation_refused_at_its_start_is_not_followed_in_haste() -> None:
+    """Tips so close that they may jam: the verdict is the same, and nothing of the turn is worked out."""
+    old, given = paper_chain().steps[ROTATE], paper_chain().setup
+    assert old.rule.single is not None
+    closer = replace(old.rule.single, y=by(old.rule.single.y, 60.0))
+    rule = replace(old.rule, single=closer)
+    thorough, hasty = (
+        certify_rotation(rule, old.pre, given, rough=rough) for rough in (False, True)
+    )
+    assert str(ObligationId.NO_JAM) in open_claims(thorough) & open_claims(hasty)
+    assert {o.name.id for o in thorough.obligations} - {o.name.id for o in hasty.obligations} >= {
+        ObligationId.PUSHES_UNTIL_REST,
+        ObligationId.BOTH_TIPS_TOUCH,
+    }
+    assert not rotation_begins(rule, old.pre, given)
+    assert rotation_begins(old.rule, old.pre, given)
+
+
+def test_what_is_exactly_zero_takes_no_part_in_a_rotation() -> None:
+    """Point tips that do not wander: no bend of the path, and no radius on which a creep hangs."""
+    old, given = paper_chain().steps[ROTATE], paper_chain().setup
+    move = rotation._move(old.rule, old.pre, given.edge(old.pre.theta.mid), given)
+    assert move.grip.bend == Interval(0.0, 0.0)
+    assert not {"bend", "by_r_D", "at_r_D", "by_drag_a", "radius_lower"} & set(move.of.creep.inputs)
+    assert {"by_d_D", "at_d_D"} <= set(move.of.creep.inputs)
