@@ -61,7 +61,7 @@ def test_values_are_moved_into_their_ranges(null: Diagnosis) -> None:
 def test_an_image_of_a_bench_is_turned_about_a_place_that_it_shows(null: Diagnosis) -> None:
     """The place may be as far from the world's origin as the arm of a robot reaches, and a drift as fast as its."""
     prepared = null.baseline.prepared
-    prepared = replace(prepared, seen=prepared.seen + [0.3, -0.25, 0.0])
+    prepared = replace(prepared, seen=prepared.seen + np.array([0.3, -0.25, 0.0]))
     places = prepared.seen[..., :2].reshape(-1, 2)
     middle = 0.5 * (np.nanmin(places, axis=0) + np.nanmax(places, axis=0))
     about = {"about_x_um": 1e6 * middle[0], "about_y_um": 1e6 * middle[1]}
