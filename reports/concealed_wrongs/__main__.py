@@ -97,10 +97,11 @@ HEAD = """# Known wrongs concealed in real recordings
 
 Command: `python -m reports.concealed_wrongs --recordings FOLDER --work FOLDER`
 
-Quick form. *Told*: effects of the answer, with their intervals. *Comes on top*: the number that tells of the wrong, in
-the answer with it less that in the answer without it (nought where it is not told), by the diagnosis and by the test that
-needs no simulation; in brackets what was concealed. *Explains*: share of the explainable error, out of fold. *Held out*:
-errors of recordings that no fit has seen, of the plain model and with what is told. *Left*: out of fold, all recordings.
+Quick form, every second recording of a set. *Told*: effects of the answer, with their intervals. *Comes on top*: the number
+that tells of the wrong, in the answer with it less that in the answer without it (nought where it is not told), by the
+diagnosis and by the test that needs no simulation; in brackets what was concealed. *Explains*: share of the explainable
+error, out of fold. *Held out*: errors of recordings that no fit has seen, of the plain model and with what is told.
+*Left*: out of fold, all recordings; and its standard deviation over mean between pushes.
 
 """
 
@@ -123,12 +124,10 @@ def section(
 def row(wrong: Wrong, sizes: Sizes, before: Kept, after: Kept) -> str:
     """One wrong in the table."""
     if "refused" in after:
-        right = (
-            "names the cause"
-            if wrong.cause and wrong.cause in after["refused"]
-            else "another cause"
-        )
-        return f"| {wrong.words} | refused: {right} | {after['refused']} | | | | | |\n"
+        cause = after["refused"].partition("likely cause: ")[2].partition(";")[0]
+        words = f"likely cause: {cause}" if cause else after["refused"]
+        right = "" if wrong.cause and wrong.cause == cause else ", which is not right"
+        return f"| {wrong.words} | refused{right} | {words} | – | – | – | – | – |\n"
     told = "; ".join(
         f"{one['name']} "
         + ", ".join(f"{key} {_between(of)}" for key, of in one["parameters"].items())

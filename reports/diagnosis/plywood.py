@@ -120,8 +120,8 @@ def _begun(bench: Bench, model: Model, before: Floats, law: Law) -> Floats:
 
 HEAD = """# One real set of single pushes, law by law
 
-Command: `python -m reports.diagnosis.plywood --recordings FOLDER` (`mit_plywood`: 20 pushes of 90 mm of steel on plywood,
-robot arm and motion capture; no data is shipped here).
+Command: `python -m reports.diagnosis.plywood --recordings FOLDER` (`mit_plywood`: 20 pushes of a steel block of 90 mm
+on plywood, robot arm and motion capture; no data is shipped here).
 
 Every recording is predicted from the pose at rest to its end by a fit that has not seen its fold. Each row has the laws of
 those above it, too. Root mean squares with 90 % intervals by bootstrap over recordings.
