@@ -32,11 +32,11 @@ Kept = Mapping[str, Any]
 Sizes = Mapping[str, Mapping[str, float]]
 
 
-def read(folder: Path, name: str) -> RecordingSet:
+def read(folder: Path, name: str, every: int = 2) -> RecordingSet:
     """Every second recording of a set, as they come: a diagnosis of all takes twice as long."""
     kind = "two_finger_log" if name.startswith("cmu_two_finger") else "mcube_json"
     found = FORMATS[kind].read(folder / name).recordings
-    return replace(found, recordings=found.recordings[::2])
+    return replace(found, recordings=found.recordings[::every])
 
 
 def wrongs_of(folder: Path, name: str) -> dict[str, Wrong]:

@@ -21,7 +21,7 @@ NAME = f"cmu_two_finger/{BLOCK}"
 @cache
 def told(name: str, wrong: str) -> dict[str, float]:
     """Numbers that tests without a simulation find, by effect and key."""
-    left = usable_set(WRONGS[wrong].change(read(FOLDER, name))).recordings
+    left = usable_set(WRONGS[wrong].change(read(FOLDER, name, 1))).recordings
     return {
         f"{one.effect}.{of.key}": of.value
         for one in direct_tests(left).findings
@@ -52,4 +52,4 @@ def test_a_turn_of_the_camera_comes_on_top() -> None:
 @pytest.mark.parametrize("name", [NAME, "mit_plywood"])
 def test_an_axis_with_the_other_sign_is_the_cause_that_is_told(name: str) -> None:
     with pytest.raises(InputError, match="likely cause: y of the tips has the other sign"):
-        usable_set(WRONGS["mirrored"].change(read(FOLDER, name)))
+        usable_set(WRONGS["mirrored"].change(read(FOLDER, name, 1)))
