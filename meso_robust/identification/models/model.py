@@ -13,7 +13,7 @@ from meso_robust.simulator.stage import Parameter as Parameter
 from meso_robust.simulator.support_models import Support
 from meso_robust.types import Flags, Floats
 
-_FARTHEST = 10.0  # typical changes of the size of an effect, that a search goes in a step
+_FARTHEST = 5.0  # typical changes of the size of an effect, that a search goes in a step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
