@@ -210,11 +210,13 @@ def _why(found: Diagnosis) -> str:
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
     if found.verdict == "unknown":
         return f"{said}: too little for a name{reach}"
-    return f"{said}: {_lacking(grade.explained)}{reach}"
+    return f"{said}: {_lacking(grade.explained, grade.unsure)}{reach}"
 
 
-def _lacking(explained: Explained) -> str:
+def _lacking(explained: Explained, unsure: tuple[str, ...]) -> str:
     """Why a set that explains a part is not named."""
+    if unsure:
+        return f"but the recordings do not agree on how large {' and '.join(unsure)} is"
     if explained.share < NAMED:
         return "not all of it"
     if explained.low < SURE:
@@ -466,12 +468,15 @@ def model_toml(found: Diagnosis, version: str) -> str:
 def _model_document(found: Diagnosis, version: str) -> ModelDocument:
     plain, best = sections(found.split.training, found.baseline.found, version), found.best
     plain["diagnosis"] = found.verdict
-    if found.residual is not None and found.residual.offered:
-        return _with_residual(plain, found, found.residual)
+    law, rolled = found.residual, found.grade.extended
+    if law is not None and law.offered:
+        return _by_folds(plain, found, law, law.intervals)
     if best is None or found.extended is None:
         made = ModelDocument.model_validate(plain)
         return made.model_copy(update={"verdict": verdict(made)})
     known = found.known
+    if rolled is not None and rolled.weighed:
+        return _by_folds(plain, found, rolled, known)
     shown = {one.key: one.shown["value"] for one in known}
     # the quality is of the plain fit and goes with it
     return ModelDocument.model_validate(
@@ -499,18 +504,23 @@ def _held(best: Candidate) -> dict[str, float]:
     }
 
 
-def _with_residual(plain: dict[str, Any], found: Diagnosis, law: ResidualLaw) -> ModelDocument:
-    """The model with the residual law; its errors are those of roll-outs out of fold."""
-    bench, known = found.grade.bench, law.intervals
+def _by_folds(
+    plain: dict[str, Any],
+    found: Diagnosis,
+    rolled: ResidualLaw | RollOut,
+    known: tuple[Interval, ...],
+) -> ModelDocument:
+    """The model of some roll-outs; its errors are those out of fold."""
+    bench = found.grade.bench
     seen = bench.prepared.seen
-    rms = np.sqrt(np.nanmean((seen - law.poses) ** 2, axis=1)).tolist()
-    x, y, theta = np.sqrt(np.nanmean((seen - law.poses) ** 2, axis=(0, 1))).tolist()
-    away = np.nan_to_num((seen - law.poses) / found.baseline.settings.sigma)
+    rms = np.sqrt(np.nanmean((seen - rolled.poses) ** 2, axis=1)).tolist()
+    x, y, theta = np.sqrt(np.nanmean((seen - rolled.poses) ** 2, axis=(0, 1))).tolist()
+    away = np.nan_to_num((seen - rolled.poses) / found.baseline.settings.sigma)
     frames = bench.prepared.counts.max(axis=1)
     return ModelDocument.model_validate(
         plain
         | {
-            "model": law.model.name,
+            "model": rolled.model.name,
             "interval": "jackknife",
             "confidence": CONFIDENCE,
             "parameters": {one.key: _section(one) for one in known},
@@ -534,7 +544,7 @@ def _with_residual(plain: dict[str, Any], found: Diagnosis, law: ResidualLaw) ->
                     x_um=UM * rms[k][0],
                     y_um=UM * rms[k][1],
                     theta_deg=DEG * rms[k][2],
-                    outcome=Outcome(int(law.outcomes[k])).word,
+                    outcome=Outcome(int(rolled.outcomes[k])).word,
                 )
                 for k, file in enumerate(bench.prepared.files)
             ),

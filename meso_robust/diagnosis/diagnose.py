@@ -18,8 +18,8 @@ from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, decoys
 from meso_robust.diagnosis.detect import Detected, detected, spans_of
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.diagnosis.folds import bench_of
-from meso_robust.diagnosis.grading import Grade, graded
+from meso_robust.diagnosis.folds import RollOut, bench_of, intervals_by_fold
+from meso_robust.diagnosis.grading import Grade, graded, sized
 from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.localisation import Located, located, predicted_pairs
 from meso_robust.diagnosis.model_selection import Contest
@@ -219,6 +219,8 @@ def diagnose(
         relevant=relevant,
     )
     best = grade.chosen
+    known = () if best is None else _numbers(baseline, best.refit, grade.extended)
+    grade = sized(grade, known)
     if answer is not None and where is not None and best is not None:
         extended = answer.worths.get(best.effects) or worth(baseline, best.refit, parts.held_out)
         pairs = predicted_pairs(baseline, where.pairs, extended.training.poses)
@@ -241,9 +243,20 @@ def diagnose(
         plain=plain,
         extended=extended,
         checked=checks,
-        known=() if best is None else intervals_of(baseline, best.refit),
+        known=known,
         residual=law,
     )
+
+
+def _numbers(baseline: Baseline, refit: Refit, rolled: RollOut | None) -> tuple[Interval, ...]:
+    """Intervals of the numbers of a set.
+
+    Where it leaves more than noise, those of all recordings with starts held where the parts were seen: starts
+    that are free take up what is wrong.
+    """
+    if rolled is not None and rolled.weighed:
+        return intervals_by_fold(rolled)
+    return intervals_of(baseline, refit)
 
 
 def _reach(parts: Split, where: Located | None, answer: Accepted | None) -> float | None:

@@ -20,9 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import t as student
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.runs import longer
+from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.windows import tips_of
 from meso_robust.identification.forward import corrected, predicted
 from meso_robust.identification.likelihood import fit
@@ -117,6 +119,8 @@ class RollOut:
         (R,) mean of what the uncertain start alone adds to them.
     outcomes
         (R,) values of `Outcome`, of the predicted runs.
+    weighed
+        Whether the model leaves more than noise, so that its fits held starts where they were seen.
     """
 
     model: Model
@@ -126,6 +130,7 @@ class RollOut:
     squares: Floats
     start_squares: Floats
     outcomes: Ints
+    weighed: bool
 
 
 def bench_of(recordings: RecordingSet, baseline: Baseline, seed: int) -> Bench:
@@ -269,6 +274,36 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
         squares=np.where(bench.seen, squares, 0.0),
         start_squares=_start_squares(bench, slopes),
         outcomes=outcomes,
+        weighed=whole.weights is not None,
+    )
+
+
+def intervals_by_fold(found: RollOut) -> tuple[Interval, ...]:
+    """Intervals of all fitted numbers, by leaving out a fold at a time.
+
+    Parameters
+    ----------
+    found
+        Roll-outs of at least two folds.
+    """
+    model, count = found.model, len(found.by_fold)
+    middle = model.coordinates(found.values[None])[0]
+    by_fold = model.coordinates(found.by_fold)
+    spread = by_fold - by_fold.mean(axis=0)
+    error = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
+    reach = student.isf(0.5 * (1.0 - CONFIDENCE), count - 1) * error
+    low, high = (model.values((middle + sign * reach)[None])[0] for sign in (-1.0, 1.0))
+    return tuple(
+        Interval(
+            parameter=one,
+            value=float(found.values[k]),
+            low=float(max(min(low[k], found.values[k]), one.low)),
+            high=float(min(max(high[k], found.values[k]), one.high)),
+            open_low=bool(low[k] <= one.low),
+            open_high=bool(high[k] >= one.high),
+        )
+        for k, one in enumerate(model.parameters)
+        if model.fitted[k]
     )
 
 

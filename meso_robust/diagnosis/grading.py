@@ -10,11 +10,12 @@ is consistent, and its size is told. Shares are those of means of squares, so th
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import factorial
 
 import numpy as np
+from scipy.stats import norm
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
@@ -23,9 +24,10 @@ from meso_robust.diagnosis.folds import Bench, RollOut, rolled_out
 from meso_robust.diagnosis.localisation import Located
 from meso_robust.diagnosis.rejection import Ground
 from meso_robust.diagnosis.signatures import extended
+from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.windows import cuts_of
 from meso_robust.recordings import RecordingSet
-from meso_robust.simulator.catalogue import stage_of
+from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 from meso_robust.types import Floats, Ints
 
 NAMED, PARTIAL = 0.8, 0.2
@@ -51,6 +53,11 @@ _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is o
 _MOSTLY = 0.5  # of what is left, from which on a sway is where it is
 _RESAMPLED = 2000
 _INTERVAL = 0.9
+# half widths by which a size is beyond nought, for the best of the catalogue to be so in a tenth of the sets
+# that hold none
+_BEYOND = float(
+    norm.isf(0.5 * (1.0 - CONFIDENCE) / len(CATALOGUE)) / norm.isf(0.5 * (1.0 - CONFIDENCE))
+)
 _PHASES = ("approach", "one_point", "two_point", "retract", "rest")
 _COMPONENTS = ("x", "y", "theta")
 
@@ -146,6 +153,8 @@ class Grade:
         Of the explainable error of the plain model, and from which on it matters, m.
     floor
         Mean square that free hidden inputs leave, over the noise.
+    unsure
+        Effects of the set whose size the recordings do not agree on: what else would be named is partial.
     """
 
     verdict: Verdict
@@ -161,6 +170,7 @@ class Grade:
     size: float
     relevant: float
     floor: float
+    unsure: Names = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -283,6 +293,38 @@ def graded(
         relevant=matters,
         floor=float(judge.floor.sum() / bench.seen.sum()),
     )
+
+
+def sized(grade: Grade, known: Sequence[Interval]) -> Grade:
+    """The grade, partial at most where the recordings do not agree on how large an effect of the set is.
+
+    A law that is not the true one may predict well with numbers that every recording wants different; and
+    of so many laws one always has an interval that just leaves nought out.
+
+    Parameters
+    ----------
+    grade
+        Of a set.
+    known
+        Intervals of its numbers.
+    """
+    if grade.verdict != "named" or grade.chosen is None:
+        return grade
+    of = {one.key: one for one in known}
+    unsure = tuple(
+        trial.effect
+        for trial in grade.chosen.refit.trials
+        if trial.sizes and not any(_clear(of.get(f"{trial.effect}.{key}")) for key in trial.sizes)
+    )
+    return replace(grade, verdict="partial", unsure=unsure) if unsure else grade
+
+
+def _clear(one: Interval | None) -> bool:
+    """Whether a size is beyond nought by more than the best of all effects is by chance."""
+    if one is None:
+        return False
+    half = one.value - one.low if one.value > 0.0 else one.high - one.value
+    return abs(one.value) > _BEYOND * half
 
 
 def _verdict(

@@ -133,12 +133,17 @@ class Contest:
             return []
 
     def _ended(self, one: Refit) -> Refit:
-        """A fit with its search taken to the end; as it was where that fails or is no better."""
+        """A fit with its search taken to the end; as it was where that fails or is no better.
+
+        Of a search that is not at its end the gain is what one more linear step promises, which may be more than
+        there is to be had.
+        """
         try:
             more = refined(self.baseline, self._chosen(one), one, store=self.store)
         except (ValueError, np.linalg.LinAlgError):
             return one
-        return replace(more, lead=one.lead) if more.gain >= one.gain else one
+        lower = bool(more.fits.chi2[0] < one.fits.chi2[0])
+        return replace(more, lead=one.lead) if lower or more.gain >= one.gain else one
 
     def _refined(self, fits: list[Refit]) -> list[Candidate]:
         """Candidates, the best form of each set; those that may win have their searches taken to the end."""

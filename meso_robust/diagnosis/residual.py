@@ -18,9 +18,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import t as student
 
-from meso_robust.diagnosis.folds import Bench, RollOut, rolled_out, weights_of
+from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out, weights_of
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.trials import typical_speed
 from meso_robust.identification.likelihood import fit
@@ -127,7 +126,7 @@ def residual_law(bench: Bench, before: RollOut, seed: int) -> ResidualLaw | None
         chosen={key: float(shares[BASES.index(key)]) for key in chosen},
         model=whole.model,
         values=whole.values,
-        intervals=_intervals(whole),
+        intervals=intervals_by_fold(whole),
         poses=poses,
         outcomes=outcomes,
         metres=(_metres(bench, before.poses), _metres(bench, poses)),
@@ -234,29 +233,6 @@ def _rolled(
 ) -> RollOut:
     values = np.append(before.values, np.zeros(len(names)))
     return rolled_out(bench, _with_law(before, names, scales), values)
-
-
-def _intervals(found: RollOut) -> tuple[Interval, ...]:
-    """Of all fitted numbers, by leaving out a fold at a time."""
-    model, count = found.model, len(found.by_fold)
-    middle = model.coordinates(found.values[None])[0]
-    by_fold = model.coordinates(found.by_fold)
-    spread = by_fold - by_fold.mean(axis=0)
-    error = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
-    reach = student.isf(0.5 * (1.0 - CONFIDENCE), count - 1) * error
-    low, high = (model.values((middle + sign * reach)[None])[0] for sign in (-1.0, 1.0))
-    return tuple(
-        Interval(
-            parameter=one,
-            value=float(found.values[k]),
-            low=float(max(min(low[k], found.values[k]), one.low)),
-            high=float(min(max(high[k], found.values[k]), one.high)),
-            open_low=bool(low[k] <= one.low),
-            open_high=bool(high[k] >= one.high),
-        )
-        for k, one in enumerate(model.parameters)
-        if model.fitted[k]
-    )
 
 
 def _fall(bench: Bench, before: RollOut, squares: Floats, seed: int) -> tuple[float, float, float]:

@@ -34,7 +34,6 @@ _LEAST = (0.0, 1e-2, 0.3)
 # of the expected fall, with which the boldest step of a chord is taken at once
 _ENOUGH = 0.8
 _HARDEST = 1e7  # damping at which a fit is given up as converged
-_FARTHEST = 1.0  # largest step of a coordinate
 
 
 def fit(
@@ -177,10 +176,11 @@ def _best_step(
     steps = [arrow.step(rung, moving) for rung in rungs]
     hopes = np.stack([arrow.fall(*step) for step in steps])
     rung = np.zeros(len(fits), dtype=np.int64)
+    farthest = np.array([parameter.farthest for parameter in problem.model.parameters])
 
     def tried(rungs: Ints, rows: Ints) -> Fits:
         shared, own = (np.stack(part)[rungs, rows] for part in zip(*steps, strict=True))
-        return problem.tried(fits.of(rows), np.clip(shared, -_FARTHEST, _FARTHEST), own, free[rows])
+        return problem.tried(fits.of(rows), np.clip(shared, -farthest, farthest), own, free[rows])
 
     found = tried(rung, np.arange(len(fits)))
     told = fits.chi2 - found.chi2 >= _ENOUGH * hopes[0]

@@ -402,10 +402,9 @@ def _start(recording: Recording, whole: RecordingSet, tips: Floats, notes: list[
     radii = np.full((1, len(tips)), whole.tip_radius)
     shift, left = freed(start[None], tips[None], np.array(whole.part.outline)[None], radii)
     size = float(np.hypot(*shift[0]))
-    # judged by the tip, as `recordings` does: the way out of two of them is longer
-    depth = -float(
-        gaps(np.array(whole.part.outline), start[None], tips[None], whole.tip_radius).min()
-    )
+    # judged by the tip, as `recordings` does: the way out of two of them is longer, and smoothing moves them
+    seen = recording.probes[:1]
+    depth = -float(gaps(np.array(whole.part.outline), start[None], seen, whole.tip_radius).min())
     most = OVERLAP * characteristic_length(np.array(whole.part.outline))
     if left[0] > EXACT or depth > most:
         raise InputError(

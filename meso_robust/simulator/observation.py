@@ -24,8 +24,6 @@ from meso_robust.types import Flags, Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
 
-_FARTHEST = 50e3  # µm from the world origin, of the middle of an image
-
 
 def _middle(of: str) -> tuple[Parameter, ...]:
     """The place of the stage that an error of the image leaves where it is."""
@@ -35,8 +33,6 @@ def _middle(of: str) -> tuple[Parameter, ...]:
             unit="µm",
             to_si=_UM,
             meaning=f"m_{axis} of the place that {of}, such as the middle of the image",
-            low=-_FARTHEST * _UM,
-            high=_FARTHEST * _UM,
             size=False,
         )
         for axis in "xy"
@@ -106,16 +102,12 @@ OBSERVATION = Stage(
                     unit="µm/s",
                     to_si=_UM,
                     meaning="speed along x of everything seen",
-                    low=-50.0 * _UM,
-                    high=50.0 * _UM,
                 ),
                 Parameter(
                     key="y_um_s",
                     unit="µm/s",
                     to_si=_UM,
                     meaning="speed along y of everything seen",
-                    low=-50.0 * _UM,
-                    high=50.0 * _UM,
                 ),
                 Parameter(
                     key="time_s",

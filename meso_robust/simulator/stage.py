@@ -51,6 +51,8 @@ class Parameter:
     """A typical change; of a logarithmic parameter, a typical value. A search needs it."""
     log: bool = False
     """Whether the parameter is positive and counts by ratio."""
+    farthest: float = 1.0
+    """Largest step of a search, in coordinates."""
     likely: tuple[float, float] | None = None
     """Least and largest value that a part can have; None where every admissible one may be."""
     why_likely: str = ""

@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from meso_robust.diagnosis.answer import _why
 from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import Verdict
@@ -25,6 +26,7 @@ from meso_robust.diagnosis.grading import (
     _pools,
     _verdict,
     graded,
+    sized,
 )
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
@@ -65,6 +67,22 @@ def test_a_verdict_is_by_its_share(
 ) -> None:
     explained = Explained(share=share, low=low, high=1.0, folds=6)
     assert _verdict(matters, explained, ()) == verdict
+
+
+def test_what_has_no_sure_size_has_no_name(late: Diagnosis) -> None:
+    """Of 30 effects that are not there, the best is 1.8 half widths beyond nought in a tenth of the sets."""
+    assert late.grade.verdict == "named"
+    (one,) = [each for each in late.known if each.key == "camera_latency.time_ms"]
+    for half, verdict in ((0.5 * one.value, "named"), (0.6 * one.value, "partial")):
+        wide = replace(one, low=one.value - half, high=one.value + half)
+        grade = sized(late.grade, (wide,))
+        assert grade.verdict == verdict
+        assert grade.unsure == (("camera_latency",) if verdict == "partial" else ())
+    assert sized(late.grade, ()).verdict == "partial"  # recordings that tell no size
+    unknown = replace(late.grade, verdict="unknown")
+    assert sized(unknown, ()) is unknown
+    words = replace(late, grade=grade)
+    assert "but the recordings do not agree on how large camera_latency is" in _why(words)
 
 
 def test_without_a_set_a_mismatch_that_matters_is_unknown() -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from meso_robust.diagnosis.answer import document, model_toml
-from meso_robust.diagnosis.diagnose import Diagnosis
+from meso_robust.diagnosis.diagnose import Diagnosis, _numbers
 from meso_robust.identification.document import ModelDocument, read_model
 from meso_robust.identification.forward import predicted
 from meso_robust.simulator import Effects
@@ -52,6 +53,29 @@ def test_the_model_of_the_file_predicts_the_recordings(late: Diagnosis, tmp_path
     plain = predicted(at.prepared, at.model, at.fits.values, starts=at.fits.starts[0]).poses[0]
     off = ((at.prepared.seen - plain) / at.settings.sigma)[at.seen]
     assert np.sqrt(np.mean(off**2)) > 2.0
+
+
+def test_a_model_that_leaves_more_than_noise_has_the_numbers_of_its_roll_outs(
+    late: Diagnosis, tmp_path: Path
+) -> None:
+    """Starts that are free take up what is wrong; those of roll-outs are held where the parts were seen."""
+    assert late.best is not None
+    assert late.grade.extended is not None
+    assert not late.grade.extended.weighed
+    rolled = replace(late.grade.extended, weighed=True)
+    known = _numbers(late.baseline, late.best.refit, rolled)
+    found = replace(late, known=known, grade=replace(late.grade, extended=rolled))
+    again = read(found, tmp_path)
+    np.testing.assert_allclose(again.values, rolled.values, rtol=1e-9)
+    own = again.parameters["camera_latency.time_ms"]
+    late_by = 1e3 * rolled.by_fold[:, 2]
+    count = len(late_by)
+    error = np.sqrt((count - 1) * np.mean((late_by - late_by.mean()) ** 2))
+    assert own.high - own.value == pytest.approx(2.015 * error, rel=1e-3)  # Student, 5 degrees
+    assert len(again.recording) == len(found.grade.bench.prepared.files)
+    (minimum,) = again.minima
+    away = (found.grade.bench.prepared.seen - rolled.poses) / late.baseline.settings.sigma
+    assert minimum.cost == pytest.approx(np.nansum(away**2))
 
 
 def test_what_the_file_says_of_the_fit(late: Diagnosis, tmp_path: Path) -> None:

@@ -32,6 +32,7 @@ from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, signatures
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.diagnosis.validation import Errors
+from meso_robust.identification.problem import Fits
 from meso_robust.simulator.catalogue import CATALOGUE
 
 EACH = np.log(len(CATALOGUE))
@@ -373,6 +374,27 @@ def test_a_form_with_more_numbers_is_compared_when_its_search_has_ended(
     (found,) = contest._refined([rough(0.0), rough(1.0), rough(2.0)])
     assert (found.refit.trials[0].law, found.refit.gain) == (1.0, 1040.0)
     assert found.refit.lead == pytest.approx(39.0)
+
+
+@pytest.mark.parametrize(
+    ("chi2", "gain", "kept"), [(900.0, 990.0, True), (1100.0, 1010.0, True), (1100.0, 990.0, False)]
+)
+def test_a_promise_of_one_more_step_is_not_preferred_to_the_end_of_a_search(
+    monkeypatch: pytest.MonkeyPatch, chi2: float, gain: float, kept: bool
+) -> None:
+    """The gain of a rough fit is that of its next linear step: where nothing is linear, it is not to be had."""
+
+    def fit(chi2: float, gain: float) -> Refit:
+        fits = cast(Fits, SimpleNamespace(chi2=np.array([chi2])))
+        return replace(candidate("camera_latency").refit, fits=fits, gain=gain, lead=3.0)
+
+    rough, more = fit(1000.0, 1000.0), replace(fit(chi2, gain), lead=None)
+    monkeypatch.setattr("meso_robust.diagnosis.model_selection.refined", lambda *_, **__: more)
+    monkeypatch.setattr(Contest, "_chosen", lambda *_: ())
+    nothing = cast(Any, None)
+    found = Contest(nothing, [], (), np.zeros(0), True, nothing)._ended(rough)
+    assert found.fits is (more if kept else rough).fits
+    assert (found.gain, found.lead) == (gain if kept else 1000.0, 3.0)
 
 
 def test_a_rough_fit_behind_its_own_linear_estimate_is_taken_to_its_end(

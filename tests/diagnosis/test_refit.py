@@ -106,6 +106,13 @@ def test_a_search_taken_to_its_end_is_no_worse(late: Diagnosis) -> None:
     assert more.fits.values[0, -1] == pytest.approx(0.06, abs=0.001)
 
 
+def test_an_effect_far_beyond_what_matters_is_found(late: Diagnosis) -> None:
+    """On a bench a delay of 2 ms matters, and cameras are late by a hundred: steps must not be of what matters."""
+    (one,) = signatures(late.baseline, [Trial(effect="camera_latency", sizes={"time_ms": 0.4})])
+    more = refined(late.baseline, (one,), refitted(late.baseline, (one,)))
+    assert more.fits.values[0, -1] == pytest.approx(0.06, abs=0.001)
+
+
 def test_an_effect_at_the_end_of_its_range_takes_nothing_of_the_data(null: Diagnosis) -> None:
     # with the residuals turned round, what would be a positive size becomes a negative one
     at = null.baseline

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,25 @@ def test_values_are_moved_into_their_ranges(null: Diagnosis) -> None:
     moved = within(model, np.array([[0.3e-6, 1.4, -3.0, 7.0], [0.3e-6, 0.2, 0.1, -7.0]]))
     np.testing.assert_allclose(moved[0], [0.3e-6, 1.0, -0.9, 7.0], rtol=1e-6)
     np.testing.assert_array_equal(moved[1], [0.3e-6, 0.2, 0.1, -7.0])
+
+
+def test_an_image_of_a_bench_is_turned_about_a_place_that_it_shows(null: Diagnosis) -> None:
+    """The place may be as far from the world's origin as the arm of a robot reaches, and a drift as fast as its."""
+    prepared = null.baseline.prepared
+    prepared = replace(prepared, seen=prepared.seen + np.array([0.3, -0.25, 0.0]))
+    places = prepared.seen[..., :2].reshape(-1, 2)
+    middle = 0.5 * (np.nanmin(places, axis=0) + np.nanmax(places, axis=0))
+    about = {"about_x_um": 1e6 * middle[0], "about_y_um": 1e6 * middle[1]}
+    turned = Trial(
+        effect="camera_rotation",
+        sizes={"angle_deg": 0.2},
+        shape=about,
+        free=dict.fromkeys(about, 100.0),
+    )
+    model = extended(null.baseline.model, (turned, DRIFT), prepared)
+    values = np.array([[0.3e-6, 0.3, 0.01, *middle, 200.0 * UM, -200.0 * UM]])
+    np.testing.assert_array_equal(within(model, values), values)
+    assert np.all(np.isin(values[0, 3:], model.physics(values).effects.table))
 
 
 def test_drift_of_the_camera_grows_with_time(null: Diagnosis) -> None:

@@ -133,6 +133,33 @@ def test_two_tips_that_begin_inside_are_judged_each_by_itself_as_recordings_does
     assert np.hypot(*start[:2]) > OVERLAP * arm
 
 
+def test_a_noisy_tip_is_judged_as_it_was_logged_as_recordings_does(film_set: RecordingSet) -> None:
+    """By what smoothing makes of the log a set was refused that `recordings` had called usable."""
+    outline = np.array(film_set.part.outline)
+    arm, x = float(np.hypot(*outline.T).max()), float(outline[:, 0].max())
+    noise = 0.01 * arm
+    way = x + film_set.tip_radius - 0.13 * arm + np.linspace(0.0, 2e-5, 41)
+    way += noise * np.where(
+        np.arange(41) % 2, -1.0, 1.0
+    )  # 0.12 deep at first as logged, smoothed 0.13
+    one = Recording(
+        file="push_00.csv",
+        probe_names=("probe1",),
+        times=np.linspace(0.0, 4.0, 41),
+        poses=np.zeros((41, 3)),
+        probes=np.stack([way, np.zeros(41)], axis=-1)[:, None],
+    )
+    noisy = replace(
+        film_set,
+        recordings=(one,),
+        sensor=replace(film_set.sensor, tip_sigma=noise),
+        position_source="controller",
+    )
+
+    assert not [p for p in problems(noisy) if p.kind == "overlap" and p.severity == "error"]
+    assert np.hypot(*prepare(noisy, step=MODEL.step).starts[0, :2]) > 0.125 * arm
+
+
 def test_what_cannot_be_used_is_refused_with_the_name_of_the_file(film_set: RecordingSet) -> None:
     one = film_set.recordings[0]
     without = replace(one, probe_names=(), probes=np.zeros((len(one.times), 0, 2)))

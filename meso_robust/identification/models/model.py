@@ -13,6 +13,8 @@ from meso_robust.simulator.stage import Parameter as Parameter
 from meso_robust.simulator.support_models import Support
 from meso_robust.types import Flags, Floats
 
+_FARTHEST = 5.0  # typical changes of the size of an effect, that a search goes in a step
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Physics:
@@ -210,4 +212,11 @@ def _parameter(effect: str, key: str, scale: float, tip_radius: float) -> Parame
             f"scales.{effect}.{key}: {scale}; must be positive and finite; give a typical change"
         )
     low = max(parameter.low, -tip_radius) if effect == "tip_radius" else parameter.low
-    return replace(parameter, key=f"{effect}.{key}", scale=scale * parameter.to_si, low=low)
+    # predictions are about linear in a size, which may be any number of changes that matter; not in a form
+    return replace(
+        parameter,
+        key=f"{effect}.{key}",
+        scale=scale * parameter.to_si,
+        low=low,
+        farthest=_FARTHEST if parameter.size else parameter.farthest,
+    )

@@ -1,8 +1,8 @@
-"""A part that two tips push stands still in their frame, unless the camera is late or out of scale.
+"""A part that two tips push stands still in their frame, unless the camera is late, turned or out of scale.
 
 With the hand at h(t), turned by φ(t), a part that it carries is at h + R(φ) b with heading φ + β, the
-same b and β throughout a push. A camera that is late by τ and stretches lengths by D shows it at
-(1 + D) (h + R b) of t - τ. Both follow from least squares, b and β of every push free.
+same b and β throughout a push. A camera that is late by τ, turned by ψ and stretches lengths by D shows it at
+(1 + D + ψ J) (h + R b) of t - τ. All follow from least squares, b and β of every push free.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from meso_robust.recordings.contact import size
 from meso_robust.recordings.direct.finding import Finding, possible
 from meso_robust.recordings.direct.pushing import Moving
 from meso_robust.recordings.direct.selection import Columns, Comparison, fitted, selected
-from meso_robust.recordings.rules import UM
+from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import RecordingSet
 from meso_robust.types import Floats, Ints
 
@@ -72,11 +72,14 @@ def hand_test(recordings: RecordingSet, runs: tuple[Moving, ...]) -> HandTest | 
     pushes = [push for k, run in enumerate(runs) if (push := _push(k, run, whole))]
     if not pushes or recordings.position_source == "camera":
         return None
+    # nobody turns a camera about the origin of a robot that stands beside what it shows
+    places = np.concatenate([push.poses[:, :2] for push in pushes])
+    middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
     numbers = np.concatenate([np.full(3 * len(push.times), push.number) for push in pushes])
     groups = np.unique(numbers, return_inverse=True)[1]
 
     def rows(late: float) -> tuple[Floats, dict[str, Columns]]:
-        blocks = [_rows(push, late, 0.5 * whole) for push in pushes]
+        blocks = [_rows(push, late, 0.5 * whole, middle) for push in pushes]
         values = np.concatenate([block[0] for block in blocks])
         return values, _named(np.concatenate([block[1] for block in blocks]))
 
@@ -139,7 +142,8 @@ def _named(columns: Floats) -> dict[str, Columns]:
         _LATENCY: Columns(("time_ms",), columns[:, :1]),
         "camera_anisotropy": Columns(("x_percent", "y_percent"), columns[:, 1:3]),
         "camera_scale": Columns(("percent",), columns[:, 1:3].sum(axis=1, keepdims=True)),
-        "registration_shift": Columns(("x_um", "y_um"), columns[:, 3:]),
+        "registration_shift": Columns(("x_um", "y_um"), columns[:, 3:5]),
+        "camera_rotation": Columns(("angle_deg",), columns[:, 5:]),
     }
 
 
@@ -163,8 +167,11 @@ def _push(number: int, run: Moving, whole: float) -> _Push | None:
     return _Push(number, run.times[frames], run.poses[frames], run.times, hand)
 
 
-def _rows(push: _Push, late: float, arm: float) -> tuple[Floats, Floats]:
-    """The part in the hand's frame, (3 n,) m, and (3 n, 5) its change by latency, stretches, shift."""
+def _rows(push: _Push, late: float, arm: float, middle: Floats) -> tuple[Floats, Floats]:
+    """The part in the hand's frame, (3 n,) m, and (3 n, 6) its change by latency, stretches, shift, rotation.
+
+    The latter is about a middle (2,), m, the stretches about the world's origin.
+    """
     at = push.times - late
     hand = np.column_stack([np.interp(at, push.clock, each) for each in push.hand.T])
     step = _STEP_S
@@ -185,15 +192,17 @@ def _rows(push: _Push, late: float, arm: float) -> tuple[Floats, Floats]:
             _PERCENT * _turned(np.column_stack((zero, y)), hand[:, 2]),
             UM * _turned(np.column_stack((one, zero)), hand[:, 2]),
             UM * _turned(np.column_stack((zero, one)), hand[:, 2]),
+            # the heading's turn is constant
+            DEG * _turned(np.column_stack((middle[1] - y, x - middle[0])), hand[:, 2]),
         ),
         axis=-1,
     )
     heading = arm * np.unwrap(push.poses[:, 2] - hand[:, 2])
-    turns = np.column_stack((-_MS * arm * speed[:, 2], zero, zero, zero, zero))
+    turns = np.column_stack((-_MS * arm * speed[:, 2], zero, zero, zero, zero, zero))
     values = np.column_stack((position, heading))
     columns = np.concatenate((shifts, turns[:, None]), axis=1)
     values, columns = values - values.mean(axis=0), columns - columns.mean(axis=0)
-    return values.ravel(), columns.reshape(-1, 5)
+    return values.ravel(), columns.reshape(-1, 6)
 
 
 def _turned(vectors: Floats, angles: Floats) -> Floats:
