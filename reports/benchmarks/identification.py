@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import os
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from meso_robust.identification.identify import Objective, identify
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.writing import write_set
 from meso_robust.simulator import Film, ThreePoints
 from tests.identification.sets import FIRST_TABLE_POINTS, random_pushes, recorded
 
@@ -32,6 +35,12 @@ def made(model: str) -> RecordingSet:
     if model == "viscous":
         return recorded(pushes, Film.ratio(np.full(RECORDINGS, 0.3769e-6)), 0.33, rng)
     return recorded(pushes, ThreePoints(points=FIRST_TABLE_POINTS), 0.5, rng)
+
+
+def write(folder: str) -> None:
+    """Write a set of one recording of 240 frames."""
+    one = made("viscous")
+    write_set(Path(folder), replace(one, recordings=one.recordings[:1]))
 
 
 def main() -> None:
