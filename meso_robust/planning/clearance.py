@@ -16,6 +16,7 @@ from meso_robust.primitives.tips import HALF
 
 FULL_UM = 800.0  # the paper's part is 837 um wide, and such lengths were chosen for it
 AIR_UM = 6.0  # on top of what the bounds demand
+FARTHEST_UM = 1e6  # that a probe starts ahead of a part
 
 
 def fine(setup: Setup) -> float:
@@ -54,7 +55,9 @@ def passive_behind_um(rise: Interval, pre: PoseBox, setup: Setup) -> float:
 
 
 def _rounded_up(length: float, setup: Setup) -> float:
-    return math.ceil(10.0 * (units.to_um(length) + fine(setup) * AIR_UM)) / 10.0
+    # of poses so wide that no distance is enough nothing is proved, whatever is tried
+    length_um = min(units.to_um(length), FARTHEST_UM)
+    return math.ceil(10.0 * (length_um + fine(setup) * AIR_UM)) / 10.0
 
 
 def errors_across(setup: Setup) -> Interval:
