@@ -66,18 +66,23 @@ def cut_in_two(
         + there.uncertainty.tip_radius.mid
     )
     shallow = _least_depth(there, into, rule.frame.from_world(state).theta.mid)
+    found: tuple[Step, Step] | None = None
     for trial in range(MOST):
         deep = shallow + units.UM * DEEPER_UM * fine(there) * trial
         end = in_world(units.to_um(into.mouth_x.mid - deep + tip))
         first = certify_move(replace(rule, step=3, dual_end=end), state, setup, before)
         if first.verdict is not Verdict.PROVED or first.post is None:
-            return None  # a deeper one meets the walls as well
+            break  # a deeper one meets the walls as well
         post = roomy(first.post)
         second = certify_move(_guide(rule, post, there, into, tip), post, setup, first)
-        if second.verdict is Verdict.PROVED and second.post is not None:
-            goal = setup.goal
-            return (first, second) if roomy(second.post).within(goal) else None
-    return None
+        if second.verdict is not Verdict.PROVED or second.post is None:
+            continue
+        if not roomy(second.post).within(setup.goal):
+            break
+        if found is not None:
+            return first, second  # the least depth that is enough has nothing in hand
+        found = first, second
+    return found
 
 
 def _least_depth(there: Setup, into: Channel, theta: float) -> float:

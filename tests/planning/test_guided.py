@@ -19,6 +19,7 @@ def test_a_push_that_meets_the_walls_is_cut_in_two() -> None:
     chain = certify(rules, setup)
     assert chain.verdict is Verdict.PROVED
     assert chain.guided
+    assert certify(rules, setup_of(guided_task(), 1.1)).verdict is Verdict.PROVED
     # in one push it is not clear of the walls, and nothing else is open
     whole = replace(rules[0], dual_end=rules[1].dual_end)
     found = certify((whole,), setup).open_obligation
