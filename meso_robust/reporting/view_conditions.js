@@ -18,12 +18,12 @@ const NAMES = ["upper", "lower"];
 
 function watcher(move) {
   const own = { tilt: tiltWatch, straighten: straightenWatch, rotate: rotateWatch,
-    regrasp: regraspWatch }[move.rule.action](move);
+    regrasp: regraspWatch, guide: guideWatch }[move.rule.action](move);
   const { found, walls, tips } = move, { during } = own;
   if (move.rule.action !== "regrasp") freeAtStart(move);
   const clear = (now) => {
     if (walls.part(now) === Infinity) return;
-    found.low("part_clear_of_walls", walls.part(now), "um");
+    if (move.rule.action !== "guide") found.low("part_clear_of_walls", walls.part(now), "um");
     const least = Math.min(...tips.map((tip) => walls.tip(tipAt(tip, now.s)) - tip.r));
     found.low("tips_clear_of_walls", least, "um");
   };
@@ -142,6 +142,12 @@ function straightenWatch(move) {
       withdrawn(found, "pair", now, edge);
     },
   };
+}
+
+// What the walls do is not followed: a run that touches one ends in words.
+function guideWatch({ part, start, found }) {
+  const edge = facing(part, start.theta);
+  return { during() {}, after: (now) => withdrawn(found, "pair", now, edge) };
 }
 
 function pairWatch(move, now, edge, first) {

@@ -18,7 +18,7 @@ from meso_robust.certificates.chain import certify
 from meso_robust.laboratory.draws import Draws, draw, nominal
 from meso_robust.laboratory.running import STARTS_INSIDE, PlanRun, run
 from meso_robust.laboratory.simulation import player_of
-from meso_robust.planning.document import PlanDocument, RuleDocument
+from meso_robust.planning.document import PlanDocument, RuleDocument, plan_document
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import ObligationId
@@ -28,6 +28,7 @@ from meso_robust.simulator import Outcome
 from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
 from tests.conftest import paper_task
+from tests.guided import guided_rules, guided_task
 from tests.reporting.javascript import Script, draw_of, runs_script
 from tests.slot import point_slot
 from tests.test_task_real import values
@@ -226,6 +227,28 @@ def test_a_wall_ends_the_run(script: Script, plan: PlanDocument) -> None:
     assert how_simulated(runs, 0) == "jam"
     assert shown["moves"][-1]["end"].startswith("touches a wall of the slot")
     assert len(shown["moves"]) == int(runs.failed_in[0]) + 1
+
+
+@pytest.mark.parametrize(("width_um", "touching"), [(976.0, False), (845.0, True)])
+def test_a_guided_push_is_shown_until_it_touches_a_wall(
+    script: Script, width_um: float, touching: bool
+) -> None:
+    """Clear of the walls it ends as in the simulator; else the view says what it leaves out."""
+    task = guided_task(uncertainty__friction_common=True, slot__width_um=width_um)
+    rules, setup = guided_rules(), setup_of(task)
+    draws = draw(setup, len(rules), 20, np.random.default_rng(8))
+    runs = run(rules, setup, draws, engine="events")
+    sensed = [np.zeros(3)] * len(rules)
+    policy = plan_document(task, rules, sensed, [None] * len(rules)).policy
+    touched = 0
+    for row, shown in enumerate(told(script, setup, policy, draws)):
+        end = shown["moves"][-1]["end"]
+        if end is None:
+            assert largest(shown, runs, row)[0] < AGREES_UM
+        else:
+            assert end.startswith("touches a wall of the slot")
+            touched += 1
+    assert (touched > 5) is touching
 
 
 @pytest.mark.parametrize("heading", HEADINGS)
