@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+inner = njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+"""Counts no references to arrays, which took two thirds of a step, and so makes none."""
 RENEWAL = 3
 """Steps between renewals of the film's matrix."""
 TANGENTIAL = 0.8
@@ -47,14 +49,14 @@ COARSE, FINE = Grain(), Grain(overlap=0.005, coast=0.005)
 """The plant, and the finer one that tells its error."""
 
 
-@njit(cache=True, nogil=True)
+@inner
 def nearest(outline, x, y):  # type: ignore[no-untyped-def]
     """Distance from a simple polygon, negative inside, its nearest point, the way there, and its edge."""
-    best, px, py, ex, ey, edge, inside = np.inf, 0.0, 0.0, 0.0, 0.0, 0, False
+    best, px, py, ex, ey, edge, corner, inside = np.inf, 0.0, 0.0, 0.0, 0.0, 0, False, False
     count = len(outline)
     for k in range(count):
-        ax, ay = outline[k]
-        bx, by = outline[(k + 1) % count]
+        j = (k + 1) % count
+        ax, ay, bx, by = outline[k, 0], outline[k, 1], outline[j, 0], outline[j, 1]
         dx, dy = bx - ax, by - ay
         if (ay > y) != (by > y) and x < ax + (y - ay) / dy * dx:
             inside = not inside
@@ -63,17 +65,16 @@ def nearest(outline, x, y):  # type: ignore[no-untyped-def]
         square = (x - qx) ** 2 + (y - qy) ** 2
         if square < best:
             best, px, py, edge = square, qx, qy, k
-            length = np.sqrt(dx * dx + dy * dy)
-            ex, ey = -dy / length, dx / length
-            if share == 0.0 or share == 1.0:
-                away = max(np.sqrt(square), 1e-12)
-                side = -1.0 if inside else 1.0
-                ex, ey = side * (qx - x) / away, side * (qy - y) / away
+            ex, ey, corner = -dy, dx, share == 0.0 or share == 1.0
     distance = np.sqrt(best)
-    return -distance if inside else distance, px, py, ex, ey, edge
+    length = np.sqrt(ex * ex + ey * ey)
+    if corner:
+        length = -max(distance, 1e-12) if inside else max(distance, 1e-12)
+        ex, ey = px - x, py - y
+    return -distance if inside else distance, px, py, ex / length, ey / length, edge
 
 
-@njit(cache=True, nogil=True)
+@inner
 def press(outline, laws, pose, speed, tip, law, wrench):  # type: ignore[no-untyped-def]
     """Add the wrench of a tip on the part to `wrench`; return the overlap.
 
@@ -119,7 +120,7 @@ def press(outline, laws, pose, speed, tip, law, wrench):  # type: ignore[no-unty
     return overlap
 
 
-@njit(cache=True, nogil=True)
+@inner
 def resistance(laws, u, age, pressure):  # type: ignore[no-untyped-def]
     """Resistance over speed at one node: of the fluid, and of dry contact."""
     fluid, dry = 1.0, laws.dry + laws.uneven * max(pressure, 0.0)
@@ -132,7 +133,7 @@ def resistance(laws, u, age, pressure):  # type: ignore[no-untyped-def]
     return fluid, dry / u
 
 
-@njit(cache=True, nogil=True)
+@inner
 def film(support, pose, speed, age, now, matrix, load):  # type: ignore[no-untyped-def]
     """Write the film's matrix (3, 3) and the load (3,) of its flow, stage frame; age the contact.
 
@@ -172,7 +173,7 @@ def film(support, pose, speed, age, now, matrix, load):  # type: ignore[no-untyp
     age[0] += (1.0 / rate - age[0]) * -np.expm1(-rate * now[1])
 
 
-@njit(cache=True, nogil=True)
+@inner
 def ambient(laws, pose, wrench):  # type: ignore[no-untyped-def]
     """Add what acts on a part that nothing touches."""
     wrench[0] += laws.force_x
@@ -185,7 +186,7 @@ def ambient(laws, pose, wrench):  # type: ignore[no-untyped-def]
         wrench[1] += pull * ny
 
 
-@njit(cache=True, nogil=True)
+@inner
 def invert(matrix, share, inertia, inverse):  # type: ignore[no-untyped-def]
     """Inverse of diag(inertia) + share matrix, symmetric 3 x 3, by cofactors."""
     a, b = share * matrix[0, 0] + inertia[0], share * matrix[1, 1] + inertia[1]
@@ -201,7 +202,7 @@ def invert(matrix, share, inertia, inverse):  # type: ignore[no-untyped-def]
             inverse[k, j] /= determinant
 
 
-@njit(cache=True, nogil=True)
+@inner
 def turning(outline):  # type: ignore[no-untyped-def]
     """Square of the radius of gyration of a lamina about its reference point, um²."""
     area, second = 0.0, 0.0
@@ -213,7 +214,7 @@ def turning(outline):  # type: ignore[no-untyped-def]
     return second / (6.0 * area)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def clearance(outline, pose, tips):  # type: ignore[no-untyped-def]
     """Least distance of the part from a tip's surface."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
@@ -224,7 +225,7 @@ def clearance(outline, pose, tips):  # type: ignore[no-untyped-def]
     return least
 
 
-@njit(cache=True, nogil=True)
+@inner
 def idle(laws):  # type: ignore[no-untyped-def]
     """Whether nothing acts on a part that no tip touches."""
     pulled = laws.attraction != 0.0 or laws.adhesion != 0.0 or laws.wall != 0.0
@@ -232,7 +233,7 @@ def idle(laws):  # type: ignore[no-untyped-def]
     return not pulled and not driven
 
 
-@njit(cache=True, nogil=True)
+@inner
 def untouched(outline, tips, pose, reach):  # type: ignore[no-untyped-def]
     """Steps in which no tip comes near the part, at rest; reach: of the tips in a step. 0: none."""
     room = clearance(outline, pose, tips) - 1.0
@@ -243,7 +244,7 @@ def untouched(outline, tips, pose, reach):  # type: ignore[no-untyped-def]
     return int(room / reach) // 64 * 64
 
 
-@njit(cache=True, nogil=True)
+@inner
 def accelerate(inertia, inverse, step, wrench, speed):  # type: ignore[no-untyped-def]
     """Take the speed (3,) over a step, the film's resistance implicitly."""
     for i in range(3):
@@ -254,7 +255,21 @@ def accelerate(inertia, inverse, step, wrench, speed):  # type: ignore[no-untype
             speed[i] += inverse[i, j] * wrench[j]
 
 
-@njit(cache=True, nogil=True)
+@inner
+def place(start, way, share, tips):  # type: ignore[no-untyped-def]
+    """Put the tips where they are at a share of their ways (P, 2)."""
+    for p in range(len(tips)):
+        for i in range(2):
+            tips[p, i] = start[p, i] + way[p, i] * share
+
+
+@inner
+def largest(speed):  # type: ignore[no-untyped-def]
+    """Largest of three numbers, without their signs."""
+    return max(abs(speed[0]), abs(speed[1]), abs(speed[2]))
+
+
+@inner
 def touched(outline, laws, motion, tips, mu, law, rests, wrench):  # type: ignore[no-untyped-def]
     """Add the wrench of all tips; return the deepest overlap, over what is stuck.
 
@@ -282,19 +297,32 @@ def advance(outline, support, tips, way, mu, grain, state, duration):  # type: i
     support: nodes, lay and laws, as in `film`. tips: (P, TIP), whose places, forces and contacts are
     carried on. state: pose and speed (3,), time and age of the contact under the film (1,), carried on.
     """
-    laws = support[2]
-    pose, speed, time, age = state
     usual = grain.step * np.sqrt(grain.overlap * grain.coast) / grain.speed
     count = max(int(np.ceil(duration / usual)), 1)
+    room = (np.zeros((4, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(len(tips), np.int64))
+    going = (tips, tips[:, :2].copy(), way)
+    return march(outline, support, going, mu, grain, state, (duration, count), room)
+
+
+@inner
+def march(outline, support, going, mu, grain, state, lasts, room):  # type: ignore[no-untyped-def]
+    """Carry out `advance` in arrays that are there.
+
+    going: tips, their places at the start and their ways (P, 2). lasts: duration and number of steps. room:
+    rows of inertia, wrench, load and times (4, 3), the film's matrix and its inverse (3, 3), rests (P,).
+    """
+    tips, start, way = going
+    rows, matrix, inverse, rests = room
+    inertia, wrench, load, now = rows[0], rows[1], rows[2], rows[3]
+    duration, count = lasts
+    laws = support[2]
+    pose, speed, time, age = state
     step = duration / count
     stiff, mass = grain.speed / grain.overlap, grain.coast / grain.speed
-    inertia = mass * np.array([1.0, 1.0, turning(outline)])
-    wrench, load = np.zeros(3), np.zeros(3)
-    matrix, inverse, now = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(2)
-    rests = np.zeros(len(tips), np.int64)
-    start, pace = tips[:, :2].copy(), 0.0
+    inertia[0], inertia[1], inertia[2] = mass, mass, mass * turning(outline)
+    pace = 0.0
     for p in range(len(tips)):
-        tips[p, 2:4] = way[p] / duration
+        tips[p, 2], tips[p, 3] = way[p, 0] / duration, way[p, 1] / duration
         pace = max(pace, np.hypot(tips[p, 2], tips[p, 3]))
     # the contact is damped about as strongly as makes it settle fastest, so that it does not bounce;
     # a tip and the part come closer at most at FASTEST times the speed of the tips
@@ -302,25 +330,28 @@ def advance(outline, support, tips, way, mu, grain, state, duration):  # type: i
     law = (stiff, np.sqrt(mass * stiff), step, deepest, FASTEST * max(pace, grain.speed) * step)
     calm, k, worst = idle(laws), 0, 0.0
     while k < count and worst <= 1.0:
-        tips[:, :2] = start + way * (k / count)
-        if calm and k % 64 == 0 and np.abs(speed).max() < 1e-9 * grain.speed:
+        place(start, way, k / count, tips)
+        if calm and k % 64 == 0 and largest(speed) < 1e-9 * grain.speed:
             free = min(untouched(outline, tips, pose, pace * step), count - k)
             if free > 0:
                 k += free
-                speed[:], rests[:] = 0.0, 0
+                speed[:] = 0.0
+                rests[:] = 0
                 continue
         if k % RENEWAL == 0:
             now[0], now[1] = time[0] + k * step, RENEWAL * step
             film(support, pose, speed, age, now, matrix, load)
             invert(matrix, step, inertia, inverse)
-        wrench[:] = load
+        for i in range(3):
+            wrench[i] = load[i]
         ambient(laws, pose, wrench)
         worst = touched(outline, laws, (pose, speed), tips, mu, law, rests, wrench)
         if worst <= 1.0:
             accelerate(inertia, inverse, step, wrench, speed)
-            pose += step * speed
+            for i in range(3):
+                pose[i] += step * speed[i]
             k += 1
-    tips[:, :2] = start + way * (k / count)
+    place(start, way, k / count, tips)
     time[0] += duration
     return DONE if worst <= 1.0 else STUCK
 

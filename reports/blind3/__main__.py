@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
 from reports.blind3.answering import Values, answered
-from reports.blind3.cases import HERE, Case, commit, listed
+from reports.blind3.cases import HERE, Case, commit, listed, renew
 from reports.blind3.score import page, scored_cases
 
 RESULTS = HERE / "results.jsonl"
@@ -48,11 +49,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0, help="leave out those before")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--commit", action="store_true", help="make sets and commit to them only")
+    parser.add_argument(
+        "--renew", action="store_true", help="promise the same sets of this generator"
+    )
     parser.add_argument("--score", action="store_true", help="write results.md only")
     given = parser.parse_args(arguments)
     if given.commit:
         commit(given.first, given.cases)
         return
+    if given.renew:
+        with tempfile.TemporaryDirectory() as folder:
+            sys.exit(1 if renew(Path(folder)) else 0)
     if not given.score:
         run(listed()[given.first : given.cases], given.workers)
     (HERE / "results.md").write_text(page(scored_cases(kept())), encoding="utf-8")

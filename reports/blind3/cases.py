@@ -169,6 +169,29 @@ def commit(first: int, last: int, sets: Path = SETS, commitment: Path = COMMITME
         commitment.write_text(json.dumps(promised, indent=1) + "\n", encoding="utf-8")
 
 
+def renew(sets: Path, commitment: Path = COMMITMENT) -> list[str]:
+    """Make every promised set again; if each is the same to the last byte, promise them of this generator.
+
+    For a generator that was made faster or clearer and gives what it gave. Returns the sets that differ: if
+    there is one, the commitment stays as it is.
+    """
+    promised = json.loads(commitment.read_text(encoding="utf-8"))
+    differ = []
+    for case in listed():
+        key = f"{case.id:03d}"
+        before = promised["sets"].get(key)
+        if before is None:
+            continue
+        label = sealed(case, sets / key)
+        if before != json.loads(json.dumps({"sha256": digest(sets / key), **label})):
+            differ.append(key)
+        print(key, "differs" if key in differ else "is the same", flush=True)
+    if not differ:
+        promised["generator_sha256"] = generator_hash()
+        commitment.write_text(json.dumps(promised, indent=1) + "\n", encoding="utf-8")
+    return differ
+
+
 def checked(case: Case, sets: Path = SETS, commitment: Path = COMMITMENT) -> Path:
     """The folder of a set that is as it was promised.
 

@@ -24,6 +24,7 @@ from reports.blind3.cases import (
     digest,
     generator_hash,
     listed,
+    renew,
 )
 from reports.blind3.generate import Change, World, Wrongs, clear_norm, filmed, pushes, small_wrongs
 from reports.blind3.laws import FAMILIES, OUTSIDE
@@ -158,6 +159,21 @@ def promised(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("trial")
     commit(0, 1, folder / "sets", folder / "commitment.json")
     return folder
+
+
+def test_another_generator_is_promised_only_if_it_makes_the_same_sets(
+    promised: Path, tmp_path: Path
+) -> None:
+    commitment = tmp_path / "commitment.json"
+    before = json.loads((promised / "commitment.json").read_text(encoding="utf-8"))
+    sha = before["sets"]["000"]["sha256"]
+    for sealed, differ in ((sha[::-1], ["000"]), (sha, [])):
+        before["sets"]["000"]["sha256"] = sealed
+        text = json.dumps(before | {"generator_sha256": "another"})
+        commitment.write_text(text, encoding="utf-8")
+        assert renew(tmp_path / "sets", commitment) == differ
+        now = json.loads(commitment.read_text(encoding="utf-8"))["generator_sha256"]
+        assert now == ("another" if differ else generator_hash())
 
 
 def test_a_set_that_was_altered_is_not_diagnosed(promised: Path) -> None:

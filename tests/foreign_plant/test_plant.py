@@ -76,6 +76,19 @@ def test_distance_from_a_part_that_is_not_convex() -> None:
     assert nearest(ell, 5.0, 2.0)[0] == pytest.approx(np.sqrt(2.0))
 
 
+@pytest.mark.parametrize("first", range(6))
+def test_a_tip_at_a_corner_presses_inward_wherever_the_outline_begins(first: int) -> None:
+    turns = np.arange(first, first + 6) * np.pi / 3.0
+    hexagon = 400.0 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    for corner in hexagon:
+        for beside in (-0.1, 0.1):
+            outside = 1.01 * corner + beside * np.array([-corner[1], corner[0]]) / 400.0
+            distance, *_, inward_x, inward_y, _ = nearest(hexagon, *outside)
+            way = (corner - outside) / distance
+            assert distance > 0.0
+            assert (inward_x, inward_y) == pytest.approx(tuple(way), abs=1e-9)
+
+
 def test_a_part_that_cannot_give_way_is_stuck() -> None:
     ways = np.array([[[808.0, 0.0], [-808.0, 0.0]], [[700.0, 0.0], [-808.0, 0.0]]])
     friction, pose = np.full((1, 2), 0.3), np.zeros(3)
