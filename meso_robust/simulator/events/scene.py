@@ -91,7 +91,12 @@ WORK = np.dtype(
         # Slopes and result of a Runge-Kutta step, and the curve through it (see `curve`).
         ("slope", np.float64, (12, 3)),
         ("trial", np.float64, (3,)),
-        ("curve", np.float64, (16,)),
+        ("curve", np.float64, (18,)),
+        # The guided curve of a part in a channel, 0 in the first entry if it is in none, the two
+        # contacts that make it, and the slopes of the way along it in a Runge-Kutta step.
+        ("channel", np.float64, (18,)),
+        ("pair", np.int64, (2,)),
+        ("slide", np.float64, (12,)),
         # Modes and basis of the combinations that hold, with twist and merit; modes not to choose.
         ("found", np.int64, (ROOM, MOST + 7)),
         ("merit", np.float64, (ROOM, 4)),
