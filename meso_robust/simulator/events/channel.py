@@ -56,53 +56,42 @@ def start_channel(scene: Scene, work: Work, clock: float) -> None:
 
 
 @inlined
-def _wrench(
-    scene: Scene, work: Work, c: int, at: tuple[float, float]
-) -> tuple[float, float, float]:
-    """Wrench of a tip that slips, whose centre is given in the body frame."""
+def _force(scene: Scene, work: Work, c: int) -> tuple[float, float, float]:
+    """Direction of the force of a tip that slips, and its moment about the tip's centre."""
     i, edge = work.contact[c, FIRST], scene.edges[work.contact[c, SECOND]]
     r, mu = scene.tips[i, 4], scene.tips[i, 5] * (1.0 if work.mode[c] == SLIP_MINUS else -1.0)
     nx, ny = -edge[NX], -edge[NY]
     gx, gy = nx + mu * ny, ny - mu * nx
-    px, py = at[0] + r * nx, at[1] + r * ny
-    return gx, gy, px * gy - py * gx
-
-
-@inlined
-def _slip(scene: Scene, work: Work, time: float, way: float) -> float:
-    """Speed of the first tip along its edge, at a way along it from where it was at the start."""
-    curve = work.channel
-    edge = scene.edges[work.contact[work.pair[0], SECOND]]
-    nx, ny = edge[NX], edge[NY]
-    turn, between, omega = guided_turn(curve, time)
-    cx, cy = curve[6] - way * ny, curve[7] + way * nx
-    place = about_pivot(curve, time, turn, (cx, cy))
-    bx, by = to_body(between[0], between[1], place)
-    g = _wrench(scene, work, work.pair[0], (cx, cy))
-    h = _wrench(scene, work, work.pair[1], (cx + bx, cy + by))
-    film = times(work.drag, cross(g, h))
-    ux, uy = to_body(curve[4], curve[5], place)
-    # velocity of the part where the tip is, as if the tip stuck, and what that leaves to the film
-    vx, vy = ux + omega * cy, uy - omega * cx
-    return dot(film, (vx, vy, omega)) / (film[1] * nx - film[0] * ny)
+    return gx, gy, r * (nx * gy - ny * gx)
 
 
 @inner
 def glide(scene: Scene, work: Work, step: float) -> None:
     """Step along the channel from the present pose; write the slopes and the trial pose."""
     slide, curve = work.slide, work.channel
-    way = 0.0
+    edge = scene.edges[work.contact[work.pair[0], SECOND]]
+    nx, ny = edge[NX], edge[NY]
+    gx, gy, g = _force(scene, work, work.pair[0])
+    hx, hy, h = _force(scene, work, work.pair[1])
     for s in range(STAGES):
         way = 0.0
         for k in range(s):
             way += WEIGHTS[s, k] * slide[k]
-        slide[s] = _slip(scene, work, NODES[s] * step, step * way)
+        way *= step
+        turn, between, omega = guided_turn(curve, NODES[s] * step)
+        cx, cy = curve[6] - way * ny, curve[7] + way * nx
+        place = about_pivot(curve, 0.0, turn, (cx, cy))
+        bx, by = to_body(between[0], between[1], place)
+        ux, uy = to_body(curve[4], curve[5], place)
+        one, other = cx * gy - cy * gx + g, (cx + bx) * hy - (cy + by) * hx + h
+        film = times(work.drag, cross((gx, gy, one), (hx, hy, other)))
+        # twist of a part on whose edge the first tip stuck, over what the film lets of it
+        stuck = (ux + omega * cy, uy - omega * cx, omega)
+        slide[s] = dot(film, stuck) / (film[1] * nx - film[0] * ny)
     way = 0.0
     for k in range(STAGES):
         way += RESULT[k] * slide[k]
     way *= step
-    edge = scene.edges[work.contact[work.pair[0], SECOND]]
     turn = guided_turn(curve, step)[0]
-    pivot = (curve[6] - way * edge[NY], curve[7] + way * edge[NX])
-    x, y, _, _ = about_pivot(curve, step, turn, pivot)
+    x, y, _, _ = about_pivot(curve, step, turn, (curve[6] - way * ny, curve[7] + way * nx))
     work.trial[0], work.trial[1], work.trial[2] = x, y, curve[3] + np.arctan2(turn[0], turn[1])

@@ -49,7 +49,8 @@ class Scene(NamedTuple):
     world frame; written. The first `movers` are the tips, the others the convex corners of the
     fixture."""
     clear: Floats
-    """(T + V,) distances that tips and corners of the part are known to keep; written."""
+    """(T + V,) distances that tips and corners of the part are known to keep; written. (T,) where
+    there is no fixture."""
     left_out: Flags
     """(T + V, max(V, F) + 1) edges or walls that a touching body is not measured from, and in the
     last column whether there are any; written."""
