@@ -178,10 +178,11 @@ def _of_a_move(
     post, tube = claims.posts[k], claims.tubes[k]
     slack = accuracy.pose[k]
     at_start = gaps_to(move.tips, move.before, move.outlines, move.radii)
+    at_end = gaps_to(move.ends, move.after, move.outlines, move.radii)
     found = {
         ClaimId.STARTS_FREE: np.asarray((at_start <= 0.0).any(axis=1)),
-        ClaimId.CONTACTS: ~_contacts(rule, move, accuracy.slip, claims.creeps[k]),
-        ClaimId.RETRACTS: _hits_on_withdrawal(move),
+        ClaimId.CONTACTS: ~_contacts(rule, move, at_end, accuracy.slip, claims.creeps[k]),
+        ClaimId.RETRACTS: _hits_on_withdrawal(move, at_end),
     }
     if post is not None:
         found[ClaimId.ENDS_IN_BOX] = outside(move.after, post[None], slack)
@@ -190,9 +191,8 @@ def _of_a_move(
     return found
 
 
-def _contacts(rule: MoveRule, move: MoveRun, slip: float, creep: float) -> Flags:
-    """(N,) whether the tips touch, stick and stay clear as the primitive claims."""
-    gaps = gaps_to(move.ends, move.after, move.outlines, move.radii)
+def _contacts(rule: MoveRule, move: MoveRun, gaps: Floats, slip: float, creep: float) -> Flags:
+    """(N,) whether the tips, with such gaps (N, P), touch, stick and stay clear as is claimed."""
     touching = np.abs(gaps) <= CONTACT
     if rule.action == "regrasp":
         return (move.after == move.before).all(axis=1) & (gaps > 0.0).all(axis=1)
@@ -286,12 +286,13 @@ def slips(move: MoveRun) -> Floats:
     return np.where(met.edge == CORNER, np.inf, np.hypot(along, beside))
 
 
-def _hits_on_withdrawal(move: MoveRun) -> Flags:
-    """(N,) whether a probe meets the part on its way back.
+def _hits_on_withdrawal(move: MoveRun, gaps: Floats) -> Flags:
+    """(N,) whether a probe meets the part on its way back from gaps (N, P).
 
     The active probe goes back to its start, the passive one as far along the direction of the push.
     """
     back = np.ones((move.tips.shape[1], 1))
     back[:PASSIVE] = -1.0
     way = back * (move.ends - move.tips)[:, LOWER, None]
-    return crosses(move.ends, way, move.radii, move.after, move.outlines, CONTACT)
+    inside = (gaps < -CONTACT).any(axis=1)
+    return inside | crosses(move.ends, way, move.radii, move.after, move.outlines, CONTACT)

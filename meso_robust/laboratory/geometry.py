@@ -40,19 +40,21 @@ def _find_gaps(tips: Floats, outlines: Floats, radii: Floats, found: Floats) -> 
     for i in range(tips.shape[0]):
         for k in range(tips.shape[1]):
             x, y = tips[i, k, 0], tips[i, k, 1]
-            nearest, inside = np.inf, False
+            square, inside = np.inf, False
             for j in range(count):
                 after = j + 1 if j + 1 < count else 0
                 dx, dy = x - outlines[i, j, 0], y - outlines[i, j, 1]
                 ex = outlines[i, after, 0] - outlines[i, j, 0]
                 ey = outlines[i, after, 1] - outlines[i, j, 1]
                 along = min(max((dx * ex + dy * ey) / (ex * ex + ey * ey), 0.0), 1.0)
-                nearest = min(nearest, np.hypot(dx - along * ex, dy - along * ey))
+                across, beside = dx - along * ex, dy - along * ey
+                square = min(square, across * across + beside * beside)
                 # a ray to the right of the tip is crossed once more or less
                 if (dy < 0.0) != (dy < ey) and (ex * dy - ey * dx) * (
                     1.0 if ey > 0.0 else -1.0
                 ) > 0.0:
                     inside = not inside
+            nearest = np.sqrt(square)
             found[i, k] = (-nearest if inside else nearest) - radii[i, k]
 
 
@@ -78,4 +80,6 @@ def turned(vectors: Floats, pose: Floats) -> Floats:
     """(..., 2) vectors of the world in the axes of a part at ``pose`` (..., 3)."""
     c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
     x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x + s * y, c * y - s * x], axis=-1)
+    found = np.empty((*np.broadcast_shapes(c.shape, x.shape), 2))
+    found[..., 0], found[..., 1] = c * x + s * y, c * y - s * x
+    return found

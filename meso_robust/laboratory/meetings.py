@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.laboratory.geometry import gaps_to, in_part, turned
+from meso_robust.laboratory.geometry import in_part, turned
 from meso_robust.types import Flags, Floats
 
 CORNER = -1
@@ -93,7 +93,7 @@ def _find_meetings(
 def crosses(
     tips: Floats, ways: Floats, radii: Floats, poses: Floats, outlines: Floats, within: float
 ) -> Flags:
-    """Whether straight ways of tips go through parts at rest.
+    """Whether straight ways of tips that start outside go through parts at rest.
 
     Parameters
     ----------
@@ -111,11 +111,11 @@ def crosses(
     Flags
         (N,) whether any of the tips does.
     """
-    found = (gaps_to(tips, poses, outlines, radii) < -within).any(axis=1)
+    found = np.zeros(len(tips), dtype=np.bool_)
     for k in range(tips.shape[1]):
         way = np.stack([tips[:, k], tips[:, k] + ways[:, k]], axis=1)
         found |= np.isfinite(meets(way, radii[:, k] - within, poses, outlines).share)
-    return np.asarray(found)
+    return found
 
 
 def stick_ratio(

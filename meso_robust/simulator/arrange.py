@@ -104,7 +104,7 @@ def inputs_of(push: Push, steps: Ints, unique: bool) -> Inputs:
     ``steps`` are those of its legs; ``unique``: look for a second motion too.
     """
     table, tables = push.effects.table, push.support.tables()
-    outline = outlines(push.vertices, table)
+    outline = outlines(push.vertices, table) if push.effects.values else push.outlines
     edges, obstacles = _obstacles(push)
     return Inputs(
         edge_table(outline),
@@ -126,8 +126,9 @@ def outputs_of(push: Push, instants: Floats | None) -> Outputs:
     times = np.zeros((1, 0)) if instants is None else instants
     record = np.zeros((runs, times.shape[1], PROBES + PER_PROBE * probes))
     record[:, :, TIME] = times
+    poses, table = push.poses, push.effects.table
     return Outputs(
-        reference_of_tracked(push.poses, push.effects.table).copy(),
+        (reference_of_tracked(poses, table) if push.effects.values else poses).copy(),
         np.zeros(runs, dtype=np.int8),
         np.zeros(runs),
         record,
@@ -192,6 +193,8 @@ def _obstacles(push: Push) -> tuple[Floats, Floats]:
 
 
 def _radii(push: Push) -> Floats:
+    if not push.effects.values:
+        return push.radii_of_tips
     if push.effects.is_on(EXCESS) and any(isinstance(shape, Flat) for shape in push.shapes):
         refuse("effects.tip_radius", "a flat tip", "has no radius", "use Point or Round tips")
     radius = radii(push.radii_of_tips, push.effects.table)

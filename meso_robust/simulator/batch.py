@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
+from functools import lru_cache
 from typing import TypeAlias, cast
 
 import numpy as np
@@ -32,6 +33,7 @@ from meso_robust.simulator.tables import MAX_CONTACTS, workspace
 from meso_robust.types import Floats
 
 _CHUNKS = 4  # pieces of a batch for each core
+_RESULTS = tuple(item.name for item in fields(PushResult) if item.name != "steps")
 
 Kernel: TypeAlias = Callable[[Inputs, int, int, Outputs], None]
 """A batch kernel: inputs, first run, last run (exclusive) and outputs."""
@@ -108,24 +110,31 @@ def simulate(
 
 def _result(push: Push, outputs: Outputs, steps: int) -> PushResult:
     table, record = push.effects.table, outputs.record
-    path = np.ascontiguousarray(record[:, :, POSE : POSE + 3])
+    poses, path = outputs.poses, record[:, :, POSE : POSE + 3].copy()
+    if push.effects.values:
+        poses, path = (tracked_of_reference(these, table) for these in (poses, path))
     each = record[:, :, PROBES:].reshape(*record.shape[:2], len(push.shapes), PER_PROBE)
     result = PushResult(
-        poses=tracked_of_reference(outputs.poses, table),
+        poses=poses,
         outcomes=outputs.outcomes,
         max_penetration=outputs.max_penetration,
         times=record[:, :, TIME].copy(),
-        path=tracked_of_reference(path, table) if path.size else path,
+        path=path,
         tips=each[..., TIP : TIP + 2].copy(),
         forces=each[..., FORCE : FORCE + 2].copy(),
         modes=each[..., PROBE_MODE].astype(np.int8),
         fixture_modes=record[:, :, FIXTURE_MODE].astype(np.int8),
         steps=steps,
     )
-    for item in fields(result):
-        if item.name != "steps":
-            getattr(result, item.name).flags.writeable = False
+    for name in _RESULTS:
+        getattr(result, name).flags.writeable = False
     return result
+
+
+@lru_cache(maxsize=8)
+def _shares(record: int) -> Floats:
+    """(R,) evenly spaced shares of a move; only to be read."""
+    return np.linspace(0.0, 1.0, record + 1)
 
 
 def _instants(push: Push, record: int, instants: Floats | None) -> Floats | None:
@@ -135,7 +144,7 @@ def _instants(push: Push, record: int, instants: Floats | None) -> Floats | None
         if record == 0:
             return None
         start, end = push.times[:, :1], push.times[:, -1:]
-        return np.asarray(start + (end - start) * np.linspace(0.0, 1.0, record + 1))
+        return np.asarray(start + (end - start) * _shares(record))
     chosen = np.array(instants, dtype=np.float64)
     if chosen.ndim != 2 or len(chosen) not in (1, len(push.poses)):
         refuse("instants", f"shape {chosen.shape}", "must be (1|N, R)", "reshape it")

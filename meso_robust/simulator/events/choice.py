@@ -80,7 +80,7 @@ def _all_modes(scene: Scene, work: Work, clock: float, attempt: int) -> int:
     for code in range(4**touching):
         if _is_banned(work, code) or not _decode(scene, work, code):
             continue
-        count = _try_bases(scene, work, clock, (attempt, count))
+        count = _try_bases(scene, work, (place, clock), (attempt, count))
     return count
 
 
@@ -129,7 +129,7 @@ def _decode(scene: Scene, work: Work, code: int) -> bool:
 
 
 @inlined
-def _try_bases(scene: Scene, work: Work, clock: float, tally: tuple[int, int]) -> int:
+def _try_bases(scene: Scene, work: Work, now: tuple[Place, float], tally: tuple[int, int]) -> int:
     """Try all bases of the present combination; `tally` is the attempt and how many hold."""
     attempt, count = tally
     pushes, picked = work.pushes, work.picked
@@ -140,7 +140,7 @@ def _try_bases(scene: Scene, work: Work, clock: float, tally: tuple[int, int]) -
     while picked[max(rank - 1, 0)] < max(wrenches, 1):
         for k in range(rank):
             work.basis[3 + k] = pushes[picked[k]]
-        merit = _merit(scene, work, clock, (attempt, wrenches > rank))
+        merit = _merit(scene, work, now, (attempt, wrenches > rank))
         if merit >= 0.0 and count < ROOM:
             _keep(work, count, merit)
             count += 1
@@ -193,35 +193,30 @@ def add_row(work: Work, row: int) -> None:
     held = work.count[HELD]
     if held >= 3:
         return
-    size = np.sqrt(dot(pick(work.row, row), pick(work.row, row)))
-    if _orthonormalize(work, row, held) < _INDEPENDENT * size:
+    units, x = work.units, pick(work.row, row)
+    whole = dot(x, x)
+    for sweep in range(2 * held):
+        other = pick(units, sweep if sweep < held else sweep - held)
+        shared = dot(x, other)
+        x = (x[0] - shared * other[0], x[1] - shared * other[1], x[2] - shared * other[2])
+    added = dot(x, x)
+    if added < _INDEPENDENT * _INDEPENDENT * whole:
         return
+    per = 1.0 / np.sqrt(added)
+    units[held, 0], units[held, 1], units[held, 2] = per * x[0], per * x[1], per * x[2]
     work.basis[held] = row
     work.count[HELD] = held + 1
 
 
 @inlined
-def _orthonormalize(work: Work, row: int, held: int) -> float:
-    """Write the unit vector along what a constraint adds to those held; return the length of that."""
-    units, x = work.units, pick(work.row, row)
-    for sweep in range(2 * held):
-        other = pick(units, sweep if sweep < held else sweep - held)
-        shared = dot(x, other)
-        x = (x[0] - shared * other[0], x[1] - shared * other[1], x[2] - shared * other[2])
-    length = np.sqrt(dot(x, x))
-    units[held, 0], units[held, 1], units[held, 2] = x[0] / length, x[1] / length, x[2] / length
-    return float(length)
-
-
-@inlined
-def _merit(scene: Scene, work: Work, clock: float, trial: tuple[int, bool]) -> float:
+def _merit(scene: Scene, work: Work, now: tuple[Place, float], trial: tuple[int, bool]) -> float:
     """Least of what must not be negative, a short way ahead if it is zero here; -1 if it fails.
 
     Constraints that depend on each other may agree only for an instant; `trial` is the number of
     the attempt and whether there are such.
     """
     attempt, redundant = trial
-    place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
+    place, clock = now
     here = _least(scene, work, place, clock)
     if not here >= -_ZERO:
         return -1.0

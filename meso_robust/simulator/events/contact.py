@@ -142,7 +142,7 @@ def _list_tip(scene: Scene, work: Work, i: int, point: tuple[float, float, float
         dx, dy = cx - edge[VX], cy - edge[VY]
         s = edge[NX] * dx + edge[NY] * dy - r
         along = edge[NX] * dy - edge[NY] * dx
-        far = np.hypot(dx, dy)
+        far = np.sqrt(dx * dx + dy * dy)
         convex = edge[CONVEX] > 0.0
         group = -1
         if -deep <= s <= near and -near <= along <= edge[LENGTH] + near:

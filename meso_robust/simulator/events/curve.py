@@ -23,6 +23,7 @@ from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.contact import Place, tip_in_body
 from meso_robust.simulator.events.outline import NX, NY, VX, VY
 from meso_robust.simulator.events.scene import FIRST, SECOND, SLIP_MINUS, Scene, Work
+from meso_robust.types import Floats
 
 _STRAIGHT, _STICKING, _GUIDED, CUBIC = 0.0, 1.0, 2.0, 3.0
 _JUST = 0.999  # a ratio of tangents below one is that of a root just passed, or of none
@@ -35,6 +36,7 @@ def start_straight(work: Work) -> None:
     curve = work.curve
     curve[0] = _STRAIGHT
     cos, sin = np.cos(work.pose[2]), np.sin(work.pose[2])
+    curve[16], curve[17] = cos, sin
     for k in range(3):
         curve[1 + k] = work.pose[k]
     curve[4] = cos * work.twist[0] - sin * work.twist[1]
@@ -52,7 +54,7 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
     """
     curve, pose, i = work.curve, work.pose, work.contact[contact, FIRST]
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    _start_pivot(scene, work, i, (pose[0], pose[1], cos, sin), clock)
+    _start_pivot(scene, curve, i, (pose, cos, sin), clock)
     drag, vx, vy, px, py = work.drag, curve[4], curve[5], curve[6], curve[7]
     ex = drag[0, 0] * py - drag[0, 1] * px + drag[0, 2]
     ey = drag[1, 0] * py - drag[1, 1] * px + drag[1, 2]
@@ -77,12 +79,17 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
 
 
 @inner
-def start_guided(scene: Scene, work: Work, guides: tuple[int, int], clock: float) -> None:
-    """Let the part turn about a tip that sticks so that another slips along its edge."""
-    curve, pose = work.curve, work.pose
+def start_guided(
+    scene: Scene, work: Work, curve: Floats, guides: tuple[int, int], clock: float
+) -> None:
+    """Let the part turn about a tip that sticks so that another slips along its edge.
+
+    A tip that slips along an edge parallel to the other's makes the part turn alike.
+    """
+    pose = work.pose
     i, k = work.contact[guides[0], FIRST], work.contact[guides[1], FIRST]
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    _start_pivot(scene, work, i, (pose[0], pose[1], cos, sin), clock)
+    _start_pivot(scene, curve, i, (pose, cos, sin), clock)
     edge = scene.edges[work.contact[guides[1], SECOND]]
     nx, ny = cos * edge[NX] - sin * edge[NY], sin * edge[NX] + cos * edge[NY]
     ux, uy = scene.tips[k, 2] - curve[4], scene.tips[k, 3] - curve[5]
@@ -129,13 +136,19 @@ def guided_reach(scene: Scene, work: Work, guides: tuple[int, int]) -> float:
 
 
 @inner
-def _start_pivot(scene: Scene, work: Work, i: int, place: Place, clock: float) -> None:
-    """Write where a tip that sticks is, in the world and in the part, and its velocity."""
-    curve = work.curve
-    curve[3], curve[4], curve[5] = work.pose[2], scene.tips[i, 2], scene.tips[i, 3]
+def _start_pivot(
+    scene: Scene, curve: Floats, i: int, start: tuple[Floats, float, float], clock: float
+) -> None:
+    """Write where a tip that sticks is, in the world and in the part, and its velocity.
+
+    The start is the pose now with its cosine and sine.
+    """
+    pose, cos, sin = start
+    curve[3], curve[4], curve[5] = pose[2], scene.tips[i, 2], scene.tips[i, 3]
     curve[1] = scene.tips[i, 0] + curve[4] * clock
     curve[2] = scene.tips[i, 1] + curve[5] * clock
-    curve[6], curve[7] = tip_in_body(scene, i, place, clock)
+    curve[6], curve[7] = tip_in_body(scene, i, (pose[0], pose[1], cos, sin), clock)
+    curve[16], curve[17] = cos, sin
 
 
 @inner
@@ -196,44 +209,75 @@ def pose_at(work: Work, time: float) -> tuple[float, float, float]:
     """Pose (x, y, θ) on the curve at an instant counted from its start."""
     curve = work.curve
     if curve[0] == CUBIC:
-        u = time / curve[13]
-        return (
-            curve[1] + u * (curve[4] + u * (curve[7] + u * curve[10])),
-            curve[2] + u * (curve[5] + u * (curve[8] + u * curve[11])),
-            curve[3] + u * (curve[6] + u * (curve[9] + u * curve[12])),
-        )
+        return _on_cubic(curve, time)
     if curve[0] == _STRAIGHT:
         return curve[1] + time * curve[4], curve[2] + time * curve[5], curve[3]
-    turn = _guided_turn(work, time) if curve[0] == _GUIDED else _sticking_turn(work, time)
-    theta = curve[3] + turn
-    c, s = np.cos(theta), np.sin(theta)
-    x = curve[1] + time * curve[4] - (c * curve[6] - s * curve[7])
-    y = curve[2] + time * curve[5] - (s * curve[6] + c * curve[7])
-    return x, y, theta
-
-
-@inlined
-def _sticking_turn(work: Work, time: float) -> float:
-    """Turn about a tip that sticks, from the start of the curve."""
-    kappa, sin, cos = work.curve[8], work.curve[9], work.curve[10]
-    # Difference of two arctangents, without the loss of digits of a small one.
-    up, across = sin * cos * np.expm1(kappa * time), cos * cos + sin * sin * np.exp(kappa * time)
-    return float(2.0 * np.arctan2(up, across))
-
-
-@inlined
-def _guided_turn(work: Work, time: float) -> float:
-    """Turn of a part that two tips hold, from the start of the curve; NaN beyond their reach."""
-    curve, far, side = work.curve, work.curve[14], work.curve[15]
-    nx, ny = curve[8], curve[9]
-    dx, dy = curve[10] + time * curve[12], curve[11] + time * curve[13]
-    rest = side * np.sqrt(dx * dx + dy * dy - far * far)
-    mx, my = far * dx - rest * dy, far * dy + rest * dx
-    return float(np.arctan2(nx * my - ny * mx, nx * mx + ny * my))
+    sin, cos = _turn(curve, time)
+    x, y, _, _ = about_pivot(curve, time, (sin, cos), (curve[6], curve[7]))
+    return x, y, curve[3] + np.arctan2(sin, cos)
 
 
 @inlined
 def place_at(work: Work, time: float) -> Place:
     """Pose on the curve as (x, y, cos θ, sin θ)."""
-    x, y, theta = pose_at(work, time)
-    return x, y, np.cos(theta), np.sin(theta)
+    curve = work.curve
+    if curve[0] == CUBIC:
+        x, y, theta = _on_cubic(curve, time)
+        return x, y, np.cos(theta), np.sin(theta)
+    if curve[0] == _STRAIGHT:
+        return curve[1] + time * curve[4], curve[2] + time * curve[5], curve[16], curve[17]
+    return about_pivot(curve, time, _turn(curve, time), (curve[6], curve[7]))
+
+
+@inlined
+def _on_cubic(curve: Floats, time: float) -> tuple[float, float, float]:
+    """Pose (x, y, θ) on a cubic."""
+    u = time / curve[13]
+    return (
+        curve[1] + u * (curve[4] + u * (curve[7] + u * curve[10])),
+        curve[2] + u * (curve[5] + u * (curve[8] + u * curve[11])),
+        curve[3] + u * (curve[6] + u * (curve[9] + u * curve[12])),
+    )
+
+
+@inlined
+def about_pivot(
+    curve: Floats, time: float, turn: tuple[float, float], pivot: tuple[float, float]
+) -> Place:
+    """Pose (x, y, cos θ, sin θ) from sine and cosine of the turn and where in the part the tip is."""
+    sin, cos = turn
+    c, s = curve[16] * cos - curve[17] * sin, curve[17] * cos + curve[16] * sin
+    x = curve[1] + time * curve[4] - (c * pivot[0] - s * pivot[1])
+    y = curve[2] + time * curve[5] - (s * pivot[0] + c * pivot[1])
+    return x, y, c, s
+
+
+@inlined
+def _turn(curve: Floats, time: float) -> tuple[float, float]:
+    """Sine and cosine of the turn from the start of a curve that turns."""
+    if curve[0] == _GUIDED:
+        return guided_turn(curve, time)[0]
+    kappa, sin, cos = curve[8], curve[9], curve[10]
+    # Difference of two half angles, without the loss of digits of a small one.
+    grown = np.expm1(kappa * time)
+    half = sin * cos / (1.0 / grown + sin * sin)
+    whole = 1.0 + half * half
+    return 2.0 * half / whole, (1.0 - half * half) / whole
+
+
+@inlined
+def guided_turn(
+    curve: Floats, time: float
+) -> tuple[tuple[float, float], tuple[float, float], float]:
+    """Motion of a part that two tips hold; NaN beyond their reach.
+
+    Returns sine and cosine of the turn from the start of the curve, the way between the tips, and
+    how fast the part turns.
+    """
+    far, nx, ny = curve[14], curve[8], curve[9]
+    dx, dy = curve[10] + time * curve[12], curve[11] + time * curve[13]
+    square = dx * dx + dy * dy
+    rest = curve[15] * np.sqrt(square - far * far)
+    mx, my = (far * dx - rest * dy) / square, (far * dy + rest * dx) / square
+    speed = (mx * curve[12] + my * curve[13]) / rest
+    return (nx * my - ny * mx, nx * mx + ny * my), (dx, dy), speed

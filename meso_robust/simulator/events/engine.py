@@ -185,7 +185,8 @@ def _compiled() -> Kernel:
         sides = inputs.edges.shape[1]
         legs = np.zeros((inputs.travel.shape[1], inputs.tips.shape[1], 4))
         bodies, widest = np.zeros((tips, 6)), max(sides, inputs.walls.shape[0])
-        clear = np.zeros(tips + sides)
+        # without a fixture nothing can meet the corners of the part
+        clear = np.zeros(tips + (sides if inputs.walls.shape[0] > 0 else 0))
         left_out = np.zeros((tips + sides, widest + 1), np.bool_)
         for i in range(first, last):
             edges = inputs.edges[i if inputs.edges.shape[0] > 1 else 0]

@@ -12,6 +12,7 @@ from meso_robust.simulator.events.balance import (
     solve_three,
     velocity,
 )
+from meso_robust.simulator.events.channel import in_channel, start_channel
 from meso_robust.simulator.events.contact import gap
 from meso_robust.simulator.events.curve import (
     CUBIC,
@@ -70,6 +71,7 @@ def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
     """
     place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
     rest = work.span - clock
+    work.channel[0] = 0.0
     if work.count[CLOSED] == 0:
         for k in range(3):
             work.twist[k] = 0.0
@@ -83,9 +85,10 @@ def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
     if _translates(scene, work, rest):
         start_straight(work)
         return _follow(scene, work, path, clock, rest)
+    channel = in_channel(scene, work)
     if slider < 0 or work.count[CLOSED] != 2 or work.count[HELD] != 3:
         pivot = -1
-    return _integrate(scene, work, path, clock, (pivot, slider))
+    return _integrate(scene, work, path, clock, (pivot, slider, channel))
 
 
 @inner
@@ -126,12 +129,14 @@ def _follow(scene: Scene, work: Work, path: Floats, clock: float, rest: float) -
 
 @part
 def _integrate(
-    scene: Scene, work: Work, path: Floats, clock: float, guides: tuple[int, int]
+    scene: Scene, work: Work, path: Floats, clock: float, ways: tuple[int, int, bool]
 ) -> float:
     """Take the motion step by step to the next event or the end of the move.
 
-    The steps of a part that two tips guide, the numbers of whose contacts are given, are exact.
+    The steps of a part that two tips guide, the numbers of whose contacts are given, are exact; so is
+    the turn of one in a channel.
     """
+    guides, channel = (ways[0], ways[1]), ways[2]
     slope, pose = work.slope, work.pose
     place = (pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2]))
     slope[0, 0], slope[0, 1], slope[0, 2] = velocity(scene, work, place, clock)
@@ -140,9 +145,12 @@ def _integrate(
         step = min(step, _LARGEST_STEP, work.span - clock)
         reach = np.inf
         if guides[0] >= 0:
-            start_guided(scene, work, guides, clock)
+            start_guided(scene, work, work.curve, guides, clock)
             reach = guided_reach(scene, work, guides)
             step = min(step, _TURN / abs(slope[0, 2]), reach)
+        if channel:
+            start_channel(scene, work, clock)
+            step = min(step, _TURN / abs(slope[0, 2]))
         error = _try(scene, work, clock, step, guides[0] >= 0)
         if not error <= 1.0:
             step *= max(0.2, 0.9 * error**-0.125) if error < np.inf else 0.2

@@ -49,7 +49,8 @@ class Scene(NamedTuple):
     world frame; written. The first `movers` are the tips, the others the convex corners of the
     fixture."""
     clear: Floats
-    """(T + V,) distances that tips and corners of the part are known to keep; written."""
+    """(T + V,) distances that tips and corners of the part are known to keep; written. (T,) where
+    there is no fixture."""
     left_out: Flags
     """(T + V, max(V, F) + 1) edges or walls that a touching body is not measured from, and in the
     last column whether there are any; written."""
@@ -91,7 +92,12 @@ WORK = np.dtype(
         # Slopes and result of a Runge-Kutta step, and the curve through it (see `curve`).
         ("slope", np.float64, (12, 3)),
         ("trial", np.float64, (3,)),
-        ("curve", np.float64, (16,)),
+        ("curve", np.float64, (18,)),
+        # The guided curve of a part in a channel, 0 in the first entry if it is in none, the two
+        # contacts that make it, and the slopes of the way along it in a Runge-Kutta step.
+        ("channel", np.float64, (18,)),
+        ("pair", np.int64, (2,)),
+        ("slide", np.float64, (12,)),
         # Modes and basis of the combinations that hold, with twist and merit; modes not to choose.
         ("found", np.int64, (ROOM, MOST + 7)),
         ("merit", np.float64, (ROOM, 4)),

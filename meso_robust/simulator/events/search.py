@@ -126,10 +126,13 @@ def _positive(
 
 @inlined
 def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], clock: float) -> float:
-    """Instant at which a tip or corner closes a contact, or infinity; `limit` is time and speed."""
+    """Instant at which a tip or corner closes a contact, or infinity; `limit` is time and speed.
+
+    Its distance at the start must be there.
+    """
     end, speed = limit
     time, apart = 0.0, 0.0
-    here = event_value(scene, work, -1 - body, time, clock)
+    here = scene.clear[body]
     while time < end:
         if here >= speed * (end - time):
             scene.clear[body] = here - speed * (end - time)
@@ -145,19 +148,25 @@ def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], cloc
 
 
 @inlined
+def _length(x: float, y: float) -> float:
+    """Length of a vector of order one, in the plainest way."""
+    return np.sqrt(x * x + y * y)
+
+
+@inlined
 def _closing(scene: Scene, work: Work, body: int, end: float, bound: Bound, clock: float) -> float:
     """Bound of the speed at which a body and what it may touch come closer on the curve."""
     x, y, vx, vy, turn, rest = bound
     if body >= scene.tips.shape[0]:
-        return float(np.hypot(vx, vy) + 2.0 * work.reach * turn + rest)
+        return float(_length(vx, vy) + 2.0 * work.reach * turn + rest)
     tx, ty, ux, uy = (
         scene.tips[body, 0],
         scene.tips[body, 1],
         scene.tips[body, 2],
         scene.tips[body, 3],
     )
-    own = np.hypot(ux - vx, uy - vy)
-    lever = np.hypot(tx + ux * clock - x, ty + uy * clock - y) + own * end
+    own = _length(ux - vx, uy - vy)
+    lever = _length(tx + ux * clock - x, ty + uy * clock - y) + own * end
     return float(own + turn * lever + rest)
 
 
@@ -186,12 +195,16 @@ def next_contact(
     """
     found = 0
     first = end
+    start, known = (0.0, 0.0, 0.0, 0.0), False
     for body in range(scene.clear.shape[0]):
         speed = _closing(scene, work, body, first, bound, clock)
         way = speed * first
         if way == 0.0 or (scene.clear[body] > way):
             scene.clear[body] -= way
             continue
+        if not known:
+            start, known = place_at(work, 0.0), True
+        scene.clear[body] = clearance(scene, work, body, start, clock)
         time = _march(scene, work, body, (first, speed), clock)
         if time < first:
             first, found = time, -1 - body

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import inlined, sealed as inner
 from meso_robust.simulator.events.balance import velocity
+from meso_robust.simulator.events.channel import glide
 from meso_robust.simulator.events.scene import Scene, Work
 from meso_robust.simulator.events.tableau import ERROR_3, ERROR_5, NODES, RESULT, STAGES, WEIGHTS
 
@@ -16,6 +17,9 @@ def stride(scene: Scene, work: Work, clock: float, step: float) -> None:
 
     Writes the other slopes and the trial pose.
     """
+    if work.channel[0] > 0.0:
+        glide(scene, work, step)
+        return
     slope = work.slope
     for s in range(1, STAGES):
         dx, dy, dt = 0.0, 0.0, 0.0
@@ -45,6 +49,11 @@ def stride(scene: Scene, work: Work, clock: float, step: float) -> None:
 def error_of(work: Work, step: float) -> float:
     """Error of the last step in units of the tolerance."""
     five, three = 0.0, 0.0
+    if work.channel[0] > 0.0:
+        for k in range(STAGES):
+            five += ERROR_5[k] * work.slide[k]
+            three += ERROR_3[k] * work.slide[k]
+        return _in_tolerances(step, 3.0 * five * five, 3.0 * three * three)
     for m in range(3):
         e5, e3 = 0.0, 0.0
         for k in range(STAGES):
@@ -52,6 +61,12 @@ def error_of(work: Work, step: float) -> float:
             e3 += ERROR_3[k] * work.slope[k, m]
         five += e5 * e5
         three += e3 * e3
+    return _in_tolerances(step, five, three)
+
+
+@inlined
+def _in_tolerances(step: float, five: float, three: float) -> float:
+    """Error from the squares of the differences to the results of order 5 and 3."""
     if five == 0.0 and three == 0.0:
         return 0.0
     return float(abs(step) * five / np.sqrt(3.0 * (five + 0.01 * three)) / _TOLERANCE)

@@ -155,7 +155,7 @@ def test_part_between_two_tips_turns_as_its_width_demands() -> None:
     base = WIDTH - np.linspace(0, 1, 9) * 400 * UM
     angle = np.arctan2(height, base) + np.arcsin(WIDTH / np.hypot(base, height))
     assert result.outcomes[0] == 0
-    np.testing.assert_allclose(result.path[0, :, 2], angle, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(result.path[0, :, 2], angle, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("drag", [PLAIN, TILTED])
@@ -200,23 +200,39 @@ def test_part_jams_where_the_line_of_the_tips_enters_both_cones(height: float) -
     assert result.ended_at[0] * 820 * UM == pytest.approx(WIDTH - base, abs=1e-13)
 
 
-def test_two_sided_sliding_agrees_with_scipy() -> None:
-    result = push([[418.5, 500], [-418.5, -500]], [[-300, 0], [0, 0]], drag=TILTED, mu=0.2)
+@pytest.mark.parametrize("drag", [PLAIN, TILTED])
+@pytest.mark.parametrize("radii", [(0, 0), (50, 20)])
+@pytest.mark.parametrize(
+    ("places", "travel"),
+    [
+        ([(1, 500), (-1, -500)], [(-300, 0), (0, 0)]),
+        ([(1, 300), (1, -250)], [(-60, 240), (-40, 240)]),
+    ],
+    ids=["opposite edges", "one edge"],
+)
+def test_two_sliding_tips_agree_with_scipy(
+    drag: F, radii: tuple[int, int], places: list[tuple[int, int]], travel: list[tuple[int, int]]
+) -> None:
+    mu, round_ = np.array([0.15, 0.2]), UM * np.array(radii)
+    tips = [(side * (HALF_SHORT / UM + r), y) for (side, y), r in zip(places, radii, strict=True)]
+    result = push(tips, travel, drag=drag, mu=mu, radii=round_, samples=3)
     modes = result.timeline(0).modes
     assert len(modes) == 1
-    signs = np.where(modes[0] == 2, -0.2, 0.2)
+    assert modes.min() >= 2
+    signs = np.where(modes[0] == 2, -mu, mu)
 
     def contacts(pose: F, s: float) -> list[Contact]:
-        inward = turn(pose[2]) @ np.array([0.0, 1.0])
-        moved = np.array([HALF_SHORT - s * 300 * UM, 500 * UM])
-        rest = np.array([-HALF_SHORT, -500 * UM])
-        return [
-            (inward, moved, 300 * UM * LEFT, signs[0]),
-            (-inward, rest, np.zeros(2), signs[1]),
-        ]
+        found = []
+        for k, (side, _) in enumerate(places):
+            inward, speed = turn(pose[2]) @ np.array([0.0, side]), UM * np.array(travel[k])
+            found.append(
+                (inward, UM * np.array(tips[k]) + s * speed + round_[k] * inward, speed, signs[k])
+            )
+        return found
 
-    exact = follow([0, 0, np.pi / 2], TILTED, contacts)
-    assert_same(result.poses[0], end_of(exact), 300 * UM)
+    exact = follow([0, 0, np.pi / 2], drag, contacts)
+    for share, pose in zip(np.linspace(0, 1, 4), result.path[0], strict=True):
+        assert_same(pose, end_of(exact, share), 300 * UM)
 
 
 def test_path_is_that_of_shorter_moves() -> None:

@@ -1,0 +1,97 @@
+r"""A part between two tips that both slip, along the same edge or along parallel ones: a channel.
+
+The two turn the part as a sticking tip and a slipping one do (see `curve`), so that its angle at any
+instant is in closed form, and only the way ``y`` of the first tip along its edge is left to be
+integrated. With ``g, h`` the wrenches of the tips the film asks for ``(g × h) · E v = 0``, linear in
+the speed of the part along the edge.
+"""
+
+import numpy as np
+
+from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.simulator.events.balance import cross, dot, is_even, times
+from meso_robust.simulator.events.contact import to_body
+from meso_robust.simulator.events.curve import about_pivot, guided_turn, start_guided
+from meso_robust.simulator.events.outline import NX, NY
+from meso_robust.simulator.events.scene import (
+    CLOSED,
+    EDGE,
+    FIRST,
+    HELD,
+    KIND,
+    SECOND,
+    SEPARATE,
+    SLIP_MINUS,
+    STICK,
+    TOUCHING,
+    Scene,
+    Work,
+)
+from meso_robust.simulator.events.tableau import NODES, RESULT, STAGES, WEIGHTS
+
+_PARALLEL = 1e-14  # sine of the angle between edges: rounding of their normals
+
+
+@inner
+def in_channel(scene: Scene, work: Work) -> bool:
+    """Whether two tips slip along parallel edges; writes the numbers of their contacts."""
+    if work.count[CLOSED] != 2 or work.count[HELD] != 2 or not is_even(work):
+        return False
+    found = 0
+    for c in range(work.count[TOUCHING]):
+        if work.mode[c] != SEPARATE:
+            if work.mode[c] == STICK or work.contact[c, KIND] != EDGE:
+                return False
+            work.pair[found] = c
+            found += 1
+    one = scene.edges[work.contact[work.pair[0], SECOND]]
+    other = scene.edges[work.contact[work.pair[1], SECOND]]
+    return bool(abs(one[NX] * other[NY] - one[NY] * other[NX]) <= _PARALLEL)
+
+
+@inner
+def start_channel(scene: Scene, work: Work, clock: float) -> None:
+    """Write the angle's curve from the present pose on."""
+    start_guided(scene, work, work.channel, (work.pair[0], work.pair[1]), clock)
+
+
+@inlined
+def _force(scene: Scene, work: Work, c: int) -> tuple[float, float, float]:
+    """Direction of the force of a tip that slips, and its moment about the tip's centre."""
+    i, edge = work.contact[c, FIRST], scene.edges[work.contact[c, SECOND]]
+    r, mu = scene.tips[i, 4], scene.tips[i, 5] * (1.0 if work.mode[c] == SLIP_MINUS else -1.0)
+    nx, ny = -edge[NX], -edge[NY]
+    gx, gy = nx + mu * ny, ny - mu * nx
+    return gx, gy, r * (nx * gy - ny * gx)
+
+
+@inner
+def glide(scene: Scene, work: Work, step: float) -> None:
+    """Step along the channel from the present pose; write the slopes and the trial pose."""
+    slide, curve = work.slide, work.channel
+    edge = scene.edges[work.contact[work.pair[0], SECOND]]
+    nx, ny = edge[NX], edge[NY]
+    gx, gy, g = _force(scene, work, work.pair[0])
+    hx, hy, h = _force(scene, work, work.pair[1])
+    for s in range(STAGES):
+        way = 0.0
+        for k in range(s):
+            way += WEIGHTS[s, k] * slide[k]
+        way *= step
+        turn, between, omega = guided_turn(curve, NODES[s] * step)
+        cx, cy = curve[6] - way * ny, curve[7] + way * nx
+        place = about_pivot(curve, 0.0, turn, (cx, cy))
+        bx, by = to_body(between[0], between[1], place)
+        ux, uy = to_body(curve[4], curve[5], place)
+        one, other = cx * gy - cy * gx + g, (cx + bx) * hy - (cy + by) * hx + h
+        film = times(work.drag, cross((gx, gy, one), (hx, hy, other)))
+        # twist of a part on whose edge the first tip stuck, over what the film lets of it
+        stuck = (ux + omega * cy, uy - omega * cx, omega)
+        slide[s] = dot(film, stuck) / (film[1] * nx - film[0] * ny)
+    way = 0.0
+    for k in range(STAGES):
+        way += RESULT[k] * slide[k]
+    way *= step
+    turn = guided_turn(curve, step)[0]
+    x, y, _, _ = about_pivot(curve, step, turn, (curve[6] - way * ny, curve[7] + way * nx))
+    work.trial[0], work.trial[1], work.trial[2] = x, y, curve[3] + np.arctan2(turn[0], turn[1])
