@@ -7,15 +7,13 @@ those of the move's own axes. Walls are not considered.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal, get_args
 
 from meso_robust import units
-from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
-from meso_robust.conditions import condition
+from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.feasible_regions.cells import Corner, at_height, corners, extreme, same_run, span
 from meso_robust.feasible_regions.impossible import (
@@ -24,13 +22,20 @@ from meso_robust.feasible_regions.impossible import (
     tilt_end,
     tilt_fails,
 )
-from meso_robust.feasible_regions.paving import Axis, Judge, Paving, Region, pave, pave_line
-from meso_robust.feasible_regions.turning import rotation_fails
+from meso_robust.feasible_regions.paving import (
+    Axis,
+    Judge,
+    Paving,
+    Region,
+    pave,
+    pave_line,
+    paving_of,
+)
+from meso_robust.feasible_regions.turning import Turning, turning_regions
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.outline import Edge
-from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.straighten import certify_straighten
 from meso_robust.primitives.tilt import certify_tilt
@@ -179,58 +184,6 @@ def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
     return judge
 
 
-def rotation_judge(move: _Move) -> Judge:
-    """Of (separation of the two tips in y, x of the active minus x of the passive at the end)."""
-    single = move.rule.single
-    if single is None:
-        raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
-    middle = _pair_middle(move)
-    out_of_reach: dict[Interval, float] = {}  # a longer push of the same tips fails as well
-
-    def judge(separation: Interval, end: Interval) -> Region:
-        half = HALF * separation
-        rule = at_height(move.rule, middle + half + HALF * move.setup.spacing)
-        rule = replace(
-            rule,
-            dual_end=span(move.rule.dual_end, single.x.offset + end),
-            single=replace(single, y=span(single.y, middle - half)),
-        )
-        if _may_close(separation, move.setup):
-            return Region.UNDECIDED  # neither the proof nor its opposite gets past the jam
-        if end.lo > out_of_reach.get(separation, -math.inf):
-            step = certify_rotation(rule, move.pre, move.setup, rough=True)
-            if step.verdict is Verdict.PROVED:
-                return Region.CERTIFIED
-            if end.hi < 0.0:
-                out_of_reach[separation] = end.lo
-        fails = rotation_fails(rule, move.pre, move.setup)
-        return Region.IMPOSSIBLE if fails else Region.UNDECIDED
-
-    return judge
-
-
-def _may_close(separation: Interval, setup: Setup) -> bool:
-    """Whether two tips this far apart are not proved to be too far apart for a jam."""
-    u = setup.uncertainty
-    off, depth = u.probe_position, setup.edge(HALF_PI.mid).depth
-    box = {
-        "V": separation + off - off + u.probe_wander,
-        "width": depth + depth,
-        "radii": u.tip_radius + u.passive_tip_radius,
-        "mu": u.friction,
-    }
-    (margin,) = enclose(condition("opposite_edges", "no_jam"), box)
-    return not margin.lo > 0.0
-
-
-def _pair_middle(move: _Move) -> Interval:
-    single = move.rule.single
-    if single is None:
-        raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
-    lower = move.rule.dual.y.offset - HALF * move.setup.spacing
-    return HALF * (lower + single.y.offset)
-
-
 def _leaning(move: _Move) -> PoseBox:
     """The poses of a map whose second axis is the angle."""
     lean = units.radians(LEAN)
@@ -291,13 +244,13 @@ def map_of(primitive: Primitive, moves: list[_Move], number: int, count: int = 1
         )
         judge, plan = y_translation_judge(*moves), (tip, then)
     else:
-        sides, plan = _rotation_sides(move)
-        judge = rotation_judge(move)
+        paving, plan = _rotation(move, count)
+        return Map(primitive=primitive, paving=paving, plan=plan, step=number)
     paving = pave(judge, *sides, count=count)
     return Map(primitive=primitive, paving=paving, plan=plan, step=number)
 
 
-def _rotation_sides(move: _Move) -> tuple[tuple[Axis, Axis], tuple[Interval, Interval]]:
+def _rotation(move: _Move, count: int) -> tuple[Paving, tuple[Interval, Interval]]:
     width, single = 2.0 * move.setup.half_width.mid, move.rule.single
     if single is None:
         raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
@@ -307,10 +260,17 @@ def _rotation_sides(move: _Move) -> tuple[tuple[Axis, Axis], tuple[Interval, Int
         move.rule.dual.y.offset - HALF * move.setup.spacing - single.y.offset,
         move.rule.dual_end.offset - single.x.offset,
     )
-    return (
-        Axis(name=apart, unit="um", low=width, high=1.25 * width),
-        Axis(name=end, unit="um", low=-width, high=1.15 * width),
-    ), plan
+    across = Axis(name=apart, unit="um", low=width, high=1.25 * width)
+    up = Axis(name=end, unit="um", low=-width, high=1.15 * width)
+    turning = Turning(
+        rule=move.rule,
+        pre=move.pre,
+        setup=move.setup,
+        across=across.edges(count),
+        up=up.edges(count),
+    )
+    regions, tried = turning_regions(turning)
+    return paving_of(regions, across, up, tried), plan
 
 
 def moves_of(
