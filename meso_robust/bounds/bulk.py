@@ -319,7 +319,8 @@ def enclose_ranges(
     """
     lower, upper = np.empty((2, lo.shape[0], of.values.outputs))
     queue_lo, queue_hi = np.empty((2, max(boxes, 1), lo.shape[1]))
-    _ranges(program(of), lo, hi, queue_lo, queue_hi, slack, lower, upper)
+    scratch = program(of, 4 * of.values.outputs)
+    _ranges(scratch, lo, hi, queue_lo, queue_hi, slack, lower, upper)
     return lower, upper
 
 

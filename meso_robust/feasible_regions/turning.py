@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
+from meso_robust.bounds import HALF_PI, Interval, enclose
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.conditions import condition
 from meso_robust.feasible_regions.cells import at_height, extreme, span
@@ -19,7 +19,7 @@ from meso_robust.feasible_regions.impossible import misses
 from meso_robust.feasible_regions.paving import Region
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.rotation import Family, certify_rotation, follow, held_ends
+from meso_robust.primitives.rotation import Family, follow, held_ends
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import HALF
 from meso_robust.types import Floats
@@ -150,10 +150,8 @@ def _alone(turning: Turning, columns: set[int], found: Regions) -> int:
             if cell in tried or cell[0] not in columns or found[cell] != Region.UNDECIDED:
                 continue
             tried.add(cell)
-            rule = turning.rule_of((cell[0], cell[0] + 1), (j, j + 1))
-            step = certify_rotation(rule, turning.pre, turning.setup, rough=True)
-            if step.verdict is Verdict.PROVED:
-                found[cell] = Region.CERTIFIED
+            _certify(turning, (cell[0], cell[0] + 1), (j, j + 1), found)
+            if found[cell] == Region.CERTIFIED:
                 todo.append(cell)
     return len(tried)
 

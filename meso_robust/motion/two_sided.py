@@ -558,7 +558,8 @@ def _cell(grip: Grip, start: Start, h: Floats, every: int) -> Cell:
     tube.lower[0] = np.nextafter(start.rest.lo - max(0.0, float(off[1].max())), -np.inf)
     tube.upper[0] = np.nextafter(start.rest.hi - min(0.0, float(off[0].min())), np.inf)
     ends = np.array([[first.hi, last.lo] for first, last in (grip.ends, grip.ends_far)])
-    programs = Programs(program(formulas.rates), program(formulas.state))
+    both = formulas.rates, formulas.state
+    programs = Programs(*(program(of, 2 * of.values.outputs) for of in both))
     status = grow(programs, ranges, start.h.lo, ends, every, tube)
     return Cell(
         h=h,

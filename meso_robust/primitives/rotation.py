@@ -305,8 +305,7 @@ def _tube(
     """The tube, and the move as it is in each of its cells."""
     grip = move.grip
     cell = (ROUGH if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
-    rooms, bounding = cut(grip, max(1, math.ceil(grip.room.width / cell))), _bounding(move)
-    moves = [_within(move, room, bounding) for room in rooms]
+    moves = _within(move, cut(grip, max(1, math.ceil(grip.room.width / cell))))
     if rough and not grip.common:
         coarse *= LONGER
     parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
@@ -328,24 +327,42 @@ def _room(move: _Move, known: Mapping[str, Interval]) -> Interval:
     return enclose(move.of.begin, {**move.box, **known}, boxes=1)[1]
 
 
-def _within(move: _Move, room: Interval, bounding: list[str]) -> _Move:
-    """The move if the room is in a range: the tips and the part cannot be anywhere then."""
-    for name in bounding:
-        for end in (0, 1):
-            share = 0.5
-            for _ in range(NARROWED):
-                side = move.box[name]
-                at = side.lo + (share if end == 0 else 1.0 - share) * side.width
-                outer, rest = Interval(side.lo, at), Interval(at, side.hi)
-                if end:
-                    outer, rest = rest, outer
-                there = _room(move, {name: outer})
-                if there.hi < room.lo or there.lo > room.hi:
-                    move = replace(move, box={**move.box, name: rest})
+def _apart(one: Interval, other: Interval) -> bool:
+    return one.hi < other.lo or one.lo > other.hi
+
+
+def _within(move: _Move, rooms: Sequence[Interval]) -> list[_Move]:
+    """The move if the room is in each of some ranges: the tips and the part cannot be anywhere then."""
+    sides = {name: [move.box[name]] * len(rooms) for name in _bounding(move)}
+
+    def rows() -> list[dict[str, Interval]]:
+        return [dict(zip(sides, row, strict=True)) for row in zip(*sides.values(), strict=True)]
+
+    for name, end in itertools.product(tuple(sides), (0, 1)):
+        shares = [0.5] * len(rooms)
+        for _ in range(NARROWED):
+            halves = [_cut_off(*pair, end) for pair in zip(sides[name], shares, strict=True)]
+            outer = [{**row, name: gone} for row, (gone, _) in zip(rows(), halves, strict=True)]
+            there = [row[1] for row in enclose_rows(move.of.begin, move.box, outer, boxes=1)]
+            for k, (_, rest) in enumerate(halves):
+                if _apart(there[k], rooms[k]):
+                    sides[name][k] = rest
                 else:
-                    share *= 0.5
-    _, _, label, angle, *_ = enclose(move.of.begin, move.box, boxes=16)
-    return replace(move, room=room, labels={"label": label, "first_angle": angle})
+                    shares[k] *= 0.5
+    found = []
+    for room, row in zip(rooms, rows() or [{}] * len(rooms), strict=True):
+        box = {**move.box, **row}
+        _, _, label, angle, *_ = enclose(move.of.begin, box, boxes=16)
+        labels = {"label": label, "first_angle": angle}
+        found.append(replace(move, box=box, room=room, labels=labels))
+    return found
+
+
+def _cut_off(side: Interval, share: float, end: int) -> tuple[Interval, Interval]:
+    """A share of a side at its lower end (0) or its upper one, and the rest."""
+    at = side.lo + (share if end == 0 else 1.0 - share) * side.width
+    lower, upper = Interval(side.lo, at), Interval(at, side.hi)
+    return (upper, lower) if end else (lower, upper)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -700,6 +717,8 @@ class Family:
     places: Sequence[Mapping[str, Interval]]
     cells: list[list[int]]
     """Cells that each place may be in."""
+    reached: list[float]
+    """The least h to which all of them hold, by place, m."""
     starts: list[Interval]
     """h where both tips touch, by place, m."""
     ends: Sequence[Interval]
@@ -712,8 +731,7 @@ class Family:
         """Whether both tips are proved to hold the part wherever the push ends between two ends."""
         h_end = self.h_ends[longer].hull(self.h_ends[shorter])
         rests = _before_end(self.starts[place], h_end) * STATED
-        reached = (cell.h[cell.checked] for cell in (self.tube.cells[k] for k in self.cells[place]))
-        return rests.lo > 0.0 and bool(h_end.lo >= max(reached))
+        return rests.lo > 0.0 and h_end.lo >= self.reached[place]
 
     def pose(self, place: int, end: int) -> PoseBox | None:
         """All poses at an end of the push, in the move's axes; None where they are not enclosed."""
@@ -769,6 +787,8 @@ def follow(
     setup: Setup,
     places: Sequence[Mapping[str, Interval]],
     ends: Sequence[Interval],
+    *,
+    cell: float = CELL_OF_MANY,
 ) -> Family | None:
     """Follow many rotations at once, by looser bounds than `certify_rotation`.
 
@@ -780,11 +800,13 @@ def follow(
         Ranges of the commands ``dual_y`` and ``single_y`` (`grasp.AIMS`), m.
     ends
         Commands for the end of the push, rising, m.
+    cell
+        Room of the tips that is followed together, of the part's width.
 
     Returns
     -------
     Family or None
-        None where they are not proved to begin.
+        None where they are not proved to begin, or all end too early.
 
     Raises
     ------
@@ -799,29 +821,32 @@ def follow(
         return None
     begun = enclose_rows(move.of.begin, move.box, [{"end_x": end} for end in ends], boxes=16)
     h_ends, travels = [row[4] for row in begun], [row[7] for row in begun]
-    stops = sorted((h.lo for h in h_ends if h.lo < touch.start.h.lo), reverse=True)
-    if not stops:
+    starts = touches(touch, move.of, places)
+    # a push that ends before both tips surely touch is not held: it needs no tube
+    latest = max(start.lo - start.width for start in starts)
+    stops = sorted((h.lo for h in h_ends if h.hi < latest), reverse=True)
+    if len(stops) < 2:
         return None
     grip = move.grip
-    cell = CELL_OF_MANY * (grip.depth.mid + grip.depth_far.mid)
-    rooms, bounding = cut(grip, max(1, math.ceil(grip.room.width / cell))), _bounding(move)
-    moves = [_within(move, room, bounding) for room in rooms]
+    most = cell * (grip.depth.mid + grip.depth_far.mid)
+    rooms = cut(grip, max(1, math.ceil(grip.room.width / most)))
+    moves = _within(move, rooms)
     parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
     tube = enclose_slide(
         grip, touch.start, stops[-1], coarse=STEPS_OF_MANY, parts=parts, stops=stops
     )
     own = [row[1] for row in enclose_rows(move.of.begin, move.box, places, boxes=16)]
+    cells = [[k for k, room in enumerate(rooms) if not _apart(room, one)] for one in own]
+    reach = [float(cell.h[cell.checked]) for cell in tube.cells]
     return Family(
         move=move,
         touch=touch,
         tube=tube,
         parts=moves,
         places=places,
-        cells=[
-            [k for k, room in enumerate(rooms) if room.hi >= one.lo and room.lo <= one.hi]
-            for one in own
-        ],
-        starts=touches(touch, move.of, places),
+        cells=cells,
+        reached=[max(reach[k] for k in one) for one in cells],
+        starts=starts,
         ends=ends,
         h_ends=h_ends,
         travels=travels,
