@@ -145,9 +145,7 @@ def pave(judge: Judge, across: Axis, up: Axis, *, count: int = 128, coarse: int 
     )
 
 
-def paving_of(
-    raster: npt.NDArray[np.int8], across: Axis, up: Axis, judged: int
-) -> Paving:
+def paving_of(raster: npt.NDArray[np.int8], across: Axis, up: Axis, judged: int) -> Paving:
     """A paving of regions that are known.
 
     Parameters

@@ -129,7 +129,9 @@ def _certify(
         first, last = rows[0] + int(used[0]), rows[0] + int(used[-1]) + 1
         rows = first, last
     parts = [(half, rows) for half in _halves(columns)]
-    if len(parts) == 1:  # where both tips do not come to hold the part at all, no end of the push helps
+    if (
+        len(parts) == 1
+    ):  # where both tips do not come to hold the part at all, no end of the push helps
         parts = [] if family is None else [(columns, half) for half in _halves(rows)]
     return 1 + (sum(_certify(turning, *part, found) for part in parts) if len(parts) > 1 else 0)
 
@@ -182,7 +184,9 @@ def _fail(turning: Turning, columns: tuple[int, int], upper: bool, found: Region
     # else no tip is near an end
     past = int((turning.up[1:] < 0.0).sum())
     longer = replace(at.rectangle, half_length=at.half_length * LONGER)
-    family = turning.followed(columns, (0, past), pose, replace(at, outline=longer)) if past else None
+    family = (
+        turning.followed(columns, (0, past), pose, replace(at, outline=longer)) if past else None
+    )
     short, off = rows, 0
     for k in range(*columns):
 

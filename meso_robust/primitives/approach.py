@@ -321,7 +321,9 @@ def _turns(turned: Interval) -> list[Interval]:
     return [Interval(*pair) for pair in itertools.pairwise(ends)]
 
 
-def touches(touch: Touch, of: Relations, places: Sequence[Mapping[str, Interval]]) -> list[Interval]:
+def touches(
+    touch: Touch, of: Relations, places: Sequence[Mapping[str, Interval]]
+) -> list[Interval]:
     """Where the passive tip is touched if more is known of the tips than for the whole.
 
     Parameters

@@ -740,7 +740,9 @@ class Family:
         h = self.h_ends[end]
         row = {**self.places[place], "end_x": self.ends[end]}
         found = [
-            _poses(self.move.of.end, self.parts[k], cell, [h], [cell.around(h)], BOXES_OF_MANY, row)[0]
+            _poses(
+                self.move.of.end, self.parts[k], cell, [h], [cell.around(h)], BOXES_OF_MANY, row
+            )[0]
             for k, cell in ((k, self.tube.cells[k]) for k in self.cells[place])
         ]
         held = functools.reduce(_joined, found)
@@ -769,10 +771,14 @@ class Family:
         found: list[list[_Held]] = [[] for _ in cuts[1:]]
         for part, cell in zip(self.parts, self.tube.cells, strict=True):
             # a cell that does not come so far has no place whose push may end there
-            pairs = [(a, min(b, cell.checked)) for a, b in itertools.pairwise(cuts) if a < cell.checked]
+            pairs = [
+                (a, min(b, cell.checked)) for a, b in itertools.pairwise(cuts) if a < cell.checked
+            ]
             spans = [Interval(float(h[b]), float(h[a])) for a, b in pairs]
             lines = [cell.line(a, b) for a, b in pairs]
-            for one, held in zip(found, _poses(self.move.of.during, part, cell, spans, lines, 1), strict=False):
+            for one, held in zip(
+                found, _poses(self.move.of.during, part, cell, spans, lines, 1), strict=False
+            ):
                 one.append(held or _unknown())
         return [
             _Slice(h=Interval(float(h[b]), float(h[a])), held=functools.reduce(_Held.hull, one))
