@@ -18,7 +18,8 @@ from meso_robust.feasible_regions.cells import at_height, extreme, span
 from meso_robust.feasible_regions.impossible import misses
 from meso_robust.feasible_regions.paving import Region
 from meso_robust.motion import sticking
-from meso_robust.primitives.move import MoveRule
+from meso_robust.primitives.grasp import aims_of
+from meso_robust.primitives.move import MoveRule, Point
 from meso_robust.primitives.rotation import Family, follow, held_ends
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import HALF
@@ -43,16 +44,11 @@ class Turning:
     """(M+1,) the same: x of the active tip less that of the passive one at the end, m."""
 
     @property
-    def middle(self) -> Interval:
-        """Between both tips across the push, as a command, m."""
-        return HALF * (self.rule.dual.y.offset - HALF * self.setup.spacing + self._passive[1])
-
-    @property
-    def _passive(self) -> tuple[Interval, Interval]:
-        single = self.rule.single
-        if single is None:
+    def passive(self) -> Point:
+        """Where the passive tip is commanded."""
+        if self.rule.single is None:
             raise ValueError(f"a rotation needs a passive tip, got {self.rule}")
-        return single.x.offset, single.y.offset
+        return self.rule.single
 
     def rule_of(self, columns: tuple[int, int], rows: tuple[int, int]) -> MoveRule:
         """All rotations of some columns and rows of cells at once, from the first to before the last."""
@@ -60,20 +56,22 @@ class Turning:
             Interval(float(edges[first]), float(edges[last]))
             for edges, (first, last) in ((self.across, columns), (self.up, rows))
         )
-        rule, half, middle = self.rule, HALF * apart, self.middle
-        rule = at_height(rule, middle + half + HALF * self.setup.spacing)
-        single = replace(rule.single, y=span(rule.single.y, middle - half))
-        end = span(rule.dual_end, self._passive[0] + end)
-        return replace(rule, dual_end=end, single=single)
+        passive, up, half = self.passive, HALF * self.setup.spacing, HALF * apart
+        middle = HALF * (self.rule.dual.y.offset - up + passive.y.offset)
+        return replace(
+            at_height(self.rule, middle + half + up),
+            dual_end=span(self.rule.dual_end, passive.x.offset + end),
+            single=replace(passive, y=span(passive.y, middle - half)),
+        )
 
     def followed(
         self, columns: tuple[int, int], rows: tuple[int, int], pre: PoseBox, setup: Setup
     ) -> Family | None:
         """The same, followed from a pose."""
-        each = [self.rule_of((k, k + 1), rows) for k in range(*columns)]
-        places = [{"dual_y": one.dual.y.offset, "single_y": one.single.y.offset} for one in each]
-        passive, _ = self._passive
-        ends = [passive + Interval.point(float(self.up[j])) for j in range(rows[0], rows[1] + 1)]
+        each = [aims_of(self.rule_of((k, k + 1), rows)) for k in range(*columns)]
+        places = [{name: aims[name].offset for name in ("dual_y", "single_y")} for aims in each]
+        still = self.passive.x.offset
+        ends = [still + Interval.point(float(self.up[j])) for j in range(rows[0], rows[1] + 1)]
         return follow(self.rule_of(columns, rows), pre, setup, places, ends)
 
 
