@@ -124,7 +124,7 @@ def straighten_judge(move: _Move) -> Judge:
     def judge(height: Interval, angle: Interval) -> Region:
         rule = at_height(move.rule, height, ahead)
         pre = replace(move.pre, theta=move.edge.orientation(angle))
-        fails = straighten_fails(rule, pre, points)
+        fails = straighten_fails(rule, [(pre, at) for at in points])
         return _verdict(
             fails, lambda: _proved(certify_straighten(rule, pre, move.setup, whole=False))
         )
@@ -155,15 +155,15 @@ def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
         return any(tilt_fails(rule_of(height), pre, points) for pre in starts)
 
     @cache
-    def after(height: Interval) -> tuple[tuple[PoseBox, list[Corner]], ...]:
-        """Poses that the tilt can leave, each with what the next move may meet there."""
+    def after(height: Interval) -> tuple[tuple[PoseBox, Corner], ...]:
+        """Poses that the tilt can leave, each with one of what the next move may meet there."""
         found = []
         for at in points[::POINTS_TO_THE_END]:
             for lean in leans:
                 turned = tilt_end(rule_of(height), replace(tilt.pre, theta=lean), at)
                 if turned is not None:
                     pose = replace(tilt.pre, theta=tilt.edge.orientation(turned))
-                    found.append((pose, [next_ for next_ in points[::2] if same_run(at, next_)]))
+                    found += [(pose, next_) for next_ in points[::2] if same_run(at, next_)]
         return tuple(found)
 
     def judge(height: Interval, middle: Interval) -> Region:
@@ -176,9 +176,7 @@ def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
             there = straight.setup
             return _proved(certify_straighten(rule, step.post, there, step.leaves, whole=False))
 
-        fails = broken(height) or any(
-            straighten_fails(rule, pose, met) for pose, met in after(height)
-        )
+        fails = broken(height) or straighten_fails(rule, after(height))
         return _verdict(fails, proved)
 
     return judge
