@@ -63,7 +63,7 @@ def test_tips_that_may_jam_on_the_part_are_undecided(found: Map, turning: Turnin
 
 
 def played(
-    turning: Turning, cells: list[tuple[int, int]], draw: Draws, up: float
+    turning: Turning, cells: list[tuple[int, int]], draw: Draws, up: Floats | float
 ) -> tuple[Floats, World, World]:
     """How far both tips are along their edges after a push of each cell; the part after and before.
 
@@ -82,10 +82,10 @@ def played(
     side = draw(Interval(0.0, 1.0))
     apart = (1 - side) * turning.across[columns] + side * turning.across[columns + 1]
     end = (1 - up) * turning.up[rows] + up * turning.up[rows + 1]
-    rule = turning.rule
+    rule, still = turning.rule, turning.passive
     sensed_x, sensed_y = world.x + draw(u.sensed_position), world.y + draw(u.sensed_position)
-    middle = sensed_y + 0.5 * UM * (rule.dual.y.offset_um + rule.single.y.offset_um) - SPACING / 4
-    single_x = sensed_x + UM * rule.single.x.offset_um
+    middle = sensed_y + 0.5 * UM * (rule.dual.y.offset_um + still.y.offset_um) - SPACING / 4
+    single_x = sensed_x + UM * still.x.offset_um
     start = sensed_x + UM * rule.dual.x.offset_um
     err = [draw(u.probe_position) for _ in range(4)]
     lag = 0.5 * SPACING * np.tan(world.beta)
