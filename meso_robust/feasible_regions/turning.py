@@ -27,7 +27,7 @@ from meso_robust.types import Floats
 
 LONGER = Interval.point(2.0)  # how much longer the part is made to see a tip run off its edge
 TOGETHER = 4  # columns that are certified together; more are looser, fewer take longer
-TOGETHER_AT_POINT = 16  # the same where all but what is commanded is known
+TOGETHER_AT_POINT = 32  # the same where all but what is commanded is known
 Regions = npt.NDArray[np.int8]
 
 

@@ -76,7 +76,7 @@ BEYOND = 0.03
 """Of the first h: how much farther out others may put the first grip."""
 NARROWED = 4
 """Times that either end of what the room depends on is cut off, where the room is known."""
-CELL_OF_MANY, STEPS_OF_MANY, SLICES_OF_MANY, BOXES_OF_MANY = 1.0 / 210.0, 2.5, 12, 64
+CELL_OF_MANY, STEPS_OF_MANY, SLICES_OF_MANY, BOXES_OF_MANY = 1.0 / 210.0, 2.5, 8, 64
 """Room of the tips, of the part's width; times longer steps; slices; boxes for a pose: of many rotations at once."""
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
@@ -751,6 +751,8 @@ class Family:
     def clear(self, longer: int, shorter: int) -> bool:
         """Whether the idle tip is clear, and the tips come free, wherever the push ends between two ends."""
         slices = self._slices(self.h_ends[longer].lo)
+        if len(slices) <= EARLY:
+            return False
         at_end = functools.reduce(
             _Held.hull, [one.held for one in slices if one.h.lo <= self.h_ends[shorter].hi]
         )
@@ -793,8 +795,6 @@ def follow(
     setup: Setup,
     places: Sequence[Mapping[str, Interval]],
     ends: Sequence[Interval],
-    *,
-    cell: float = CELL_OF_MANY,
 ) -> Family | None:
     """Follow many rotations at once, by looser bounds than `certify_rotation`.
 
@@ -806,8 +806,6 @@ def follow(
         Ranges of the commands ``dual_y`` and ``single_y`` (`grasp.AIMS`), m.
     ends
         Commands for the end of the push, rising, m.
-    cell
-        Room of the tips that is followed together, of the part's width.
 
     Returns
     -------
@@ -834,7 +832,7 @@ def follow(
     if len(stops) < 2:
         return None
     grip = move.grip
-    most = cell * (grip.depth.mid + grip.depth_far.mid)
+    most = CELL_OF_MANY * (grip.depth.mid + grip.depth_far.mid)
     rooms = cut(grip, max(1, math.ceil(grip.room.width / most)))
     moves = _within(move, rooms)
     parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
