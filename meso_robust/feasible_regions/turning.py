@@ -5,7 +5,7 @@ See ``impossible`` for what counts as a proof that one fails.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,6 +28,8 @@ from meso_robust.types import Floats
 LONGER = Interval.point(2.0)  # how much longer the part is made to see a tip run off its edge
 TOGETHER = 4  # columns that are certified together; more are looser, fewer take longer
 TOGETHER_AT_POINT = 32  # the same where all but what is commanded is known
+LEAST_ROWS = 16
+"""Parts of all rows that are tried apart, where tips are not proved to be clear of the part for more at once."""
 Regions = npt.NDArray[np.int8]
 
 
@@ -124,36 +126,50 @@ def _certify(
         if family.clear(int(used[0]), int(used[-1]) + 1):
             found[slice(*columns), slice(*rows)][held] = Region.CERTIFIED
             return 1
-        first, last = rows[0] + int(used[0]), rows[0] + int(used[-1]) + 1
-        rows = first, last
-    parts = [(half, rows) for half in _halves(columns)]
-    if (
-        len(parts) == 1
-    ):  # where both tips do not come to hold the part at all, no end of the push helps
-        parts = [] if family is None else [(columns, half) for half in _halves(rows)]
-    return 1 + (sum(_certify(turning, *part, found) for part in parts) if len(parts) > 1 else 0)
+        rows = rows[0] + int(used[0]), rows[0] + int(used[-1]) + 1
+        parts = [(columns, half) for half in _halves(rows, max(1, found.shape[1] // LEAST_ROWS))]
+    else:
+        parts = [(half, rows) for half in _halves(columns, 1)]
+    return 1 + sum(_certify(turning, *part, found) for part in parts)
 
 
-def _halves(of: tuple[int, int]) -> list[tuple[int, int]]:
+def _halves(of: tuple[int, int], least: int) -> list[tuple[int, int]]:
+    """A range in two, if it is longer than so much."""
     first, last = of
     middle = (first + last) // 2
-    return [of] if middle == first else [(first, middle), (middle, last)]
+    return [(first, middle), (middle, last)] if last - first > least else []
 
 
 def _alone(turning: Turning, columns: set[int], found: Regions) -> int:
-    """Certify cells that have a certified one beside them, each alone; how many proofs that took."""
+    """Certify cells at the border of what is certified, each alone; how many proofs that took."""
     tried: set[tuple[int, int]] = set()
-    todo = [(int(k), int(j)) for k, j in np.argwhere(found == Region.CERTIFIED)]
+    certified = [(int(k), int(j)) for k, j in np.argwhere(found == Region.CERTIFIED)]
+    todo = [*_beyond(found), *(cell for one in certified for cell in _beside(*one))]
     while todo:
-        k, j = todo.pop()
-        for cell in ((k - 1, j), (k + 1, j)):
-            if cell in tried or cell[0] not in columns or found[cell] != Region.UNDECIDED:
-                continue
-            tried.add(cell)
-            _certify(turning, (cell[0], cell[0] + 1), (j, j + 1), found)
-            if found[cell] == Region.CERTIFIED:
-                todo.append(cell)
+        cell = todo.pop()
+        if cell in tried or cell[0] not in columns or found[cell] != Region.UNDECIDED:
+            continue
+        tried.add(cell)
+        _certify(turning, (cell[0], cell[0] + 1), (cell[1], cell[1] + 1), found)
+        if found[cell] == Region.CERTIFIED:
+            todo += _beside(*cell)
     return len(tried)
+
+
+def _beside(column: int, row: int) -> list[tuple[int, int]]:
+    return [(column - 1, row), (column + 1, row)]
+
+
+def _beyond(found: Regions) -> Iterator[tuple[int, int]]:
+    """Both ends of each row into which nothing that is certified reaches from the row before or after."""
+    certified = np.pad(found == Region.CERTIFIED, ((1, 1), (0, 0))).astype(np.int8)
+    for row in range(found.shape[1]):
+        runs = np.flatnonzero(np.diff(certified[:, row])).reshape(-1, 2).tolist()
+        for first, last in runs:
+            for next_ in (row - 1, row + 1):
+                inside = 0 <= next_ < found.shape[1]
+                if inside and not (found[first:last, next_] == Region.CERTIFIED).any():
+                    yield from ((first, next_), (last - 1, next_))
 
 
 def _may_close(turning: Turning, column: int) -> bool:

@@ -7,8 +7,8 @@ import pytest
 
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.feasible_regions import Map, Region, map_of, moves_of
-from meso_robust.feasible_regions.turning import Turning
-from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.feasible_regions.turning import Turning, _certify
+from meso_robust.primitives.rotation import Family, certify_rotation
 from meso_robust.types import Floats
 from tests.primitives.replay import Draws, Tips, World, rotate
 from tests.strategies import paper_chain
@@ -120,3 +120,20 @@ def test_a_push_that_goes_on_too_far_leaves_a_tip_off_its_edge(
     places, *_ = played(turning, cells * 20, Draws(20 * len(cells), 6), 0.5)
     off = (places > HALF_LENGTH).any(axis=0).reshape(20, -1)
     assert off.any(axis=0).all()
+
+
+def test_rows_are_tried_apart_where_tips_are_not_clear_for_all(
+    turning: Turning, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns, rows = (20, 22), (0, COUNT)
+    together, apart = np.zeros((2, COUNT, COUNT), dtype=np.int8)
+    tried = _certify(turning, columns, rows, together)
+    clear = Family.clear
+
+    def for_few(family: Family, longer: int, shorter: int) -> bool:
+        return shorter - longer <= 12 and clear(family, longer, shorter)
+
+    monkeypatch.setattr(Family, "clear", for_few)
+    assert _certify(turning, columns, rows, apart) > tried
+    assert np.count_nonzero(together) > 30
+    assert (apart == together).all()
