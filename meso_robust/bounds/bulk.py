@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import casadi as ca
@@ -298,6 +300,13 @@ def _bisect(
         tail += 2
 
 
+@lru_cache(maxsize=256)
+def _scratch(of: Bounded, thread: int) -> Program:
+    """A function laid out for :func:`bound_box`; kept, for a thread that is named by its number."""
+    del thread
+    return program(of, 4 * of.values.outputs)
+
+
 def enclose_ranges(
     of: Bounded, lo: Floats, hi: Floats, boxes: int, slack: float
 ) -> tuple[Floats, Floats]:
@@ -319,7 +328,8 @@ def enclose_ranges(
     """
     lower, upper = np.empty((2, lo.shape[0], of.values.outputs))
     queue_lo, queue_hi = np.empty((2, max(boxes, 1), lo.shape[1]))
-    _ranges(program(of), lo, hi, queue_lo, queue_hi, slack, lower, upper)
+    scratch = _scratch(of, threading.get_ident())
+    _ranges(scratch, lo, hi, queue_lo, queue_hi, slack, lower, upper)
     return lower, upper
 
 

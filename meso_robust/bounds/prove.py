@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -138,7 +139,11 @@ def enclose(of: Bounded, box: Box, *, boxes: int = 64, slack: float = 0.02) -> t
     ValueError
         The box lacks an input.
     """
-    return enclose_rows(of, box, [{}], boxes=boxes, slack=slack)[0]
+    lo, hi = _sides(of, box)
+    if not all(map(math.isfinite, (*lo, *hi))):
+        return (Interval(-math.inf, math.inf),) * of.values.outputs
+    lower, upper = enclose_ranges(of, np.array([lo]), np.array([hi]), boxes, slack)
+    return tuple(map(Interval, lower[0].tolist(), upper[0].tolist()))
 
 
 def enclose_rows(
@@ -181,12 +186,17 @@ def enclose_rows(
 
 
 def _ends(of: Bounded, box: Box) -> tuple[Floats, Floats]:
-    missing = [name for name in of.inputs if name not in box]
-    if missing:
-        raise ValueError(f"box for {of.name} lacks {', '.join(missing)}; it has {', '.join(box)}")
-    lo = np.array([box[name].lo for name in of.inputs])
-    hi = np.array([box[name].hi for name in of.inputs])
-    return lo, hi
+    lo, hi = _sides(of, box)
+    return np.array(lo), np.array(hi)
+
+
+def _sides(of: Bounded, box: Box) -> tuple[list[float], list[float]]:
+    try:
+        sides = [box[name] for name in of.inputs]
+    except KeyError:
+        missing = ", ".join(name for name in of.inputs if name not in box)
+        raise ValueError(f"box for {of.name} lacks {missing}; it has {', '.join(box)}") from None
+    return [side.lo for side in sides], [side.hi for side in sides]
 
 
 def _named(of: Bounded, lo: Floats, hi: Floats) -> Box:

@@ -9,9 +9,9 @@ Conditions that are merely sufficient (uniqueness, monotony) are never held agai
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-from meso_robust.bounds import HALF_PI, Interval, enclose
+from meso_robust.bounds import HALF_PI, Interval, enclose, enclose_rows
 from meso_robust.bounds.interval import cos
 from meso_robust.conditions import condition
 from meso_robust.feasible_regions.cells import Corner
@@ -19,16 +19,17 @@ from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.tips import one_contact, second_tip, tip_of, touch
+from meso_robust.primitives.tips import one_contact, second_tip, tip_of, touch, touch_offset
 
 POINTS_TO_THE_END = 4
 
 
-def violated(module: str, name: str, box: Mapping[str, Interval]) -> bool:
-    """Whether some output of a generated condition is negative at every point of a box."""
+def violated(module: str, name: str, boxes: Sequence[Mapping[str, Interval]]) -> bool:
+    """Whether some output of a generated condition is negative at every point of one of some boxes."""
     of = condition(module, name)
-    found = enclose(of, {key: box[key] for key in of.inputs}, boxes=8)
-    return any(output.hi < 0.0 for output in found)
+    rows = [{key: box[key] for key in of.inputs} for box in boxes]
+    found = enclose_rows(of, {}, rows, boxes=8) if rows else []
+    return any(output.hi < 0.0 for row in found for output in row)
 
 
 def misses(offset: Interval, edge: Edge) -> bool:
@@ -36,11 +37,10 @@ def misses(offset: Interval, edge: Edge) -> bool:
     return offset.lo > edge.half.hi or offset.hi < -edge.half.hi
 
 
-def slips(angle: Interval, offset: Interval, side: int, edge: Edge, setup: Setup) -> bool:
-    """Whether one contact cannot push, stick and turn the part to ``side`` at these angles."""
-    box = one_contact(angle, offset, side, edge, setup)
+def slips(contacts: Sequence[Mapping[str, Interval]]) -> bool:
+    """Whether one of some contacts (`tips.one_contact`) cannot push, stick and turn the part to its side."""
     return any(
-        violated("one_point_sticking", name, box)
+        violated("one_point_sticking", name, contacts)
         for name in ("friction_margin", "turning", "normal_force")
     )
 
@@ -62,7 +62,7 @@ def _fails_at_touch(rule: MoveRule, pre: PoseBox, at: Corner) -> bool:
     offset, _ = touch(tip_of(rule, -side, pre, setup), start, edge)
     return (
         misses(offset, edge)
-        or slips(start, offset, side, edge, setup)
+        or slips([one_contact(start, offset, side, edge, setup)])
         or _struck(start, offset, side, edge, setup)
     )
 
@@ -72,7 +72,8 @@ def _fails_at_end(rule: MoveRule, pre: PoseBox, at: Corner) -> bool:
     offset, _ = touch(tip_of(rule, -side, pre, setup), edge.angle(pre.theta), edge)
     end = tilt_end(rule, pre, at)
     return end is not None and (
-        slips(end, offset, side, edge, setup) or _struck(end, offset, side, edge, setup)
+        slips([one_contact(end, offset, side, edge, setup)])
+        or _struck(end, offset, side, edge, setup)
     )
 
 
@@ -107,36 +108,36 @@ def _struck(angle: Interval, offset: Interval, side: int, edge: Edge, setup: Set
     return on_edge and behind.hi < 0.0 and beyond.hi < 0.0
 
 
-def straighten_fails(rule: MoveRule, pre: PoseBox, points: Sequence[Corner]) -> bool:
-    """Whether one of the ``points`` breaks the t^2 push for all commands of ``rule`` from ``pre``."""
-    return any(_never_both(rule, pre, at) for at in points)
-
-
-def _never_both(rule: MoveRule, pre: PoseBox, at: Corner) -> bool:
-    setup, edge = at.setup, at.setup.edge(pre.theta.mid)
-    start = edge.angle(pre.theta)
-    beta = setup.uncertainty.misalignment
-    aligned = HALF_PI + beta
-    if start.hi < aligned.lo:
-        side = 1
-    elif start.lo > aligned.hi:
-        side = -1
-    else:
-        return False  # either tip can be first
-    offset, _ = touch(tip_of(rule, side, pre, setup), start, edge)
-    other = offset - Interval.point(float(side)) * (setup.spacing / cos(beta))
-    pair = {
-        "beta": beta,
-        "mu": setup.uncertainty.friction,
-        "d1": edge.depth,
-        "d2": offset if side > 0 else other,
-        "d4": setup.spacing,
-    }
+def straighten_fails(rule: MoveRule, cases: Iterable[tuple[PoseBox, Corner]]) -> bool:
+    """Whether a t^2 push fails for all commands of ``rule``, from some pose and at some of what is uncertain."""
+    alone: list[Mapping[str, Interval]] = []
+    together: list[Mapping[str, Interval]] = []
+    for pre, at in cases:
+        setup, edge = at.setup, at.setup.edge(pre.theta.mid)
+        start, beta = edge.angle(pre.theta), setup.uncertainty.misalignment
+        aligned = HALF_PI + beta
+        if start.hi < aligned.lo:
+            side = 1
+        elif start.lo > aligned.hi:
+            side = -1
+        else:
+            continue  # either tip can be first
+        offset = touch_offset(tip_of(rule, side, pre, setup), start, edge)
+        other = offset - Interval.point(float(side)) * (setup.spacing / cos(beta))
+        if misses(offset, edge) or misses(other, edge):
+            return True
+        alone += [one_contact(angle, offset, side, edge, setup) for angle in (start, aligned)]
+        together.append(
+            {
+                "beta": beta,
+                "mu": setup.uncertainty.friction,
+                "d1": edge.depth,
+                "d2": offset if side > 0 else other,
+                "d4": setup.spacing,
+            }
+        )
     return (
-        misses(offset, edge)
-        or misses(other, edge)
-        or slips(start, offset, side, edge, setup)
-        or slips(aligned, offset, side, edge, setup)
-        or violated("two_point_sticking", "normal_forces", pair)
-        or violated("two_point_sticking", "friction_margin", pair)
+        slips(alone)
+        or violated("two_point_sticking", "normal_forces", together)
+        or violated("two_point_sticking", "friction_margin", together)
     )

@@ -7,15 +7,13 @@ those of the move's own axes. Walls are not considered.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal, get_args
 
 from meso_robust import units
-from meso_robust.bounds import HALF_PI, Interval, Verdict, enclose
-from meso_robust.conditions import condition
+from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.feasible_regions.cells import Corner, at_height, corners, extreme, same_run, span
 from meso_robust.feasible_regions.impossible import (
@@ -24,13 +22,20 @@ from meso_robust.feasible_regions.impossible import (
     tilt_end,
     tilt_fails,
 )
-from meso_robust.feasible_regions.paving import Axis, Judge, Paving, Region, pave, pave_line
-from meso_robust.feasible_regions.turning import rotation_fails
+from meso_robust.feasible_regions.paving import (
+    Axis,
+    Judge,
+    Paving,
+    Region,
+    pave,
+    pave_line,
+    paving_of,
+)
+from meso_robust.feasible_regions.turning import Turning, turning_regions
 from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.outline import Edge
-from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.straighten import certify_straighten
 from meso_robust.primitives.tilt import certify_tilt
@@ -119,7 +124,7 @@ def straighten_judge(move: _Move) -> Judge:
     def judge(height: Interval, angle: Interval) -> Region:
         rule = at_height(move.rule, height, ahead)
         pre = replace(move.pre, theta=move.edge.orientation(angle))
-        fails = straighten_fails(rule, pre, points)
+        fails = straighten_fails(rule, [(pre, at) for at in points])
         return _verdict(
             fails, lambda: _proved(certify_straighten(rule, pre, move.setup, whole=False))
         )
@@ -150,15 +155,15 @@ def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
         return any(tilt_fails(rule_of(height), pre, points) for pre in starts)
 
     @cache
-    def after(height: Interval) -> tuple[tuple[PoseBox, list[Corner]], ...]:
-        """Poses that the tilt can leave, each with what the next move may meet there."""
+    def after(height: Interval) -> tuple[tuple[PoseBox, Corner], ...]:
+        """Poses that the tilt can leave, each with one of what the next move may meet there."""
         found = []
         for at in points[::POINTS_TO_THE_END]:
             for lean in leans:
                 turned = tilt_end(rule_of(height), replace(tilt.pre, theta=lean), at)
                 if turned is not None:
                     pose = replace(tilt.pre, theta=tilt.edge.orientation(turned))
-                    found.append((pose, [next_ for next_ in points[::2] if same_run(at, next_)]))
+                    found += [(pose, next_) for next_ in points[::2] if same_run(at, next_)]
         return tuple(found)
 
     def judge(height: Interval, middle: Interval) -> Region:
@@ -171,64 +176,10 @@ def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
             there = straight.setup
             return _proved(certify_straighten(rule, step.post, there, step.leaves, whole=False))
 
-        fails = broken(height) or any(
-            straighten_fails(rule, pose, met) for pose, met in after(height)
-        )
+        fails = broken(height) or straighten_fails(rule, after(height))
         return _verdict(fails, proved)
 
     return judge
-
-
-def rotation_judge(move: _Move) -> Judge:
-    """Of (separation of the two tips in y, x of the active minus x of the passive at the end)."""
-    single = move.rule.single
-    if single is None:
-        raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
-    middle = _pair_middle(move)
-    out_of_reach: dict[Interval, float] = {}  # a longer push of the same tips fails as well
-
-    def judge(separation: Interval, end: Interval) -> Region:
-        half = HALF * separation
-        rule = at_height(move.rule, middle + half + HALF * move.setup.spacing)
-        rule = replace(
-            rule,
-            dual_end=span(move.rule.dual_end, single.x.offset + end),
-            single=replace(single, y=span(single.y, middle - half)),
-        )
-        if _may_close(separation, move.setup):
-            return Region.UNDECIDED  # neither the proof nor its opposite gets past the jam
-        if end.lo > out_of_reach.get(separation, -math.inf):
-            step = certify_rotation(rule, move.pre, move.setup, rough=True)
-            if step.verdict is Verdict.PROVED:
-                return Region.CERTIFIED
-            if end.hi < 0.0:
-                out_of_reach[separation] = end.lo
-        fails = rotation_fails(rule, move.pre, move.setup)
-        return Region.IMPOSSIBLE if fails else Region.UNDECIDED
-
-    return judge
-
-
-def _may_close(separation: Interval, setup: Setup) -> bool:
-    """Whether two tips this far apart are not proved to be too far apart for a jam."""
-    u = setup.uncertainty
-    off, depth = u.probe_position, setup.edge(HALF_PI.mid).depth
-    box = {
-        "V": separation + off - off + u.probe_wander,
-        "width": depth + depth,
-        "radii": u.tip_radius + u.passive_tip_radius,
-        "mu": u.friction,
-    }
-    (margin,) = enclose(condition("opposite_edges", "no_jam"), box)
-    return not margin.lo > 0.0
-
-
-def _pair_middle(move: _Move) -> Interval:
-    single = move.rule.single
-    if single is None:
-        raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
-    lower = move.rule.dual.y.offset - HALF * move.setup.spacing
-    return HALF * (lower + single.y.offset)
 
 
 def _leaning(move: _Move) -> PoseBox:
@@ -291,13 +242,13 @@ def map_of(primitive: Primitive, moves: list[_Move], number: int, count: int = 1
         )
         judge, plan = y_translation_judge(*moves), (tip, then)
     else:
-        sides, plan = _rotation_sides(move)
-        judge = rotation_judge(move)
+        paving, plan = _rotation(move, count)
+        return Map(primitive=primitive, paving=paving, plan=plan, step=number)
     paving = pave(judge, *sides, count=count)
     return Map(primitive=primitive, paving=paving, plan=plan, step=number)
 
 
-def _rotation_sides(move: _Move) -> tuple[tuple[Axis, Axis], tuple[Interval, Interval]]:
+def _rotation(move: _Move, count: int) -> tuple[Paving, tuple[Interval, Interval]]:
     width, single = 2.0 * move.setup.half_width.mid, move.rule.single
     if single is None:
         raise ValueError(f"a rotation needs a passive tip, got {move.rule}")
@@ -307,10 +258,17 @@ def _rotation_sides(move: _Move) -> tuple[tuple[Axis, Axis], tuple[Interval, Int
         move.rule.dual.y.offset - HALF * move.setup.spacing - single.y.offset,
         move.rule.dual_end.offset - single.x.offset,
     )
-    return (
-        Axis(name=apart, unit="um", low=width, high=1.25 * width),
-        Axis(name=end, unit="um", low=-width, high=1.15 * width),
-    ), plan
+    across = Axis(name=apart, unit="um", low=width, high=1.25 * width)
+    up = Axis(name=end, unit="um", low=-width, high=1.15 * width)
+    turning = Turning(
+        rule=move.rule,
+        pre=move.pre,
+        setup=move.setup,
+        across=across.edges(count),
+        up=up.edges(count),
+    )
+    regions, tried = turning_regions(turning)
+    return paving_of(regions, across, up, tried), plan
 
 
 def moves_of(

@@ -7,6 +7,7 @@ border and not with the area.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -140,6 +141,41 @@ def pave(judge: Judge, across: Axis, up: Axis, *, count: int = 128, coarse: int 
         count=count,
         cells=table[:, :4],
         regions=table[:, 4].astype(np.int8),
+        judged=judged,
+    )
+
+
+def paving_of(raster: npt.NDArray[np.int8], across: Axis, up: Axis, judged: int) -> Paving:
+    """A paving of regions that are known.
+
+    Parameters
+    ----------
+    raster
+        (count, count) regions of the finest cells, ``across`` first.
+    across, up
+        The sides.
+    judged
+        How many proofs were tried on the way.
+
+    Returns
+    -------
+    Paving
+        Neighbours of one region are joined: upwards, then columns that are alike.
+    """
+    count = raster.shape[0]
+    table: list[tuple[int, int, int, int, int]] = []
+    columns = [0, *(k for k in range(1, count) if (raster[k] != raster[k - 1]).any()), count]
+    for first, last in itertools.pairwise(columns):
+        column = raster[first]
+        rows = [0, *(np.flatnonzero(np.diff(column)) + 1).tolist(), count]
+        table += [(first, last, a, b, int(column[a])) for a, b in itertools.pairwise(rows)]
+    cells = np.array(table, dtype=np.int64)
+    return Paving(
+        across=across,
+        up=up,
+        count=count,
+        cells=cells[:, :4],
+        regions=cells[:, 4].astype(np.int8),
         judged=judged,
     )
 

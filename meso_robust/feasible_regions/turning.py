@@ -1,42 +1,230 @@
-"""Proofs that a two-sided rotation fails; see ``impossible`` for what counts as a proof."""
+"""The map of a two-sided rotation: many of them are followed together, or proved to fail.
+
+See ``impossible`` for what counts as a proof that one fails.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
-from meso_robust.bounds import Interval, Verdict, enclose
+import numpy as np
+import numpy.typing as npt
+
+from meso_robust.bounds import HALF_PI, Interval, enclose
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.conditions import condition
-from meso_robust.feasible_regions.cells import extreme
+from meso_robust.feasible_regions.cells import at_height, extreme, span
 from meso_robust.feasible_regions.impossible import misses
+from meso_robust.feasible_regions.paving import Region
 from meso_robust.motion import sticking
-from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.names import ObligationId
-from meso_robust.primitives.obligation import Step
-from meso_robust.primitives.rotation import certify_rotation
+from meso_robust.primitives.grasp import aims_of
+from meso_robust.primitives.move import MoveRule, Point
+from meso_robust.primitives.rotation import Family, follow, held_ends
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import HALF
+from meso_robust.types import Floats
 
 LONGER = Interval.point(2.0)  # how much longer the part is made to see a tip run off its edge
+TOGETHER = 4  # columns that are certified together; more are looser, fewer take longer
+TOGETHER_AT_POINT = 32  # the same where all but what is commanded is known
+LEAST_ROWS = 16
+"""Parts of all rows that are tried apart, where tips are not proved to be clear of the part for more at once."""
+Regions = npt.NDArray[np.int8]
 
 
-def rotation_fails(rule: MoveRule, pre: PoseBox, setup: Setup) -> bool:
-    """Whether the rotation is broken for all commands of ``rule``.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Turning:
+    """A rotation whose tips' distance across the push and whose end are free."""
 
-    One pose of ``pre`` and one value of the uncertainties for which it is are enough.
+    rule: MoveRule
+    pre: PoseBox
+    setup: Setup
+    across: Floats
+    """(N+1,) ends of the cells: distance of both tips across the push, m."""
+    up: Floats
+    """(M+1,) the same: x of the active tip less that of the passive one at the end, m."""
 
-    Raises
-    ------
-    ValueError
-        The rule has no passive tip.
+    @property
+    def passive(self) -> Point:
+        """Where the passive tip is commanded."""
+        if self.rule.single is None:
+            raise ValueError(f"a rotation needs a passive tip, got {self.rule}")
+        return self.rule.single
+
+    def rule_of(self, columns: tuple[int, int], rows: tuple[int, int]) -> MoveRule:
+        """All rotations of some columns and rows of cells at once, from the first to before the last."""
+        apart, end = (
+            Interval(float(edges[first]), float(edges[last]))
+            for edges, (first, last) in ((self.across, columns), (self.up, rows))
+        )
+        passive, up, half = self.passive, HALF * self.setup.spacing, HALF * apart
+        middle = HALF * (self.rule.dual.y.offset - up + passive.y.offset)
+        return replace(
+            at_height(self.rule, middle + half + up),
+            dual_end=span(self.rule.dual_end, passive.x.offset + end),
+            single=replace(passive, y=span(passive.y, middle - half)),
+        )
+
+    def followed(
+        self, columns: tuple[int, int], rows: tuple[int, int], pre: PoseBox, setup: Setup
+    ) -> Family | None:
+        """The same, followed from a pose."""
+        each = [aims_of(self.rule_of((k, k + 1), rows)) for k in range(*columns)]
+        places = [{name: aims[name].offset for name in ("dual_y", "single_y")} for aims in each]
+        still = self.passive.x.offset
+        ends = [still + Interval.point(float(self.up[j])) for j in range(rows[0], rows[1] + 1)]
+        return follow(self.rule_of(columns, rows), pre, setup, places, ends)
+
+
+def turning_regions(turning: Turning) -> tuple[Regions, int]:
+    """What is proved of each cell.
+
+    Parameters
+    ----------
+    turning
+        The rotation.
+
+    Returns
+    -------
+    tuple[Regions, int]
+        (N, M) values of `Region`, and how many proofs were tried.
     """
-    if rule.single is None:
-        raise ValueError(f"a rotation needs a passive tip, got {rule}")
-    points = [_point(pre, setup, upper) for upper in (True, False)]
-    past = (rule.dual_end.offset - rule.single.x.offset).hi < 0.0  # else no tip is near an end
-    return any(_too_short(rule, pose, at) for pose, at in points) or (
-        past and any(_runs_off(rule, pose, at) for pose, at in points)
+    shape = turning.across.size - 1, turning.up.size - 1
+    found, tried = np.zeros(shape, dtype=np.int8), 0
+    # neither the proof nor its opposite gets past a jam
+    apart = [k for k in range(shape[0]) if not _may_close(turning, k)]
+    for columns in _blocks(apart, TOGETHER_AT_POINT):
+        for point in (True, False):
+            _fail(turning, columns, point, found)
+    for columns in _blocks(apart, TOGETHER):
+        tried += _certify(turning, columns, (0, shape[1]), found)
+    return found, tried + _alone(turning, set(apart), found)
+
+
+def _blocks(columns: Sequence[int], most: int) -> list[tuple[int, int]]:
+    """First and last but one of columns that lie beside each other, at most so many."""
+    blocks: list[tuple[int, int]] = []
+    for k in columns:
+        if blocks and blocks[-1][1] == k and k - blocks[-1][0] < most:
+            blocks[-1] = blocks[-1][0], k + 1
+        else:
+            blocks.append((k, k + 1))
+    return blocks
+
+
+def _certify(
+    turning: Turning, columns: tuple[int, int], rows: tuple[int, int], found: Regions
+) -> int:
+    """Mark what is certified; how many proofs that took."""
+    family = turning.followed(columns, rows, turning.pre, turning.setup)
+    if family is not None:
+        held = held_ends(family)
+        used = np.flatnonzero(held.any(axis=0))
+        if not used.size:
+            return 1
+        if family.clear(int(used[0]), int(used[-1]) + 1):
+            found[slice(*columns), slice(*rows)][held] = Region.CERTIFIED
+            return 1
+        rows = rows[0] + int(used[0]), rows[0] + int(used[-1]) + 1
+        parts = [(columns, half) for half in _halves(rows, max(1, found.shape[1] // LEAST_ROWS))]
+    else:
+        parts = [(half, rows) for half in _halves(columns, 1)]
+    return 1 + sum(_certify(turning, *part, found) for part in parts)
+
+
+def _halves(of: tuple[int, int], least: int) -> list[tuple[int, int]]:
+    """A range in two, if it is longer than so much."""
+    first, last = of
+    middle = (first + last) // 2
+    return [(first, middle), (middle, last)] if last - first > least else []
+
+
+def _alone(turning: Turning, columns: set[int], found: Regions) -> int:
+    """Certify cells at the border of what is certified, each alone; how many proofs that took."""
+    tried: set[tuple[int, int]] = set()
+    certified = [(int(k), int(j)) for k, j in np.argwhere(found == Region.CERTIFIED)]
+    todo = [*_beyond(found), *(cell for one in certified for cell in _beside(*one))]
+    while todo:
+        cell = todo.pop()
+        if cell in tried or cell[0] not in columns or found[cell] != Region.UNDECIDED:
+            continue
+        tried.add(cell)
+        _certify(turning, (cell[0], cell[0] + 1), (cell[1], cell[1] + 1), found)
+        if found[cell] == Region.CERTIFIED:
+            todo += _beside(*cell)
+    return len(tried)
+
+
+def _beside(column: int, row: int) -> list[tuple[int, int]]:
+    return [(column - 1, row), (column + 1, row)]
+
+
+def _beyond(found: Regions) -> Iterator[tuple[int, int]]:
+    """Both ends of each row into which nothing that is certified reaches from the row before or after."""
+    certified = np.pad(found == Region.CERTIFIED, ((1, 1), (0, 0))).astype(np.int8)
+    for row in range(found.shape[1]):
+        runs = np.flatnonzero(np.diff(certified[:, row])).reshape(-1, 2).tolist()
+        for first, last in runs:
+            for next_ in (row - 1, row + 1):
+                inside = 0 <= next_ < found.shape[1]
+                if inside and not (found[first:last, next_] == Region.CERTIFIED).any():
+                    yield from ((first, next_), (last - 1, next_))
+
+
+def _may_close(turning: Turning, column: int) -> bool:
+    """Whether two tips this far apart are not proved to be too far apart for a jam."""
+    setup, edges = turning.setup, turning.across
+    u = setup.uncertainty
+    off, depth = u.probe_position, setup.edge(HALF_PI.mid).depth
+    box = {
+        "V": Interval(float(edges[column]), float(edges[column + 1])) + off - off + u.probe_wander,
+        "width": depth + depth,
+        "radii": u.tip_radius + u.passive_tip_radius,
+        "mu": u.friction,
+    }
+    (margin,) = enclose(condition("opposite_edges", "no_jam"), box)
+    return not margin.lo > 0.0
+
+
+def _fail(turning: Turning, columns: tuple[int, int], upper: bool, found: Regions) -> None:
+    """Mark what fails from one pose and at one value of the uncertainties.
+
+    A push that is too short to turn the part fails if it is shorter still, and one after which a tip is off
+    its edge fails if it goes on: it is as before until then.
+    """
+    pose, at = _point(turning.pre, turning.setup, upper)
+    rows = found.shape[1]
+    # else no tip is near an end
+    past = int((turning.up[1:] < 0.0).sum())
+    longer = replace(at.rectangle, half_length=at.half_length * LONGER)
+    family = (
+        turning.followed(columns, (0, past), pose, replace(at, outline=longer)) if past else None
     )
+    short, off = rows, 0
+    for k in range(*columns):
+
+        def too_short(j: int, k: int = k) -> bool:
+            return _too_short(turning.rule_of((k, k + 1), (j, j + 1)), pose, at)
+
+        def runs_off(down: int, k: int = k) -> bool:
+            end = past - down
+            after = family.pose(k - columns[0], end) if family is not None else None
+            rule = turning.rule_of((k, k + 1), (end - 1, end))
+            return after is not None and _runs_off(rule, after, pose, at)
+
+        short = _first(too_short, min(short, rows - 1), rows)
+        off = _first(runs_off, min(off, past), past) if family is not None else past
+        found[k, short:] = found[k, : past - off] = Region.IMPOSSIBLE
+
+
+def _first(holds: Callable[[int], bool], guess: int, count: int) -> int:
+    """The first of so many numbers for which it holds, if it does for all after the first; else the count."""
+    if guess < count and holds(guess):
+        while guess > 0 and holds(guess - 1):
+            guess -= 1
+        return guess
+    return next((k for k in range(guess + 1, count) if holds(k)), count)
 
 
 def _point(pre: PoseBox, setup: Setup, upper: bool) -> tuple[PoseBox, Setup]:
@@ -80,33 +268,15 @@ def _too_short(rule: MoveRule, pose: PoseBox, setup: Setup) -> bool:
     return end.lo > h_start.hi
 
 
-def _runs_off(rule: MoveRule, pose: PoseBox, setup: Setup) -> bool:
-    """A tip is beyond the end of its edge after the push.
+def _runs_off(rule: MoveRule, after: PoseBox, pose: PoseBox, setup: Setup) -> bool:
+    """Whether a tip is beyond the end of its edge in all poses ``after`` the push.
 
-    The push is followed on a longer part, which moves the same as long as both tips are on the real
+    The push was followed on a longer part, which moves the same as long as both tips are on the real
     one. That the idle tip would touch the longer part does not matter.
     """
-    longer = replace(setup.rectangle, half_length=setup.half_length * LONGER)
     edge = setup.edge(pose.theta.mid)
-    for rough in (True, False):  # the latter takes twice as long and is needed near an end only
-        step = certify_rotation(rule, pose, replace(setup, outline=longer), rough=rough)
-        if step.post is None or not _enclosed(step):
-            continue
-        angle = edge.angle(step.post.theta)
-        active, passive = (height - step.post.y for height in _heights(rule, pose, setup))
-        # the far edge is the near one after half a turn of the part
-        offsets = [sticking.contact_offset(angle, edge.depth, rise) for rise in (active, -passive)]
-        if any(misses(offset, edge) for offset in offsets):
-            return True
-        if all(-edge.half.lo < offset.lo and offset.hi < edge.half.lo for offset in offsets):
-            return False
-    return False
-
-
-def _enclosed(step: Step) -> bool:
-    """Whether the motion of the two tips alone is proved to end in the box of the step."""
-    return all(
-        obligation.proof.verdict is Verdict.PROVED
-        for obligation in step.obligations
-        if obligation.name.id is not ObligationId.IDLE_TIP_PASSES
-    )
+    angle = edge.angle(after.theta)
+    active, passive = (height - after.y for height in _heights(rule, pose, setup))
+    # the far edge is the near one after half a turn of the part
+    offsets = [sticking.contact_offset(angle, edge.depth, rise) for rise in (active, -passive)]
+    return any(misses(offset, edge) for offset in offsets)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable
 
 from meso_robust.bounds import Box, Interval, Verdict, enclose, prove_positive
 from meso_robust.conditions import condition
@@ -147,27 +149,49 @@ def _first_beyond(
     start: float, side: int, travel: float, depth: Interval, offset: float, ratio: float
 ) -> float:
     """An angle that is proved to be out of reach, or infinity."""
-    good, bad = LARGEST_TURN, 0.0
-    if not _travel(start, start + side * good, depth, offset, ratio).lo >= travel:
+
+    def more(turn: float) -> float:
+        return _travel(start, start + side * turn, depth, offset, ratio).lo - travel
+
+    most = more(LARGEST_TURN)
+    if not most >= 0.0:
         return side * math.inf
-    while good - bad > RESOLUTION:
-        trial = 0.5 * (good + bad)
-        if _travel(start, start + side * trial, depth, offset, ratio).lo >= travel:
-            good = trial
-        else:
-            bad = trial
-    return start + side * good
+    return start + side * _closing(more, most)[1]
 
 
 def _last_before(
     start: float, side: int, travel: float, depth: Interval, offset: float, ratio: float
 ) -> float:
     """An angle that is proved to be reached (at worst the start)."""
-    good, bad = 0.0, LARGEST_TURN
-    while bad - good > RESOLUTION:
-        trial = 0.5 * (good + bad)
-        if _travel(start, start + side * trial, depth, offset, ratio).hi <= travel:
-            good = trial
+
+    def less(turn: float) -> float:
+        return _travel(start, start + side * turn, depth, offset, ratio).hi - travel
+
+    most = less(LARGEST_TURN)
+    return start + side * (_closing(less, most)[0] if most > 0.0 else LARGEST_TURN)
+
+
+def _closing(of: Callable[[float], float], most: float) -> tuple[float, float]:
+    """Turns close to each other: at the one it is not positive or there is none, at the other not negative.
+
+    ``most`` is what it is at the largest turn.
+    """
+    low, high, least = 0.0, LARGEST_TURN, of(0.0)
+    if least > 0.0:
+        return 0.0, RESOLUTION if of(RESOLUTION) >= 0.0 else high
+    for tried in itertools.count(1):
+        if high - low <= RESOLUTION:
+            break
+        trial = 0.5 * (low + high)
+        if tried % 4 and math.isfinite(
+            most - least
+        ):  # where the chord crosses zero, and a little to the side that is still open
+            trial = low - least * (high - low) / (most - least)
+            trial += math.copysign(0.4 * RESOLUTION, low + high - 2.0 * trial)
+            trial = min(max(trial, low + 0.1 * RESOLUTION), high - 0.1 * RESOLUTION)
+        value = of(trial)
+        if value > 0.0:
+            high, most = trial, value
         else:
-            bad = trial
-    return start + side * good
+            low, least = trial, value
+    return low, high

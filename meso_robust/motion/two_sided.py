@@ -206,6 +206,19 @@ class Cell:
     margins: Floats
     """(4,) as of `SlideTube`."""
 
+    @property
+    def checked(self) -> int:
+        """The last knot down to which all is checked, if all knots were to be."""
+        # growing ends where a knot is bounded but perhaps does not hold
+        bounded_ = int(np.isfinite(self.upper).sum()) - 1
+        return bounded_ if self.status is TubeStatus.COMPLETE else max(bounded_ - 1, 0)
+
+    def around(self, h: Interval) -> Line:
+        """An affine enclosure of the slide wherever h is in a range within the tube."""
+        first = max(int(np.searchsorted(-self.h, -h.hi, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(-self.h, -h.lo, side="left")), self.h.size - 1)
+        return self.line(first, max(last, first + 1))
+
     def line(self, first: int, last: int) -> Line:
         """One affine enclosure of the slide between two knots."""
         used = slice(first, last + 1)
@@ -283,12 +296,9 @@ class SlideTube:
         Returns
         -------
         tuple[Line, ...]
-            Between the knots that hold the range; middles are those of the cell's parameters.
+            Between the knots that hold the range (`Cell.around`); middles are those of the cell's parameters.
         """
-        first = max(int(np.searchsorted(-self.h, -h.hi, side="right")) - 1, 0)
-        last = min(int(np.searchsorted(-self.h, -h.lo, side="left")), self.h.size - 1)
-        last = max(last, first + 1)
-        return tuple(cell.line(first, last) for cell in self.cells)
+        return tuple(cell.around(h) for cell in self.cells)
 
 
 def known(
@@ -444,6 +454,7 @@ def enclose_slide(
     *,
     coarse: float = 1.0,
     parts: Sequence[Part] | None = None,
+    stops: Sequence[float] = (),
 ) -> SlideTube:
     """Enclose the slide from the touch of the second tip to the end of the travel.
 
@@ -460,6 +471,8 @@ def enclose_slide(
     parts
         What is known for each part of the range of the room, by rising room (see `cut`); the whole in one
         if it is not given.
+    stops
+        Values of h, falling, at which the travel may end as well: each is a knot, and all knots are checked.
 
     Returns
     -------
@@ -486,7 +499,9 @@ def enclose_slide(
     def cell(part: Part) -> Cell:
         own, labels = part
         moved = _about(replace(start, labels=labels), whole, parameters_of(own, labels))
-        return _cell(own, moved, h_end, step, coarse)
+        knots = _knots(start.h.hi, [*stops, h_end], step)
+        every = 1 if stops else max(1, round(CHECKED / coarse))
+        return _cell(own, moved, knots, every)
 
     return SlideTube(cells=tuple(kernels.spread(cell, given)))
 
@@ -503,16 +518,24 @@ def _about(start: Start, before: Mapping[str, Interval], after: Mapping[str, Int
     return replace(start, value=value, rest=start.rest + (told - point(value)))
 
 
-def _cell(grip: Grip, start: Start, h_end: float, step: float, coarse: float) -> Cell:
+def _knots(first: float, stops: Sequence[float], step: float) -> Floats:
+    """From the first to the last, with all stops in between, and at most a step apart."""
+    knots = [first]
+    for stop in stops:
+        if stop < knots[-1]:
+            count = max(1 if len(stops) > 1 else 2, int(np.ceil((knots[-1] - stop) / step)))
+            # the tube is to end where it is stated to, whatever linspace makes of it
+            knots += [*np.linspace(knots[-1], stop, count + 1)[1:-1].tolist(), stop]
+    return np.array(knots)
+
+
+def _cell(grip: Grip, start: Start, h: Floats, every: int) -> Cell:
     box = grip.box()
     formulas = _formulas(_exact(box), grip.common)
     used = formulas.inputs[2:]
     parameters = parameters_of(grip, start.labels)
     constants = len(parameters) - len(start.labels)
-    count = max(2, int(np.ceil((start.h.hi - h_end) / step)))
-    h = np.linspace(start.h.hi, h_end, count + 1)
-    # the tube begins where it is stated to, whatever linspace makes of it
-    h[0], h[-1] = start.h.hi, h_end
+    count = h.size - 1
     tube = Tube(
         h=h,
         centre=np.full(count + 1, np.nan),
@@ -535,8 +558,8 @@ def _cell(grip: Grip, start: Start, h_end: float, step: float, coarse: float) ->
     tube.lower[0] = np.nextafter(start.rest.lo - max(0.0, float(off[1].max())), -np.inf)
     tube.upper[0] = np.nextafter(start.rest.hi - min(0.0, float(off[0].min())), np.inf)
     ends = np.array([[first.hi, last.lo] for first, last in (grip.ends, grip.ends_far)])
-    programs = Programs(program(formulas.rates), program(formulas.state))
-    every = max(1, round(CHECKED / coarse))
+    both = formulas.rates, formulas.state
+    programs = Programs(*(program(of, 2 * of.values.outputs) for of in both))
     status = grow(programs, ranges, start.h.lo, ends, every, tube)
     return Cell(
         h=h,

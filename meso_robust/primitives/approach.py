@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.bounds import HALF_PI, Bounded, Interval, enclose
+from meso_robust.bounds import HALF_PI, Bounded, Interval, enclose, enclose_rows
 from meso_robust.motion.two_sided import Grip, Start, parameters_of, rate_at
 from meso_robust.primitives.grasp import ALONE, CREEPS, LINE, Relations, on_line
 from meso_robust.primitives.names import Inequality, ObligationId, Which, about
@@ -47,6 +47,8 @@ class Touch:
     """Everything the part can be like when it comes to rest on the passive tip."""
 
     start: Start
+    box: Mapping[str, Interval]
+    """What is known of the rotation then."""
     first: Interval
     """Direction of the pushed edge as stated before, in the move's axes, rad."""
     poses: PoseBox
@@ -97,6 +99,7 @@ def approach(
     path, offset, x, y, pushes, unique = closed.seen
     return Touch(
         start=_start(closed.box, grip, {**labels, "turned": closed.box["turned"]}, of),
+        box=closed.box,
         first=edge.angle(box["theta"]),
         path=path,
         poses=PoseBox(x=x, y=y, theta=edge.orientation(path - box["kappa"])),
@@ -282,10 +285,7 @@ def _start(
     box: dict[str, Interval], grip: Grip, labels: Mapping[str, Interval], of: Relations
 ) -> Start:
     """The slide at the touch as an affine function; its slopes are those at the middle, as a guess."""
-    turned = labels["turned"]
-    ends = np.linspace(turned.lo, turned.hi, TOUCHES + 1).tolist()
-    ends[0], ends[-1] = turned.lo, turned.hi
-    parts = [{**box, "turned": Interval(*pair)} for pair in itertools.pairwise(ends)]
+    parts = [{**box, "turned": turned} for turned in _turns(labels["turned"])]
     box = {**box, **dict.fromkeys(LINE, ZERO)}
     h = functools.reduce(
         Interval.hull, (enclose(of.touch, {**box, **part}, boxes=BOXES)[0] for part in parts)
@@ -313,6 +313,38 @@ def _start(
     coefficients = on_line(start.line, parameters_of(grip, labels))
     rests = (enclose(of.touch, part | coefficients, boxes=MOST_BOXES)[2] for part in parts)
     return replace(start, rest=functools.reduce(Interval.hull, rests))
+
+
+def _turns(turned: Interval) -> list[Interval]:
+    ends = np.linspace(turned.lo, turned.hi, TOUCHES + 1).tolist()
+    ends[0], ends[-1] = turned.lo, turned.hi
+    return [Interval(*pair) for pair in itertools.pairwise(ends)]
+
+
+def touches(
+    touch: Touch, of: Relations, places: Sequence[Mapping[str, Interval]]
+) -> list[Interval]:
+    """Where the passive tip is touched if more is known of the tips than for the whole.
+
+    Parameters
+    ----------
+    touch, of
+        Of the whole; its functions.
+    places
+        What is known more closely, all of the same names.
+
+    Returns
+    -------
+    list[Interval]
+        h for each place, m.
+    """
+    box = {**touch.box, **dict.fromkeys(LINE, ZERO)}
+    rows = [{**place, "turned": part} for place in places for part in _turns(touch.box["turned"])]
+    found = [h for h, *_ in enclose_rows(of.touch, box, rows, boxes=BOXES)]
+    return [
+        functools.reduce(Interval.hull, found[k : k + TOUCHES])
+        for k in range(0, len(found), TOUCHES)
+    ]
 
 
 TOUCH = ("h", "q")

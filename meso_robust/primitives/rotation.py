@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from meso_robust.bounds import HALF_PI, Bounded, Interval, Verdict, enclose, enclose_rows
 from meso_robust.bounds.interval import arcsin, cos, sin
@@ -28,7 +29,7 @@ from meso_robust.motion.two_sided import (
     cut,
     enclose_slide,
 )
-from meso_robust.primitives.approach import STATED, Touch, approach
+from meso_robust.primitives.approach import STATED, Touch, approach, touches
 from meso_robust.primitives.base import base_box, free_at_start, stated
 from meso_robust.primitives.force import squeeze_below_cap
 from meso_robust.primitives.grasp import Relations, aims_of, on_line, ranges, relations
@@ -75,6 +76,8 @@ BEYOND = 0.03
 """Of the first h: how much farther out others may put the first grip."""
 NARROWED = 4
 """Times that either end of what the room depends on is cut off, where the room is known."""
+CELL_OF_MANY, STEPS_OF_MANY, SLICES_OF_MANY, BOXES_OF_MANY = 1.0 / 210.0, 2.5, 8, 64
+"""Room of the tips, of the part's width; times longer steps; slices; boxes for a pose: of many rotations at once."""
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
@@ -179,7 +182,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     rests = require_order(
         about(ObligationId.RESTS_BEFORE_END),
         Inequality.TOUCH_BEFORE_END,
-        (h_start - move.h_end - Interval(0.0, h_start.width)) * STATED,
+        _before_end(h_start, move.h_end) * STATED,
         {"h_start": h_start + Interval(-h_start.width, h_start.width), "h_end": move.h_end},
     )
     obligations += [*touch.obligations, rests]
@@ -217,6 +220,11 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
     post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
+
+
+def _before_end(h_start: Interval, h_end: Interval) -> Interval:
+    """How far the tips travel on after both touch, less the range of where they do."""
+    return h_start - h_end - Interval(0.0, h_start.width)
 
 
 def rotation_begins(rule: MoveRule, pre: PoseBox, setup: Setup) -> bool:
@@ -297,8 +305,7 @@ def _tube(
     """The tube, and the move as it is in each of its cells."""
     grip = move.grip
     cell = (ROUGH if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
-    rooms, bounding = cut(grip, max(1, math.ceil(grip.room.width / cell))), _bounding(move)
-    moves = [_within(move, room, bounding) for room in rooms]
+    moves = _within(move, cut(grip, max(1, math.ceil(grip.room.width / cell))))
     if rough and not grip.common:
         coarse *= LONGER
     parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
@@ -320,24 +327,42 @@ def _room(move: _Move, known: Mapping[str, Interval]) -> Interval:
     return enclose(move.of.begin, {**move.box, **known}, boxes=1)[1]
 
 
-def _within(move: _Move, room: Interval, bounding: list[str]) -> _Move:
-    """The move if the room is in a range: the tips and the part cannot be anywhere then."""
-    for name in bounding:
-        for end in (0, 1):
-            share = 0.5
-            for _ in range(NARROWED):
-                side = move.box[name]
-                at = side.lo + (share if end == 0 else 1.0 - share) * side.width
-                outer, rest = Interval(side.lo, at), Interval(at, side.hi)
-                if end:
-                    outer, rest = rest, outer
-                there = _room(move, {name: outer})
-                if there.hi < room.lo or there.lo > room.hi:
-                    move = replace(move, box={**move.box, name: rest})
+def _apart(one: Interval, other: Interval) -> bool:
+    return one.hi < other.lo or one.lo > other.hi
+
+
+def _within(move: _Move, rooms: Sequence[Interval]) -> list[_Move]:
+    """The move if the room is in each of some ranges: the tips and the part cannot be anywhere then."""
+    sides = {name: [move.box[name]] * len(rooms) for name in _bounding(move)}
+
+    def rows() -> list[dict[str, Interval]]:
+        return [dict(zip(sides, row, strict=True)) for row in zip(*sides.values(), strict=True)]
+
+    for name, end in itertools.product(tuple(sides), (0, 1)):
+        shares = [0.5] * len(rooms)
+        for _ in range(NARROWED):
+            halves = [_cut_off(*pair, end) for pair in zip(sides[name], shares, strict=True)]
+            outer = [{**row, name: gone} for row, (gone, _) in zip(rows(), halves, strict=True)]
+            there = [row[1] for row in enclose_rows(move.of.begin, move.box, outer, boxes=1)]
+            for k, (_, rest) in enumerate(halves):
+                if _apart(there[k], rooms[k]):
+                    sides[name][k] = rest
                 else:
-                    share *= 0.5
-    _, _, label, angle, *_ = enclose(move.of.begin, move.box, boxes=16)
-    return replace(move, room=room, labels={"label": label, "first_angle": angle})
+                    shares[k] *= 0.5
+    found = []
+    for room, row in zip(rooms, rows() or [{}] * len(rooms), strict=True):
+        box = {**move.box, **row}
+        _, _, label, angle, *_ = enclose(move.of.begin, box, boxes=16)
+        labels = {"label": label, "first_angle": angle}
+        found.append(replace(move, box=box, room=room, labels=labels))
+    return found
+
+
+def _cut_off(side: Interval, share: float, end: int) -> tuple[Interval, Interval]:
+    """A share of a side at its lower end (0) or its upper one, and the rest."""
+    at = side.lo + (share if end == 0 else 1.0 - share) * side.width
+    lower, upper = Interval(side.lo, at), Interval(at, side.hi)
+    return (upper, lower) if end else (lower, upper)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -509,6 +534,12 @@ def _held(
     return [functools.reduce(_joined, same) for same in zip(*found, strict=True)]
 
 
+def _unknown() -> _Held:
+    anywhere = Interval(-math.inf, math.inf)
+    pose = PoseBox(x=anywhere, y=anywhere, theta=anywhere)
+    return _Held(pose=pose, edge_angle=anywhere, active_offset=anywhere)
+
+
 def _joined(one: _Held | None, other: _Held | None) -> _Held | None:
     return None if one is None or other is None else one.hull(other)
 
@@ -520,9 +551,10 @@ def _poses(
     spans: Sequence[Interval],
     lines: Sequence[Line],
     boxes: int,
+    known: Mapping[str, Interval] | None = None,
 ) -> list[_Held | None]:
-    """The same where the room is in the range of one cell."""
-    box = {**part.box, "turned": cell.parameters["turned"]}
+    """The same where the room is in the range of one cell, and ``known`` of the move."""
+    box = {**part.box, **(known or {}), "turned": cell.parameters["turned"]}
     rows = [
         {**on_line(line, cell.parameters), "h": h} for line, h in zip(lines, spans, strict=True)
     ]
@@ -560,15 +592,9 @@ class _Slice:
 def _slices(parts: list[_Move], tube: SlideTube) -> list[_Slice]:
     ends = [float(end) for end in np.linspace(float(tube.h[0]), float(tube.h[-1]), SLICES + 1)]
     ends[0], ends[-1] = float(tube.h[0]), float(tube.h[-1])
-    everywhere = Interval(-math.inf, math.inf)
-    unknown = _Held(
-        pose=PoseBox(x=everywhere, y=everywhere, theta=everywhere),
-        edge_angle=everywhere,
-        active_offset=everywhere,
-    )
     spans = [Interval(low, high) for high, low in itertools.pairwise(ends)]
     held = _held(parts[0].of.during, parts, tube, spans, 1)
-    return [_Slice(h=h, held=one or unknown) for h, one in zip(spans, held, strict=True)]
+    return [_Slice(h=h, held=one or _unknown()) for h, one in zip(spans, held, strict=True)]
 
 
 def _knots(slices: list[_Slice]) -> tuple[Knot, ...]:
@@ -673,3 +699,177 @@ def _step(
         obligations=tuple(obligations),
         tube=(Knot(stage="at rest", box=pre), *tube),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Family:
+    """Rotations whose tips are in several places across the travel and whose push has several ends.
+
+    They are followed together, each cell of the tube as far as it holds.
+    """
+
+    move: _Move
+    """All of them at once."""
+    touch: Touch
+    tube: SlideTube
+    parts: list[_Move]
+    """The move in each cell of the tube."""
+    places: Sequence[Mapping[str, Interval]]
+    cells: list[list[int]]
+    """Cells that each place may be in."""
+    reached: list[float]
+    """The least h to which all of them hold, by place, m."""
+    starts: list[Interval]
+    """h where both tips touch, by place, m."""
+    ends: Sequence[Interval]
+    h_ends: list[Interval]
+    """h at each end of the push, m."""
+    travels: list[Interval]
+    """Travel of the active tip to each, m."""
+
+    def held(self, place: int, longer: int, shorter: int) -> bool:
+        """Whether both tips are proved to hold the part wherever the push ends between two ends."""
+        h_end = self.h_ends[longer].hull(self.h_ends[shorter])
+        rests = _before_end(self.starts[place], h_end) * STATED
+        return rests.lo > 0.0 and h_end.lo >= self.reached[place]
+
+    def pose(self, place: int, end: int) -> PoseBox | None:
+        """All poses at an end of the push, in the move's axes; None where they are not enclosed."""
+        if not self.held(place, end, end):
+            return None
+        h = self.h_ends[end]
+        row = {**self.places[place], "end_x": self.ends[end]}
+        found = [
+            _poses(
+                self.move.of.end, self.parts[k], cell, [h], [cell.around(h)], BOXES_OF_MANY, row
+            )[0]
+            for k, cell in ((k, self.tube.cells[k]) for k in self.cells[place])
+        ]
+        held = functools.reduce(_joined, found)
+        return None if held is None else held.pose
+
+    def clear(self, longer: int, shorter: int) -> bool:
+        """Whether the idle tip is clear, and the tips come free, wherever the push ends between two ends."""
+        slices = self._slices(self.h_ends[longer].lo)
+        if len(slices) <= EARLY:
+            return False
+        at_end = functools.reduce(
+            _Held.hull, [one.held for one in slices if one.h.lo <= self.h_ends[shorter].hi]
+        )
+        move = replace(self.move, travel=self.travels[longer])
+        faced = _faced(move, at_end.edge_angle)
+        obligations = [
+            *_idle_tip_clear(move, self.touch, slices, at_end),
+            comes_free(Which.BOTH, faced.hull(faced + move.lean)),
+        ]
+        force = max(self.touch.largest_force, self.tube.largest_force)
+        return _all_proved([*obligations, *squeeze_below_cap(force, move.setup)])
+
+    def _slices(self, least: float) -> list[_Slice]:
+        """The turn down to an h."""
+        h = self.tube.h
+        last = int(np.searchsorted(-h, -least, side="left"))
+        cuts = sorted({round(k * last / SLICES_OF_MANY) for k in range(SLICES_OF_MANY + 1)})
+        found: list[list[_Held]] = [[] for _ in cuts[1:]]
+        for part, cell in zip(self.parts, self.tube.cells, strict=True):
+            # a cell that does not come so far has no place whose push may end there
+            pairs = [
+                (a, min(b, cell.checked)) for a, b in itertools.pairwise(cuts) if a < cell.checked
+            ]
+            spans = [Interval(float(h[b]), float(h[a])) for a, b in pairs]
+            lines = [cell.line(a, b) for a, b in pairs]
+            for one, held in zip(
+                found, _poses(self.move.of.during, part, cell, spans, lines, 1), strict=False
+            ):
+                one.append(held or _unknown())
+        return [
+            _Slice(h=Interval(float(h[b]), float(h[a])), held=functools.reduce(_Held.hull, one))
+            for (a, b), one in zip(itertools.pairwise(cuts), found, strict=True)
+            if one
+        ]
+
+
+def follow(
+    rule: MoveRule,
+    pre: PoseBox,
+    setup: Setup,
+    places: Sequence[Mapping[str, Interval]],
+    ends: Sequence[Interval],
+) -> Family | None:
+    """Follow many rotations at once, by looser bounds than `certify_rotation`.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        As of `certify_rotation`; the rule commands ranges that hold all of the places and ends.
+    places
+        Ranges of the commands ``dual_y`` and ``single_y`` (`grasp.AIMS`), m.
+    ends
+        Commands for the end of the push, rising, m.
+
+    Returns
+    -------
+    Family or None
+        None where they are not proved to begin, or all end too early.
+
+    Raises
+    ------
+    ValueError
+        If the rule is not a counter-clockwise rotation with a passive tip.
+    """
+    move, obligations = _begun(rule, pre, setup)
+    if not (opposite(move.lean) and _all_proved(obligations)):
+        return None
+    touch = approach(move.box, move.grip, move.labels, move.first_gap, move.edge, move.of)
+    if touch is None or not _all_proved(touch.obligations):
+        return None
+    begun = enclose_rows(move.of.begin, move.box, [{"end_x": end} for end in ends], boxes=16)
+    h_ends, travels = [row[4] for row in begun], [row[7] for row in begun]
+    starts = touches(touch, move.of, places)
+    # a push that ends before both tips surely touch is not held: it needs no tube
+    latest = max(start.lo - start.width for start in starts)
+    stops = sorted((h.lo for h in h_ends if h.hi < latest), reverse=True)
+    if len(stops) < 2:
+        return None
+    grip = move.grip
+    most = CELL_OF_MANY * (grip.depth.mid + grip.depth_far.mid)
+    rooms = cut(grip, max(1, math.ceil(grip.room.width / most)))
+    moves = _within(move, rooms)
+    parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
+    tube = enclose_slide(
+        grip, touch.start, stops[-1], coarse=STEPS_OF_MANY, parts=parts, stops=stops
+    )
+    own = [row[1] for row in enclose_rows(move.of.begin, move.box, places, boxes=16)]
+    cells = [[k for k, room in enumerate(rooms) if not _apart(room, one)] for one in own]
+    reach = [float(cell.h[cell.checked]) for cell in tube.cells]
+    return Family(
+        move=move,
+        touch=touch,
+        tube=tube,
+        parts=moves,
+        places=places,
+        cells=cells,
+        reached=[max(reach[k] for k in one) for one in cells],
+        starts=starts,
+        ends=ends,
+        h_ends=h_ends,
+        travels=travels,
+    )
+
+
+def held_ends(family: Family) -> npt.NDArray[np.bool_]:
+    """Where both tips are proved to hold the part at the end.
+
+    Parameters
+    ----------
+    family
+        Rotations, followed.
+
+    Returns
+    -------
+    npt.NDArray[np.bool_]
+        (places, ends - 1): whether at a place they do wherever the push ends between an end and the next.
+        All of these are certified if they are also `Family.clear`.
+    """
+    rows = range(len(family.ends) - 1)
+    return np.array([[family.held(k, j, j + 1) for j in rows] for k in range(len(family.places))])

@@ -173,8 +173,25 @@ def touch(tip: Tip, angle: Interval, edge: Edge) -> tuple[Interval, Interval]:
     reach
         x of the tip's centre minus x of the part's centre, m.
     """
-    out, rise = edge.depth + tip.radius, tip.rise.hull(tip.rise_end)
+    rise = tip.rise.hull(tip.rise_end)
     return (
-        sticking.contact_offset(angle, out, rise),
-        sticking.contact_reach(angle, out, rise),
+        touch_offset(tip, angle, edge),
+        sticking.contact_reach(angle, edge.depth + tip.radius, rise),
     )
+
+
+def touch_offset(tip: Tip, angle: Interval, edge: Edge) -> Interval:
+    """Where along the edge the tip touches.
+
+    Parameters
+    ----------
+    tip, angle, edge
+        As of `touch`.
+
+    Returns
+    -------
+    Interval
+        d2 of the contact, m.
+    """
+    rise = tip.rise.hull(tip.rise_end)
+    return sticking.contact_offset(angle, edge.depth + tip.radius, rise)

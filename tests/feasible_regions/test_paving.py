@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meso_robust.bounds import Interval
-from meso_robust.feasible_regions.paving import Axis, Paving, Region, pave, pave_line
+from meso_robust.feasible_regions.paving import Axis, Paving, Region, pave, pave_line, paving_of
 
 SIDE = Axis(name="x", unit="um", low=-1.0, high=1.0)
 
@@ -91,3 +91,20 @@ def test_a_line_without_length_or_resolution_is_refused(
 ) -> None:
     with pytest.raises(ValueError, match="needs resolution > 0 and low < high"):
         pave_line(lambda _: Region.UNDECIDED, low, high, resolution)
+
+
+def test_known_regions_are_paved_as_they_are() -> None:
+    raster = np.random.default_rng(0).integers(0, 3, (16, 16)).astype(np.int8)
+    raster[5:9] = raster[5]
+    paved = paving_of(raster, SIDE, SIDE, 7)
+    assert (paved.raster() == raster).all()
+    assert paved.judged == 7
+    hits = np.zeros_like(raster)
+    for a, b, c, d in paved.cells:
+        hits[a:b, c:d] += 1
+    assert (hits == 1).all()
+    # columns that are alike, and neighbours in a column, are one cell
+    assert {(5, 9)} == {(a, b) for a, b, *_ in paved.cells.tolist() if a <= 5 < b}
+    assert len(paved.cells) == 13 + sum(
+        np.count_nonzero(np.diff(raster[k])) for k in [*range(6), *range(9, 16)]
+    )

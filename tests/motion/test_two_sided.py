@@ -263,6 +263,22 @@ def test_a_cell_is_told_apart_by_what_is_known_within_it() -> None:
     assert all(own < other for own, other in zip(ends, wider, strict=True))
 
 
+def test_a_tube_with_stops_holds_to_the_last_one_at_which_a_travel_may_end() -> None:
+    """Too far: each cell ends where a tip may pass the end of its edge, by other bounds for each length."""
+    start = start_of(POINTS)
+    stops = [k * 50 * UM for k in range(8, -16, -1)]
+    tube = enclose_slide(POINTS, start, stops[-1], parts=parted(POINTS, 2), stops=stops)
+    assert set(stops) <= set(tube.h.tolist())
+    for own, cell in zip(parted(POINTS, 2), tube.cells, strict=True):
+        reached = cell.h[cell.checked]
+        held = [stop for stop in stops if stop >= reached]
+        assert 10 < len(held) < len(stops)
+        alone = [
+            enclose_slide(POINTS, start, h, parts=[own]) for h in (held[-2], stops[len(held) + 1])
+        ]
+        assert [one.status for one in alone] == [TubeStatus.COMPLETE, TubeStatus.OFF_EDGE]
+
+
 @pytest.mark.parametrize("name", ["kappa", "radius_far", "drag_a", "drag_n", "shear"])
 def test_a_wrong_sign_is_seen(name: str) -> None:
     """Known constants give a tube so narrow that a motion with one of them reversed leaves it."""

@@ -53,8 +53,8 @@ def test_a_cell_leaves_out_only_what_has_another_room() -> None:
     assert room.max() <= move.room.hi
     bounding = rotation._bounding(move)
     narrower = []
-    for cell in cut(move.grip, CELLS):
-        known = rotation._within(move, cell, bounding)
+    cells = cut(move.grip, CELLS)
+    for cell, known in zip(cells, rotation._within(move, cells), strict=True):
         inside = (room >= cell.lo) & (room <= cell.hi)
         for name in bounding:
             side = known.box[name]
