@@ -406,7 +406,7 @@ class _Barrier:
         self.landed = min(_beyond(one.h[0], -1) for one in starts)
 
     def pieces(self, top: float, landed: float, near: float, bottom: float) -> list[Curve]:
-        """The whole barrier; its first piece holds every start, its last one every end."""
+        """The whole barrier; each piece holds every start on it, the last one every end."""
         count = math.ceil((landed - near) / (LONG * self.flow.width))
         inner = [landed + (near - landed) * k / count for k in range(count)]
         knots = [top, *inner, near, bottom]
