@@ -131,8 +131,8 @@ def _some(grip: Grip, open_: tuple[str, ...]) -> Grip:
 def main() -> int:
     """Measure and write."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--size", type=int, default=1000, help="draws of a round")
-    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--size", type=int, default=800, help="draws of a round")
+    parser.add_argument("--rounds", type=int, default=12)
     parser.add_argument("--out", type=Path, default=OUT)
     asked = parser.parse_args()
     task = load_task(TASK)
