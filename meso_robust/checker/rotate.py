@@ -96,14 +96,13 @@ def check_rotate(scene: Scene) -> Passage:
     _prove(before)
     stages = approaches(pair)
     touching = tuple(one for one in stages if one.rests is not None)
-    spans = (span(one.h, one.box_at_touch(), within=NEAR) for one in touching)
-    h = functools.reduce(hull, spans)
+    spans = [span(one.h, one.box_at_touch(), within=NEAR) for one in touching]
     h_end = span(pair.h_end, pair.box)
     every = zip(*(one.requirements() for one in stages), strict=True)
     arrival = [*(_of_all(same) for same in every), _rests(touching, h_end)]
     _prove(arrival)
     rests = functools.reduce(hull, (one.rests for one in touching if one.rests is not None))
-    turn = _Turn(Pair(scene, rests), stages, h, h_end)
+    turn = _Turn(Pair(scene, rests), stages, spans, h_end)
     after = turn.requirements()
     _prove(after)
     return Passage(
@@ -183,15 +182,17 @@ Spare = Callable[[Piece, arb, Point], tuple[Dual, ...]]
 class _Turn:
     """The turn between both tips."""
 
-    def __init__(self, pair: Pair, stages: tuple[Approach, ...], h: Side, h_end: Side) -> None:
+    def __init__(
+        self, pair: Pair, stages: tuple[Approach, ...], spans: list[Side], h_end: Side
+    ) -> None:
         self.scene, self.pair, self.before = pair.scene, pair, stages
-        self.box, self.h, self.h_end = pair.ranges(), h, h_end
+        self.box, self.h, self.h_end = pair.ranges(), functools.reduce(hull, spans), h_end
+        touching = [one for one in stages if one.rests is not None]
         starts = [
-            Start(one.box_at_touch(), one.lead, self.at_touch, LABELS)
-            for one in stages
-            if one.rests is not None
+            Start(one.box_at_touch(), one.lead, self.at_touch, own, LABELS)
+            for one, own in zip(touching, spans, strict=True)
         ]
-        self.pieces = enclose(self.box, starts, h, h_end)
+        self.pieces = enclose(self.box, starts, self.h, h_end)
         self.around = Around.of(self.states())
         self.near = self._straight(self.scene.edge, "depth")
         before, beyond = self._straight(self.scene.far, "depth_far")

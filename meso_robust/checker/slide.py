@@ -322,6 +322,8 @@ class Start:
     """How far a barrier is ahead, from how far ahead of S it is by h and its slope."""
     constants: Callable[[Point], Point]
     """What the barriers are linear in."""
+    h: Side
+    """What h can be then."""
     labels: Mapping[str, str] = dataclasses.field(default_factory=dict)
     """Constants on which only the start depends, and the variables that they grow with."""
 
@@ -400,10 +402,11 @@ class _Barrier:
         self.names = [name for name in CONSTANT if name in reach]
         self.states = {**box, "done": UNIT}
         self.known: dict[tuple[float, ...], tuple[float, float]] = {}
-        self.begun: dict[float, float] = {}
+        self.begun: dict[tuple[float, ...], float] = {}
+        self.landed = min(_beyond(one.h[0], -1) for one in starts)
 
     def pieces(self, top: float, landed: float, near: float, bottom: float) -> list[Curve]:
-        """The whole barrier; its first piece holds every start, its last one every end."""
+        """The whole barrier; each piece holds every start on it, the last one every end."""
         count = math.ceil((landed - near) / (LONG * self.flow.width))
         inner = [landed + (near - landed) * k / count for k in range(count)]
         knots = [top, *inner, near, bottom]
@@ -466,7 +469,8 @@ class _Barrier:
         before = self.flow.change(knots[0], at, corner)
         for first, last in itertools.pairwise(knots):
             tip = self.flow.sticks(first, at, corner)
-            if legs and tip != at.tip:
+            # starts are told to be ahead of S
+            if legs and tip != at.tip and not self._begins(first):
                 at = self.flow.ahead_of(tip, first, at)
                 before = self.flow.change(first, at, corner)
             end = self.flow.step(first, first - last, at, before, corner)
@@ -515,8 +519,13 @@ class _Barrier:
         found: list[Curve] = []
         off = 0.0
         for leg, more in zip(legs, map(float, spare), strict=True):
-            more += leg.drift * off
-            moved = off if found else self._first_raised(leg)
+            # the path goes on from where the first piece was moved to
+            moved = self._first_raised(leg)
+            if found:
+                moved = off = max(off, moved)
+            back = leg.drift * off
+            # a start that a piece holds is held by a steeper one, not by one less steep
+            more += max(back, 0.0) if self._begins(leg.first) else back
             curve = self._curve(leg).raised(self.side * moved, self.side * more * leg.length)
             if found and found[-1].tip != curve.tip:
                 raised = self._raised(partial(self._beyond, found[-1], curve), self.box)
@@ -528,13 +537,20 @@ class _Barrier:
             off += more * leg.length + ROOM
         return found
 
+    def _begins(self, h: float) -> bool:
+        """Whether a turn can begin on a piece that starts at ``h``."""
+        return h > self.landed
+
     def _first_raised(self, leg: _Leg) -> float:
-        """By how much the path must be moved to hold every start; the more so a steeper curve does."""
-        if leg.last not in self.begun:
-            curve = self._curve(leg)
-            missing = (self._start(start, self._ahead(start, curve)) for start in self.starts)
-            self.begun[leg.last] = max(map(self._moved, missing))
-        return self.begun[leg.last]
+        """By how much a piece of the path must be moved to hold every start on it; the more so a steeper curve does."""
+        starts = [one for one in self.starts if not (one.h[1] < leg.last or one.h[0] > leg.first)]
+        if not (starts and self._begins(leg.first)):
+            return 0.0
+        curve = self._curve(leg)
+        if curve.key not in self.begun:
+            missing = (self._start(start, self._ahead(start, curve)) for start in starts)
+            self.begun[curve.key] = max(map(self._moved, missing))
+        return self.begun[curve.key]
 
     def _start(self, start: Start, ahead: Callable[[Mapping[str, Any]], Any]) -> arb:
         """A lower bound of how far a curve is beyond the places at which a turn can begin."""

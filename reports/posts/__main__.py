@@ -20,16 +20,16 @@ import numpy as np
 from meso_robust.certificates.chain import certify
 from meso_robust.files import write_all
 from meso_robust.laboratory.draws import TIPS, Draws, draw, spread
-from meso_robust.laboratory.running import run
 from meso_robust.planning.compose import compose
 from meso_robust.planning.reading import read_plan
 from meso_robust.planning.rules import rules_of
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import Setup, setup_of
-from meso_robust.task import load_task
+from meso_robust.task import POINT_TIPS, load_task
 from meso_robust.tasks import TASKS
 from meso_robust.types import Floats
 from meso_robust.units import DEG, UM
+from reports.posts.changing import Changing, run
 from reports.posts.search import largest
 
 LEGS = 8
@@ -66,7 +66,8 @@ def widths(path: Path, size: int, rounds: int) -> Iterator[Width]:
         if step.post is None:
             return
         first = k - 1 if k and _together(steps[k - 1], step) else k
-        found = filled(steps[first : k + 1], setup, stated=first == 0, size=size, rounds=rounds)
+        moves, film = steps[first : k + 1], task.schema_ != POINT_TIPS
+        found = filled(moves, setup, stated=first == 0, film=film, size=size, rounds=rounds)
         certified = np.ptp(step.post.ends, axis=0)
         yield Width(
             task=_name(path),
@@ -82,23 +83,27 @@ def _together(before: Step, step: Step) -> bool:
     return actions == ("tilt", "straighten") and before.rule.frame == step.rule.frame
 
 
-def filled(steps: Sequence[Step], setup: Setup, *, stated: bool, size: int, rounds: int) -> Floats:
+def filled(
+    steps: Sequence[Step], setup: Setup, *, stated: bool, film: bool, size: int, rounds: int
+) -> Floats:
     """(3,) how far apart runs end that begin in the box before the first of some moves.
 
-    ``stated``: that box is the task's start, so that the pose sensed there is the stated one.
+    ``stated``: that box is the task's start, so that the pose sensed there is the stated one. ``film``: its
+    drag may change on the way.
     """
     own, rules = replace(setup, start=steps[0].pre), [step.rule for step in steps]
     rng = np.random.default_rng(0)
 
     def fresh(count: int) -> Draws:
-        if stated:
-            return varying(draw(own, len(rules), count, rng), own, rng)
-        drawn = draw(own, len(rules) + 1, count, rng)
-        return varying(replace(drawn, sensing=drawn.sensing[:, 1:]), own, rng)
+        drawn = draw(own, len(rules) + (not stated), count, rng)
+        drawn = drawn if stated else replace(drawn, sensing=drawn.sensing[:, 1:])
+        drawn = varying(drawn, own, rng)
+        # the stretches of a path that wanders are of another kind
+        return drawn if drawn.wander is not None or not film else Changing.of(drawn, own, LEGS, rng)
 
     def along(axis: int, sign: float) -> float:
         def value(draws: Draws) -> Floats:
-            runs = run(rules, own, at_tips(draws), engine="events")
+            runs = run(rules, own, at_tips(draws))
             return np.where(runs.completed, sign * runs.final[:, axis], -np.inf)
 
         return largest(fresh, value, size, rounds, seed=axis)

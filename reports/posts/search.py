@@ -70,6 +70,6 @@ def joined(one: Draws, other: Draws) -> Draws:
 
 
 def _each(of: Callable[..., Floats], *draws: Draws) -> Draws:
-    given = {f.name: [getattr(one, f.name) for one in draws] for f in fields(Draws)}
+    given = {f.name: [getattr(one, f.name) for one in draws] for f in fields(draws[0])}
     changes = {name: of(*arrays) for name, arrays in given.items() if arrays[0] is not None}
     return replace(draws[-1], **changes)

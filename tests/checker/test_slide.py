@@ -20,6 +20,7 @@ from meso_robust.checker.slide import (
     Curve,
     Piece,
     Start,
+    _Barrier,
     enclose,
     grip_of,
     least_leads,
@@ -190,14 +191,19 @@ def first(at: Any, h: Any) -> Any:
     return (at["Z"] + grip.out_resting * grip.c) / grip.s
 
 
-def tube_of(ranges: dict[str, tuple[float, float]]) -> tuple[Piece, ...]:
-    box = box_of(ranges)
-    start = Start(
-        {**box, "h": side(*H)},
+def start_in(box: Box, h: tuple[float, float]) -> Start:
+    """Turns that begin anywhere in a range of h."""
+    return Start(
+        {**box, "h": side(*h)},
         lambda at, barrier: barrier(at["h"])[0] - first(at, at["h"]),
         lambda at: at,
+        side(*h),
     )
-    return enclose(box, [start], side(*H), side(*H_END))
+
+
+def tube_of(ranges: dict[str, tuple[float, float]]) -> tuple[Piece, ...]:
+    box = box_of(ranges)
+    return enclose(box, [start_in(box, H)], side(*H), side(*H_END))
 
 
 @pytest.fixture(scope="module")
@@ -249,6 +255,24 @@ def test_motions_stay_between_the_barriers(
                     numbers |= {n: float(rng.choice(ranges[n])) for n in instants if n != "bend"}
         seen.append((ahead - low) / (high - low))
     assert max(seen) - min(seen) > 0.2  # the tube is not much wider than what is seen
+
+
+@pytest.mark.parametrize("which", [-1, 1])
+@pytest.mark.parametrize("pieces", [1, 4, 12])
+def test_every_piece_holds_the_turns_that_begin_on_it(which: int, pieces: int) -> None:
+    """Turns may begin over a way that is cut into pieces; that an earlier piece goes on says nothing."""
+    box, early = box_of(POINTS), 660 * UM
+    barrier = _Barrier(box, [start_in(box, (early, H[1]))], which)
+    knots = [*np.linspace(H[1], early, pieces + 1).tolist(), 600 * UM, 500 * UM]
+    legs = barrier._path(knots, {})
+    curves = barrier._curves(legs, np.full(len(legs), 1e-5))
+    rng = np.random.default_rng(0)
+    for run in range(200):
+        at = {n: dual(float(rng.choice(ends))) for n, ends in POINTS.items()}
+        h = float(rng.uniform(early, H[1])) if run % 2 else early
+        curve = next(one for one in curves if one.last <= h <= one.first)
+        beyond = curve.at(curve.done(dual(h)), at) - first(at, dual(h))
+        assert (beyond * which).value > 0
 
 
 def test_the_tube_is_hardly_wider_than_the_motions(tubes: dict[str, tuple[Piece, ...]]) -> None:
