@@ -323,6 +323,11 @@ def sized(grade: Grade, known: Sequence[Interval]) -> Grade:
     return replace(grade, verdict="partial", unsure=unsure) if unsure else grade
 
 
+def _open(one: Interval) -> bool:
+    """Whether an interval ends where the range of its number does."""
+    return one.open_low or one.open_high
+
+
 def _beyond(folds: int) -> float:
     """As `_BEYOND`, of intervals by leaving out one of some folds at a time: these have Student's law."""
     most = 0.5 * (1.0 - CONFIDENCE)
@@ -417,7 +422,7 @@ def _with_more(
         if not able:
             break
         best = min(able, key=lambda one: float(judge.sums(one.effects).sum()))
-        if any(_adds_alike(judge, chosen, best, one) for one in able if one is not best):
+        if any(_adds_alike(judge, chosen, best, one) for one in offered if one is not best):
             break
         chosen = best
     return chosen, judge
@@ -430,8 +435,9 @@ def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> b
         return False
     (own,) = (one for one in whole.refit.trials if one.effect not in part.effects)
     of = {one.key: one for one in intervals_by_fold(judge.seen[whole.effects])}
-    beyond = _beyond(judge.bench.count)
-    if not any(_clear(of.get(f"{own.effect}.{key}"), beyond) for key in own.sizes):
+    beyond, sizes = _beyond(judge.bench.count), [of.get(f"{own.effect}.{key}") for key in own.sizes]
+    # a size that runs to the end of its range is none
+    if not any(one and not _open(one) and _clear(one, beyond) for one in sizes):
         return False
     for member in part.effects:
         rest = tuple(name for name in whole.effects if name != member)
@@ -449,10 +455,12 @@ def _takes(judge: _Judge, part: Names, whole: Names) -> bool:
     return bool(fall.sum() >= bar and folds.min() >= -_FOLD_SHARE * judge.explainable)
 
 
-def _adds_alike(judge: _Judge, part: Candidate, first: Candidate, other: Candidate) -> bool:
-    """Whether another further member takes away as much: then what is left has no name yet."""
-    before, best, own = (float(judge.sums(one.effects).sum()) for one in (part, first, other))
-    return before - own >= _ALIKE_SHARE * (before - best) and not _holds(other, first)
+def _adds_alike(judge: _Judge, part: Candidate, best: Candidate, other: Candidate) -> bool:
+    """Whether another further member takes away as much, of whatever size: then what is left has no name yet."""
+    if _holds(other, best) or _holds(best, other) or not _takes(judge, part.effects, other.effects):
+        return False
+    before, least, own = (float(judge.sums(one.effects).sum()) for one in (part, best, other))
+    return before - own >= _ALIKE_SHARE * (before - least)
 
 
 def _is_left(judge: _Judge, names: Names, matters: float) -> bool:

@@ -335,7 +335,7 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
 
     Each is given by what it leaves of the recordings, and by how many half widths its size is beyond nought.
     """
-    matters = given.pop("matters", 0.0)
+    matters, open_high = given.pop("matters", 0.0), given.pop("open_high", False)
     bench, plain = late.grade.bench, late.grade.plain
     parts = ("", "b", "c", "b_c", "a_c")
     left = dict.fromkeys(parts, (1000.0, 9.0)) | {"a": (10.0, 9.0)} | given
@@ -352,7 +352,8 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
     def intervals(found: Any) -> list[Any]:
         half = 1.0 / found.values
         ends = {"value": 1.0, "low": 1.0 - half, "high": 1.0 + half}
-        return [SimpleNamespace(key=f"{one}.x", **ends) for one in "abc"]
+        of = {"open_low": False, "open_high": open_high, **ends}
+        return [SimpleNamespace(key=f"{one}.x", **of) for one in "abc"]
 
     def further(base: Candidate) -> list[Candidate]:
         return [
@@ -384,6 +385,7 @@ def test_a_further_effect_takes_away_much_everywhere_by_a_sure_amount_that_matte
     assert extended(late, monkeypatch, a_b=(9.0, 9.0)) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 2.0)) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 3.0)) == ("a", "b")
+    assert extended(late, monkeypatch, a_b=(5.0, 3.0), open_high=True) == ("a",)
     assert extended(late, monkeypatch, a_b=(one_fold, 9.0), a=(100.0, 9.0)) == ("a",)
     matters = 2.5 * float(late.grade.bench.baseline.noise.sigma[0])
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), matters=matters) == ("a", "b")
@@ -394,8 +396,8 @@ def test_of_further_effects_that_take_away_alike_none_is_named(
     late: Diagnosis, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 9.0)) == ("a",)
-    # one whose size is not sure is no rival
-    assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 2.0)) == ("a", "b")
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 2.0)) == ("a",)
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(7.0, 9.0)) == ("a", "b")
 
 
 def test_a_further_effect_that_does_the_work_of_another_is_not_named_beside_it(
