@@ -168,6 +168,7 @@ def diagnose(
             relevant=None if relevant_um is None else 1e-6 * relevant_um,
             store=path_of(store),
             told=told,
+            findings=direct.findings,
         )
     seen = tuple(f"direct test: {line}" for line in words(direct))
     warnings = (*usable.warnings, *seen, *diagnosis.doubts)

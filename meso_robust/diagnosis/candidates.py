@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,11 +84,14 @@ class Naming:
         The best set, adequate or not; None if no effect helps.
     candidates
         All, the best first.
+    further
+        Makes sets with one effect more than a set that leaves something.
     """
 
     answers: tuple[Candidate, ...]
     best: Candidate | None
     candidates: tuple[Candidate, ...]
+    further: Callable[[Candidate], Sequence[Candidate]] = lambda _: ()
 
     @property
     def chosen(self) -> Candidate | None:

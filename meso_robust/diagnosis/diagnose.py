@@ -26,8 +26,10 @@ from meso_robust.diagnosis.model_selection import Contest
 from meso_robust.diagnosis.noise import noise_of, with_noise
 from meso_robust.diagnosis.refit import Refit, intervals_of
 from meso_robust.diagnosis.residual import ResidualLaw, residual_law
+from meso_robust.diagnosis.signatures import signatures
 from meso_robust.diagnosis.store import Store
 from meso_robust.diagnosis.tangent import Interval
+from meso_robust.diagnosis.trials import trials
 from meso_robust.diagnosis.validation import (
     Extrapolation,
     Split,
@@ -39,6 +41,8 @@ from meso_robust.diagnosis.validation import (
 from meso_robust.identification.identify import Told
 from meso_robust.identification.verdict import doubts
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.direct.finding import Finding
+from meso_robust.recordings.direct.run import direct_tests
 from meso_robust.recordings.fingerprint import set_hash
 
 NULLS = {True: 199, False: 399}
@@ -159,6 +163,7 @@ def diagnose(
     relevant: float | None = None,
     store: Path | None = None,
     told: Told = lambda *_: None,
+    findings: tuple[Finding, ...] | None = None,
 ) -> Diagnosis:
     """Locate a mismatch between recordings and a model, and say what physics was left out.
 
@@ -178,6 +183,8 @@ def diagnose(
         Folder for intermediate results, from which an interrupted diagnosis resumes.
     told
         Told of progress.
+    findings
+        Of the tests without a simulation; they are made where none are given.
 
     Returns
     -------
@@ -200,7 +207,17 @@ def diagnose(
     if tests.detection.detected:
         told("looking where it is", 0, 1)
         where = located(parts.training, baseline, seed)
-        contest = Contest(baseline, tests.signatures, tests.spans, tests.nulls, quick, told, kept)
+        contest = Contest(
+            baseline,
+            tests.signatures,
+            tests.spans,
+            tests.nulls,
+            quick,
+            told,
+            kept,
+            findings=direct_tests(recordings).findings if findings is None else findings,
+            beside=tuple(signatures(baseline, trials(baseline.prepared, beside=True))),
+        )
         naming = contest.named()
     told("comparing with recordings that were held out", 0, 1)
     plain = worth(baseline, None, parts.held_out)

@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 from math import factorial
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import norm, t as student
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.document import Channel, Verdict
-from meso_robust.diagnosis.folds import Bench, RollOut, rolled_out
+from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out
 from meso_robust.diagnosis.localisation import Located
 from meso_robust.diagnosis.rejection import Ground
 from meso_robust.diagnosis.signatures import extended
@@ -60,6 +60,11 @@ _BEYOND = float(
 )
 _PHASES = ("approach", "one_point", "two_point", "retract", "rest")
 _COMPONENTS = ("x", "y", "theta")
+
+_LARGEST = 3  # effects of a set that further ones were added to
+# of what a set leaves, that a further member must take away
+_FURTHER_SHARE = 0.2
+_ALIKE_SHARE = 0.8  # of what the best further member takes away, from which on another is as good
 
 Names = tuple[str, ...]
 
@@ -263,16 +268,15 @@ def graded(
     for asked, pool in _pools(naming, quick):
         pool = _predicted(bench, predicted, pool)
         judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
-        place, turn = _left(judge, ())
-        size = max(place, turn * bench.prepared.length)
-        # sums of squares of noise vary by themselves, by √(2 N) of N data
-        chance = _CHANCE * float(np.sqrt(2.0 * bench.seen.sum()))
-        missing = asked is not None and size >= matters and judge.explainable > chance
+        size = _size_left(judge, ())
+        missing = asked is not None and _is_left(judge, (), matters)
         # of a single recording none can be left out: what its own fit explains proves nothing
         if asked and pool and missing and bench.count > 1:
             chosen, rivals, everywhere = _answer(judge, asked, pool, seed)
         if chosen is not None or not missing or bench.count == 1:
             break
+    if naming is not None and chosen is not None and not rivals:
+        chosen, judge = _with_more(judge, naming, chosen, reach, matters)
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
@@ -319,12 +323,23 @@ def sized(grade: Grade, known: Sequence[Interval]) -> Grade:
     return replace(grade, verdict="partial", unsure=unsure) if unsure else grade
 
 
-def _clear(one: Interval | None) -> bool:
+def _open(one: Interval) -> bool:
+    """Whether an interval ends where the range of its number does."""
+    return one.open_low or one.open_high
+
+
+def _beyond(folds: int) -> float:
+    """As `_BEYOND`, of intervals by leaving out one of some folds at a time: these have Student's law."""
+    most = 0.5 * (1.0 - CONFIDENCE)
+    return float(student.isf(most / len(CATALOGUE), folds - 1) / student.isf(most, folds - 1))
+
+
+def _clear(one: Interval | None, beyond: float = _BEYOND) -> bool:
     """Whether a size is beyond nought by more than the best of all effects is by chance."""
     if one is None:
         return False
     half = one.value - one.low if one.value > 0.0 else one.high - one.value
-    return abs(one.value) > _BEYOND * half
+    return abs(one.value) > beyond * half
 
 
 def _verdict(
@@ -390,6 +405,70 @@ def _predicted(
         except (ValueError, np.linalg.LinAlgError):
             continue  # its search leaves what can be simulated: no answer, and no fault
     return tuple(one for one in pool if one.effects in predicted)
+
+
+def _with_more(
+    judge: _Judge, naming: Naming, chosen: Candidate, reach: float | None, matters: float
+) -> tuple[Candidate, _Judge]:
+    """The set with further members, as long as what is left matters and one earns its place in every fold.
+
+    Beside one that is so strong that all else is a twentieth of the error, that may be many times what matters.
+    """
+    bench, predicted = judge.bench, judge.seen
+    while _is_left(judge, chosen.effects, matters) and len(chosen.effects) < _LARGEST:
+        offered = _predicted(bench, predicted, tuple(naming.further(chosen)))
+        judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
+        able = [one for one in offered if _adds(judge, chosen, one, matters)]
+        if not able:
+            break
+        best = min(able, key=lambda one: float(judge.sums(one.effects).sum()))
+        if any(_adds_alike(judge, chosen, best, one) for one in offered if one is not best):
+            break
+        chosen = best
+    return chosen, judge
+
+
+def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> bool:
+    """Whether a further member takes away much of what is left, by a sure amount that matters, and replaces none."""
+    before, after = (_size_left(judge, one.effects) for one in (part, whole))
+    if before**2 - after**2 < matters**2 or not _takes(judge, part.effects, whole.effects):
+        return False
+    (own,) = (one for one in whole.refit.trials if one.effect not in part.effects)
+    of = {one.key: one for one in intervals_by_fold(judge.seen[whole.effects])}
+    beyond, sizes = _beyond(judge.bench.count), [of.get(f"{own.effect}.{key}") for key in own.sizes]
+    # a size that runs to the end of its range is none
+    if not any(one and not _open(one) and _clear(one, beyond) for one in sizes):
+        return False
+    for member in part.effects:
+        rest = tuple(name for name in whole.effects if name != member)
+        judge.with_part(whole, rest)
+        if not _takes(judge, rest, whole.effects):
+            return False
+    return True
+
+
+def _takes(judge: _Judge, part: Names, whole: Names) -> bool:
+    """Whether a set leaves much less than a part of it does, and not more in any fold."""
+    fall = judge.sums(part) - judge.sums(whole)
+    bar = _FURTHER_SHARE * float(np.sum(judge.sums(part) - judge.floor))
+    folds = np.bincount(judge.bench.fold, weights=fall)
+    return bool(fall.sum() >= bar and folds.min() >= -_FOLD_SHARE * judge.explainable)
+
+
+def _adds_alike(judge: _Judge, part: Candidate, best: Candidate, other: Candidate) -> bool:
+    """Whether another further member takes away as much, of whatever size: then what is left has no name yet."""
+    if _holds(other, best) or _holds(best, other) or not _takes(judge, part.effects, other.effects):
+        return False
+    before, least, own = (float(judge.sums(one.effects).sum()) for one in (part, best, other))
+    return before - own >= _ALIKE_SHARE * (before - least)
+
+
+def _is_left(judge: _Judge, names: Names, matters: float) -> bool:
+    """Whether a set leaves what matters, and more than noise makes."""
+    # sums of squares of noise vary by themselves, by √(2 N) of N data
+    chance = _CHANCE * float(np.sqrt(2.0 * judge.bench.seen.sum()))
+    left = max(float(np.sum(judge.sums(names) - judge.floor)), 1e-12)
+    return _size_left(judge, names) >= matters and left > chance
 
 
 def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None) -> Floats:
@@ -628,6 +707,12 @@ def _unnamed_stage(judge: _Judge, effects: Names, where: Located | None) -> Chan
         return "observation"
     named = {stage_of(effect).name for effect in effects}
     return next((one.channel for one in where.channels if one.channel not in named), None)
+
+
+def _size_left(judge: _Judge, names: Names) -> float:
+    """m: what a set leaves beyond the floor, of place or of turn at the part's size."""
+    place, turn = _left(judge, names)
+    return max(place, turn * judge.bench.prepared.length)
 
 
 def _left(judge: _Judge, names: Names) -> tuple[float, float]:

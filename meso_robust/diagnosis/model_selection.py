@@ -7,7 +7,9 @@ sees. Several answers that the recordings do not tell apart are all given; none 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -30,6 +32,7 @@ from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, estimate
 from meso_robust.diagnosis.store import NOWHERE, Store
 from meso_robust.identification.identify import Told
+from meso_robust.recordings.direct.finding import Finding
 from meso_robust.types import Floats
 
 _REFITTED_FORMS = 2  # of an effect, those that promise most
@@ -48,6 +51,10 @@ _LINEAR_SIZES = 10.0
 _UNFINISHED_SHARE = 0.3
 # of the best gain so far, that a linear estimate must reach in a quick search
 _PROMISING_SHARE = 0.5
+_FURTHER = {
+    True: 6,
+    False: 6,
+}  # effects that are tried beside a set that leaves something, if quick and if not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,6 +89,8 @@ class Contest:
     quick: bool
     told: Told
     store: Store = NOWHERE
+    findings: tuple[Finding, ...] = ()
+    beside: tuple[Signature, ...] = ()
 
     def named(self) -> Naming:
         """Let the sets compete."""
@@ -96,7 +105,12 @@ class Contest:
             field = ranked([*field, *more])
         field = pruned(self._judged(field))
         answers = answers_of(field)
-        return Naming(answers=answers, best=field[0] if field else None, candidates=tuple(field))
+        return Naming(
+            answers=answers,
+            best=field[0] if field else None,
+            candidates=tuple(field),
+            further=partial(self.further, field),
+        )
 
     def _singles(self) -> list[Candidate]:
         """Every effect by itself."""
@@ -123,7 +137,8 @@ class Contest:
         )
 
     def _choices(self, effect: str) -> float:
-        return float(np.log(sum(one.trial.effect == effect for one in self.signatures)))
+        every = (*self.signatures, *self.beside)
+        return float(np.log(sum(one.trial.effect == effect for one in every)))
 
     def _tried(self, chosen: tuple[Signature, ...], start: Refit | None) -> list[Refit]:
         """A rough fit of a set; none where its search leaves what can be simulated."""
@@ -167,13 +182,15 @@ class Contest:
             ]
         )
 
-    def _forms(self, start: Refit | None, without: tuple[str, ...]) -> list[Form]:
+    def _forms(
+        self, start: Refit | None, without: tuple[str, ...], of: Sequence[Signature] | None = None
+    ) -> list[Form]:
         """The most promising forms of every effect."""
         at = start.tangent if start else self.baseline.tangent
         rows = start.rows if start else self.baseline.rows
         evidence = at.evidence(rows)
         promised: dict[str, list[Form]] = {}
-        for one in self.signatures:
+        for one in self.signatures if of is None else of:
             if one.trial.effect in without:
                 continue
             left = one.left(at)
@@ -221,10 +238,48 @@ class Contest:
             fits += self._tried((*self._chosen(base.refit), added), base.refit)
         return self._refined(fits)
 
+    def further(self, field: Sequence[Candidate], base: Candidate) -> list[Candidate]:
+        """Sets with one effect more than one that leaves something.
+
+        Parameters
+        ----------
+        field
+            Sets of the competition, which are not fitted again.
+        base
+            The set.
+
+        Returns
+        -------
+        list[Candidate]
+            With those effects that promise most, and those that a test without a simulation sees.
+        """
+        offered = self._forms(base.refit, base.effects, [*self.signatures, *self.beside])
+        forms = sorted(offered, key=lambda form: -form.gain)
+        best: dict[str, Form] = {}
+        for form in forms:
+            best.setdefault(form.signature.trial.effect, form)
+        seen = {one.effect for one in self.findings}
+        chosen = [
+            form
+            for k, (effect, form) in enumerate(best.items())
+            if k < _FURTHER[self.quick] or effect in seen
+        ]
+        known = {one.effects: one for one in field}
+        found, fits = [], []
+        for done, form in enumerate(chosen):
+            self.told("naming further effects", done, len(chosen))
+            names = tuple(sorted((*base.effects, form.signature.trial.effect)))
+            if names in known:
+                found.append(known[names])
+            else:
+                fits += self._tried((*self._chosen(base.refit), form.signature), base.refit)
+        return [*found, *self._refined(fits)]
+
     def _chosen(self, base: Refit) -> tuple[Signature, ...]:
         """Signatures of the effects of a set, in its order."""
         return tuple(
-            next(one for one in self.signatures if one.trial is trial) for trial in base.trials
+            next(one for one in (*self.signatures, *self.beside) if one.trial is trial)
+            for trial in base.trials
         )
 
     def _judged(self, field: list[Candidate]) -> list[Candidate]:

@@ -325,20 +325,21 @@ TRIALS: Mapping[str, Try] = {
 """What to try of each effect, and the push that would show it; without a line, see `tried`."""
 
 
-NOT_SEARCHED = frozenset({"registration_shift", "residual"})
-"""Effects that the search leaves out. A residual is no name for anything. Registration: on most sets a reference offset of the part moves the tips as this
-does, and an answer would have to name both; the gap between tip and face tells them apart without a
-simulator (`recordings.direct`), and the page shows that."""
+BESIDE = frozenset({"registration_shift"})
+"""Effects that are tried beside others only. On most sets a reference offset of the part moves the tips as a shift
+between robot and camera does, and an answer would have to name both; but what a strong effect leaves may be a shift."""
+NOT_SEARCHED = frozenset({"residual"})
+"""Effects that the search leaves out: a residual is no name for anything."""
 
 
-def trials(prepared: Prepared) -> list[Trial]:
-    """All trials, scaled to the part and the speeds of the recordings."""
+def trials(prepared: Prepared, *, beside: bool = False) -> list[Trial]:
+    """Trials of all effects that are tried by themselves, or only beside others, scaled to the recordings."""
     length = prepared.length / REFERENCE_LENGTH
     speed = typical_speed(prepared) / REFERENCE_SPEED
     return [
         law
         for name in CATALOGUE
-        if name not in NOT_SEARCHED
+        if name not in NOT_SEARCHED and (name in BESIDE) == beside
         for one in tried(name).forms(name, prepared)
         for law in _laws(_scaled(one, length, speed))
     ]

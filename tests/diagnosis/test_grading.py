@@ -17,6 +17,7 @@ from meso_robust.diagnosis.grading import (
     Explained,
     Grade,
     _answer,
+    _beyond,
     _earning,
     _explained,
     _floor,
@@ -25,12 +26,14 @@ from meso_robust.diagnosis.grading import (
     _Judge,
     _pools,
     _verdict,
+    _with_more,
     graded,
     sized,
 )
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.recordings.sway import Sway
+from meso_robust.simulator.catalogue import CATALOGUE
 from tests.identification.sets import UM
 
 
@@ -121,7 +124,7 @@ def test_a_wrong_effect_explains_too_little(late: Diagnosis) -> None:
     wrong = [one for one in late.naming.candidates if "camera_latency" not in one.effects]
     wrong = [one for one in wrong if "probe_compliance" not in one.effects]
     assert wrong
-    naming = replace(late.naming, answers=(), candidates=tuple(wrong), best=wrong[0])
+    naming = Naming(answers=(), candidates=tuple(wrong), best=wrong[0])  # offers no further ones
     grade = again(late, naming=naming)
     assert grade.verdict in ("unknown", "partial", "ambiguous")
 
@@ -325,3 +328,90 @@ def test_what_two_held_out_recordings_spoke_against_is_asked_in_every_fold() -> 
     assert _answer(judge, naming, (a, near), 0) == (a, (near,), True)
     judge = stood({(): PLAIN, ("a",): NOISE, ("b",): PLAIN})
     assert _answer(judge, naming, (a, near), 0) == (a, (), True)
+
+
+def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> tuple[str, ...]:
+    """What is chosen of sets beside "a", which leaves nine times the noise of every recording, of a thousand.
+
+    Each is given by what it leaves of the recordings, and by how many half widths its size is beyond nought.
+    """
+    matters, open_high = given.pop("matters", 0.0), given.pop("open_high", False)
+    bench, plain = late.grade.bench, late.grade.plain
+    parts = ("", "b", "c", "b_c", "a_c")
+    left = dict.fromkeys(parts, (1000.0, 9.0)) | {"a": (10.0, 9.0)} | given
+    ones, predicted = {}, {}
+    for name, (level, ratio) in left.items():
+        each = np.broadcast_to(level, len(bench.fold))[:, None, None]
+        names = tuple(name.split("_")) if name else ()
+        # the number of folds holds the ratio, for what stands in for the intervals
+        predicted[names] = replace(plain, squares=np.where(bench.seen, each, 0.0), values=ratio)
+        trials = tuple(SimpleNamespace(effect=one, sizes={"x": 1.0}) for one in names)
+        refit = SimpleNamespace(effects=names, trials=trials, gain=1.0)
+        ones[names] = Candidate(refit=cast(Refit, refit))
+
+    def intervals(found: Any) -> list[Any]:
+        half = 1.0 / found.values
+        ends = {"value": 1.0, "low": 1.0 - half, "high": 1.0 + half}
+        of = {"open_low": False, "open_high": open_high, **ends}
+        return [SimpleNamespace(key=f"{one}.x", **of) for one in "abc"]
+
+    def further(base: Candidate) -> list[Candidate]:
+        return [
+            one
+            for names, one in ones.items()
+            if set(base.effects) < set(names) and len(names) == len(base.effects) + 1
+        ]
+
+    monkeypatch.setattr("meso_robust.diagnosis.grading.intervals_by_fold", intervals)
+    a = ones["a",]
+    naming = Naming(answers=(), best=a, candidates=(a,), further=further)
+    judge = _Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
+    return _with_more(judge, naming, a, None, matters)[0].effects
+
+
+def test_beside_a_strong_effect_a_further_one_is_asked_for(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is half a hundredth of the whole error, and half of what is left."""
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0)) == ("a", "b")
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(8.0, 9.0)) == ("a", "b")
+    assert extended(late, monkeypatch, a_b=(6.0, 9.0), a_b_c=(3.0, 9.0)) == ("a", "b", "c")
+
+
+def test_a_further_effect_takes_away_much_everywhere_by_a_sure_amount_that_matters(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one_fold = np.where(late.grade.bench.fold == 0, 400.0, 1.0)
+    assert extended(late, monkeypatch, a_b=(9.0, 9.0)) == ("a",)
+    assert extended(late, monkeypatch, a_b=(5.0, 2.0)) == ("a",)
+    assert extended(late, monkeypatch, a_b=(5.0, 3.0)) == ("a", "b")
+    assert extended(late, monkeypatch, a_b=(5.0, 3.0), open_high=True) == ("a",)
+    assert extended(late, monkeypatch, a_b=(one_fold, 9.0), a=(100.0, 9.0)) == ("a",)
+    matters = 2.5 * float(late.grade.bench.baseline.noise.sigma[0])
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), matters=matters) == ("a", "b")
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), matters=1.5 * matters) == ("a",)
+
+
+def test_of_further_effects_that_take_away_alike_none_is_named(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 9.0)) == ("a",)
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 2.0)) == ("a",)
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(7.0, 9.0)) == ("a", "b")
+
+
+def test_a_further_effect_that_does_the_work_of_another_is_not_named_beside_it(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), b=(8.0, 9.0)) == ("a", "b")
+    assert extended(late, monkeypatch, a_b=(5.0, 9.0), b=(5.5, 9.0)) == ("a",)
+
+
+def test_of_all_effects_one_is_beyond_nought_in_a_tenth_of_sets_that_hold_none() -> None:
+    drawn = np.random.default_rng(5).normal(size=(300_000, 6))
+    without = (drawn.sum(axis=1, keepdims=True) - drawn) / 5.0
+    half = 2.015 * np.sqrt(
+        5.0 / 6.0 * np.sum((without - without.mean(axis=1)[:, None]) ** 2, axis=1)
+    )
+    chance = np.mean(np.abs(drawn.mean(axis=1)) > _beyond(6) * half)
+    assert chance * len(CATALOGUE) == pytest.approx(0.1, rel=0.15)

@@ -478,3 +478,45 @@ def test_the_sets_that_promise_most_as_a_whole_are_refitted(
     ]
     assert len({frozenset(one) for one in tried}) == len(tried)
     assert len(tried) == (6 if quick else 8)
+
+
+def test_beside_a_set_those_that_promise_most_and_those_seen_without_a_simulation_are_tried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    promised = {f"effect{k}": 100.0 - k for k in range(9)} | {"part_yaw": 1.0, "backlash": 0.5}
+
+    def form(effect: str) -> Form:
+        signature = SimpleNamespace(trial=Trial(effect=effect, sizes={"x": 1.0}))
+        return Form(gain=promised[effect], signature=cast(Signature, signature), linear=True)
+
+    def forms(_: Contest, __: Refit, without: tuple[str, ...], of: list[Any]) -> list[Form]:
+        assert (without, of) == (("camera_latency",), ["alone", "beside"])
+        return [form(effect) for effect in promised]
+
+    tried: list[str] = []
+
+    def fitted(_: Contest, chosen: tuple[Signature, ...], start: Refit) -> list[Refit]:
+        tried.append(chosen[-1].trial.effect)
+        return [start]
+
+    monkeypatch.setattr(Contest, "_forms", forms)
+    monkeypatch.setattr(Contest, "_tried", fitted)
+    monkeypatch.setattr(Contest, "_chosen", lambda *_: ())
+    monkeypatch.setattr(Contest, "_refined", lambda _, fits: [f"fitted {len(fits)}"])
+    seen = cast(Any, SimpleNamespace(effect="part_yaw"))
+    nothing = cast(Any, None)
+    contest = Contest(
+        nothing,
+        cast(Any, ["alone"]),
+        (),
+        np.zeros(0),
+        True,
+        lambda *_: None,
+        findings=(seen,),
+        beside=cast(Any, ("beside",)),
+    )
+    base = candidate("camera_latency")
+    known = SimpleNamespace(effects=("camera_latency", "effect1"))
+    found = contest.further(cast(Any, [base, known]), base)
+    assert tried == ["effect0", "effect2", "effect3", "effect4", "effect5", "part_yaw"]
+    assert found == [known, "fitted 6"]

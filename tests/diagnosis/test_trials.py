@@ -10,7 +10,15 @@ import pytest
 
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.signatures import extended, start_of, within
-from meso_robust.diagnosis.trials import NOT_SEARCHED, TRIALS, Trial, trials, tried, typical_speed
+from meso_robust.diagnosis.trials import (
+    BESIDE,
+    NOT_SEARCHED,
+    TRIALS,
+    Trial,
+    trials,
+    tried,
+    typical_speed,
+)
 from meso_robust.identification.prepared import Prepared
 from meso_robust.simulator.catalogue import CATALOGUE
 from tests.identification.sets import PART, UM
@@ -33,7 +41,10 @@ def grown(prepared: Prepared) -> tuple[dict[str, Trial], ...]:
 
 def test_every_effect_of_the_catalogue_is_tried(prepared: Prepared) -> None:
     assert set(TRIALS) == set(CATALOGUE) - {"residual"}
-    assert {one.effect for one in trials(prepared)} == set(CATALOGUE) - NOT_SEARCHED
+    alone, beside = ({one.effect for one in trials(prepared, beside=of)} for of in (False, True))
+    assert alone | beside == set(CATALOGUE) - NOT_SEARCHED
+    assert beside == BESIDE
+    assert not alone & beside
     assert all(tried(effect).shown_by for effect in CATALOGUE)
 
 
