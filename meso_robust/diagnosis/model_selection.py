@@ -51,10 +51,7 @@ _LINEAR_SIZES = 10.0
 _UNFINISHED_SHARE = 0.3
 # of the best gain so far, that a linear estimate must reach in a quick search
 _PROMISING_SHARE = 0.5
-_FURTHER = {
-    True: 6,
-    False: 6,
-}  # effects that are tried beside a set that leaves something, if quick and if not
+_FURTHER = 6  # effects that are tried beside a set that leaves something
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -259,10 +256,11 @@ class Contest:
         for form in forms:
             best.setdefault(form.signature.trial.effect, form)
         seen = {one.effect for one in self.findings}
+        least = _PROMISING_SHARE * forms[0].gain if forms and self.quick else -np.inf
         chosen = [
             form
             for k, (effect, form) in enumerate(best.items())
-            if k < _FURTHER[self.quick] or effect in seen
+            if effect in seen or (k < _FURTHER and (form.gain >= least or not form.linear))
         ]
         known = {one.effects: one for one in field}
         found, fits = [], []
