@@ -30,7 +30,7 @@ from meso_robust.certificates.words import (
 )
 from meso_robust.planning.document import box_document
 from meso_robust.planning.plan_file import BoxDocument, Document, ExactBox, HexPair, RuleDocument
-from meso_robust.primitives.names import Inequality, Named, ObligationId
+from meso_robust.primitives.names import Inequality, Named, ObligationId, Which
 from meso_robust.primitives.obligation import Obligation, Step
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reading import Count, Distance, Factor, MoveNumber, PaperStep, Seed
@@ -42,6 +42,8 @@ STATED = 0.9
 STATED_PASSING, STATED_BESIDE = 0.75, 0.5
 """The same of how far an idle tip passes, which is what a whole turn leaves of a few um: a line, or a
 rectangle's edge in one of two ways."""
+STATED_WITHDRAWN = 0.5
+"""The same of how far from touching again both tips of a turn withdraw: it hangs on all poses that a turn can leave."""
 
 
 class NamedDocument(Document):
@@ -321,9 +323,7 @@ def step_document(step: Step) -> StepDocument:
 def _obligation(obligation: Obligation) -> ObligationDocument:
     proof = obligation.proof
     finite = proof.verdict is Verdict.PROVED and proof.lower < float("inf")
-    passes = obligation.name.id == ObligationId.IDLE_TIP_PASSES
-    beside = obligation.inequality is Inequality.BESIDE
-    share = (STATED_BESIDE if beside else STATED_PASSING) if passes else STATED
+    share = _stated(obligation)
     return ObligationDocument(
         id=ObligationId(obligation.name.id),
         about=dict(obligation.name.about),
@@ -333,6 +333,15 @@ def _obligation(obligation: Obligation) -> ObligationDocument:
         boxes=proof.boxes,
         over=_hex_box(proof.box),
     )
+
+
+def _stated(obligation: Obligation) -> float:
+    """Share of a proved bound that is stated."""
+    name = obligation.name
+    if name.id == ObligationId.IDLE_TIP_PASSES:
+        return STATED_BESIDE if obligation.inequality is Inequality.BESIDE else STATED_PASSING
+    turned = name.id == ObligationId.WITHDRAWS_FREE and name.about.get("tips") == Which.BOTH
+    return STATED_WITHDRAWN if turned else STATED
 
 
 def _hex_box(box: Box) -> dict[str, HexPair]:
