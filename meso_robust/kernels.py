@@ -20,6 +20,7 @@ def inner(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     It counts no references: its arrays outlive it, and counting was measured to take most of the
     time of a simulation step. Numba refuses to compile a function that makes an array this way.
+    Tests and benchmarks may call it by itself; what they do not is better `sealed`.
 
     Parameters
     ----------
@@ -55,6 +56,24 @@ def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     compile_ = njit(error_model="numpy", _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
     return cast("Callable[_P, _R]", compile_(function))
+
+
+def strict(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Compile a function without an entry from Python, in which a division by nought is an error.
+
+    Parameters
+    ----------
+    function
+        Written for Numba: numbers and arrays in and out; it may make arrays.
+
+    Returns
+    -------
+    callable
+        For kernels only: Python cannot call it.
+    """
+    from numba import njit
+
+    return cast("Callable[_P, _R]", njit(no_cpython_wrapper=True, no_cfunc_wrapper=True)(function))
 
 
 def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:

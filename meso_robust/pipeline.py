@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 
 from meso_robust import units
@@ -150,16 +149,12 @@ def judge(task: Task, found: Found, samples: int, seed: int, doing: Doing = quie
     with doing("certifying"):
         chain = certify(found.rules, setup)
 
-    def simulated() -> CrossCheck:
+    with doing("searching for the margin"):
+        bears = margin(found.rules, task)
+    with doing(f"simulating {counted(samples, 'run')}"):
         ahead.wait()
         posts = [step.post for step in chain.steps]
-        return crosscheck(found.rules, setup, posts, samples, seed)
-
-    what = f"searching for the margin, simulating {counted(samples, 'run')}"
-    # neither asks the other, and both are mostly in compiled code that lets others run
-    with doing(what), ThreadPoolExecutor(1) as pool:
-        later = pool.submit(simulated)
-        bears, check = margin(found.rules, task), later.result()
+        check = crosscheck(found.rules, setup, posts, samples, seed)
     if chain.verdict is Verdict.PROVED and check.failure is not None:
         raise SimulatorContradictsProofError(
             f"run {check.failure} of seed {seed} breaks a PROVED claim: "

@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from meso_robust.lifetime import short
 from meso_robust.provenance import cores
 
 if TYPE_CHECKING:  # nothing that takes long to import before the process is begun
@@ -86,6 +87,7 @@ def _begun() -> subprocess.Popen[bytes] | None:
 
 
 def _verify() -> None:
+    short()
     from flint import ctx
 
     from meso_robust.checker.document import Certificate

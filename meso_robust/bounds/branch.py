@@ -18,7 +18,7 @@ from meso_robust.bounds.bulk import (
     side_to_split,
 )
 from meso_robust.bounds.tape import run
-from meso_robust.kernels import fingerprint
+from meso_robust.kernels import fingerprint, strict
 from meso_robust.types import Floats
 
 PROVED, REFUTED, TOO_MANY, INDIVISIBLE, UNDEFINED = range(5)
@@ -26,7 +26,7 @@ PROVED, REFUTED, TOO_MANY, INDIVISIBLE, UNDEFINED = range(5)
 Result = tuple[int, float, int, int]
 
 
-@njit
+@strict
 def _joined(ends: Floats, any_output: bool) -> float:
     """The end that decides: the largest if one positive output is enough, else the smallest."""
     best = ends[0]
@@ -35,7 +35,7 @@ def _joined(ends: Floats, any_output: bool) -> float:
     return best
 
 
-@njit
+@strict
 def _fails_at(program: Program, point: Floats, any_output: bool) -> bool:
     """Whether the inequality is proved to fail at one point."""
     run(program.code, program.constant, point, point, program.work, program.value)

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import casadi as ca
 import numpy as np
@@ -14,7 +14,7 @@ from numba import njit
 
 from meso_robust.bounds.arithmetic import down, mul, up
 from meso_robust.bounds.tape import BLOCK, OUTPUT, Tape, compile_tape, run, run_block
-from meso_robust.kernels import fingerprint
+from meso_robust.kernels import fingerprint, strict
 from meso_robust.types import Floats, Ints
 
 
@@ -66,7 +66,7 @@ def bounded(name: str, inputs: tuple[str, ...], function: ca.Function) -> Bounde
     return Bounded(name, inputs, function, compile_tape(function), compile_tape(both))
 
 
-ONE = np.int64(1)
+ONE = cast("int", np.int64(1))
 """For kernels: a plain number compiles what it is given to once more."""
 
 
@@ -119,7 +119,7 @@ def program(of: Bounded, boxes: int = BLOCK) -> Program:
     )
 
 
-@njit
+@strict
 def bound_box(
     program: Program, lo: Floats, hi: Floats, lower: Floats, upper: Floats, seen: Floats
 ) -> None:
@@ -171,7 +171,7 @@ def bound_box(
         seen[i, 0], seen[i, 1] = block[k, 1, j + 1], block[k, 0, j + 3]
 
 
-@njit
+@strict
 def _collapse(
     program: Program, lo: Floats, hi: Floats, gradient: Floats, side: int, column: int
 ) -> float:
@@ -226,7 +226,7 @@ def _natural_each(program: Program, lo: Floats, hi: Floats, lower: Floats, upper
                     upper[start + j, code[k, 1]] = work[k, 1, j]
 
 
-@njit
+@strict
 def append_halves(
     queue_lo: Floats, queue_hi: Floats, row: int, tail: int, side: int, middle: float
 ) -> None:
@@ -238,7 +238,7 @@ def append_halves(
     queue_hi[tail, side] = queue_lo[tail + 1, side] = middle
 
 
-@njit
+@strict
 def side_to_split(slope: Floats, lo: Floats, hi: Floats, outputs: int) -> int:
     """The side that can contribute most to the spread of an output; -1 if none can be divided.
 
@@ -359,7 +359,8 @@ def _compiled() -> tuple[Callable[..., None], ...]:
         upper: Floats,
     ) -> None:
         for k in range(lo.shape[0] if key >= 0 else 0):
-            queue_lo[0], queue_hi[0] = lo[k], hi[k]
+            for v in range(lo.shape[1]):  # by number, as in `append_halves`
+                queue_lo[0, v], queue_hi[0, v] = lo[k, v], hi[k, v]
             _bisect(program, queue_lo, queue_hi, slack, lower[k], upper[k])
 
     return each, natural, whole

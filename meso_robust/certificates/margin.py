@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import begins, certify
+from meso_robust.copies import shared
 from meso_robust.primitives.move import Action, MoveRule
 from meso_robust.primitives.names import Named
 from meso_robust.primitives.setup import setup_of
@@ -67,8 +67,7 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
         # what is proved with all of them scaled is proved with one
         return _search(rules, task, only, factor, ALONE)[0] if factor > 0.0 else 0.0
 
-    with ThreadPoolExecutor() as pool:  # the kernels run without the interpreter's lock
-        each = dict(zip(names, pool.map(alone, names), strict=True))
+    each = dict(zip(names, shared(alone, names), strict=True))
     binding = min(each, key=lambda name: each[name]) if factor > 0.0 else None
     return Margin(
         factor=factor,

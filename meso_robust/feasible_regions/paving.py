@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.bounds import Interval
+from meso_robust.copies import shared
 from meso_robust.types import Floats, Ints
 
 
@@ -117,10 +118,16 @@ def pave(judge: Judge, across: Axis, up: Axis, *, count: int = 128, coarse: int 
     open_: list[tuple[int, int, int]] = []
     done: list[tuple[int, int, int, int, int]] = []
     judged = 0
+
+    def column(cells: list[tuple[int, int, int]]) -> list[Region]:
+        return [judge(_between(x, i, size), _between(y, j, size)) for i, j, size in cells]
+
     while todo:
-        for i, j, size in todo:
-            cell = _between(x, i, size), _between(y, j, size)
-            region = judge(*cell)
+        # a judge may keep what it finds for all cells of a column
+        columns = [list(each) for _, each in itertools.groupby(sorted(todo), lambda cell: cell[0])]
+        todo = list(itertools.chain.from_iterable(columns))
+        regions = itertools.chain.from_iterable(shared(column, columns))
+        for (i, j, size), region in zip(todo, regions, strict=True):
             raster[i : i + size, j : j + size] = region
             if region is Region.UNDECIDED:
                 open_.append((i, j, size))

@@ -5,6 +5,7 @@ See ``impossible`` for what counts as a proof that one fails.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,7 @@ import numpy.typing as npt
 from meso_robust.bounds import HALF_PI, Interval, enclose
 from meso_robust.bounds.interval import cos, sin
 from meso_robust.conditions import condition
+from meso_robust.copies import shared
 from meso_robust.feasible_regions.cells import at_height, extreme, span
 from meso_robust.feasible_regions.impossible import misses
 from meso_robust.feasible_regions.paving import Region
@@ -94,11 +96,21 @@ def turning_regions(turning: Turning) -> tuple[Regions, int]:
     found, tried = np.zeros(shape, dtype=np.int8), 0
     # neither the proof nor its opposite gets past a jam
     apart = [k for k in range(shape[0]) if not _may_close(turning, k)]
-    for columns in _blocks(apart, TOGETHER_AT_POINT):
-        for point in (True, False):
-            _fail(turning, columns, point, found)
-    for columns in _blocks(apart, TOGETHER):
-        tried += _certify(turning, columns, (0, shape[1]), found)
+
+    def failing(at: tuple[tuple[int, int], bool]) -> Regions:
+        marked = np.zeros(shape, dtype=np.int8)
+        _fail(turning, *at, marked)
+        return marked
+
+    def certified(columns: tuple[int, int]) -> tuple[Regions, int]:
+        marked = np.zeros(shape, dtype=np.int8)
+        return marked, _certify(turning, columns, (0, shape[1]), marked)
+
+    blocks = itertools.product(_blocks(apart, TOGETHER_AT_POINT), (True, False))
+    for marked in shared(failing, blocks):
+        found = np.where(marked, marked, found)
+    for marked, proofs in shared(certified, _blocks(apart, TOGETHER)):
+        found, tried = np.where(marked, marked, found), tried + proofs
     return found, tried + _alone(turning, set(apart), found)
 
 

@@ -6,7 +6,7 @@ See `meso_robust.motion.two_sided` for what they enclose and why it holds.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numba import njit
@@ -14,7 +14,7 @@ from numba import njit
 from meso_robust.bounds.arithmetic import add, down, mul, up
 from meso_robust.bounds.bulk import Program
 from meso_robust.bounds.tape import OUTPUT, run, run_block
-from meso_robust.kernels import fingerprint
+from meso_robust.kernels import fingerprint, strict
 from meso_robust.types import Floats
 
 H, Q = 0, 1  # the first two inputs of every function here
@@ -26,10 +26,8 @@ GRIPS, PRESSED, FREELY, SLIPS_ALONE, STATES = 2, 6, 10, 11, 13
 """Outputs of a state: first contacts along their edges; grips; forces at S, at D; force at S if D has no
 friction; slip of the part over D that pushes alone without friction, and what that grows by per ratio."""
 PIECES = 8  # of q; fewer are looser, more take longer
-ALL_RATES, NONE = (
-    np.int64(RATES),
-    np.int64(0),
-)  # a plain number would compile what it is given to once more
+# plain numbers would compile what they are given to once more
+ALL_RATES, NONE = cast("int", np.int64(RATES)), cast("int", np.int64(0))
 FIRST_STRIP = (
     2.5e-4  # of a step in h; half of what a bound is first tried in, widened until it is enough
 )
@@ -81,7 +79,7 @@ class _Frame(NamedTuple):
     drift: Floats
 
 
-@njit
+@strict
 def _hull(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> tuple[float, float]:
     """All slides of a stretch whose s is in a range."""
     gone_hi = up(frame.h_first - frame.h_last)
@@ -96,14 +94,14 @@ def _hull(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> tuple[float,
     return lo, hi
 
 
-@njit
+@strict
 def _slope(frame: _Frame, i: int, gone_lo: float, gone_hi: float) -> tuple[float, float]:
     """g_i after ``gone`` of a stretch."""
     more_lo, more_hi = mul(frame.drift[i], frame.drift[i], gone_lo, gone_hi)
     return add(frame.spread[i], frame.spread[i], more_lo, more_hi)
 
 
-@njit
+@strict
 def _sag(bend: float, reach: float) -> tuple[float, float]:
     """Where a parabola lies beside its chord: -bend/2 x (reach - x), at most bend reach^2/8 off it."""
     most = up(0.125 * up(reach * reach))
@@ -111,7 +109,7 @@ def _sag(bend: float, reach: float) -> tuple[float, float]:
     return lo, hi
 
 
-@njit
+@strict
 def _sag_at(frame: _Frame, gone_lo: float, gone_hi: float) -> tuple[float, float]:
     """The same after ``gone`` of a stretch."""
     left_lo, left_hi = down(frame.h_first - frame.h_last), up(frame.h_first - frame.h_last)
@@ -120,7 +118,7 @@ def _sag_at(frame: _Frame, gone_lo: float, gone_hi: float) -> tuple[float, float
     return mul(lo, hi, -0.5 * frame.bend, -0.5 * frame.bend)
 
 
-@njit
+@strict
 def _along(
     frame: _Frame, gone_lo: float, gone_hi: float, dev_lo: Floats, dev_hi: Floats
 ) -> tuple[float, float]:
@@ -135,7 +133,7 @@ def _along(
     return lo, hi
 
 
-@njit
+@strict
 def _pick(d_lo: float, d_hi: float, off_lo: float, off_hi: float, side: int) -> tuple[int, float]:
     """Where a mean-value form is centred in one variable, and what the rest of its range can add.
 
@@ -150,7 +148,7 @@ def _pick(d_lo: float, d_hi: float, off_lo: float, off_hi: float, side: int) -> 
     return 1, p_hi if side == 1 else p_lo
 
 
-@njit
+@strict
 def _more(total: float, part: float, side: int) -> float:
     return up(total + part) if side == 1 else down(total + part)
 
@@ -174,7 +172,7 @@ class _Places(NamedTuple):
     """(3, 2): c' at those three."""
 
 
-@njit
+@strict
 def _places(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> _Places:
     """What all outputs have in common; the row of Q is that of s."""
     inputs, count = known.lo.size, frame.spread.size
@@ -216,7 +214,7 @@ def _places(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> _Places:
     return _Places(at, off, dev, spread, spreads, centre, rate)
 
 
-@njit
+@strict
 def _centred(
     of: Program,
     frame: _Frame,
@@ -270,7 +268,7 @@ def _centred(
     return total, rate_lo if side == 1 else rate_hi
 
 
-@njit
+@strict
 def _totals(
     grad: Floats,
     frame: _Frame,
@@ -305,7 +303,7 @@ def _totals(
         by[i, 0], by[i, 1] = lo, hi
 
 
-@njit
+@strict
 def _bound(
     of: Program,
     frame: _Frame,
@@ -350,7 +348,7 @@ def _bound(
                 bounds[1, i] = high if high < bounds[1, i] else bounds[1, i]
 
 
-@njit
+@strict
 def _bound_rates(
     rates: Program, frame: _Frame, known: Known, s_lo: float, s_hi: float, bounds: Floats
 ) -> None:
@@ -375,7 +373,7 @@ def _bound_rates(
         _join(bounds, part)
 
 
-@njit
+@strict
 def _join(bounds: Floats, part: Floats) -> None:
     """Widen bounds (2, outputs) so that they hold others."""
     # by number: a slice would bring in the text of its errors, which takes 2 s to compile
@@ -384,7 +382,7 @@ def _join(bounds: Floats, part: Floats) -> None:
         bounds[1, i] = np.maximum(bounds[1, i], part[1, i])
 
 
-@njit
+@strict
 def _beside(lower: Floats, upper: Floats, mode: int, tip: int, above: bool) -> tuple[float, float]:
     """Where a rate is by the one at which a tip (0: D, 1: S) sticks; (inf, -inf) if it cannot be there."""
     stick, over = D_STICKS + tip, OVER_D + 4 * tip + mode
@@ -397,13 +395,13 @@ def _beside(lower: Floats, upper: Floats, mode: int, tip: int, above: bool) -> t
     return down(lower[stick] + lower[over]), upper[stick]
 
 
-@njit
+@strict
 def _both_signs(lower: Floats, upper: Floats, one: int, two: int) -> bool:
     """Whether one of two outputs may be positive and one negative, or one zero."""
     return min(lower[one], lower[two]) <= 0.0 <= max(upper[one], upper[two])
 
 
-@njit
+@strict
 def _hull_of_modes(lower: Floats, upper: Floats) -> tuple[float, float]:
     """Infimum and supremum of ds/d(travel) over all possible modes; (inf, -inf) if none.
 
@@ -470,7 +468,7 @@ def _next_bound(
     return at, 1
 
 
-@njit
+@strict
 def _guess(
     rates: Program, at: Floats, constants: int, spread: Floats, drift: Floats
 ) -> tuple[float, float]:
@@ -501,7 +499,7 @@ def _guess(
     return value[mode], by_q * value[mode] - 0.5 * (grad[H, 0] + grad[H, 1])
 
 
-@njit
+@strict
 def _offsets(
     h: Floats, centre: Floats, spread: Floats, rate: float, drift: Floats, known: Known
 ) -> tuple[Floats, Floats]:
@@ -522,7 +520,7 @@ def _offsets(
     return off_lo, off_hi
 
 
-@njit
+@strict
 def _line(tube: Tube, first: int, last: int) -> _Frame:
     """The curve between two knots; over more than one step, its chord."""
     reach = tube.h[first] - tube.h[last]
@@ -538,14 +536,14 @@ def _line(tube: Tube, first: int, last: int) -> _Frame:
     )
 
 
-@njit
+@strict
 def _off(tube: Tube, frame: _Frame, known: Known, first: int, last: int) -> tuple[Floats, Floats]:
     """How far the knots from ``first`` to ``last`` can be off a line."""
     h, centre = tube.h[first : last + 1], tube.centre[first : last + 1]
     return _offsets(h, centre, tube.spread[first : last + 1], frame.rate, frame.drift, known)
 
 
-@njit
+@strict
 def _most_sag(h: Floats, bend: Floats) -> tuple[float, float]:
     """How far the centre lies off its chords between knots."""
     low = high = 0.0
@@ -555,7 +553,7 @@ def _most_sag(h: Floats, bend: Floats) -> tuple[float, float]:
     return low, high
 
 
-@njit
+@strict
 def _pressed(lower: Floats) -> float:
     """Lower bound of the force at S at every ratio that D has, times the grip."""
     if lower[PRESSED + 1] > 0.0:
@@ -566,7 +564,7 @@ def _pressed(lower: Floats) -> float:
     return -np.inf
 
 
-@njit
+@strict
 def _piecewise(
     state: Program, frame: _Frame, known: Known, s_lo: float, s_hi: float, bounds: Floats
 ) -> float:

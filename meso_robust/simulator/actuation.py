@@ -9,7 +9,7 @@ flat side only: C has one direction.
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
 from meso_robust.types import Floats
 
@@ -75,7 +75,7 @@ DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y)
 """Columns of effects between the command and the driven position of a probe."""
 
 
-@inner
+@sealed
 def bending(effects: Floats, cos: float, sin: float) -> tuple[float, float, float]:
     """Compliance of a probe as a symmetric matrix, by rows, in a frame turned by an angle; s."""
     c = effects[COMPLIANCE]
@@ -86,7 +86,7 @@ def bending(effects: Floats, cos: float, sin: float) -> tuple[float, float, floa
     return c * x * x, c * x * y, c * y * y
 
 
-@inner
+@sealed
 def drive(effects: Floats, x: float, y: float, played: Floats) -> None:
     """Follow a command with the play, without drift (see `drifted`).
 
@@ -110,7 +110,7 @@ def drive(effects: Floats, x: float, y: float, played: Floats) -> None:
         played[1] = y + half / behind * (played[1] - y)
 
 
-@inner
+@sealed
 def drifted(effects: Floats, axis: int, time: float) -> float:
     """Displacement of the mount since the start of the run, m."""
     lasted = time

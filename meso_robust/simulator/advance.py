@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import inner, maker, part
+from meso_robust.kernels import inner, maker, part, sealed
 from meso_robust.simulator.guess import SEPARATE, guess_forces, remember_modes
 from meso_robust.simulator.lemke import RESIDUAL, SOLVED, lemke
 from meso_robust.simulator.modes import FOUND, NONE, new_walk, next_mode
@@ -102,7 +102,7 @@ def is_ambiguous(work: Work, count: int) -> bool:
     return other
 
 
-@inner
+@sealed
 def _collect(work: Work, count: int, reach: float) -> int:
     """List the contacts that may close in this step."""
     near = 0
@@ -113,7 +113,7 @@ def _collect(work: Work, count: int, reach: float) -> int:
     return near
 
 
-@inner
+@sealed
 def _solve(work: Work, count: int, near: int) -> int:
     """Solve the step by Lemke's method and check it for all contacts."""
     n = assemble(work.contacts, work.marks, work.step, near, work.matrix, work.vector[0])
@@ -124,7 +124,7 @@ def _solve(work: Work, count: int, near: int) -> int:
     return SOLVED if is_solution(work.contacts, work.marks, work.step, count) else RESIDUAL
 
 
-@inner
+@sealed
 def _spread(work: Work, count: int, near: int) -> None:
     """Take forces and motion from the solution of the problem."""
     z, contacts = work.vector[1], work.contacts

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numba import config
 
+from meso_robust.lifetime import short
 from meso_robust.simulator.batch import run_range, simulate
 from meso_robust.simulator.push import Push
 
@@ -70,6 +71,7 @@ def _indices() -> list[Path]:
 
 def _compile() -> None:
     """Run the kernel once, on a push that touches nothing."""
+    short()
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * 1e-3
     simulate(
         Push.straight(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import maker, sealed
 from meso_robust.simulator.case import (
     AHEAD,
     FILM,
@@ -72,7 +72,7 @@ class Outputs(NamedTuple):
     """(N, R, 5 + 5 P) table of `record`, its times on entry."""
 
 
-@inner
+@sealed
 def _of(i: int, length: int) -> int:
     """Row of run i in an array of 1 or N rows."""
     return i if length > 1 else 0

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import maker, sealed
 from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.residual import RESIDUAL_SLOTS
@@ -86,7 +86,7 @@ def new_state(case: Case) -> State:
     return state
 
 
-@inner
+@sealed
 def _any(effects: Floats, slots: tuple[int, ...]) -> bool:
     """Whether one of the columns is not zero."""
     on = False
@@ -114,7 +114,7 @@ class Kind(NamedTuple):
     """A residual wrench."""
 
 
-@inner
+@sealed
 def kind_of(case: Case) -> Kind:
     """Tell which laws a run needs."""
     e = case.effects

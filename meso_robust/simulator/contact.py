@@ -17,7 +17,7 @@ other solid lies wholly on its far side (the separating axes of two wedges).
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.tables import CONTACTS, MARKS
 from meso_robust.types import Floats, Ints
 
@@ -31,7 +31,7 @@ PER_CORNER = 2_000_000
 """Step of features from one corner of a polygonal obstacle to the next."""
 
 
-@inner
+@sealed
 def _add(
     raw: Floats,
     keys: Ints,
@@ -51,7 +51,7 @@ def _add(
     return count + 1
 
 
-@inner
+@sealed
 def beside_edges(
     edges: Floats,
     rows: tuple[int, int],
@@ -116,13 +116,13 @@ def beside_edges(
     return count
 
 
-@inner
+@sealed
 def _shallower(edges: Floats, i: int, convex: float, s: float, cx: float, cy: float) -> bool:
     """Whether the neighbour across a convex corner is the nearer way out."""
     return convex > 0.0 and edges[i, 2] * cx + edges[i, 3] * cy - edges[i, 4] > s
 
 
-@inner
+@sealed
 def lies_beyond(edges: Floats, i: int, cx: float, cy: float) -> bool:
     """Whether a point lies beyond the ends of both edges at the first corner of edge i, if convex."""
     if edges[i, 8] <= 0.0:
@@ -132,7 +132,7 @@ def lies_beyond(edges: Floats, i: int, cx: float, cy: float) -> bool:
     return bool(edges[i, 2] * dy - edges[i, 3] * dx < 0.0 < edges[b, 2] * dy - edges[b, 3] * dx)
 
 
-@inner
+@sealed
 def at_corner(
     edges: Floats,
     corner: int,
@@ -186,7 +186,7 @@ def at_corner(
     return _add(raw, keys, count, distance - radius, gx, gy, vx, vy, key)
 
 
-@inner
+@sealed
 def _last_crossed(
     edges: Floats,
     corner: int,
@@ -223,7 +223,7 @@ def _last_crossed(
     return best, nx, ny
 
 
-@inner
+@sealed
 def _clears(ax: float, ay: float, wedge: tuple[float, float, float, float]) -> bool:
     """Whether a wedge with normals b (before) and f (after) lies on the far side of normal a.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
 from meso_robust.types import Floats
 
@@ -103,7 +103,7 @@ FORCE_SLOTS = (_FORCE_X, _FORCE_Y, _FLOW_X, _FLOW_Y, _PULL)
 """Columns of effects that push the part without a contact."""
 
 
-@inner
+@sealed
 def stage_wrench(
     effects: Floats, film: Floats, pose: Floats, cos: float, sin: float, out: Floats
 ) -> None:

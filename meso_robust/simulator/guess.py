@@ -7,7 +7,7 @@ singular and is left to Lemke's method. The guess is a short cut only: its force
 only if they pass the check of the whole problem (`rows.is_solution`).
 """
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import inner, sealed
 from meso_robust.simulator.rows import TOLERANCE, deflection, is_soft, move_by_forces
 from meso_robust.simulator.tables import CONTACTS, MARKS, STEP
 from meso_robust.types import Floats, Ints
@@ -24,7 +24,7 @@ GLIDE = 4
 """Force along the normal, as in a push without slip through the centre, or with μ = 0."""
 
 
-@inner
+@sealed
 def remember_modes(contacts: Floats, marks: Ints, count: int) -> None:
     """Read the modes of the step off its forces."""
     for c in range(count):
@@ -43,7 +43,7 @@ def remember_modes(contacts: Floats, marks: Ints, count: int) -> None:
             marks[c, MARKS.mode] = SLIP_PLUS if lt > 0.0 else SLIP_MINUS
 
 
-@inner
+@sealed
 def keep_modes(marks: Ints, count: int) -> None:
     """Keep features and modes of the step for the next one."""
     for c in range(count):
@@ -52,13 +52,13 @@ def keep_modes(marks: Ints, count: int) -> None:
     marks[marks.shape[0] - 1, 0] = count
 
 
-@inner
+@sealed
 def forget_modes(marks: Ints) -> None:
     """Start without modes of a last step."""
     marks[marks.shape[0] - 1, 0] = 0
 
 
-@inner
+@sealed
 def recall_modes(marks: Ints, count: int) -> None:
     """Give every contact the mode that it had in the last step, if it was there."""
     old = marks[marks.shape[0] - 1, 0]
@@ -107,13 +107,13 @@ def guess_forces(contacts: Floats, marks: Ints, step: Floats, system: Floats, co
     return _solve(contacts, marks, step, system, count)
 
 
-@inner
+@sealed
 def _slope(mode: int, friction: float) -> float:
     """λ_t / λ_n of a slipping contact."""
     return friction if mode == SLIP_PLUS else (-friction if mode == SLIP_MINUS else 0.0)
 
 
-@inner
+@sealed
 def _collect(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> int:
     """List the unknowns of the modes; the motion takes the right-hand side."""
     for k in range(3):
@@ -142,7 +142,7 @@ def _collect(contacts: Floats, marks: Ints, step: Floats, system: Floats, count:
     return size
 
 
-@inner
+@sealed
 def _soften(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> None:
     """Add the deflection of the probes to the linear system of the modes."""
     i = 0
@@ -169,7 +169,7 @@ def _soften(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: 
         i += 2 if marks[a, MARKS.mode] == STICK else 1
 
 
-@inner
+@sealed
 def _triple(a: Floats, b: Floats, c: Floats) -> float:
     """Return the determinant of three columns."""
     return float(
@@ -179,7 +179,7 @@ def _triple(a: Floats, b: Floats, c: Floats) -> float:
     )
 
 
-@inner
+@sealed
 def _solve(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> bool:
     """Solve by Cramer's rule and spread the unknowns over the contacts."""
     A, B, C, right = system[6], system[7], system[8], step[STEP.motion : STEP.motion + 3]

@@ -29,7 +29,7 @@ doi:10.1002/(SICI)1097-0207(19960815)39:15<2673::AID-NME972>3.0.CO;2-I.
 
 import numpy as np
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import maker, sealed
 from meso_robust.simulator.nonnegative import nearest
 from meso_robust.types import Floats, Ints
 
@@ -123,7 +123,7 @@ def next_mode(n: int, M: Floats, q: Floats, z: Floats, state: Ints) -> int:  # n
     return UNDECIDED
 
 
-@inner
+@sealed
 def _uses_z(mode: int, unknown: int) -> bool:
     """Whether `unknown` (0 λ_n, 1 λ_f+, 2 λ_f−, 3 γ) rather than its complement may be positive."""
     if mode == 0:  # separate
@@ -133,7 +133,7 @@ def _uses_z(mode: int, unknown: int) -> bool:
     return unknown != 4 - mode  # slip + leaves out λ_f−, slip − leaves out λ_f+
 
 
-@inner
+@sealed
 def _fill(n: int, M: Floats, modes: Ints, columns: Floats) -> int:
     """Write the columns that the modes allow, one a row; return their number.
 
@@ -152,7 +152,7 @@ def _fill(n: int, M: Floats, modes: Ints, columns: Floats) -> int:
     return used
 
 
-@inner
+@sealed
 def _verdict(columns: Floats, x: Floats, r: Floats) -> int:
     """Tell whether q is in the cone, from the nearest point of the cone."""
     largest, size = 1.0, 0.0
@@ -175,7 +175,7 @@ def _verdict(columns: Floats, x: Floats, r: Floats) -> int:
     return NONE if size > _APART else UNDECIDED
 
 
-@inner
+@sealed
 def _write_solution(n: int, modes: Ints, x: Floats, z: Floats) -> None:
     """Write z of a sum, all modes being chosen."""
     for j in range(n):

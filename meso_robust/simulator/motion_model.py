@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.types import Floats
 
 FIRST_ORDER = 1.0
@@ -80,7 +80,7 @@ def _check(mass: float, inertia: float) -> None:
             )
 
 
-@inner
+@sealed
 def add_inertia(inertia: Floats, velocity: Floats, dt: float, K: Floats, offset: Floats) -> None:
     """Add the change of momentum in a step to the tangent and its offset.
 

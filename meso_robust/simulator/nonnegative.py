@@ -9,7 +9,7 @@ doi:10.1137/1.9781611971217; each subproblem by Householder reflections.
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import inner, sealed
 from meso_robust.types import Floats, Ints
 
 _DEPENDENT = 1e-12  # of the length of a column: what is left of it when it depends on others
@@ -66,7 +66,7 @@ def nearest(A: Floats, q: Floats, x: Floats, r: Floats, space: Floats, order: In
     return False
 
 
-@inner
+@sealed
 def _remainder(A: Floats, q: Floats, x: Floats, r: Floats, order: Ints, count: int) -> None:
     """Write the residual; columns left out for a round may enter again."""
     m, n = A.shape
@@ -79,7 +79,7 @@ def _remainder(A: Floats, q: Floats, x: Floats, r: Floats, order: Ints, count: i
             r[i] -= x[order[k]] * A[order[k], i]
 
 
-@inner
+@sealed
 def _steepest(A: Floats, r: Floats, gradient: Floats, order: Ints) -> int:
     """Column along which the residual falls fastest, or -1."""
     m, n = A.shape
@@ -101,7 +101,7 @@ def _steepest(A: Floats, r: Floats, gradient: Floats, order: Ints) -> int:
     return best
 
 
-@inner
+@sealed
 def _settle(
     A: Floats, q: Floats, x: Floats, order: Ints, count: int, space: Floats, trial: Floats
 ) -> int:
@@ -134,7 +134,7 @@ def _settle(
         count = kept
 
 
-@inner
+@sealed
 def _solve(A: Floats, q: Floats, order: Ints, count: int, space: Floats, s: Floats) -> bool:
     """Least squares over the passive columns; False if one depends on those before it."""
     n = A.shape[1]
@@ -156,7 +156,7 @@ def _solve(A: Floats, q: Floats, order: Ints, count: int, space: Floats, s: Floa
     return True
 
 
-@inner
+@sealed
 def _reflect(space: Floats, diagonal: Floats, n: int, k: int, count: int) -> bool:
     """Householder reflection that clears column k below its diagonal; False if nothing is left."""
     norm, whole = 0.0, 0.0

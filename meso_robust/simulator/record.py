@@ -4,7 +4,7 @@ A row of the record is ``time, x, y, θ, mode of the fixture`` and then for each
 mode``; world frame, forces on the part over e_x. The force of a step and its modes hold over the step.
 """
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.rows import TOLERANCE, slips
 from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES, PART, STEP
 from meso_robust.types import Floats, Ints
@@ -17,7 +17,7 @@ TIP, FORCE, PROBE_MODE, PER_PROBE = 0, 2, 4, 5
 _SLIP = 1e-6  # units: slower than this sticks
 
 
-@inner
+@sealed
 def contact_mode(contacts: Floats, marks: Ints, step: Floats, count: int, c: int) -> int:
     """Tell the mode of a contact: 0 separate, 1 stick, 2 slip +, 3 slip −.
 
@@ -31,7 +31,7 @@ def contact_mode(contacts: Floats, marks: Ints, step: Floats, count: int, c: int
     return 2 if vt < 0.0 else 3
 
 
-@inner
+@sealed
 def on_part(contacts: Floats, c: int, scale: float, pull: float) -> tuple[float, float]:
     """Force of a contact on the part, body frame: λ times a scale, and the pull times another."""
     nx, ny = contacts[c, CONTACTS.nx], contacts[c, CONTACTS.ny]
@@ -40,7 +40,7 @@ def on_part(contacts: Floats, c: int, scale: float, pull: float) -> tuple[float,
     return (draw - ln) * nx + lt * ny, (draw - ln) * ny - lt * nx
 
 
-@inner
+@sealed
 def record_step(
     record: Floats,
     sample: int,
@@ -85,7 +85,7 @@ def record_step(
     return sample
 
 
-@inner
+@sealed
 def _record_contacts(
     row: Floats,
     probes: int,
@@ -120,7 +120,7 @@ def _record_contacts(
             row[at + PROBE_MODE] = mode if mode >= 0 else row[at + PROBE_MODE]
 
 
-@inner
+@sealed
 def record_rest(record: Floats, sample: int, pose: Floats, obstacles: Floats) -> None:
     """Write the samples after the end of a run that was stopped: nothing moves or presses."""
     probes = (record.shape[1] - PROBES) // PER_PROBE

@@ -12,7 +12,7 @@ motion take it from the step before.
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.stage import Effect, Parameter, Stage
 from meso_robust.types import Floats
 
@@ -111,13 +111,13 @@ _TURN_WAVES = RESIDUAL.slot("residual", "torque_cos1_um")
 _SPIN = RESIDUAL.slot("residual", "spin")
 
 
-@inner
+@sealed
 def _second(c: float, s: float) -> tuple[float, float]:
     """Cosine and sine of the double angle."""
     return c * c - s * s, 2.0 * c * s
 
 
-@inner
+@sealed
 def _wave(effects: Floats, first: int, c: float, s: float, fourth: bool) -> float:
     """Sum of the harmonics 1, 2 and, if asked, 4 of an angle, coefficients from a column on."""
     c2, s2 = _second(c, s)
@@ -129,7 +129,7 @@ def _wave(effects: Floats, first: int, c: float, s: float, fourth: bool) -> floa
     return float(total)
 
 
-@inner
+@sealed
 def residual_wrench(
     effects: Floats,
     film: Floats,

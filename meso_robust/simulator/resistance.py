@@ -1,6 +1,6 @@
 """Forces and motion of a step with any support law, by tangents of the law until the twist agrees."""
 
-from meso_robust.kernels import inner, part
+from meso_robust.kernels import part, sealed
 from meso_robust.simulator.actuation import bending
 from meso_robust.simulator.advance import advance, closes
 from meso_robust.simulator.case import (
@@ -127,7 +127,7 @@ def _must_move(work: Work, count: int, unit: float) -> bool:
     return bool(closes(work.contacts, work.marks, work.step, count))
 
 
-@inner
+@sealed
 def _tangents(
     case: Case,
     dry: bool,

@@ -25,7 +25,7 @@ by the resistance of the support.
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import inner, sealed
 from meso_robust.simulator.tables import CONTACTS, MARKS, STEP
 from meso_robust.types import Floats, Ints
 
@@ -66,13 +66,13 @@ def write_rows(contacts: Floats, step: Floats, count: int, unit: float) -> bool:
     return bool(np.isfinite(total))
 
 
-@inner
+@sealed
 def is_soft(step: Floats) -> bool:
     """Whether the probes give way."""
     return bool(step[STEP.soft] != 0.0 or step[STEP.soft + 2] != 0.0)
 
 
-@inner
+@sealed
 def deflection(
     contacts: Floats, marks: Ints, step: Floats, a: int, b: int
 ) -> tuple[float, float, float, float]:
@@ -94,7 +94,7 @@ def deflection(
     return ax * nx + ay * ny, -ax * tx - ay * ty, ax * ny - ay * nx, ay * tx - ax * ty
 
 
-@inner
+@sealed
 def _dot(contacts: Floats, a: int, i: int, b: int, j: int) -> float:
     """Product of three columns of contact a from i and three of b from j."""
     return float(
@@ -147,7 +147,7 @@ def move_by_forces(contacts: Floats, step: Floats, count: int) -> None:
             )
 
 
-@inner
+@sealed
 def slips(contacts: Floats, marks: Ints, step: Floats, count: int, c: int) -> tuple[float, float]:
     """Relative displacements v_n and v_t of a contact under the forces and motion of the step."""
     vn, vt = contacts[c, CONTACTS.qn], contacts[c, CONTACTS.qt]

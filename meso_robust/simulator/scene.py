@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import inner, sealed
 from meso_robust.simulator.contact import PER_CORNER, at_corner, beside_edges, lies_beyond
 from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES, PART
 from meso_robust.types import Floats, Ints
@@ -89,7 +89,7 @@ def find_contacts(
     return count
 
 
-@inner
+@sealed
 def _disc(
     scene: Scene,
     disc: tuple[float, float, float],
@@ -121,7 +121,7 @@ def _disc(
     return count
 
 
-@inner
+@sealed
 def _corners_of_obstacle(
     scene: Scene,
     rows: tuple[int, int],
@@ -158,7 +158,7 @@ def _corners_of_obstacle(
     return count
 
 
-@inner
+@sealed
 def _corners_of_part(
     scene: Scene,
     rows: tuple[int, int],
@@ -197,7 +197,7 @@ def _corners_of_part(
     return count
 
 
-@inner
+@sealed
 def smallest_gap(contacts: Floats, count: int) -> float:
     """Smallest gap of the first `count` contacts, m; infinite without any."""
     least = np.inf

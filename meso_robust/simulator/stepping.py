@@ -21,7 +21,7 @@ holds, the solution of that mode is taken.
 
 import numpy as np
 
-from meso_robust.kernels import inner, part
+from meso_robust.kernels import part, sealed
 from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive
 from meso_robust.simulator.advance import advance, closes, is_ambiguous
 from meso_robust.simulator.case import (
@@ -58,7 +58,7 @@ MAX_TURN = 0.05
 """Largest turn of the part in one step, rad; beyond it contact is no longer linear."""
 
 
-@inner
+@sealed
 def run(case: Case, state: State, work: Work, pose: Floats, record: Floats) -> tuple[int, float]:
     """Push the part through one move.
 
@@ -206,7 +206,7 @@ def _contacts(
     return COMPLETED, gap, count
 
 
-@inner
+@sealed
 def _let_be(work: Work, count: int) -> None:
     """Take penetrations for touching.
 
@@ -218,7 +218,7 @@ def _let_be(work: Work, count: int) -> None:
     recall_modes(work.marks, count)
 
 
-@inner
+@sealed
 def _forces(
     case: Case,
     kind: Kind,
@@ -239,7 +239,7 @@ def _forces(
     return COMPLETED
 
 
-@inner
+@sealed
 def _displacement(body: Floats, w: Floats, unit: float, size: float) -> float:
     """Write the displacement of the part; return how far any point of it or a tip moves.
 

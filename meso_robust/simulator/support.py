@@ -25,7 +25,7 @@ creeps at about ε.
 
 import numpy as np
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import inner, sealed
 from meso_robust.simulator.stage import FORM, REFERENCE_SPEED, Effect, Parameter, Stage
 from meso_robust.simulator.tables import STEP
 from meso_robust.types import Floats
@@ -274,7 +274,7 @@ _LEAST_DRAG = 0.05  # of the film's at the origin: a line that falls must not en
 _RIDGE = 1e-3  # share of the secant in the tangent, for a matrix that is positive definite
 
 
-@inner
+@sealed
 def add_point(K: Floats, x: float, y: float, a: float, b: float, c: float) -> None:
     """Add ``Jᵀ [[a, b], [b, c]] J`` of the point (x, y) to a packed matrix.
 
@@ -288,7 +288,7 @@ def add_point(K: Floats, x: float, y: float, a: float, b: float, c: float) -> No
     K[5] += a * y * y - 2.0 * b * x * y + c * x * x
 
 
-@inner
+@sealed
 def multiply(K: Floats, v: Floats, out: Floats, sign: float) -> None:
     """Add ``sign K v`` of a packed matrix to `out`."""
     out[0] += sign * (K[0] * v[0] + K[1] * v[1] + K[2] * v[2])
@@ -296,7 +296,7 @@ def multiply(K: Floats, v: Floats, out: Floats, sign: float) -> None:
     out[2] += sign * (K[2] * v[0] + K[4] * v[1] + K[5] * v[2])
 
 
-@inner
+@sealed
 def film_matrix(
     film: Floats, points: Floats, effects: Floats, pose: Floats, time: float, out: Floats
 ) -> None:
@@ -346,7 +346,7 @@ def film_matrix(
             out[k] *= growth
 
 
-@inner
+@sealed
 def add_lay(lay: Floats, cos: float, sin: float, out: Floats) -> None:
     """Add what the stage's lay adds to the film's matrix, packed.
 
@@ -364,7 +364,7 @@ def add_lay(lay: Floats, cos: float, sin: float, out: Floats) -> None:
     add_point(out, lay[2], lay[3], p, q, -p)
 
 
-@inner
+@sealed
 def _move_centre(K: Floats, x: float, y: float) -> None:
     """Congruence ``K → Tᵀ K T`` with ``T v = (v_x − y ω, v_y + x ω, ω)``."""
     K[5] += 2.0 * (x * K[4] - y * K[2]) + y * y * K[0] - 2.0 * x * y * K[1] + x * x * K[3]
@@ -372,7 +372,7 @@ def _move_centre(K: Floats, x: float, y: float) -> None:
     K[4] += x * K[3] - y * K[1]
 
 
-@inner
+@sealed
 def pressure_slope(points: Floats, effects: Floats) -> tuple[float, float, float]:
     """Slope q of the pressure ``1 + q · r`` that has the given centre, 1/m, and p of ``p r²``, 1/m²."""
     xx, xy, yy = 0.0, 0.0, 0.0
@@ -386,7 +386,7 @@ def pressure_slope(points: Floats, effects: Floats) -> tuple[float, float, float
     return (yy * px - xy * py) / size, (xx * py - xy * px) / size, 1.0 / (xx + yy)
 
 
-@inner
+@sealed
 def resist_dry(
     points: Floats,
     surface: Floats,
@@ -464,7 +464,7 @@ def resist_dry(
         _resist_surface(surface, creep, v, K, out)
 
 
-@inner
+@sealed
 def _laid(
     effects: Floats, heading: tuple[float, float]
 ) -> tuple[bool, tuple[float, float], tuple[float, float]]:
@@ -478,7 +478,7 @@ def _laid(
     )
 
 
-@inner
+@sealed
 def _aged(effects: Floats, age: float) -> float:
     """Coulomb strength of the area by the age of the contact."""
     if effects[_AGEING] == 0.0:
@@ -489,7 +489,7 @@ def _aged(effects: Floats, age: float) -> float:
     return float(effects[_AGEING] * grown)
 
 
-@inner
+@sealed
 def _lays(
     effects: Floats, part: tuple[float, float], stage: tuple[float, float], ux: float, uy: float
 ) -> float:
@@ -502,7 +502,7 @@ def _lays(
     return more
 
 
-@inner
+@sealed
 def _ellipse(fraction: float, axis: tuple[float, float], ux: float, uy: float) -> float:
     """Friction ellipse of axes ``1 ± a``, the larger along a direction, less one."""
     along = (1.0 + fraction) * (axis[0] * ux + axis[1] * uy)
@@ -512,7 +512,7 @@ def _ellipse(fraction: float, axis: tuple[float, float], ux: float, uy: float) -
     return float(np.sqrt(along * along + across * across + rest) - 1.0)
 
 
-@inner
+@sealed
 def _strength(
     points: Floats,
     i: int,
@@ -544,7 +544,7 @@ def _strength(
     return c + w * dry, thin - w, drop * thin
 
 
-@inner
+@sealed
 def _resist_surface(surface: Floats, creep: float, v: Floats, K: Floats, out: Floats) -> None:
     """Add tangent and offset of the limit surface, ``D = A v / n`` with ``n = √(vᵀ A v)``."""
     px = surface[0] * v[0] + surface[1] * v[1] + surface[2] * v[2]
@@ -567,7 +567,7 @@ def _resist_surface(surface: Floats, creep: float, v: Floats, K: Floats, out: Fl
     out[2] -= loss * pz
 
 
-@inner
+@sealed
 def update_forces(points: Floats, v: Floats, new: Floats, dry: Floats) -> None:
     """Update the forces of the Coulomb law from the last twist to the new one, inside their discs.
 
@@ -596,14 +596,14 @@ def update_forces(points: Floats, v: Floats, new: Floats, dry: Floats) -> None:
         dry[i, 0], dry[i, 1] = fx, fy
 
 
-@inner
+@sealed
 def add_film(film: Floats, K: Floats) -> None:
     """Add a packed film matrix to the tangent; a linear law has no offset."""
     for k in range(6):
         K[k] += film[k]
 
 
-@inner
+@sealed
 def older(age: float, distance: float, dt: float, effects: Floats) -> float:
     """Age of the contact after a step of `dt` in which it slid by `distance`.
 
@@ -639,7 +639,7 @@ def factorise(K: Floats, step: Floats) -> bool:
     return True
 
 
-@inner
+@sealed
 def creep_speed(speed: float) -> float:
     """Speed at which a resting point creeps, for tips of the given speed."""
     return _CREEP * speed

@@ -5,7 +5,7 @@ contact; the contact itself still only presses, ``λ_n ≥ 0``, so that the forc
 is ``λ_n − F`` and its friction ``μ λ_n`` holds while the tip is drawn back.
 """
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.contact import PER_CORNER
 from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
 from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES
@@ -86,7 +86,7 @@ REACH_OF_ATTRACTION = 50.0
 _TOUCHING = 1e-9  # m: a gap this small wets the tip
 
 
-@inner
+@sealed
 def friction_of_contacts(
     effects: Floats, obstacles: Floats, contacts: Floats, marks: Ints, count: int
 ) -> None:
@@ -107,7 +107,7 @@ def friction_of_contacts(
         contacts[c, CONTACTS.pull] = 0.0
 
 
-@inner
+@sealed
 def attraction_reach(effects: Floats) -> float:
     """Gap within which a tip may draw the part, m; zero without such an effect."""
     reach = 0.0
@@ -118,7 +118,7 @@ def attraction_reach(effects: Floats) -> float:
     return float(reach)
 
 
-@inner
+@sealed
 def pull_of_tips(
     effects: Floats, probes: int, obstacles: Floats, contacts: Floats, marks: Ints, count: int
 ) -> None:

@@ -18,7 +18,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.contact import Place, frame, friction
 from meso_robust.simulator.events.outline import BEFORE, NX, NY
 from meso_robust.simulator.events.scene import (
@@ -84,7 +84,7 @@ def solve_three(a: Triple, b: Triple, c: Triple, right: Triple) -> Triple:
     )
 
 
-@inner
+@sealed
 def invert(matrix: Floats, inverse: Floats) -> None:
     """Write the inverse of a symmetric 3x3 matrix."""
     a, b, c = pick(matrix, 0), pick(matrix, 1), pick(matrix, 2)
@@ -99,7 +99,7 @@ def is_even(work: Work) -> bool:
     return bool(work.lay[0] == 0.0 and work.lay[1] == 0.0)
 
 
-@inner
+@sealed
 def lay_out(work: Work, place: Place) -> None:
     """Write the drag at a place of the part, which changes with its angle if the stage has a lay.
 
@@ -241,7 +241,7 @@ def _slide(scene: Scene, work: Work, place: Place, clock: float) -> None:
     work.twist[0], work.twist[1], work.twist[2] = share * v[0], share * v[1], share * v[2]
 
 
-@inner
+@sealed
 def velocity(scene: Scene, work: Work, place: Place, clock: float) -> Triple:
     """Velocity (x', y', θ') of the part in the world, in the present mode and basis."""
     if work.count[HELD] == 1:
@@ -259,7 +259,7 @@ def _rolls(scene: Scene, kind: int, i: int) -> bool:
     return bool(kind != WALL and scene.tips[i, 4] > 0.0)
 
 
-@inner
+@sealed
 def monitor(scene: Scene, work: Work, place: Place, clock: float) -> int:
     """Write what must not become negative in the present mode; `velocity` was called here before.
 

@@ -8,7 +8,7 @@ the speed of the part along the edge.
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.balance import cross, dot, is_even, times
 from meso_robust.simulator.events.contact import to_body
 from meso_robust.simulator.events.curve import about_pivot, guided_turn, start_guided
@@ -32,7 +32,7 @@ from meso_robust.simulator.events.tableau import NODES, RESULT, STAGES, WEIGHTS
 _PARALLEL = 1e-14  # sine of the angle between edges: rounding of their normals
 
 
-@inner
+@sealed
 def in_channel(scene: Scene, work: Work) -> bool:
     """Whether two tips slip along parallel edges; writes the numbers of their contacts."""
     if work.count[CLOSED] != 2 or work.count[HELD] != 2 or not is_even(work):
@@ -49,7 +49,7 @@ def in_channel(scene: Scene, work: Work) -> bool:
     return bool(abs(one[NX] * other[NY] - one[NY] * other[NX]) <= _PARALLEL)
 
 
-@inner
+@sealed
 def start_channel(scene: Scene, work: Work, clock: float) -> None:
     """Write the angle's curve from the present pose on."""
     start_guided(scene, work, work.channel, (work.pair[0], work.pair[1]), clock)
@@ -65,7 +65,7 @@ def _force(scene: Scene, work: Work, c: int) -> tuple[float, float, float]:
     return gx, gy, r * (nx * gy - ny * gx)
 
 
-@inner
+@sealed
 def glide(scene: Scene, work: Work, step: float) -> None:
     """Step along the channel from the present pose; write the slopes and the trial pose."""
     slide, curve = work.slide, work.channel

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.outline import AFTER, BEFORE, CONVEX, LENGTH, NX, NY, TIP, VX, VY
 from meso_robust.simulator.events.scene import (
     CORNER,
@@ -70,7 +70,7 @@ def frame(scene: Scene, kind: int, i: int, j: int, place: Place, clock: float) -
     return -dx / far, -dy / far, cx - dx, cy - dy, ux, uy, beyond, -along
 
 
-@inner
+@sealed
 def _wall_frame(scene: Scene, i: int, j: int, place: Place) -> Frame:
     """Corner i of the part on wall j."""
     nx, ny = to_body(scene.walls[j, NX], scene.walls[j, NY], place)
@@ -87,7 +87,7 @@ def friction(scene: Scene, work: Work, kind: int, i: int) -> float:
     return float(work.wall_friction if kind == WALL else scene.tips[i, 5])
 
 
-@inner
+@sealed
 def gap(scene: Scene, kind: int, i: int, j: int, place: Place, clock: float) -> float:
     """Distance between the surfaces of a contact (0 for a point tip on a corner)."""
     if kind == WALL:
@@ -104,7 +104,7 @@ def gap(scene: Scene, kind: int, i: int, j: int, place: Place, clock: float) -> 
     return 0.0
 
 
-@inner
+@sealed
 def _add(work: Work, kind: int, i: int, j: int, group: int) -> None:
     """Add a contact to the list (silently full at its end; the run then counts them)."""
     c = work.count[TOUCHING]
@@ -116,7 +116,7 @@ def _add(work: Work, kind: int, i: int, j: int, group: int) -> None:
         work.count[TOUCHING] = c + 1
 
 
-@inner
+@sealed
 def list_touching(scene: Scene, work: Work, clock: float, near: float, deep: float) -> None:
     """List the places where the part touches: gaps from −`deep` to `near`."""
     work.count[TOUCHING] = 0
@@ -131,7 +131,7 @@ def list_touching(scene: Scene, work: Work, clock: float, near: float, deep: flo
                 _list_corner(scene, work, i, place, (near, deep))
 
 
-@inner
+@sealed
 def _list_tip(scene: Scene, work: Work, i: int, point: tuple[float, float, float, float]) -> None:
     """List where a tip touches the part."""
     cx, cy, near, deep = point
@@ -157,7 +157,7 @@ def _list_tip(scene: Scene, work: Work, i: int, point: tuple[float, float, float
             _list_at_corner(scene, work, i, j, (dx, dy, near))
 
 
-@inner
+@sealed
 def _list_at_corner(
     scene: Scene, work: Work, i: int, j: int, offset: tuple[float, float, float]
 ) -> None:
@@ -177,7 +177,7 @@ def _list_at_corner(
         _add(work, CORNER, i, j, group if edge_on else -1)
 
 
-@inner
+@sealed
 def _fits(scene: Scene, work: Work, i: int, j: int, group: int) -> bool:
     """Whether the edge j of the part can separate it from the fixture at a corner of both."""
     if group < 0 or i < work.movers:
@@ -194,7 +194,7 @@ def _fits(scene: Scene, work: Work, i: int, j: int, group: int) -> bool:
     return True
 
 
-@inner
+@sealed
 def _list_corner(scene: Scene, work: Work, i: int, place: Place, band: tuple[float, float]) -> None:
     """List where a corner of the part touches the fixture."""
     near, deep = band
@@ -214,7 +214,7 @@ def _list_corner(scene: Scene, work: Work, i: int, place: Place, band: tuple[flo
             _add(work, WALL, i, f, group)
 
 
-@inner
+@sealed
 def _corner_fits(scene: Scene, i: int, f: int, place: Place) -> bool:
     """Whether the wall f can separate the part at its corner i from the fixture."""
     nx, ny = to_body(scene.walls[f, NX], scene.walls[f, NY], place)

@@ -19,7 +19,7 @@ the line through the first along the edge, the normal ``m`` of the edge has ``m 
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.contact import Place, tip_in_body
 from meso_robust.simulator.events.outline import NX, NY, VX, VY
 from meso_robust.simulator.events.scene import FIRST, SECOND, SLIP_MINUS, Scene, Work
@@ -30,7 +30,7 @@ _JUST = 0.999  # a ratio of tangents below one is that of a root just passed, or
 _START = 1e-13  # of the clock; what is nearer is the event at which the curve starts
 
 
-@inner
+@sealed
 def start_straight(work: Work) -> None:
     """Let the part go on with its present twist, without a turn."""
     curve = work.curve
@@ -43,7 +43,7 @@ def start_straight(work: Work) -> None:
     curve[5] = sin * work.twist[0] + cos * work.twist[1]
 
 
-@inner
+@sealed
 def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> float:
     """Let the part turn about a tip that sticks.
 
@@ -78,7 +78,7 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
     )
 
 
-@inner
+@sealed
 def start_guided(
     scene: Scene, work: Work, curve: Floats, guides: tuple[int, int], clock: float
 ) -> None:
@@ -102,7 +102,7 @@ def start_guided(
     curve[15] = np.copysign(1.0, dx * ny - dy * nx)
 
 
-@inner
+@sealed
 def guided_reach(scene: Scene, work: Work, guides: tuple[int, int]) -> float:
     """How far the part can go on a curve guided by two tips, which was started before.
 
@@ -135,7 +135,7 @@ def guided_reach(scene: Scene, work: Work, guides: tuple[int, int]) -> float:
     return float(reach)
 
 
-@inner
+@sealed
 def _start_pivot(
     scene: Scene, curve: Floats, i: int, start: tuple[Floats, float, float], clock: float
 ) -> None:
@@ -151,7 +151,7 @@ def _start_pivot(
     curve[16], curve[17] = cos, sin
 
 
-@inner
+@sealed
 def fastest_turn(work: Work) -> float:
     """Largest speed of turning on the rest of a straight curve or of one that sticks."""
     kappa, sin, cos = work.curve[8], work.curve[9], work.curve[10]
@@ -161,7 +161,7 @@ def fastest_turn(work: Work) -> float:
     return float(kappa if abs(sin) < abs(cos) else 2.0 * kappa * abs(sin * cos))
 
 
-@inner
+@sealed
 def _leaves(
     scene: Scene, work: Work, contact: int, force: tuple[float, float, float, float], side: float
 ) -> float:
@@ -189,7 +189,7 @@ def _leaves(
     return best
 
 
-@inner
+@sealed
 def start_cubic(work: Work, step: float, after: tuple[float, float, float]) -> None:
     """Join the present pose and the trial pose, with their slopes, by a cubic."""
     curve = work.curve

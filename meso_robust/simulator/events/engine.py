@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.kernels import fingerprint, sealed as inner, threads
+from meso_robust.kernels import fingerprint, sealed, threads
 from meso_robust.simulator.events.balance import invert
 from meso_robust.simulator.events.checks import check_move
 from meso_robust.simulator.events.journey import Log, run
@@ -107,13 +107,13 @@ class EventResult:
         return make_timeline(starts, outputs.contacts[:count], self.inputs.tips.shape[1])
 
 
-@inner
+@sealed
 def _of(i: int, length: int) -> int:
     """Row of run i in an array of 1 or N rows."""
     return i if length > 1 else 0
 
 
-@inner
+@sealed
 def _fill_legs(travel: Floats, friction: Floats, legs: Floats) -> float:
     """Write the legs of a run; return the clock at the end of the last."""
     clock = 0.0
@@ -129,7 +129,7 @@ def _fill_legs(travel: Floats, friction: Floats, legs: Floats) -> float:
     return clock
 
 
-@inner
+@sealed
 def _fill_tips(inputs: Inputs, i: int, tips: Floats) -> None:
     """Write the tips, which no leg has moved yet, and the corners of the fixture of a run."""
     movers = inputs.tips.shape[1]
@@ -143,7 +143,7 @@ def _fill_tips(inputs: Inputs, i: int, tips: Floats) -> None:
         tips[movers + q, 5] = inputs.wall_friction
 
 
-@inner
+@sealed
 def _one(inputs: Inputs, outputs: Outputs, i: int, scene: Scene, work: Work) -> None:
     """Take one run."""
     span = _fill_legs(inputs.travel[i], inputs.friction[i], scene.legs)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meso_robust.kernels import part, sealed as inner
+from meso_robust.kernels import part, sealed
 from meso_robust.simulator.events.choice import FOUND, JAM, NOT_UNIQUE, choose, code_of
 from meso_robust.simulator.events.contact import list_touching
 from meso_robust.simulator.events.outline import BEFORE, leave_out
@@ -95,7 +95,7 @@ def run(scene: Scene, work: Work, log: Log) -> tuple[int, float]:
     return outcome, clock
 
 
-@inner
+@sealed
 def start_leg(scene: Scene, work: Work, leg: int, clock: float) -> None:
     """Let the tips go on from where they are as they do in a leg."""
     work.span = work.whole
@@ -110,7 +110,7 @@ def start_leg(scene: Scene, work: Work, leg: int, clock: float) -> None:
     work.count[STUCK], work.count[BANNED] = 0, 0
 
 
-@inner
+@sealed
 def _outcome_of(choice: int) -> int:
     """Outcome that a choice of modes means for the run."""
     if choice == FOUND:
@@ -120,13 +120,13 @@ def _outcome_of(choice: int) -> int:
     return _NOT_UNIQUE if choice == NOT_UNIQUE else _FAILURE
 
 
-@inner
+@sealed
 def _speed(work: Work) -> float:
     """Speed of the part in units of that of the fastest tip."""
     return float(abs(work.twist[0]) + abs(work.twist[1]) + abs(work.twist[2]))
 
 
-@inner
+@sealed
 def _check(work: Work, before: float, after: float) -> int:
     """Stop a run that does not get on; keep it from choosing the mode that ended at once."""
     if after < 0.0:
@@ -148,7 +148,7 @@ def _check(work: Work, before: float, after: float) -> int:
     return _COMPLETED if work.count[STUCK] <= _MOST_STUCK else _FAILURE
 
 
-@inner
+@sealed
 def _note(work: Work, log: Log, clock: float, last: int) -> int:
     """Count a phase, and log it if there is room; phases of one mode count as one."""
     label = 0
@@ -172,7 +172,7 @@ def _note(work: Work, log: Log, clock: float, last: int) -> int:
     return label
 
 
-@inner
+@sealed
 def _forget_distances(scene: Scene, work: Work) -> None:
     """Measure tips and corners anew, without what they touch in closed contacts."""
     tips = scene.tips.shape[0]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import part, sealed as inner
+from meso_robust.kernels import part, sealed
 from meso_robust.simulator.events.balance import (
     cross,
     fill,
@@ -91,7 +91,7 @@ def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
     return _integrate(scene, work, path, clock, (pivot, slider, channel))
 
 
-@inner
+@sealed
 def _guides(scene: Scene, work: Work) -> tuple[int, int]:
     """Contacts of a point tip that sticks on an edge and of a tip that slips on one, or -1."""
     pivot, slider = -1, -1
@@ -105,7 +105,7 @@ def _guides(scene: Scene, work: Work) -> tuple[int, int]:
     return pivot, slider
 
 
-@inner
+@sealed
 def _translates(scene: Scene, work: Work, rest: float) -> bool:
     """Whether all closed contacts stick and the part does not turn, so that nothing changes."""
     if abs(work.twist[2]) * rest > _STILL or work.count[HELD] < 3:
@@ -116,7 +116,7 @@ def _translates(scene: Scene, work: Work, rest: float) -> bool:
     return not sliding
 
 
-@inner
+@sealed
 def _follow(scene: Scene, work: Work, path: Floats, clock: float, rest: float) -> float:
     """Go along a curve of closed form."""
     curve = work.curve
@@ -172,7 +172,7 @@ def _integrate(
     return clock
 
 
-@inner
+@sealed
 def _try(scene: Scene, work: Work, clock: float, step: float, guided: bool) -> float:
     """Write the trial pose of a step; return its error in units of the tolerance."""
     if not guided:
@@ -211,7 +211,7 @@ def _inspect(
     return first, event, slopes
 
 
-@inner
+@sealed
 def _fastest(scene: Scene, work: Work, slopes: tuple[float, float, float]) -> float:
     """Bound of the speed of the points of the part in a step, from those at its ends.
 
@@ -222,7 +222,7 @@ def _fastest(scene: Scene, work: Work, slopes: tuple[float, float, float]) -> fl
     return float(1.5 * max(here, there))
 
 
-@inner
+@sealed
 def _first_negative(
     scene: Scene, work: Work, count: int, found: tuple[float, int], clock: float
 ) -> tuple[float, int]:
@@ -273,7 +273,7 @@ def _end_at(
     return clock
 
 
-@inner
+@sealed
 def _polish(scene: Scene, work: Work, event: int, time: float, clock: float) -> float:
     """Correct the instant of an event by secants near the end of the curve, where it is exact."""
     other = time * (1.0 - 1e-4)
@@ -292,7 +292,7 @@ def _polish(scene: Scene, work: Work, event: int, time: float, clock: float) -> 
     return now
 
 
-@inner
+@sealed
 def project(scene: Scene, work: Work, clock: float) -> None:
     """Take the part back to the closed contacts by the shortest way."""
     pose = work.pose

@@ -1,19 +1,19 @@
 """Poses at evenly spaced instants of a move, in the motion that is going on."""
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.events.curve import CUBIC, pose_at
 from meso_robust.simulator.events.scene import SAMPLE, Scene, Work
 from meso_robust.simulator.events.stride import stride
 from meso_robust.types import Floats
 
 
-@inner
+@sealed
 def _instant(work: Work, path: Floats, sample: int) -> float:
     """The clock at a sample of the path."""
     return float(work.whole * sample / (path.shape[0] - 1))
 
 
-@inner
+@sealed
 def sample_curve(work: Work, path: Floats, clock: float, length: float) -> None:
     """Write the samples that fall on a curve of closed form."""
     while work.count[SAMPLE] < path.shape[0]:
@@ -25,7 +25,7 @@ def sample_curve(work: Work, path: Floats, clock: float, length: float) -> None:
         work.count[SAMPLE] = sample + 1
 
 
-@inner
+@sealed
 def sample_step(scene: Scene, work: Work, path: Floats, clock: float, length: float) -> None:
     """Write the samples that fall in a step; in a Runge-Kutta step each is a shorter one."""
     if work.curve[0] != CUBIC:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.balance import monitor, velocity
 from meso_robust.simulator.events.contact import Place, tip_in_body
 from meso_robust.simulator.events.curve import place_at
@@ -67,7 +67,7 @@ def _corner_clearance(scene: Scene, work: Work, body: int, place: Place) -> floa
     return distance(scene.walls, x, y)
 
 
-@inner
+@sealed
 def event_value(scene: Scene, work: Work, event: int, time: float, clock: float) -> float:
     """Value of the quantity of an event on the curve; clearances have negative numbers."""
     place = place_at(work, time)
@@ -78,7 +78,7 @@ def event_value(scene: Scene, work: Work, event: int, time: float, clock: float)
     return float(work.slack[event])
 
 
-@inner
+@sealed
 def root(scene: Scene, work: Work, event: int, bracket: tuple[float, float], clock: float) -> float:
     """Instant in the bracket at which a quantity falls to zero (Illinois method)."""
     low, high = bracket
@@ -109,7 +109,7 @@ def root(scene: Scene, work: Work, event: int, bracket: tuple[float, float], clo
     return high
 
 
-@inner
+@sealed
 def _positive(
     scene: Scene, work: Work, event: int, bracket: tuple[float, float], clock: float
 ) -> tuple[float, float]:
@@ -170,7 +170,7 @@ def _closing(scene: Scene, work: Work, body: int, end: float, bound: Bound, cloc
     return float(own + turn * lever + rest)
 
 
-@inner
+@sealed
 def next_contact(
     scene: Scene, work: Work, end: float, bound: Bound, clock: float
 ) -> tuple[float, int]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import sealed as inner
+from meso_robust.kernels import sealed
 from meso_robust.simulator.events.balance import fill
 from meso_robust.simulator.events.choice import add_row
 from meso_robust.simulator.events.contact import gap, list_touching
@@ -24,7 +24,7 @@ _LEFT = 1e-10  # and what may be left of it
 _ROUNDS = 4  # of pushing back: out of one wall may be into another
 
 
-@inner
+@sealed
 def settle(scene: Scene, work: Work) -> bool:
     """Take the part back by small overlaps, and tell whether nothing overlaps then."""
     for _ in range(_ROUNDS):
@@ -43,7 +43,7 @@ def settle(scene: Scene, work: Work) -> bool:
     return _is_free(scene, work)
 
 
-@inner
+@sealed
 def _is_free(scene: Scene, work: Work) -> bool:
     """Tell whether no tip is in the part and no corner in the fixture."""
     place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))

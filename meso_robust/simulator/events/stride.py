@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed as inner
+from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.balance import velocity
 from meso_robust.simulator.events.channel import glide
 from meso_robust.simulator.events.scene import Scene, Work
@@ -11,7 +11,7 @@ from meso_robust.simulator.events.tableau import ERROR_3, ERROR_5, NODES, RESULT
 _TOLERANCE = 1e-12  # of a step, in scaled lengths and radians
 
 
-@inner
+@sealed
 def stride(scene: Scene, work: Work, clock: float, step: float) -> None:
     """Step from the present pose; the first slope must be there.
 
@@ -45,7 +45,7 @@ def stride(scene: Scene, work: Work, clock: float, step: float) -> None:
         work.trial[m] = work.pose[m] + step * total
 
 
-@inner
+@sealed
 def error_of(work: Work, step: float) -> float:
     """Error of the last step in units of the tolerance."""
     five, three = 0.0, 0.0
