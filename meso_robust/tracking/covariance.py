@@ -33,12 +33,9 @@ def clustered(design: Floats, weight: Floats, residual: Floats, starts: Ints) ->
     starts
         (G,) index of each cluster's first row, G > k.
     """
-    from meso_robust.tracking.covariance_kernels import scattered
+    from meso_robust.tracking.covariance_kernels import clustered as summed
 
-    bread = _bread(design, weight)
-    scatter, used = scattered(design, weight, residual, starts)
-    few = used / max(used - design.shape[1], 1)  # a fit to few clusters hides their scatter
-    return few * bread @ scatter @ bread
+    return summed(design, weight, residual, starts)
 
 
 def side_modes(side: Ints) -> Floats:
@@ -91,19 +88,9 @@ def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) 
     What the fit could not absorb of such displacements shows in the residuals. Those by light, which
     displace sides without tilting them, say nothing of tilts: the two kinds are told apart.
     """
-    from meso_robust.tracking.covariance_kernels import modes_seen
+    from meso_robust.tracking.covariance_kernels import displaced
 
-    bread = _bread(design, weight)
-    response, left, power, most, seen = modes_seen(design, weight, residual, modes, bread)
-    used = power > 0.05 * most
-    seen[~used] = 0.0
-    expected = SIDE_SHARE**2 * float(weight @ residual**2) / max(float(weight.sum()), 1e-9)
-    sigma = np.empty(len(modes))
-    for kind in (slice(0, None, 2), slice(1, None, 2)):
-        free = float(np.sum((left[kind, kind] ** 2)[used[kind]][:, used[kind]]))
-        total = SIDE_COUNT * expected + float(np.sum(seen[kind] ** 2))
-        sigma[kind] = np.sqrt(total / (SIDE_COUNT + free))
-    return Systematic(sigma, response)
+    return Systematic(*displaced(design, weight, residual, modes, (SIDE_SHARE, SIDE_COUNT)))
 
 
 def lamp_covariance(fit: Floats) -> Floats:
@@ -124,14 +111,3 @@ def turned(covariance: Floats, rotation: Floats) -> Floats:
     full = np.eye(3)
     full[:2, :2] = rotation
     return full @ covariance[:3, :3] @ full.T
-
-
-def _bread(design: Floats, weight: Floats) -> Floats:
-    """(k, k) inverse of the normal matrix; of what is not determined, a very large variance."""
-    from meso_robust.tracking.covariance_kernels import normal
-
-    found = normal(design, weight)
-    scale = 1.0 / np.sqrt(np.maximum(found.diagonal(), 1e-12))
-    unit = found * scale[:, None] * scale
-    unit.flat[:: len(unit) + 1] += 1e-9
-    return np.linalg.inv(unit) * scale[:, None] * scale

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner
-from meso_robust.types import Floats, Ints
+from meso_robust.kernels import inner, maker
+from meso_robust.types import Flags, Floats, Ints
 
 
 @inner
@@ -26,8 +28,8 @@ def _mirrored(matrix: Floats) -> None:
             matrix[i, j] = matrix[j, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def normal(design: Floats, weight: Floats) -> Floats:
+@maker
+def _normal(design: Floats, weight: Floats) -> Floats:
     """Normal matrix (k, k) of rows (N, k) with weights (N,).
 
     Raises
@@ -44,10 +46,47 @@ def normal(design: Floats, weight: Floats) -> Floats:
     return np.dot(design.T, scaled)
 
 
+@inner
+def _rescaled(matrix: Floats, scale: Floats) -> None:
+    """Rows and columns of a matrix times their scales."""
+    for i in range(len(scale)):
+        for j in range(len(scale)):
+            matrix[i, j] *= scale[i] * scale[j]
+
+
+@inner
+def _inverted(matrix: Floats, out: Floats) -> None:
+    """Turn ``out``, at first the unit matrix, into the inverse of a definite one, which needs no pivots and is used up."""
+    for k in range(len(out)):
+        pivot = 1.0 / matrix[k, k]
+        for j in range(len(out)):
+            matrix[k, j] *= pivot
+            out[k, j] *= pivot
+        for i in range(len(out)):
+            factor = matrix[i, k] if i != k else 0.0
+            for j in range(len(out)):
+                matrix[i, j] -= factor * matrix[k, j]
+                out[i, j] -= factor * out[k, j]
+
+
+@maker
+def _bread(design: Floats, weight: Floats) -> Floats:
+    """(k, k) inverse of the normal matrix; of what is not determined, a very large variance."""
+    matrix = _normal(design, weight)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-12))
+    _rescaled(matrix, scale)
+    for k in range(len(scale)):
+        matrix[k, k] += 1e-9
+    out = np.eye(len(scale))
+    _inverted(matrix, out)
+    _rescaled(out, scale)
+    return out
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def scattered(design: Floats, weight: Floats, residual: Floats, starts: Ints) -> tuple[Floats, int]:
-    """Sum (k, k) of the outer products of each cluster's score, and how many clusters count at all."""
-    many = design.shape[1]
+def clustered(design: Floats, weight: Floats, residual: Floats, starts: Ints) -> Floats:
+    """Covariance (k, k) of a solution whose errors come in clusters; see `covariance.clustered`."""
+    many, bread = design.shape[1], _bread(design, weight)
     out, score, used = np.zeros((many, many)), np.empty(many), 0
     for k in range(len(starts)):
         last = starts[k + 1] if k + 1 < len(starts) else len(design)
@@ -62,36 +101,98 @@ def scattered(design: Floats, weight: Floats, residual: Floats, starts: Ints) ->
         _added(score, 1.0, out)
         used += counts > 0.0
     _mirrored(out)
-    return out, used
+    # a fit to few clusters hides their scatter
+    return used / max(used - many, 1) * np.dot(np.dot(bread, out), bread)
+
+
+@inner
+def _gathered(
+    design: Floats, weight: Floats, residual: Floats, mode: Floats, pull: Floats
+) -> tuple[float, float, float]:
+    """Add what a mode (N,) draws from a fit; its weight, the most that could have, and how far it is displaced."""
+    power, most, seen = 0.0, 0.0, 0.0
+    for n in range(len(weight)):
+        if mode[n] == 0.0:
+            continue
+        scaled = weight[n] * mode[n]
+        most += mode[n] ** 2
+        power += scaled * mode[n]
+        seen += scaled * residual[n]
+        for k in range(design.shape[1]):
+            pull[k] += scaled * design[n, k]
+    return power, most, seen / max(power, 1e-9)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def modes_seen(
-    design: Floats, weight: Floats, residual: Floats, modes: Floats, bread: Floats
-) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """What displaced sides (M, N) do to a fit; see `covariance.systematic`.
+def displaced(
+    design: Floats, weight: Floats, residual: Floats, modes: Floats, assumed: tuple[float, float]
+) -> tuple[Floats, Floats]:
+    """How far sides may be displaced in modes (M, N), and what that does to a fit; see `covariance.systematic`.
 
-    Returns by how much each displaces the solution (M, k), by how much it displaces what is left along
-    each other (M, M), its weight (M,), the most that could have, and the displacement that is seen.
+    ``assumed`` are the share of the spread of the residuals and the observations that it is worth. Returns the
+    standard deviations (M,) and by how much each displaces the solution (M, k).
     """
     many = len(modes)
-    pull, power, most = np.zeros((many, design.shape[1])), np.zeros(many), np.zeros(many)
-    seen = np.zeros(many)
+    pull, used = np.zeros((many, design.shape[1])), np.zeros(many, np.bool_)
+    power, seen, sigma = np.empty(many), np.empty(many), np.empty(many)
     for m in range(many):
-        for n in range(len(weight)):
-            if modes[m, n] == 0.0:
-                continue
-            scaled = weight[n] * modes[m, n]
-            most[m] += modes[m, n] ** 2
-            power[m] += scaled * modes[m, n]
-            seen[m] += scaled * residual[n]
-            for k in range(design.shape[1]):
-                pull[m, k] += scaled * design[n, k]
-    response = np.dot(pull, bread)
-    left = np.dot(response, pull.T)
-    for m in range(many):
-        seen[m] /= max(power[m], 1e-9)
-        for other in range(many):
-            left[other, m] /= -max(power[m], 1e-9)
-        left[m, m] += 1.0
-    return response, left, power, most, seen
+        power[m], most, seen[m] = _gathered(design, weight, residual, modes[m], pull[m])
+        used[m] = power[m] > 0.05 * most
+    response = np.dot(pull, _bread(design, weight))
+    # by how much each displaces what is left along each other
+    left = -np.dot(response, pull.T) / np.maximum(power, 1e-9)
+    expected = assumed[0] ** 2 * np.sum(weight * residual**2) / max(np.sum(weight), 1e-9)
+    for kind in range(2):
+        free, found = 0.0, 0.0
+        for m in range(kind, many, 2):
+            found += seen[m] ** 2 if used[m] else 0.0
+            for other in range(kind, many, 2):
+                own = 1.0 if m == other else 0.0
+                free += (own + left[m, other]) ** 2 if used[m] and used[other] else 0.0
+        for m in range(kind, many, 2):
+            sigma[m] = math.sqrt((assumed[1] * expected + found) / (assumed[1] + free))
+    return sigma, response
+
+
+@inner
+def _decomposed(matrix: Floats) -> None:
+    """Replace the lower triangle of a definite matrix by that of its Cholesky decomposition."""
+    for j in range(len(matrix)):
+        for i in range(j, len(matrix)):
+            for k in range(j):
+                matrix[i, j] -= matrix[i, k] * matrix[j, k]
+            matrix[i, j] = math.sqrt(matrix[j, j]) if i == j else matrix[i, j] / matrix[j, j]
+
+
+@inner
+def _divided(lower: Floats, columns: Floats) -> None:
+    """Solve with a lower triangle for each column, in place."""
+    for c in range(columns.shape[1]):
+        for i in range(len(lower)):
+            for k in range(i):
+                columns[i, c] -= lower[i, k] * columns[k, c]
+            columns[i, c] /= lower[i, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def support(design: Floats, visible: Flags, agrees: Flags) -> Floats:
+    """Symmetric (k, k); its eigenvalues are the shares of what visible rows (N, k) tell that agreeing ones tell."""
+    many = design.shape[1]
+    whole, part = np.zeros((many, many)), np.zeros((many, many))
+    for n in range(len(design)):
+        if visible[n]:
+            _added(design[n], 1.0, whole)
+        if agrees[n]:
+            _added(design[n], 1.0, part)
+    _mirrored(whole)
+    _mirrored(part)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(whole), 1e-12))
+    _rescaled(whole, scale)
+    _rescaled(part, scale)
+    for k in range(many):
+        whole[k, k] += 1e-9
+    _decomposed(whole)
+    _divided(whole, part)
+    turned = part.T.copy()
+    _divided(whole, turned)
+    return turned

@@ -173,7 +173,10 @@ def match(
     for n in range(len(derivative)):
         profile = derivative[n]
         offset[n], quality[n], polarity[n] = np.nan, 0.0, 0.0
-        if not np.isfinite(profile).all():
+        total = 0.0
+        for k in range(len(profile)):
+            total += profile[k]
+        if not math.isfinite(total):
             continue
         best = _correlated(profile, mean, agreement, energy)
         polarity[n] = np.sign(agreement[best])
@@ -257,8 +260,8 @@ def face_step(
     weight: Floats,
     solution: Floats,
     residual: Floats,
-) -> None:
-    """One round of `ssd.registered`: solve with the weights (M,), then renew them.
+) -> int:
+    """One round of `ssd.registered`: solve with the weights (M,), then renew them; how many values are seen.
 
     ``grey`` (M,) is NaN where nothing is seen; ``solution`` (8,) and ``residual`` (M,) are filled.
     """
@@ -282,6 +285,19 @@ def face_step(
     for n in range(len(grey)):
         visible = not math.isnan(grey[n])
         weight[n] = _biweight((residual[n] / (_EDGE_TUKEY * scale)) ** 2) if visible else 0.0
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def alike(design: Floats, gain: float, weight: Floats, residual: Floats) -> float:
+    """Correlation of an image, first of the columns (M, K), with what is seen, from what the fit leaves (M,)."""
+    mean, explained, rest = 0.0, 0.0, 0.0
+    for n in range(len(design)):
+        mean += design[n, 0] / len(design)
+    for n in range(len(design)):
+        explained += weight[n] * (gain * (design[n, 0] - mean)) ** 2
+        rest += weight[n] * residual[n] ** 2
+    return math.sqrt(explained / max(explained + rest, 1e-12))
 
 
 @inner

@@ -125,13 +125,9 @@ def _support(design: Floats, visible: Flags, agrees: Flags) -> float:
 
     A rectangle that slides along itself agrees along its long sides; its short ones object.
     """
-    from meso_robust.tracking.covariance_kernels import normal
+    from meso_robust.tracking.covariance_kernels import support
 
-    whole = normal(design, visible.astype(float))
-    size = np.sqrt(np.maximum(whole.diagonal(), 1e-12))
-    unit = whole / size / size[:, None] + 1e-9 * np.eye(3)
-    part = normal(design, agrees.astype(float)) / size / size[:, None]
-    return float(np.linalg.eigvals(np.linalg.solve(unit, part)).real.min())
+    return float(np.linalg.eigvalsh(support(design, visible, agrees))[0])
 
 
 def _fault(score: float, share: float, support: float, covariance: Floats) -> str:

@@ -43,16 +43,15 @@ _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
 # image says nothing
 _EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5, 0.25])
 _SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 1.0, 0.4, 0.5, 0.3])
-_CHAMFER, _FORM = 4, (4, 6)
-_FOIL = 0.35  # spread of the log of the chamfer among etched foils, whose rims are seen wider than the blur
+_CHAMFER = 4  # of them
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
 _UNEVEN = 0.03  # change of the film's brightness over 10 px, by which sides may differ
 _LOOSEST = 2.5  # px; a larger displacement is no rim
-# variance of errors over that of the fit: always, a px of displacement, and a step between blocks of
-# compression over those within; set on films of their own
-_OWN_ERROR, _BY_LIGHT, _BY_BLOCKS = 0.1, 0.5, 0.25
-_WRONG = 0.2  # of a displacement, that the model of a rim gets wrong however well it fits
+# variance of errors over that of the fit, for a step between blocks of compression over those within; set on films
+# of their own, as was the next; chamfer and blur vary less than the fit grants them
+_BY_BLOCKS = 0.2
+_BY_PRESSURE = 0.2  # of the square of what displaces all sides alike
 _BLOCK = 8  # px, side of a block
 _ALIEN = 2.0  # standard deviations of a displacement common to all sides, beyond which edges are not the outline's
 _DISTINCT, _DOUBT = 0.2, 2.0  # px between solutions, and decline of their likelihood by their cost
@@ -173,31 +172,26 @@ def lamp_displacement(
         if np.hypot(*away) > _DISTINCT and np.hypot(*other.x[:2]) < _LOOSEST:
             doubt += math.exp(_DOUBT * (fit.cost - other.cost)) * np.outer(away, away) / len(fits)
     found = np.linalg.pinv(fit.jac.T @ fit.jac, hermitian=True)
-    wrong = (_WRONG * float(np.hypot(*fit.x[:2]))) ** 2 * np.eye(2)
-    covariance = _scatter(frame, fit.x[:2]) * found[:2, :2] + _by_form(found) + wrong
+    wrong = _wrong(fit.x, found[_CHAMFER, _CHAMFER])
+    covariance = _scatter(frame) * found[:2, :2] + wrong * np.eye(2)
     return LampFit(-fit.x[:2], covariance, doubt)
 
 
-def _by_form(covariance: Floats) -> Floats:
-    """(2, 2) of a displacement by what is not known of the rim's form, from the covariance of all unknowns.
+def _wrong(found: Floats, variance: float) -> float:
+    """Variance (px²) of a displacement by what the model of a rim gets wrong, ``variance`` being that of its log width.
 
-    A lit rim that is narrower than the blur looks like a displaced edge, and how far that is hangs on its form. In
-    rims that are seen as wide as those of foil this is in `_scatter`; what is left grows as their width is told worse.
+    A lit rim that is narrower than the blur looks like a displaced edge, and how far that is hangs on the width that
+    it is taken for: of the displacement no larger share is known than of the width. And as the outline is known,
+    all sides displaced alike are a rim that is not as the model has it; of what the light displaces, which is the same
+    rim brighter on one side, that much may be wrong, if there is as much of it.
     """
-    form = list(_FORM)
-    shared = covariance[:2, form]
-    part = shared @ np.linalg.pinv(covariance[np.ix_(form, form)], hermitian=True) @ shared.T
-    return np.asarray(covariance[_CHAMFER, _CHAMFER] / _FOIL**2 * part)
+    lit = float(found[:2] @ found[:2])
+    return variance * lit + _BY_PRESSURE * min(float(found[2]) ** 2, lit)
 
 
-def _scatter(frame: Bytes, displacement: Floats) -> float:
-    """Variance of errors over what the fit states.
-
-    Chamfer and blur vary less than it grants them, and where all sides are lit alike what they are
-    taken for displaces nothing. Compression errs alike along a side, which the fit does not know.
-    """
-    lit = _BY_LIGHT * float(np.hypot(*displacement))
-    return _OWN_ERROR + lit + _BY_BLOCKS * max(block_step(frame) - 1.0, _LEAST_STEP)
+def _scatter(frame: Bytes) -> float:
+    """Variance of errors over what the fit states: compression errs alike along a side, which it does not know."""
+    return _BY_BLOCKS * max(block_step(frame) - 1.0, _LEAST_STEP)
 
 
 def block_step(frame: Bytes) -> float:

@@ -148,16 +148,14 @@ def registered(piece: Patch, of: Template, pose: Floats, lens: Lens) -> SsdFit |
     Starts within about 2 px. The covariance holds noise and what is correlated within blocks, not
     an error of the poses that the appearance was learned with.
     """
-    from meso_robust.tracking.fit_kernels import face_step
+    from meso_robust.tracking.fit_kernels import alike, face_step
 
     solution, residual = np.empty(of.design.shape[1]), np.empty(len(of.points))
     weight = np.ones(len(of.points))
     for _ in range(_ROUNDS):
         grey = sample(piece, lens.seen(placed(of.points, pose)))
-        if np.isfinite(grey).sum() < max(_LEAST, 0.2 * len(grey)):
-            return None
-        face_step(of.design, grey, _LEAST_SCALE, weight, solution, residual)
-        if not solution[0] > 0.1:
+        seen = face_step(of.design, grey, _LEAST_SCALE, weight, solution, residual)
+        if seen < max(_LEAST, 0.2 * len(grey)) or not solution[0] > 0.1:
             return None
         motion = -solution[_LIGHT:] / solution[0]
         if np.hypot(*motion[:2]) > 4.0:
@@ -167,9 +165,5 @@ def registered(piece: Patch, of: Template, pose: Floats, lens: Lens) -> SsdFit |
             break
     covariance = clustered(of.design, weight, residual, of.starts)
     motion_covariance = covariance[_LIGHT:, _LIGHT:] / solution[0] ** 2
-    explained = (
-        weight @ (of.design[:, 0] * solution[0] - np.mean(of.design[:, 0]) * solution[0]) ** 2
-    )
-    rest = weight @ residual**2
-    correlation = float(np.sqrt(explained / max(explained + rest, 1e-12)))
+    correlation = alike(of.design, float(solution[0]), weight, residual)
     return SsdFit(pose, turned(motion_covariance, rotation(pose[2])), correlation)

@@ -204,7 +204,7 @@ def test_compression_shows_at_the_borders_of_its_blocks() -> None:
         )  # cut out
 
 
-def test_what_light_displaces_is_less_certain_if_compressed_or_oblique() -> None:
+def test_what_light_displaces_is_less_certain_if_compressed() -> None:
     image = digitised(obliquely_lit(POSE, np.zeros(2)), np.random.default_rng(3), 2.0)
     sigma = []
     for seen in (image, packed(image, 60)):
@@ -212,8 +212,16 @@ def test_what_light_displaces_is_less_certain_if_compressed_or_oblique() -> None
         assert fit is not None
         sigma.append(math.sqrt(np.trace(fit.covariance)))
     assert sigma[1] > 1.2 * sigma[0]
-    oblique, even = np.array([0.6, 0.0]), np.zeros(2)
-    assert rim._scatter(image, oblique) > 1.5 * rim._scatter(image, even)
+
+
+def test_of_what_light_displaces_no_larger_share_is_known_than_of_the_rims_width() -> None:
+    """Of 0.5 px a tenth and three tenths; and of what displaces all sides alike, no more than there is."""
+    met = np.array([0.3, 0.4, 0.0, 0.0, 1.0, 1.0, 0.5, 0.25])
+    assert math.sqrt(rim._wrong(met, 0.1**2)) == pytest.approx(0.05)
+    assert math.sqrt(rim._wrong(met, 0.3**2)) == pytest.approx(0.15)
+    pressed = met + 0.2 * np.eye(8)[2]
+    assert rim._wrong(pressed, 0.0) == pytest.approx(0.2 * 0.2**2)
+    assert rim._wrong(pressed * [0.1, 0.1, 1, 1, 1, 1, 1, 1], 0.0) == pytest.approx(0.2 * 0.05**2)
 
 
 def test_another_solution_that_fits_nearly_as_well_is_a_doubt(
