@@ -54,7 +54,7 @@ def test_a_cell_leaves_out_only_what_has_another_room() -> None:
     bounding = rotation._bounding(move)
     narrower = []
     cells = cut(move.grip, CELLS)
-    for cell, known in zip(cells, rotation._within(move, cells), strict=True):
+    for cell, known in zip(cells, rotation.within(move, cells), strict=True):
         inside = (room >= cell.lo) & (room <= cell.hi)
         for name in bounding:
             side = known.box[name]
