@@ -16,7 +16,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meso_robust.bounds import HALF_PI, Bounded, Interval, Verdict, enclose, enclose_rows
+from meso_robust.bounds import (
+    HALF_PI,
+    Bounded,
+    Interval,
+    Verdict,
+    enclose,
+    enclose_rows,
+    enclose_where,
+)
 from meso_robust.bounds.interval import arcsin, cos, sin
 from meso_robust.motion import one_tip
 from meso_robust.motion.two_sided import (
@@ -62,6 +70,12 @@ order in it: 0.019 was needed for the paper's task, 0.027 where the room's range
 ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
 """The same where other constants are uncertain as well, across and along the push, where the slide is all that
 is uncertain. 0.05 and 0.104 were seen of tubes that were up to 4 % wider."""
+WIDE_ROOM, PARTS = 0.05, 24
+"""Where the room of the tips is uncertain by more, over the part's width, where a rotation ends is bounded more
+closely, with the room in so many parts."""
+PLACED_AHEAD, PLACED_ASIDE = (0.28, 0.03), (0.03, 0.23)
+"""The same at either end of what is found so, along and across the push. A checker's barriers are without parts of
+the room: the one that the slide does not fall below lies much farther out, the other one hardly."""
 ROOM_LEAST, ROOM_LEAST_AHEAD = 0.001, 0.008
 """The same of a polygon at least, over the part's width: what barriers differ by where friction is known closely.
 0.0007 and 0.0053 were seen."""
@@ -185,7 +199,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     obligations += [*touch.obligations, rests]
     if not all_proved(obligations if hasty else [rests]):
         return _step(rule, pre, None, obligations)
-    alone = all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
+    alone = _alone(grip)
     rough = rough or not alone
     tube, parts = _tube(move, touch, rough=rough)
     if tube.status is not TubeStatus.COMPLETE:
@@ -194,19 +208,7 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     if at_end is None:
         obligations += [*_tube_obligations(tube, move), _undecided(ObligationId.END_ENCLOSED)]
         return _step(rule, pre, None, obligations)
-    width = grip.depth.mid + grip.depth_far.mid
-    wide = ROOM_WIDE * grip.room.width / width
-    ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
-    # rough tubes are wider than those of others
-    wider = 0.0 if rough else ahead * tube.widest
-    close = (ROOM_CLOSE * width - ROOM_WITHIN * tube.widest) / at_end.pose.x.width
-    if alone and close > ahead:
-        ahead, wider = close, max(wider, ROOM_ON_EDGE * width)
-        aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
-    if edge.beyond:
-        wider = max(wider, ROOM_LEAST_AHEAD * width)
-        ahead = max(ahead, ROOM_LEAST_AHEAD * width / at_end.pose.x.width)
-        aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
+    ahead, aside, wider = _for_others(move, tube, at_end.pose, rough=rough)
     obligations += _tube_obligations(tube, move, wider)
     slices = _slices(parts, tube)
     obligations += idle_tip_clear(move, touch, slices, at_end)
@@ -215,8 +217,41 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     obligations.append(_of_move(move, comes_free(Which.BOTH, faced)))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
-    post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
+    pose = at_end.pose
+    post = replace(pose, x=_roomy(pose.x, ahead, ahead), y=_roomy(pose.y, aside, aside))
+    if not (hasty or alone) and grip.room.width > WIDE_ROOM * _width(grip):
+        post = _placed(move, touch, post)
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
+
+
+def _alone(grip: Grip) -> bool:
+    """Whether nothing but the room of the tips is uncertain of all that is constant."""
+    return all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
+
+
+def _width(grip: Grip) -> float:
+    """Of the part, m."""
+    return grip.depth.mid + grip.depth_far.mid
+
+
+def _for_others(
+    move: Move, tube: SlideTube, pose: PoseBox, *, rough: bool
+) -> tuple[float, float, float]:
+    """What others, who enclose the slide by other barriers, need: shares of x and y at the end; m of the tube."""
+    grip, width = move.grip, _width(move.grip)
+    alone, wide = _alone(grip), ROOM_WIDE * grip.room.width / width
+    ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
+    # rough tubes are wider than those of others
+    wider = 0.0 if rough else ahead * tube.widest
+    close = (ROOM_CLOSE * width - ROOM_WITHIN * tube.widest) / pose.x.width
+    if alone and close > ahead:
+        ahead, wider = close, max(wider, ROOM_ON_EDGE * width)
+        aside = max(aside, ROOM_LEAST * width / pose.y.width)
+    if move.edge.beyond:
+        wider = max(wider, ROOM_LEAST_AHEAD * width)
+        ahead = max(ahead, ROOM_LEAST_AHEAD * width / pose.x.width)
+        aside = max(aside, ROOM_LEAST * width / pose.y.width)
+    return ahead, aside, wider
 
 
 def before_end(h_start: Interval, h_end: Interval) -> Interval:
@@ -302,7 +337,7 @@ def _tube(
 ) -> tuple[SlideTube, list[Move]]:
     """The tube, and the move as it is in each of its cells."""
     grip = move.grip
-    cell = (ROUGH if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
+    cell = (ROUGH if rough else 1.0) * CELL * _width(grip)
     moves = within(move, cut(grip, max(1, math.ceil(grip.room.width / cell))))
     if rough and not grip.common:
         coarse *= LONGER
@@ -405,10 +440,9 @@ def reach(rule: MoveRule, pre: PoseBox, setup: Setup, coarse: float) -> Reach | 
     return Reach(h=float(tube.h[last]) + 0.5 * move.h_end.width, slide=slide)
 
 
-def _roomy(side: Interval, share: float) -> Interval:
+def _roomy(side: Interval, below: float, above: float) -> Interval:
     """A side of what is stated: others enclose the slide by other barriers, and are to meet it."""
-    more = share * side.width
-    return side + Interval(-more, more)
+    return side + Interval(-below * side.width, above * side.width)
 
 
 def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> Move:
@@ -531,6 +565,22 @@ def _held(
         for part, cell, own in zip(parts, tube.cells, lines, strict=True)
     ]
     return [functools.reduce(joined, same) for same in zip(*found, strict=True)]
+
+
+def _placed(move: Move, touch: Touch, post: PoseBox) -> PoseBox:
+    """Poses at the end with room for others, x and y by a closer tube and bounds of second order."""
+    cells = within(move, cut(move.grip, PARTS))
+    parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in cells]
+    tube = enclose_slide(move.grip, touch.start, move.h_end.lo, parts=parts)
+    if tube.status is not TubeStatus.COMPLETE:
+        return post
+    sides: list[tuple[Interval, ...]] = []
+    for part, cell, line in zip(cells, tube.cells, tube.lines(move.h_end), strict=True):
+        box = {**part.box, "room": part.room, "turned": cell.parameters["turned"]}
+        sides.append(enclose_where(move.of.placed, {**box, **on_line(line, cell.parameters)}))
+    x, y = (functools.reduce(Interval.hull, side) for side in zip(*sides, strict=True))
+    x, y = _roomy(x, *PLACED_AHEAD), _roomy(y, *PLACED_ASIDE)
+    return replace(post, x=post.x.common(x), y=post.y.common(y))
 
 
 def unknown() -> Held:
