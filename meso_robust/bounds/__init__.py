@@ -6,6 +6,11 @@ from meso_robust.bounds.bulk import (
     bounded as bounded,
     enclose_many as enclose_many,
 )
+from meso_robust.bounds.curved import (
+    Curved as Curved,
+    curved as curved,
+    enclose_where as enclose_where,
+)
 from meso_robust.bounds.interval import HALF_PI as HALF_PI, Interval as Interval
 from meso_robust.bounds.prove import (
     Box as Box,

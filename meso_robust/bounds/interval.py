@@ -83,6 +83,10 @@ class Interval:
         """The smallest interval that holds both."""
         return Interval(min(self.lo, other.lo), max(self.hi, other.hi))
 
+    def common(self, other: Interval) -> Interval:
+        """What lies in both; they are known to meet."""
+        return Interval(max(self.lo, other.lo), min(self.hi, other.hi))
+
     @property
     def mid(self) -> float:
         """A double near the middle; for display and for choosing, not for proofs."""

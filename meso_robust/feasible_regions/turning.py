@@ -20,9 +20,9 @@ from meso_robust.feasible_regions.cells import at_height, extreme, span
 from meso_robust.feasible_regions.impossible import misses
 from meso_robust.feasible_regions.paving import Region
 from meso_robust.motion import sticking
+from meso_robust.primitives.family import Family, follow, held_ends
 from meso_robust.primitives.grasp import aims_of
 from meso_robust.primitives.move import MoveRule, Point
-from meso_robust.primitives.rotation import Family, follow, held_ends
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tips import HALF
 from meso_robust.types import Floats

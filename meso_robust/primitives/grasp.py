@@ -13,7 +13,7 @@ from functools import cache
 
 import casadi as ca
 
-from meso_robust.bounds import Bounded, Interval, bounded
+from meso_robust.bounds import Bounded, Curved, Interval, bounded, curved
 from meso_robust.conditions.formula import formula
 from meso_robust.motion.two_sided import CONSTANT, INSTANT, MODULE, Line
 from meso_robust.primitives.base import bend_of
@@ -56,7 +56,7 @@ LINE = (
     *(f"{kind}_{name}" for kind in ("middle", "spread", "drift") for name in PARAMETERS),
 )
 """An affine bound of the slide (`motion.two_sided.Line`)."""
-INPUTS = (*MOVE, *RULE, *PART, *NOW, *ALONE, *LINE, "h")
+INPUTS = (*MOVE, *RULE, *PART, *NOW, *ALONE, *LINE, "h", "room")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +85,8 @@ class Relations:
     """At the end of the travel: x; y; cos and sin of the direction of the pushed edge as stated; p_D."""
     during: tuple[Bounded, ...]
     """The same wherever ``h`` is given."""
+    placed: Curved
+    """x and y at the end of the travel, the room a variable of its own; that less what it depends on."""
 
 
 @cache
@@ -117,6 +119,9 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
     _held(ended)
     during = dict(at)
     _held(during)
+    given = {**ended, "room": x["room"]}
+    _held(given)
+    given["off"] = given["room"] - at["room"]
 
     def prepared(name: str, values: Values, *results: str) -> Bounded:
         outputs = ca.cse(ca.densify(ca.vertcat(*(values[key] for key in results))))
@@ -141,6 +146,10 @@ def relations(exact: frozenset[str], from_part: frozenset[str]) -> Relations:
         touch=prepared("touch", touched, "h", "q", "slide"),
         end=tuple(prepared(name, ended, *results) for name, results in held.items()),
         during=tuple(prepared(name, during, *results) for name, results in held.items()),
+        placed=curved(
+            prepared("placed", given, "pose_x", "pose_y", "off"),
+            set(LINE) - {"rest"},
+        ),
     )
 
 

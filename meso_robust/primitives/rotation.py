@@ -15,9 +15,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from meso_robust.bounds import HALF_PI, Bounded, Interval, Verdict, enclose, enclose_rows
+from meso_robust.bounds import (
+    HALF_PI,
+    Bounded,
+    Interval,
+    Verdict,
+    enclose,
+    enclose_rows,
+    enclose_where,
+)
 from meso_robust.bounds.interval import arcsin, cos, sin
 from meso_robust.motion import one_tip
 from meso_robust.motion.two_sided import (
@@ -29,7 +36,7 @@ from meso_robust.motion.two_sided import (
     cut,
     enclose_slide,
 )
-from meso_robust.primitives.approach import STATED, Touch, approach, touches
+from meso_robust.primitives.approach import STATED, Touch, approach
 from meso_robust.primitives.base import base_box, free_at_start, stated
 from meso_robust.primitives.force import squeeze_below_cap
 from meso_robust.primitives.grasp import Relations, aims_of, on_line, ranges, relations
@@ -63,6 +70,12 @@ order in it: 0.019 was needed for the paper's task, 0.027 where the room's range
 ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
 """The same where other constants are uncertain as well, across and along the push, where the slide is all that
 is uncertain. 0.05 and 0.104 were seen of tubes that were up to 4 % wider."""
+WIDE_ROOM, PARTS = 0.05, 24
+"""Where the room of the tips is uncertain by more, over the part's width, where a rotation ends is bounded more
+closely, with the room in so many parts."""
+PLACED_AHEAD, PLACED_ASIDE = (0.28, 0.03), (0.03, 0.23)
+"""The same at either end of what is found so, along and across the push. A checker's barriers are without parts of
+the room: the one that the slide does not fall below lies much farther out, the other one hardly."""
 ROOM_LEAST, ROOM_LEAST_AHEAD = 0.001, 0.008
 """The same of a polygon at least, over the part's width: what barriers differ by where friction is known closely.
 0.0007 and 0.0053 were seen."""
@@ -76,8 +89,6 @@ BEYOND = 0.03
 """Of the first h: how much farther out others may put the first grip."""
 NARROWED = 4
 """Times that either end of what the room depends on is cut off, where the room is known."""
-CELL_OF_MANY, STEPS_OF_MANY, SLICES_OF_MANY, BOXES_OF_MANY = 1.0 / 210.0, 2.5, 8, 64
-"""Room of the tips, of the part's width; times longer steps; slices; boxes for a pose: of many rotations at once."""
 UNCHECKED = 1  # knots; see `two_sided.CHECKED`
 SLICES = 24  # of the tube that is told: a slice then turns by about 4 deg, so boxes stay narrow
 IDLE = 1  # the upper tip of the active probe touches nothing
@@ -85,7 +96,7 @@ MOST_LEAN = 0.5 * HALF_PI.lo  # rad out of parallel, beyond which two edges are 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Move:
+class Move:
     """A rotation to be proved."""
 
     box: Mapping[str, Interval]
@@ -171,9 +182,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     ValueError
         If the rule is not a counter-clockwise rotation with a passive tip.
     """
-    move, obligations = _begun(rule, pre, setup)
+    move, obligations = as_begun(rule, pre, setup)
     hasty, grip, edge = rough, move.grip, move.edge
-    if not (opposite(move.lean) and move.V.lo > 0.0) or (hasty and not _all_proved(obligations)):
+    if not (opposite(move.lean) and move.V.lo > 0.0) or (hasty and not all_proved(obligations)):
         return _step(rule, pre, None, obligations)
     touch = approach(move.box, grip, move.labels, move.first_gap, edge, move.of)
     if touch is None:
@@ -182,13 +193,13 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     rests = require_order(
         about(ObligationId.RESTS_BEFORE_END),
         Inequality.TOUCH_BEFORE_END,
-        _before_end(h_start, move.h_end) * STATED,
+        before_end(h_start, move.h_end) * STATED,
         {"h_start": h_start + Interval(-h_start.width, h_start.width), "h_end": move.h_end},
     )
     obligations += [*touch.obligations, rests]
-    if not _all_proved(obligations if hasty else [rests]):
+    if not all_proved(obligations if hasty else [rests]):
         return _step(rule, pre, None, obligations)
-    alone = all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
+    alone = _alone(grip)
     rough = rough or not alone
     tube, parts = _tube(move, touch, rough=rough)
     if tube.status is not TubeStatus.COMPLETE:
@@ -197,32 +208,53 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     if at_end is None:
         obligations += [*_tube_obligations(tube, move), _undecided(ObligationId.END_ENCLOSED)]
         return _step(rule, pre, None, obligations)
-    width = grip.depth.mid + grip.depth_far.mid
-    wide = ROOM_WIDE * grip.room.width / width
-    ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
-    # rough tubes are wider than those of others
-    wider = 0.0 if rough else ahead * tube.widest
-    close = (ROOM_CLOSE * width - ROOM_WITHIN * tube.widest) / at_end.pose.x.width
-    if alone and close > ahead:
-        ahead, wider = close, max(wider, ROOM_ON_EDGE * width)
-        aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
-    if edge.beyond:
-        wider = max(wider, ROOM_LEAST_AHEAD * width)
-        ahead = max(ahead, ROOM_LEAST_AHEAD * width / at_end.pose.x.width)
-        aside = max(aside, ROOM_LEAST * width / at_end.pose.y.width)
+    ahead, aside, wider = _for_others(move, tube, at_end.pose, rough=rough)
     obligations += _tube_obligations(tube, move, wider)
     slices = _slices(parts, tube)
-    obligations += _idle_tip_clear(move, touch, slices, at_end)
-    faced = _faced(move, at_end.edge_angle)
+    obligations += idle_tip_clear(move, touch, slices, at_end)
+    faced = facing(move, at_end.edge_angle)
     faced = faced.hull(faced + move.lean)
     obligations.append(_of_move(move, comes_free(Which.BOTH, faced)))
     obligations += squeeze_below_cap(max(touch.largest_force, tube.largest_force), setup)
     knots = Knot(stage="the active tip pushes alone", box=touch.poses.hull(pre))
-    post = replace(at_end.pose, x=_roomy(at_end.pose.x, ahead), y=_roomy(at_end.pose.y, aside))
+    pose = at_end.pose
+    post = replace(pose, x=_roomy(pose.x, ahead, ahead), y=_roomy(pose.y, aside, aside))
+    if not (hasty or alone) and grip.room.width > WIDE_ROOM * _width(grip):
+        post = _placed(move, touch, post)
     return _step(rule, pre, post, obligations, (knots, *_knots(slices)))
 
 
-def _before_end(h_start: Interval, h_end: Interval) -> Interval:
+def _alone(grip: Grip) -> bool:
+    """Whether nothing but the room of the tips is uncertain of all that is constant."""
+    return all(side.width <= EXACT for name, side in grip.constants().items() if name != "room")
+
+
+def _width(grip: Grip) -> float:
+    """Of the part, m."""
+    return grip.depth.mid + grip.depth_far.mid
+
+
+def _for_others(
+    move: Move, tube: SlideTube, pose: PoseBox, *, rough: bool
+) -> tuple[float, float, float]:
+    """What others, who enclose the slide by other barriers, need: shares of x and y at the end; m of the tube."""
+    grip, width = move.grip, _width(move.grip)
+    alone, wide = _alone(grip), ROOM_WIDE * grip.room.width / width
+    ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
+    # rough tubes are wider than those of others
+    wider = 0.0 if rough else ahead * tube.widest
+    close = (ROOM_CLOSE * width - ROOM_WITHIN * tube.widest) / pose.x.width
+    if alone and close > ahead:
+        ahead, wider = close, max(wider, ROOM_ON_EDGE * width)
+        aside = max(aside, ROOM_LEAST * width / pose.y.width)
+    if move.edge.beyond:
+        wider = max(wider, ROOM_LEAST_AHEAD * width)
+        ahead = max(ahead, ROOM_LEAST_AHEAD * width / pose.x.width)
+        aside = max(aside, ROOM_LEAST * width / pose.y.width)
+    return ahead, aside, wider
+
+
+def before_end(h_start: Interval, h_end: Interval) -> Interval:
     """How far the tips travel on after both touch, less the range of where they do."""
     return h_start - h_end - Interval(0.0, h_start.width)
 
@@ -245,10 +277,10 @@ def rotation_begins(rule: MoveRule, pre: PoseBox, setup: Setup) -> bool:
     ValueError
         If the rule is not a counter-clockwise rotation with a passive tip.
     """
-    return _all_proved(_begun(rule, pre, setup)[1])
+    return all_proved(as_begun(rule, pre, setup)[1])
 
 
-def _begun(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[_Move, list[Obligation]]:
+def as_begun(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Move, list[Obligation]]:
     """The move, and what must hold before its tips touch."""
     if rule.single is None or rule.side != 1:
         raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
@@ -263,7 +295,8 @@ def _begun(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[_Move, list[Obli
     return move, obligations
 
 
-def _all_proved(obligations: Sequence[Obligation]) -> bool:
+def all_proved(obligations: Sequence[Obligation]) -> bool:
+    """Whether nothing is left open."""
     return all(one.proof.verdict is Verdict.PROVED for one in obligations)
 
 
@@ -300,12 +333,12 @@ def held_poses(step: Step) -> list[PoseBox]:
 
 
 def _tube(
-    move: _Move, touch: Touch, *, rough: bool, coarse: float = 1.0
-) -> tuple[SlideTube, list[_Move]]:
+    move: Move, touch: Touch, *, rough: bool, coarse: float = 1.0
+) -> tuple[SlideTube, list[Move]]:
     """The tube, and the move as it is in each of its cells."""
     grip = move.grip
-    cell = (ROUGH if rough else 1.0) * CELL * (grip.depth.mid + grip.depth_far.mid)
-    moves = _within(move, cut(grip, max(1, math.ceil(grip.room.width / cell))))
+    cell = (ROUGH if rough else 1.0) * CELL * _width(grip)
+    moves = within(move, cut(grip, max(1, math.ceil(grip.room.width / cell))))
     if rough and not grip.common:
         coarse *= LONGER
     parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
@@ -313,7 +346,7 @@ def _tube(
     return tube, moves
 
 
-def _bounding(move: _Move) -> list[str]:
+def _bounding(move: Move) -> list[str]:
     """What the room depends on."""
     wide = [name for name in move.of.begin.inputs if move.box[name].width > 0.0]
     return [
@@ -323,15 +356,16 @@ def _bounding(move: _Move) -> list[str]:
     ]
 
 
-def _room(move: _Move, known: Mapping[str, Interval]) -> Interval:
+def _room(move: Move, known: Mapping[str, Interval]) -> Interval:
     return enclose(move.of.begin, {**move.box, **known}, boxes=1)[1]
 
 
-def _apart(one: Interval, other: Interval) -> bool:
+def apart(one: Interval, other: Interval) -> bool:
+    """Whether two ranges have nothing in common."""
     return one.hi < other.lo or one.lo > other.hi
 
 
-def _within(move: _Move, rooms: Sequence[Interval]) -> list[_Move]:
+def within(move: Move, rooms: Sequence[Interval]) -> list[Move]:
     """The move if the room is in each of some ranges: the tips and the part cannot be anywhere then."""
     sides = {name: [move.box[name]] * len(rooms) for name in _bounding(move)}
 
@@ -345,7 +379,7 @@ def _within(move: _Move, rooms: Sequence[Interval]) -> list[_Move]:
             outer = [{**row, name: gone} for row, (gone, _) in zip(rows(), halves, strict=True)]
             there = [row[1] for row in enclose_rows(move.of.begin, move.box, outer, boxes=1)]
             for k, (_, rest) in enumerate(halves):
-                if _apart(there[k], rooms[k]):
+                if apart(there[k], rooms[k]):
                     sides[name][k] = rest
                 else:
                     shares[k] *= 0.5
@@ -406,13 +440,12 @@ def reach(rule: MoveRule, pre: PoseBox, setup: Setup, coarse: float) -> Reach | 
     return Reach(h=float(tube.h[last]) + 0.5 * move.h_end.width, slide=slide)
 
 
-def _roomy(side: Interval, share: float) -> Interval:
+def _roomy(side: Interval, below: float, above: float) -> Interval:
     """A side of what is stated: others enclose the slide by other barriers, and are to meet it."""
-    more = share * side.width
-    return side + Interval(-more, more)
+    return side + Interval(-below * side.width, above * side.width)
 
 
-def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
+def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> Move:
     far, lean = setup.opposite(edge)
     box = ranges(rule, pre, edge, far, setup)
     if lean != ZERO:
@@ -422,7 +455,7 @@ def _move(rule: MoveRule, pre: PoseBox, edge: Edge, setup: Setup) -> _Move:
     from_part = frozenset(name for name, aim in aims_of(rule).items() if aim.anchor is Anchor.PART)
     of = relations(exact, from_part)
     V, room, label, first_angle, h_end, gap, flight, travel = enclose(of.begin, box, boxes=16)
-    return _Move(
+    return Move(
         box=box,
         of=of,
         edge=edge,
@@ -449,7 +482,7 @@ def _idle_lines(exact: frozenset[str]) -> set[str]:
     return {f"{kind}_{name}" for name, of in gone.items() if exact.issuperset(of) for kind in kinds}
 
 
-def _before(move: _Move) -> list[Obligation]:
+def _before(move: Move) -> list[Obligation]:
     """What holds of the passive tip before any touches."""
     box = move.box
     gap = move.first_gap * STATED
@@ -473,7 +506,7 @@ def _before(move: _Move) -> list[Obligation]:
     ]
 
 
-def _tube_obligations(tube: SlideTube, move: _Move, wider: float = 0.0) -> list[Obligation]:
+def _tube_obligations(tube: SlideTube, move: Move, wider: float = 0.0) -> list[Obligation]:
     """What holds all the way, for others as well whose tube is wider by so much, m."""
     # there is no grip beyond the first one; others may put that a little farther out
     beyond = BEYOND * float(tube.h[0])
@@ -500,7 +533,7 @@ def _tube_obligations(tube: SlideTube, move: _Move, wider: float = 0.0) -> list[
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Held:
+class Held:
     """The part between both tips."""
 
     pose: PoseBox
@@ -509,9 +542,9 @@ class _Held:
     active_offset: Interval
     """m"""
 
-    def hull(self, other: _Held) -> _Held:
+    def hull(self, other: Held) -> Held:
         """Both."""
-        return _Held(
+        return Held(
             pose=self.pose.hull(other.pose),
             edge_angle=self.edge_angle.hull(other.edge_angle),
             active_offset=self.active_offset.hull(other.active_offset),
@@ -520,39 +553,57 @@ class _Held:
 
 def _held(
     of: tuple[Bounded, ...],
-    parts: list[_Move],
+    parts: list[Move],
     tube: SlideTube,
     spans: Sequence[Interval],
     boxes: int,
-) -> list[_Held | None]:
+) -> list[Held | None]:
     """All poses while the distance of the tips along the travel is in a range, for each of some ranges."""
     lines = zip(*(tube.lines(h) for h in spans), strict=True)
     found = [
-        _poses(of, part, cell, spans, own, boxes)
+        poses(of, part, cell, spans, own, boxes)
         for part, cell, own in zip(parts, tube.cells, lines, strict=True)
     ]
-    return [functools.reduce(_joined, same) for same in zip(*found, strict=True)]
+    return [functools.reduce(joined, same) for same in zip(*found, strict=True)]
 
 
-def _unknown() -> _Held:
+def _placed(move: Move, touch: Touch, post: PoseBox) -> PoseBox:
+    """Poses at the end with room for others, x and y by a closer tube and bounds of second order."""
+    cells = within(move, cut(move.grip, PARTS))
+    parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in cells]
+    tube = enclose_slide(move.grip, touch.start, move.h_end.lo, parts=parts)
+    if tube.status is not TubeStatus.COMPLETE:
+        return post
+    sides: list[tuple[Interval, ...]] = []
+    for part, cell, line in zip(cells, tube.cells, tube.lines(move.h_end), strict=True):
+        box = {**part.box, "room": part.room, "turned": cell.parameters["turned"]}
+        sides.append(enclose_where(move.of.placed, {**box, **on_line(line, cell.parameters)}))
+    x, y = (functools.reduce(Interval.hull, side) for side in zip(*sides, strict=True))
+    x, y = _roomy(x, *PLACED_AHEAD), _roomy(y, *PLACED_ASIDE)
+    return replace(post, x=post.x.common(x), y=post.y.common(y))
+
+
+def unknown() -> Held:
+    """Anywhere."""
     anywhere = Interval(-math.inf, math.inf)
     pose = PoseBox(x=anywhere, y=anywhere, theta=anywhere)
-    return _Held(pose=pose, edge_angle=anywhere, active_offset=anywhere)
+    return Held(pose=pose, edge_angle=anywhere, active_offset=anywhere)
 
 
-def _joined(one: _Held | None, other: _Held | None) -> _Held | None:
+def joined(one: Held | None, other: Held | None) -> Held | None:
+    """Both; None where one is not enclosed."""
     return None if one is None or other is None else one.hull(other)
 
 
-def _poses(
+def poses(
     of: tuple[Bounded, ...],
-    part: _Move,
+    part: Move,
     cell: Cell,
     spans: Sequence[Interval],
     lines: Sequence[Line],
     boxes: int,
     known: Mapping[str, Interval] | None = None,
-) -> list[_Held | None]:
+) -> list[Held | None]:
     """The same where the room is in the range of one cell, and ``known`` of the move."""
     box = {**part.box, **(known or {}), "turned": cell.parameters["turned"]}
     rows = [
@@ -563,18 +614,18 @@ def _poses(
 
 
 def _pose(
-    part: _Move,
+    part: Move,
     x: tuple[Interval, ...],
     y: tuple[Interval, ...],
     direction: tuple[Interval, ...],
     offset: tuple[Interval, ...],
-) -> _Held | None:
+) -> Held | None:
     c, s = direction
     # sin(theta) > 0 throughout; the inverse is taken of the coordinate that is far from +-1
     angle = PI - arcsin(s) if c.hi < -0.7 else HALF_PI - arcsin(c)
     if not angle.width < math.inf:
         return None
-    return _Held(
+    return Held(
         pose=PoseBox(x=x[0], y=y[0], theta=part.edge.orientation(angle)),
         edge_angle=angle,
         active_offset=offset[0],
@@ -582,30 +633,30 @@ def _pose(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Slice:
+class Slice:
     """A stretch of the turn."""
 
     h: Interval
-    held: _Held
+    held: Held
 
 
-def _slices(parts: list[_Move], tube: SlideTube) -> list[_Slice]:
+def _slices(parts: list[Move], tube: SlideTube) -> list[Slice]:
     ends = [float(end) for end in np.linspace(float(tube.h[0]), float(tube.h[-1]), SLICES + 1)]
     ends[0], ends[-1] = float(tube.h[0]), float(tube.h[-1])
     spans = [Interval(low, high) for high, low in itertools.pairwise(ends)]
     held = _held(parts[0].of.during, parts, tube, spans, 1)
-    return [_Slice(h=h, held=one or _unknown()) for h, one in zip(spans, held, strict=True)]
+    return [Slice(h=h, held=one or unknown()) for h, one in zip(spans, held, strict=True)]
 
 
-def _knots(slices: list[_Slice]) -> tuple[Knot, ...]:
+def _knots(slices: list[Slice]) -> tuple[Knot, ...]:
     return tuple(
         Knot(stage=f"tips {1e6 * part.h.mid:.0f} um apart in x", box=part.held.pose)
         for part in slices
     )
 
 
-def _idle_tip_clear(
-    move: _Move, touch: Touch, slices: list[_Slice], at_end: _Held
+def idle_tip_clear(
+    move: Move, touch: Touch, slices: list[Slice], at_end: Held
 ) -> tuple[Obligation, ...]:
     """The upper tip passes the end of the edge at first, and is off the edge's line later."""
     lean = move.squareness
@@ -631,7 +682,7 @@ def _idle_tip_clear(
     )
 
 
-def _hull_of(held: list[_Held]) -> tuple[Interval, Interval]:
+def _hull_of(held: list[Held]) -> tuple[Interval, Interval]:
     angles, offsets = (
         [getattr(part, name) for part in held] for name in ("edge_angle", "active_offset")
     )
@@ -639,7 +690,7 @@ def _hull_of(held: list[_Held]) -> tuple[Interval, Interval]:
 
 
 def _passes(
-    move: _Move, path: Interval, offset: Interval, short: Interval, when: When
+    move: Move, path: Interval, offset: Interval, short: Interval, when: When
 ) -> Obligation:
     """While the active tip is ``short`` of its place on the edge, the idle one is clear of the part."""
     u, box = move.setup.uncertainty, move.box
@@ -662,7 +713,7 @@ def _passes(
     return _of_move(move, require(about_it, Inequality.BESIDE, beside))
 
 
-def _of_move(move: _Move, obligation: Obligation) -> Obligation:
+def _of_move(move: Move, obligation: Obligation) -> Obligation:
     """What was proved over enclosures, as a statement about everything that the move can be like.
 
     Others enclose turn and slide a little differently: they are to meet the bound, not these boxes.
@@ -675,7 +726,7 @@ def _of_move(move: _Move, obligation: Obligation) -> Obligation:
     return replace(obligation, proof=replace(proof, lower=lower, box=over))
 
 
-def _faced(move: _Move, angle: Interval) -> Interval:
+def facing(move: Move, angle: Interval) -> Interval:
     """Directions of an edge as stated, of the real ones against the travel of a probe."""
     return angle + move.squareness - move.setup.uncertainty.travel_direction
 
@@ -699,177 +750,3 @@ def _step(
         obligations=tuple(obligations),
         tube=(Knot(stage="at rest", box=pre), *tube),
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Family:
-    """Rotations whose tips are in several places across the travel and whose push has several ends.
-
-    They are followed together, each cell of the tube as far as it holds.
-    """
-
-    move: _Move
-    """All of them at once."""
-    touch: Touch
-    tube: SlideTube
-    parts: list[_Move]
-    """The move in each cell of the tube."""
-    places: Sequence[Mapping[str, Interval]]
-    cells: list[list[int]]
-    """Cells that each place may be in."""
-    reached: list[float]
-    """The least h to which all of them hold, by place, m."""
-    starts: list[Interval]
-    """h where both tips touch, by place, m."""
-    ends: Sequence[Interval]
-    h_ends: list[Interval]
-    """h at each end of the push, m."""
-    travels: list[Interval]
-    """Travel of the active tip to each, m."""
-
-    def held(self, place: int, longer: int, shorter: int) -> bool:
-        """Whether both tips are proved to hold the part wherever the push ends between two ends."""
-        h_end = self.h_ends[longer].hull(self.h_ends[shorter])
-        rests = _before_end(self.starts[place], h_end) * STATED
-        return rests.lo > 0.0 and h_end.lo >= self.reached[place]
-
-    def pose(self, place: int, end: int) -> PoseBox | None:
-        """All poses at an end of the push, in the move's axes; None where they are not enclosed."""
-        if not self.held(place, end, end):
-            return None
-        h = self.h_ends[end]
-        row = {**self.places[place], "end_x": self.ends[end]}
-        found = [
-            _poses(
-                self.move.of.end, self.parts[k], cell, [h], [cell.around(h)], BOXES_OF_MANY, row
-            )[0]
-            for k, cell in ((k, self.tube.cells[k]) for k in self.cells[place])
-        ]
-        held = functools.reduce(_joined, found)
-        return None if held is None else held.pose
-
-    def clear(self, longer: int, shorter: int) -> bool:
-        """Whether the idle tip is clear, and the tips come free, wherever the push ends between two ends."""
-        slices = self._slices(self.h_ends[longer].lo)
-        if len(slices) <= EARLY:
-            return False
-        at_end = functools.reduce(
-            _Held.hull, [one.held for one in slices if one.h.lo <= self.h_ends[shorter].hi]
-        )
-        move = replace(self.move, travel=self.travels[longer])
-        faced = _faced(move, at_end.edge_angle)
-        obligations = [
-            *_idle_tip_clear(move, self.touch, slices, at_end),
-            comes_free(Which.BOTH, faced.hull(faced + move.lean)),
-        ]
-        force = max(self.touch.largest_force, self.tube.largest_force)
-        return _all_proved([*obligations, *squeeze_below_cap(force, move.setup)])
-
-    def _slices(self, least: float) -> list[_Slice]:
-        """The turn down to an h."""
-        h = self.tube.h
-        last = int(np.searchsorted(-h, -least, side="left"))
-        cuts = sorted({round(k * last / SLICES_OF_MANY) for k in range(SLICES_OF_MANY + 1)})
-        found: list[list[_Held]] = [[] for _ in cuts[1:]]
-        for part, cell in zip(self.parts, self.tube.cells, strict=True):
-            # a cell that does not come so far has no place whose push may end there
-            pairs = [
-                (a, min(b, cell.checked)) for a, b in itertools.pairwise(cuts) if a < cell.checked
-            ]
-            spans = [Interval(float(h[b]), float(h[a])) for a, b in pairs]
-            lines = [cell.line(a, b) for a, b in pairs]
-            for one, held in zip(
-                found, _poses(self.move.of.during, part, cell, spans, lines, 1), strict=False
-            ):
-                one.append(held or _unknown())
-        return [
-            _Slice(h=Interval(float(h[b]), float(h[a])), held=functools.reduce(_Held.hull, one))
-            for (a, b), one in zip(itertools.pairwise(cuts), found, strict=True)
-            if one
-        ]
-
-
-def follow(
-    rule: MoveRule,
-    pre: PoseBox,
-    setup: Setup,
-    places: Sequence[Mapping[str, Interval]],
-    ends: Sequence[Interval],
-) -> Family | None:
-    """Follow many rotations at once, by looser bounds than `certify_rotation`.
-
-    Parameters
-    ----------
-    rule, pre, setup
-        As of `certify_rotation`; the rule commands ranges that hold all of the places and ends.
-    places
-        Ranges of the commands ``dual_y`` and ``single_y`` (`grasp.AIMS`), m.
-    ends
-        Commands for the end of the push, rising, m.
-
-    Returns
-    -------
-    Family or None
-        None where they are not proved to begin, or all end too early.
-
-    Raises
-    ------
-    ValueError
-        If the rule is not a counter-clockwise rotation with a passive tip.
-    """
-    move, obligations = _begun(rule, pre, setup)
-    if not (opposite(move.lean) and _all_proved(obligations)):
-        return None
-    touch = approach(move.box, move.grip, move.labels, move.first_gap, move.edge, move.of)
-    if touch is None or not _all_proved(touch.obligations):
-        return None
-    begun = enclose_rows(move.of.begin, move.box, [{"end_x": end} for end in ends], boxes=16)
-    h_ends, travels = [row[4] for row in begun], [row[7] for row in begun]
-    starts = touches(touch, move.of, places)
-    # a push that ends before both tips surely touch is not held: it needs no tube
-    latest = max(start.lo - start.width for start in starts)
-    stops = sorted((h.lo for h in h_ends if h.hi < latest), reverse=True)
-    if len(stops) < 2:
-        return None
-    grip = move.grip
-    most = CELL_OF_MANY * (grip.depth.mid + grip.depth_far.mid)
-    rooms = cut(grip, max(1, math.ceil(grip.room.width / most)))
-    moves = _within(move, rooms)
-    parts = [(one.grip, {**touch.start.labels, **one.labels}) for one in moves]
-    tube = enclose_slide(
-        grip, touch.start, stops[-1], coarse=STEPS_OF_MANY, parts=parts, stops=stops
-    )
-    own = [row[1] for row in enclose_rows(move.of.begin, move.box, places, boxes=16)]
-    cells = [[k for k, room in enumerate(rooms) if not _apart(room, one)] for one in own]
-    reach = [float(cell.h[cell.checked]) for cell in tube.cells]
-    return Family(
-        move=move,
-        touch=touch,
-        tube=tube,
-        parts=moves,
-        places=places,
-        cells=cells,
-        reached=[max(reach[k] for k in one) for one in cells],
-        starts=starts,
-        ends=ends,
-        h_ends=h_ends,
-        travels=travels,
-    )
-
-
-def held_ends(family: Family) -> npt.NDArray[np.bool_]:
-    """Where both tips are proved to hold the part at the end.
-
-    Parameters
-    ----------
-    family
-        Rotations, followed.
-
-    Returns
-    -------
-    npt.NDArray[np.bool_]
-        (places, ends - 1): whether at a place they do wherever the push ends between an end and the next.
-        All of these are certified if they are also `Family.clear`.
-    """
-    rows = range(len(family.ends) - 1)
-    return np.array([[family.held(k, j, j + 1) for j in rows] for k in range(len(family.places))])

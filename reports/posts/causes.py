@@ -94,7 +94,7 @@ def by_cause(step: Step, setup: Setup, size: int, rounds: int) -> list[str]:
 def by_slide(step: Step, setup: Setup) -> Iterator[str]:
     """Rows of the second table: the slide at the end when all that is not named is known."""
     frame = step.rule.frame
-    move, _ = rotation._begun(step.rule, frame.from_world(step.pre), frame.setup(setup))
+    move, _ = rotation.as_begun(step.rule, frame.from_world(step.pre), frame.setup(setup))
     touch = approach(move.box, move.grip, move.labels, move.first_gap, move.edge, move.of)
     if touch is None:
         raise RuntimeError("the approach could not be enclosed")

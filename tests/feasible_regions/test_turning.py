@@ -8,7 +8,8 @@ import pytest
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.feasible_regions import Map, Region, map_of, moves_of
 from meso_robust.feasible_regions.turning import Turning, _certify
-from meso_robust.primitives.rotation import Family, certify_rotation
+from meso_robust.primitives.family import Family
+from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.types import Floats
 from tests.primitives.replay import Draws, Tips, World, rotate
 from tests.strategies import paper_chain
