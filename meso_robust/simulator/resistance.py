@@ -43,9 +43,14 @@ OUT_OF_RANGE = int(Outcome.OUT_OF_RANGE)
 SOLVER_FAILURE = int(Outcome.SOLVER_FAILURE)
 
 _TWIST = 1e-9  # tip speeds: twists this close agree
-_TANGENTS = 60  # most tangents of one step while the law is smoothed
-_LAST_TANGENTS = 360  # and when it is not
-_LEVELS = 12  # of smoothing, by a factor √10 each: from one tip speed down
+_ON_THE_WAY = 0.1  # of the speed that points creep at: the same while the law is smoothed
+_STEADY = 0.1  # a change this much smaller than the one before foretells the next one
+# most of a first try: nine steps of ten need five or fewer, and one in thirty goes round in a circle
+_FIRST_TANGENTS = 12
+_TANGENTS = 60  # most while the law is smoothed
+_SECOND_TANGENTS, _LAST_TANGENTS = 30, 360  # and most of the law itself in a second and a third try
+_HUNDREDS = 3  # of smoothing, from one tip speed down
+_LEVELS = 4  # to a hundred, in a third try; one in the second
 
 
 @part
@@ -68,17 +73,37 @@ def general_step(
     last[0], last[1], last[2] = cos * vx + sin * vy, cos * vy - sin * vx, body[PART.velocity + 2]
     for k in range(3):
         twist[k] = last[k]
-    outcome = _tangents(case, kind.dry, state, work, count, dt, unit, 1.0)
-    if outcome == COMPLETED or not kind.dry:
-        return outcome
-    # Once more from rest, the law being smoothed over a tip speed at first and then less and less.
+    outcome = _tangents(case, kind.dry, state, work, count, dt, unit, 1.0, _FIRST_TANGENTS)
+    if kind.dry and outcome != COMPLETED:
+        outcome = _from_rest(case, state, work, count, dt, unit, 1, _SECOND_TANGENTS)
+    if kind.dry and outcome == SOLVER_FAILURE:
+        outcome = _from_rest(case, state, work, count, dt, unit, _LEVELS, _LAST_TANGENTS)
+    return outcome
+
+
+@inner
+def _from_rest(
+    case: Case,
+    state: State,
+    work: Work,
+    count: int,
+    dt: float,
+    unit: float,
+    levels: int,
+    most: int,
+) -> int:
+    """Solve with the law smoothed over a tip speed at first, and then less and less.
+
+    There are so many levels of smoothing to a hundred, and at most so many tangents of the law itself.
+    """
     for k in range(3):
-        twist[k] = 0.0
+        state.space[TWIST_NOW, k] = 0.0
     for i in range(state.dry.shape[0]):
         state.dry[i, 0], state.dry[i, 1] = 0.0, 0.0
-    for level in range(_LEVELS, -1, -1):
-        outcome = _tangents(case, kind.dry, state, work, count, dt, unit, 10.0 ** (0.5 * level))
-    return outcome
+    for level in range(_HUNDREDS * levels, 0, -1):
+        smoothing = 100.0 ** (level / levels)
+        _tangents(case, True, state, work, count, dt, unit, smoothing, _TANGENTS)
+    return _tangents(case, True, state, work, count, dt, unit, 1.0, most)
 
 
 @part
@@ -137,8 +162,9 @@ def _tangents(
     dt: float,
     unit: float,
     smoothing: float,
+    most: int,
 ) -> int:
-    """Solve with the tangent at the twist so far, until the twist agrees.
+    """Solve with the tangent at the twist so far, until the twist agrees, if it does so soon enough.
 
     Dry points are smoothed over that many times the speed that they may creep at.
     """
@@ -150,7 +176,8 @@ def _tangents(
     soft = bending(effects, heading[0], heading[1])
     slope = pressure_slope(points, effects) if dry else (0.0, 0.0, 0.0)
     creep, age = smoothing * creep_speed(speed), state.body[PART.old]
-    for _ in range(_TANGENTS if smoothing > 1.0 else _LAST_TANGENTS):
+    close, before = _TWIST * speed if smoothing == 1.0 else _ON_THE_WAY * creep, 0.0
+    for _ in range(most):
         for k in range(6):
             K[k] = 0.0
         for k in range(3):
@@ -181,8 +208,11 @@ def _tangents(
         new[1] = speed * (w[STEP.factor + 2] * m1 + w[STEP.factor + 4] * m2)
         new[2] = speed * w[STEP.factor + 5] * m2
         update_forces(points, twist, new, state.dry)
-        if _agree(twist, new, case.scene.size, speed):
+        change = _change(twist, new, case.scene.size)
+        # tangents close in on the twist evenly: the next change is to this one as this is to the last
+        if change <= close or (change <= _STEADY * before and change * change <= close * before):
             return COMPLETED
+        before = change
     return SOLVER_FAILURE
 
 
@@ -215,12 +245,12 @@ def _balance(
 
 
 @part
-def _agree(twist: Floats, new: Floats, size: float, speed: float) -> bool:
-    """Whether two twists agree; the first is overwritten by the second."""
+def _change(twist: Floats, new: Floats, size: float) -> float:
+    """By how much two twists differ, as a speed; the first is overwritten by the second."""
     change = abs(new[0] - twist[0]) + abs(new[1] - twist[1]) + size * abs(new[2] - twist[2])
     for k in range(3):
         twist[k] = new[k]
-    return change <= _TWIST * speed
+    return float(change)
 
 
 @part

@@ -23,6 +23,7 @@ from scipy.stats import beta
 from meso_robust.errors import InputError
 from meso_robust.identification.identify import Identification, identify
 from meso_robust.identification.models import MODELS
+from meso_robust.kernels import one_thread
 from meso_robust.recordings import PositionSource, RecordingSet
 from meso_robust.simulator import Film, ThreePoints
 from tests.identification.sets import PART, random_pushes, recorded
@@ -110,7 +111,8 @@ def fitted(model: str, seed: int, starts: int) -> Result:
     made = case(model, seed)
     before = time.perf_counter()
     try:
-        found = identify(made.recordings, model=model, starts=starts, seed=seed)
+        with one_thread():  # each core has a process of its own
+            found = identify(made.recordings, model=model, starts=starts, seed=seed)
     except InputError as error:
         return Result(model, seed, starts, refused=str(error))
     seconds = time.perf_counter() - before
