@@ -81,7 +81,7 @@ def general_step(
     return outcome
 
 
-@inner
+@sealed
 def _from_rest(
     case: Case,
     state: State,
