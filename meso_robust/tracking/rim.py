@@ -183,7 +183,7 @@ def _wrong(found: Floats, variance: float) -> float:
     A lit rim that is narrower than the blur looks like a displaced edge, and how far that is hangs on the width that
     it is taken for: of the displacement no larger share is known than of the width. And as the outline is known,
     all sides displaced alike are a rim that is not as the model has it; of what the light displaces, which is the same
-    rim brighter on one side, that much may be wrong, if there is as much of it.
+    rim brighter on one side, about half as much may be wrong, if there is as much of it.
     """
     lit = float(found[:2] @ found[:2])
     return variance * lit + _BY_PRESSURE * min(float(found[2]) ** 2, lit)

@@ -59,11 +59,11 @@ def test_the_table_says_what_was_measured() -> None:
 def test_the_table_of_tips_says_what_was_measured() -> None:
     here, there = np.array([[0.3, 0.0], [0.1, 0.0]]), np.array([[-0.2, 0.1], [np.nan, np.nan]])
     sigma = np.full((2, 2), 0.1)
-    least = np.array([[0.03, 0.06], [0.04, 0.08]])
+    least = np.array([[0.03, 0.06, 0.09], [0.04, 0.08, 0.13]])
     line = tip_row([(here, sigma, least[0]), (there, sigma, least[1])])
     assert (
         line
-        == "| pushing | 4 | 1 | 0.216 | 0.035 | 0.058 | 0.200 | 0.071 | 33 / 100 | 2.16 / 0.58 |"
+        == "| pushing | 4 | 1 | 0.216 | 0.035 | 0.058 | 0.200 | 0.071 | 0.112 | 33 / 100 | 2.16 / 0.58 |"
     )
 
 

@@ -8,10 +8,13 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from scipy.linalg import eigvalsh
 
 from meso_robust.tracking.alpha_matting import HALO_COUNT, PAD, Window, sharp
+from meso_robust.tracking.covariance_kernels import support
 from meso_robust.tracking.edge_profile import behind
 from meso_robust.tracking.fit_kernels import (
+    alike,
     behind as scene_behind,
     carried,
     compare,
@@ -129,6 +132,24 @@ def test_outliers_do_not_count_and_hidden_ones_are_not_read() -> None:
     good = np.linalg.lstsq(design[40:], offset[40:], rcond=None)[0]
     assert solution == pytest.approx(good, abs=2e-3)
     assert np.all(weight[:40] == 0.0)
+
+
+def test_what_agrees_is_a_share_of_what_is_visible() -> None:
+    """The least generalised eigenvalue, as LAPACK has it."""
+    rng = np.random.default_rng(6)
+    design, visible = rng.normal(size=(60, 3)) * [1.0, 1.0, 40.0], rng.random(60) < 0.8
+    agrees = visible & (rng.random(60) < 0.6)
+    whole, part = (design[rows].T @ design[rows] for rows in (visible, agrees))
+    shares = np.linalg.eigvalsh(support(design, visible, agrees))
+    assert shares == pytest.approx(eigvalsh(part, whole), rel=1e-6)
+
+
+def test_a_face_that_explains_all_correlates_fully() -> None:
+    rng = np.random.default_rng(7)
+    design, weight = rng.normal(size=(500, 8)), rng.random(500)
+    assert alike(design, 2.0, weight, np.zeros(500)) == pytest.approx(1.0)
+    noise = 2.0 * rng.normal(size=500)  # as much as is explained
+    assert alike(design, 2.0, np.ones(500), noise) == pytest.approx(math.sqrt(0.5), abs=0.03)
 
 
 def test_a_face_is_solved_as_by_least_squares() -> None:
