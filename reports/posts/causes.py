@@ -40,8 +40,6 @@ INSTANT = ("rho", "stretch", "shear", "mu")
 CONSTANT = ("room", "depth", "depth_far", "radius", "radius_far", "kappa", "drag_a", "drag_n")
 INSTANTLY = 1e-7
 """m; a range of h that is as good as none."""
-UNROOMY = 1.0 + 2.0 * np.array([rotation.ROOM_AHEAD, rotation.ROOM_ELSE, 0.0])
-"""Over what the planner has found, without the room for a checker."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +82,7 @@ def by_cause(step: Step, setup: Setup, size: int, rounds: int) -> list[str]:
         stated = np.ptp(found.post.ends, axis=0)
         began = replace(step, pre=case.pre)
         runs = filled([began], case.setup, stated=False, film=True, size=size, rounds=rounds)
-        cells = [*((stated / UNROOMY) / SHOWN)[:2], *(runs / SHOWN)[:2], *(stated / runs)[:2]]
+        cells = [*(stated / SHOWN)[:2], *(runs / SHOWN)[:2], *(stated / runs)[:2]]
         row = f"| {case.name} | " + " | ".join(f"{cell:.3g}" for cell in cells) + " |"
         print(row, flush=True)
         rows.append(row)
@@ -146,7 +144,7 @@ def main() -> int:
         "",
         "Written by `python -m reports.posts.causes`; see the [README](README.md).",
         "",
-        "| exactly known | proved x, y (um), without room | | runs fill x, y | | stated over filled x, y | |",
+        "| exactly known | stated x, y (um) | | runs fill x, y | | stated over filled x, y | |",
         "|---|---|---|---|---|---|---|",
         *by_cause(step, setup, asked.size, asked.rounds),
         "",
