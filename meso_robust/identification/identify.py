@@ -320,11 +320,10 @@ def _searched_again(
 
     A search may end in poor minima only; a misfit that remains after all rounds is the model's.
     """
-    model, counts = job.model, job.rough.counts
-    freedom = int(counts.sum() - 3 * len(counts) - model.fitted.sum())
+    model = job.model
     known = job.rough.sigmas.position is not None and job.rough.sigmas.orientation is not None
     for again in range(1, _ROUNDS):
-        if not known or chi2_law.sf(groups[0].cost, max(freedom, 1)) > _DOUBTFUL:
+        if not known or _explained(job, settings, groups[0]):
             break
         more = _rough_minima(job, settings, _ends(job, job.seed + _SEEDS * again).values)
         both = [*groups, *more]
@@ -336,6 +335,14 @@ def _searched_again(
             [one.found for one in both],
         )
     return groups
+
+
+def _explained(job: _Job, settings: Settings, best: Minimum) -> bool:
+    """Whether noise explains what a minimum leaves of all frames: few of them may hide a wrong one."""
+    model, counts = job.model, job.fine.counts
+    freedom = int(counts.sum() - 3 * len(counts) - model.fitted.sum())
+    found = fit(job.fine, model, best.values[None], settings).fits
+    return bool(chi2_law.sf(found.chi2[0], max(freedom, 1)) > _DOUBTFUL)
 
 
 def _rough_minima(job: _Job, settings: Settings, values: Floats) -> tuple[Minimum, ...]:

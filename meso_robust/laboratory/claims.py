@@ -155,12 +155,12 @@ def outside(poses: Floats, boxes: Floats, slack: Floats) -> Flags:
 
 @njit(cache=True, nogil=True)
 def _find_outside(poses: Floats, boxes: Floats, slack: Floats, found: Flags) -> None:
-    """Write what `outside` finds: compiled, as most poses lie in one of the first boxes tried."""
+    """Write what `outside` finds: compiled, as most poses lie in the box of the one before."""
     for i in range(poses.shape[0]):
-        wide = i if slack.shape[0] > 1 else 0
+        wide, k = i if slack.shape[0] > 1 else 0, 0
         for j in range(poses.shape[1]):
             missed = 0
-            for k in range(boxes.shape[0]):
+            while missed < boxes.shape[0]:
                 inside = True
                 for axis in range(3):
                     inside &= poses[i, j, axis] >= boxes[k, 0, axis] - slack[wide, axis]
@@ -168,6 +168,7 @@ def _find_outside(poses: Floats, boxes: Floats, slack: Floats, found: Flags) -> 
                 if inside:
                     break
                 missed += 1
+                k = k + 1 if k + 1 < boxes.shape[0] else 0
             found[i] |= missed == boxes.shape[0]
 
 

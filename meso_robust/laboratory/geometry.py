@@ -29,17 +29,18 @@ def gaps_to(tips: Floats, poses: Floats, outlines: Floats, radii: Floats) -> Flo
         radius.
     """
     found = np.empty(tips.shape[:2])
-    _find_gaps(in_part(tips, poses[:, None]), outlines, radii, found)
+    _find_gaps(np.ascontiguousarray(tips), frames(poses), outlines, radii, found)
     return found
 
 
 @njit(cache=True, nogil=True)
-def _find_gaps(tips: Floats, outlines: Floats, radii: Floats, found: Floats) -> None:
-    """Write what `gaps_to` finds; the tips are in the axes of their parts."""
+def _find_gaps(tips: Floats, parts: Floats, outlines: Floats, radii: Floats, found: Floats) -> None:
+    """Write what `gaps_to` finds; of the parts `frames`."""
     count = outlines.shape[1]
     for i in range(tips.shape[0]):
         for k in range(tips.shape[1]):
-            x, y = tips[i, k, 0], tips[i, k, 1]
+            ax, ay = tips[i, k, 0] - parts[i, 0], tips[i, k, 1] - parts[i, 1]
+            x, y = parts[i, 2] * ax + parts[i, 3] * ay, parts[i, 2] * ay - parts[i, 3] * ax
             square, inside = np.inf, False
             for j in range(count):
                 after = j + 1 if j + 1 < count else 0
@@ -56,6 +57,26 @@ def _find_gaps(tips: Floats, outlines: Floats, radii: Floats, found: Floats) -> 
                     inside = not inside
             nearest = np.sqrt(square)
             found[i, k] = (-nearest if inside else nearest) - radii[i, k]
+
+
+def frames(poses: Floats) -> Floats:
+    """Axes of parts, for compiled code.
+
+    Parameters
+    ----------
+    poses
+        (N, 3) m and rad.
+
+    Returns
+    -------
+    Floats
+        (N, 4) x and y in m, and cosine and sine of the angle.
+    """
+    found = np.empty((len(poses), 4))
+    found[:, :2] = poses[:, :2]
+    np.cos(poses[:, 2], out=found[:, 2])
+    np.sin(poses[:, 2], out=found[:, 3])
+    return found
 
 
 def in_part(points: Floats, pose: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.laboratory.geometry import in_part, turned
+from meso_robust.laboratory.geometry import frames, turned
 from meso_robust.types import Flags, Floats
 
 CORNER = -1
@@ -45,25 +45,29 @@ def meets(ways: Floats, radii: Floats, poses: Floats, outlines: Floats) -> Meeti
     """
     count = len(ways)
     found = Meetings(np.full(count, np.inf), np.full(count, CORNER), np.zeros(count))
-    _find_meetings(in_part(ways, poses[:, None]), radii, outlines, *found)
+    _find_meetings(np.ascontiguousarray(ways), frames(poses), radii, outlines, *found)
     return found
 
 
 @njit(cache=True, nogil=True)
 def _find_meetings(
     ways: Floats,
+    parts: Floats,
     radii: Floats,
     outlines: Floats,
     shares: Floats,
     edges: npt.NDArray[np.int64],
     alongs: Floats,
 ) -> None:
-    """Write what `meets` finds; the ways are in the axes of the parts."""
+    """Write what `meets` finds; of the parts `frames`."""
     count = outlines.shape[1]
     for i in range(ways.shape[0]):
+        cos, sin, r = parts[i, 2], parts[i, 3], radii[i]
         for leg in range(ways.shape[1] - 1):
-            x, y, r = ways[i, leg, 0], ways[i, leg, 1], radii[i]
-            wx, wy = ways[i, leg + 1, 0] - x, ways[i, leg + 1, 1] - y
+            ax, ay = ways[i, leg, 0] - parts[i, 0], ways[i, leg, 1] - parts[i, 1]
+            bx, by = ways[i, leg + 1, 0] - parts[i, 0], ways[i, leg + 1, 1] - parts[i, 1]
+            x, y = cos * ax + sin * ay, cos * ay - sin * ax
+            wx, wy = cos * bx + sin * by - x, cos * by - sin * bx - y
             first = np.inf
             for j in range(count):
                 after = j + 1 if j + 1 < count else 0

@@ -259,11 +259,24 @@ def _rolls(scene: Scene, kind: int, i: int) -> bool:
     return bool(kind != WALL and scene.tips[i, 4] > 0.0)
 
 
-@sealed
+@inlined
 def monitor(scene: Scene, work: Work, place: Place, clock: float) -> int:
-    """Write what must not become negative in the present mode; `velocity` was called here before.
+    """Find the forces, and write what must not become negative; `velocity` was called here before.
 
-    First the forces of the basis, which are found here, as ``1/(a + 1/a)``: that is zero both where
+    Returns
+    -------
+    int
+        How many there are; see `watch`.
+    """
+    solve_forces(work)
+    return watch(scene, work, place, clock)
+
+
+@sealed
+def watch(scene: Scene, work: Work, place: Place, clock: float) -> int:
+    """Write what must not become negative in the present mode, its twist and forces being known.
+
+    First the forces of the basis, as ``1/(a + 1/a)``: that is zero both where
     a force ends and where it grows without bound and returns with the other sign. Then, for each
     closed contact, the slip in its direction and the two lengths of `frame`, if they can change.
 
@@ -272,7 +285,6 @@ def monitor(scene: Scene, work: Work, place: Place, clock: float) -> int:
     int
         How many there are.
     """
-    solve_forces(work)
     count = int(work.count[HELD])
     for k in range(count):
         work.slack[k] = 1.0 / (work.force[k] + 1.0 / work.force[k])

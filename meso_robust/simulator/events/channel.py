@@ -73,21 +73,29 @@ def glide(scene: Scene, work: Work, step: float) -> None:
     nx, ny = edge[NX], edge[NY]
     gx, gy, g = _force(scene, work, work.pair[0])
     hx, hy, h = _force(scene, work, work.pair[1])
+    px, py = curve[6], curve[7]
+    # by how much the moments of the two change with the way, and what the film makes of it
+    by_one, by_other = -(nx * gx + ny * gy), -(nx * hx + ny * hy)
+    tilt = times(work.drag, (gy * by_other - hy * by_one, hx * by_one - gx * by_other, 0.0))
+    below = tilt[1] * nx - tilt[0] * ny
     for s in range(STAGES):
+        turn, between, omega = guided_turn(curve, NODES[s] * step)
+        place = about_pivot(curve, 0.0, turn, (px, py))
+        bx, by = to_body(between[0], between[1], place)
+        ux, uy = to_body(curve[4], curve[5], place)
+        one, other = px * gy - py * gx + g, (px + bx) * hy - (py + by) * hx + h
+        film = times(work.drag, cross((gx, gy, one), (hx, hy, other)))
+        # twist of a part on whose edge the first tip stuck, over what the film lets of it
+        stuck = (ux + omega * py, uy - omega * px, omega)
+        first = dot(tilt, stuck) + omega * (film[0] * nx + film[1] * ny)
+        second = omega * (tilt[0] * nx + tilt[1] * ny)
+        rest, all_but = dot(film, stuck), film[1] * nx - film[0] * ny
+        # the way comes last, as each stage has to wait for it: all else is done meanwhile
         way = 0.0
         for k in range(s):
             way += WEIGHTS[s, k] * slide[k]
         way *= step
-        turn, between, omega = guided_turn(curve, NODES[s] * step)
-        cx, cy = curve[6] - way * ny, curve[7] + way * nx
-        place = about_pivot(curve, 0.0, turn, (cx, cy))
-        bx, by = to_body(between[0], between[1], place)
-        ux, uy = to_body(curve[4], curve[5], place)
-        one, other = cx * gy - cy * gx + g, (cx + bx) * hy - (cy + by) * hx + h
-        film = times(work.drag, cross((gx, gy, one), (hx, hy, other)))
-        # twist of a part on whose edge the first tip stuck, over what the film lets of it
-        stuck = (ux + omega * cy, uy - omega * cx, omega)
-        slide[s] = dot(film, stuck) / (film[1] * nx - film[0] * ny)
+        slide[s] = (rest + way * (first + way * second)) / (all_but + way * below)
     way = 0.0
     for k in range(STAGES):
         way += RESULT[k] * slide[k]

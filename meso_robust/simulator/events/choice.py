@@ -13,10 +13,10 @@ from meso_robust.simulator.events.balance import (
     LARGEST,
     dot,
     fill_all,
-    monitor,
     pick,
     solve_forces,
     solve_twist,
+    watch,
 )
 from meso_robust.simulator.events.contact import Place, friction
 from meso_robust.simulator.events.scene import (
@@ -252,7 +252,7 @@ def _least(scene: Scene, work: Work, place: Place, clock: float) -> float:
     for k in range(work.count[HELD]):
         if not -_ZERO <= work.force[k] < LARGEST:
             return -1.0
-    for k in range(monitor(scene, work, place, clock)):
+    for k in range(watch(scene, work, place, clock)):
         least = min(least, work.slack[k])
     return least
 

@@ -44,6 +44,8 @@ class Inputs(NamedTuple):
     lay: Floats
     """(N or 1, 4): of the stage, and the centre of drag."""
     wall_friction: float
+    size: float
+    """Unit of length, m."""
 
 
 class Outputs(NamedTuple):
@@ -80,8 +82,6 @@ class EventResult:
     """(N,) number of intervals in which the modes of the contacts stayed the same."""
     inputs: Inputs
     """The move as the kernel took it."""
-    size: float
-    """Its unit of length in m."""
 
     def timeline(self, which: int) -> Timeline:
         """Phases of one run, which is taken again for it.
@@ -103,7 +103,7 @@ class EventResult:
         span = np.hypot(travel[..., 0], travel[..., 1]).max(axis=1, initial=0.0).sum()
         starts = outputs.starts[:count].copy()
         starts[:, 0] /= span if span > 0 else 1.0
-        starts[:, 1:3] *= self.size
+        starts[:, 1:3] *= self.inputs.size
         return make_timeline(starts, outputs.contacts[:count], self.inputs.tips.shape[1])
 
 
@@ -162,8 +162,11 @@ def _one(inputs: Inputs, outputs: Outputs, i: int, scene: Scene, work: Work) -> 
     work.wall_friction = inputs.wall_friction
     work.movers = inputs.tips.shape[1]
     outcome, clock = run(scene, work, Log(outputs.path[i], outputs.starts, outputs.contacts))
-    for k in range(3):
-        outputs.poses[i, k] = work.pose[k]
+    outputs.poses[i, 2] = work.pose[2]
+    for k in range(2):
+        outputs.poses[i, k] = inputs.size * work.pose[k]
+        for sample in range(outputs.path.shape[1]):
+            outputs.path[i, sample, k] *= inputs.size
     outputs.outcomes[i] = outcome
     outputs.ended_at[i] = clock / span if span > 0.0 else 1.0
     outputs.events[i] = work.count[EVENTS]
@@ -219,13 +222,13 @@ def _outputs(inputs: Inputs, samples: int, phases: int) -> Outputs:
     )
 
 
-def prepare(move: Mapping[str, Floats], fixture: Sequence[Floats] = ()) -> tuple[Inputs, float]:
+def prepare(move: Mapping[str, Floats], fixture: Sequence[Floats] = ()) -> Inputs:
     """Scale a move; the arrays of `integrate` under their names there.
 
     Returns
     -------
-    tuple
-        What the kernel reads, and the unit of length in m.
+    Inputs
+        What the kernel reads.
     """
     vertices, tips = move["vertices"], move["tips"]
     vertices = vertices.reshape(-1, *vertices.shape[-2:])
@@ -237,7 +240,7 @@ def prepare(move: Mapping[str, Floats], fixture: Sequence[Floats] = ()) -> tuple
     travel = move["travel"].reshape(runs, -1, probes, 2)
     friction = move["friction"].reshape(runs, -1, probes)
     walls = edge_table([polygon / size for polygon in fixture])
-    inputs = Inputs(
+    return Inputs(
         edge_table([vertices / size]),
         walls,
         np.ascontiguousarray(move["poses"] / stretch),
@@ -249,8 +252,8 @@ def prepare(move: Mapping[str, Floats], fixture: Sequence[Floats] = ()) -> tuple
         np.ascontiguousarray(scaled / scaled[:, :1, :1]),
         np.ascontiguousarray(_lay(move["stage_lay"].reshape(-1, 2), drag, size)),
         float(move["fixture_friction"]),
+        size,
     )
-    return inputs, size
 
 
 def _lay(stage: Floats, drag: Floats, size: float) -> Floats:
@@ -335,11 +338,9 @@ def integrate(
     move = {name: np.asarray(array, dtype=np.float64) for name, array in move.items()}
     polygons = [np.asarray(polygon, dtype=np.float64) for polygon in fixture]
     check_move(move, polygons, samples)
-    inputs, size = prepare(move, polygons)
+    inputs = prepare(move, polygons)
     outputs = _outputs(inputs, samples, 0)
     _take(inputs, outputs)
-    for poses in (outputs.poses, outputs.path):
-        poses[..., :2] *= size
     return EventResult(
         poses=outputs.poses,
         outcomes=outputs.outcomes,
@@ -347,7 +348,6 @@ def integrate(
         ended_at=outputs.ended_at,
         events=outputs.events,
         inputs=inputs,
-        size=size,
     )
 
 
