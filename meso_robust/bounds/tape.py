@@ -16,7 +16,6 @@ import numpy as np
 from numba import njit
 
 from meso_robust.bounds import arithmetic as ia
-from meso_robust.kernels import strict
 from meso_robust.types import Floats, Ints
 
 Pairwise = Callable[..., tuple[float, float]]
@@ -155,7 +154,7 @@ def _of_one(op: int, a: float, b: float) -> tuple[float, float]:
     return (a, b) if op == ASSIGN else (-np.inf, np.inf)
 
 
-@strict
+@njit
 def run(
     code: Ints, constant: Floats, box_lo: Floats, box_hi: Floats, work: Floats, result: Floats
 ) -> None:

@@ -172,7 +172,7 @@ class _Places(NamedTuple):
     """(3, 2): c' at those three."""
 
 
-@strict
+@njit
 def _places(frame: _Frame, known: Known, s_lo: float, s_hi: float) -> _Places:
     """What all outputs have in common; the row of Q is that of s."""
     inputs, count = known.lo.size, frame.spread.size
@@ -303,7 +303,7 @@ def _totals(
         by[i, 0], by[i, 1] = lo, hi
 
 
-@strict
+@njit
 def _bound(
     of: Program,
     frame: _Frame,
