@@ -9,7 +9,6 @@ nobody else does, allows it.
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import sys
 from collections.abc import Callable, Iterable
@@ -73,7 +72,7 @@ def shared(function: Callable[[_T], _R], items: Iterable[_T]) -> list[_R]:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # who waits for this copy is told, and ends it
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         with one_thread():
-            writes.send_bytes(pickle.dumps(work()))
+            writes.send(work())
 
     context = get_context("fork")
     copies = [begun() for _ in range(count - 1)]
@@ -98,7 +97,7 @@ def _next(waiting: int) -> int | None:
 
 def _told(reads: Connection) -> dict[int, Any]:
     try:
-        told: dict[int, Any] = pickle.loads(reads.recv_bytes())
+        told: dict[int, Any] = reads.recv()
     except EOFError:  # it failed, or was ended
         return {}
     return told

@@ -69,6 +69,7 @@ class TestCopies:
             "        os.killpg(0, signal.SIGINT)\n"
             "    time.sleep(30)\n"
             "os.setpgid(0, 0)\n"
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # ignored by what shells run aside
             "try:\n"
             "    shared(work, range(3))\n"
             "except KeyboardInterrupt:\n"

@@ -134,7 +134,7 @@ def test_a_call_says_nothing_and_writes_nothing_unless_asked(
 
     listening = Listening()
     mr.certify(mr.Task.paper(), PLAN, samples=3, progress=listening)
-    assert listening.said == ["certifying", "searching for the margin, simulating 3 runs"]
+    assert listening.said == ["certifying", "searching for the margin", "simulating 3 runs"]
     assert capfd.readouterr() == ("", "")
     mr.Reporter().doing("planning").__enter__()
     assert capfd.readouterr().err == "planning ...\n"
