@@ -73,17 +73,24 @@ def general_step(
     last[0], last[1], last[2] = cos * vx + sin * vy, cos * vy - sin * vx, body[PART.velocity + 2]
     for k in range(3):
         twist[k] = last[k]
-    outcome = _tangents(case, kind.dry, state, work, count, dt, unit, 1.0, _FIRST_TANGENTS)
-    if kind.dry and outcome != COMPLETED:
-        outcome = _from_rest(case, state, work, count, dt, unit, 1, _SECOND_TANGENTS)
-    if kind.dry and outcome == SOLVER_FAILURE:
-        outcome = _from_rest(case, state, work, count, dt, unit, _LEVELS, _LAST_TANGENTS)
-    return outcome
+    # one call for all tries: each with plain numbers of its own would be compiled once more
+    levels, most = 0, _FIRST_TANGENTS
+    while True:
+        outcome = _from_smooth(case, kind.dry, state, work, count, dt, unit, levels, most)
+        again = outcome == SOLVER_FAILURE or (levels == 0 and outcome != COMPLETED)
+        if not kind.dry or levels == _LEVELS or not again:
+            return outcome
+        levels, most = (_LEVELS, _LAST_TANGENTS) if levels > 0 else (1, _SECOND_TANGENTS)
+        for k in range(3):
+            twist[k] = 0.0
+        for i in range(state.dry.shape[0]):
+            state.dry[i, 0], state.dry[i, 1] = 0.0, 0.0
 
 
-@sealed
-def _from_rest(
+@part
+def _from_smooth(
     case: Case,
+    dry: bool,
     state: State,
     work: Work,
     count: int,
@@ -96,14 +103,12 @@ def _from_rest(
 
     There are so many levels of smoothing to a hundred, and at most so many tangents of the law itself.
     """
-    for k in range(3):
-        state.space[TWIST_NOW, k] = 0.0
-    for i in range(state.dry.shape[0]):
-        state.dry[i, 0], state.dry[i, 1] = 0.0, 0.0
-    for level in range(_HUNDREDS * levels, 0, -1):
-        smoothing = 100.0 ** (level / levels)
-        _tangents(case, True, state, work, count, dt, unit, smoothing, _TANGENTS)
-    return _tangents(case, True, state, work, count, dt, unit, 1.0, most)
+    outcome = SOLVER_FAILURE
+    for level in range(_HUNDREDS * levels, -1, -1):
+        smoothing = 100.0 ** (level / max(levels, 1))
+        enough = most if level == 0 else _TANGENTS
+        outcome = _tangents(case, dry, state, work, count, dt, unit, smoothing, enough)
+    return outcome
 
 
 @part

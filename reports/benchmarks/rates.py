@@ -11,6 +11,7 @@ from meso_robust.certificates.chain import certify
 from meso_robust.copies import allow
 from meso_robust.feasible_regions.maps import Primitive, map_of, moves_of
 from meso_robust.identification.identify import identify
+from meso_robust.lifetime import short
 from meso_robust.planning.compose import compose
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import load_task
@@ -61,6 +62,8 @@ def _map_s(primitive: Primitive) -> float:
     setup = setup_of(task)
     chain = certify(compose(task).rules, setup)
     moves, first = moves_of(chain.steps, setup, primitive)
+    # as the command line does
+    short()
     allow()
     return once(lambda: map_of(primitive, moves, first, _CELLS)).wall
 
