@@ -2,8 +2,8 @@
 
 Threads make such calls no quicker: one interpreter runs one at a time. A copy begins with all that is
 imported and compiled here, which a new process would take seconds for. A copy of a process in which
-others run threads may wait for a lock that nobody holds any more, so that only the command line, where
-nobody else does, allows it.
+others run threads may wait for a lock that nobody holds any more, so that only those verbs of the command
+line allow it that run no thread but the one that shows progress, of which a copy asks for nothing.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _allowed: list[bool] = []
 
 
 def allow() -> None:
-    """Say that nobody else runs threads in this process; does nothing where systems do not copy well."""
+    """Say that no threads run here of which a copy asks for anything; does nothing where systems do not copy well."""
     if hasattr(os, "fork") and sys.platform != "darwin":
         _allowed.append(True)
 

@@ -59,7 +59,7 @@ def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 def strict(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Compile a function that no test calls by itself, in which a division by nought is an error.
+    """Compile a function without an entry from Python, in which a division by nought is an error.
 
     Parameters
     ----------

@@ -16,7 +16,6 @@ import typer
 from meso_robust.caches import prepare
 from meso_robust.cli.running import end_by_a_signal_as_by_ctrl_c, escape_what_cannot_be_shown
 from meso_robust.cli.verbs import Verbs
-from meso_robust.copies import allow
 from meso_robust.lifetime import short
 
 app = typer.Typer(
@@ -59,7 +58,6 @@ def main() -> None:
     # work a diagnosis took twice the processor
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     short()
-    allow()
     prepare()
     escape_what_cannot_be_shown()
     end_by_a_signal_as_by_ctrl_c()

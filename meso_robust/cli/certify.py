@@ -5,12 +5,14 @@ from __future__ import annotations
 from meso_robust.api.plan import Planned, certify as call
 from meso_robust.cli.plan import RESULTS, unplanned
 from meso_robust.cli.verb import Run, verb
+from meso_robust.copies import allow
 from meso_robust.errors import NotApplicableError
 
 
 @verb(call, out="meso-robust-certify", document="certificate.json")
 def certify(run: Run) -> Planned:
     """Certify a plan, cross-check it in the simulator, and write a report."""
+    allow()
     try:
         return run.saved(RESULTS)
     except NotApplicableError as error:

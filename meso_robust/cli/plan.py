@@ -10,6 +10,7 @@ import typer
 from meso_robust.api.plan import Planned, plan as call
 from meso_robust.cli.console import negative, note
 from meso_robust.cli.verb import Run, verb
+from meso_robust.copies import allow
 from meso_robust.errors import NotApplicableError
 from meso_robust.tasks import PAPER
 
@@ -25,6 +26,7 @@ def plan(
     ] = None,
 ) -> Planned:
     """Find a plan, certify it, cross-check it in the simulator, and write a report."""
+    allow()
     file = task or PAPER
     try:
         return run.saved(written(**run.of(call, task=file)), task=file)
