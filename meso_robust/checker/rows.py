@@ -46,12 +46,6 @@ class Boxes:
         """Some of them."""
         return Boxes(self.names, self.low[:, chosen], self.high[:, chosen])
 
-    def halfway(self, k: int) -> Boxes:
-        """The same with one variable at its middle."""
-        low, high = self.low.copy(), self.high.copy()
-        low[k] = high[k] = 0.5 * (low[k] + high[k])
-        return Boxes(self.names, low, high)
-
     def points(self) -> dict[str, Rows]:
         """The variables, each with slope 1 along itself."""
         middle = np.clip(0.5 * (self.low + self.high), self.low, self.high)
@@ -285,15 +279,14 @@ def _up(value: Floats) -> Floats:
 def _product(one: Floats, other: Floats) -> Floats:
     """Ends of the products of two intervals."""
     # the products of unlike ends with their signs changed, and of like ends
-    unlike, like = one * other[::-1], one * other
-    ends = np.empty_like(like)
-    np.maximum(unlike[0], unlike[1], out=ends[0])
-    np.maximum(like[0], like[1], out=ends[1])
-    np.minimum(like[0], like[1], out=like[0])
-    np.minimum(unlike[0], unlike[1], out=like[1])
-    np.negative(like, out=like)
-    np.maximum(ends, like, out=ends)
+    every = one * other[PAIRED]
+    first, second = every[:, 0], every[:, 1]
+    ends, least = np.maximum(first, second), np.minimum(first, second)
+    np.maximum(ends, np.negative(least, out=least)[::-1], out=ends)
     return _outward(ends)
+
+
+PAIRED = np.array([[1, 0], [0, 1]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -376,14 +369,10 @@ def _above(value: arb) -> float:
 
 Of: TypeAlias = Callable[[Mapping[str, Rows], npt.NDArray[np.int64]], Rows]
 """A formula of the variables; for every column also which of the boxes it belongs to."""
-ROUGHLY = 0.3
-"""How closely negative values are bounded, relative."""
-NARROWED = 1
-"""How often variables are put to their ends before a box is judged."""
 
 
 def lowest(
-    of: Of, boxes: Boxes, close: float, cuts: int, enough: float = np.inf, mean: int | None = None
+    of: Of, boxes: Boxes, close: float, cuts: int, enough: float = np.inf, rough: float = 0.0
 ) -> Floats:
     """Proved lower bounds of a formula, one a box; minus infinity where nothing was proved.
 
@@ -396,28 +385,28 @@ def lowest(
     cuts
         How often a box may be cut in two.
     enough
-        A bound above this needs no cut either, nor one that is about what it must be and negative.
-    mean
-        Place of a variable over whose box the mean of the formula is meant, whatever the others do
-        meanwhile: with slopes between a and b that is the value at its middle, less at most (b - a)/8
-        of its width, as with the slope a on one half and b on the other.
+        A bound above this needs no cut either.
+    rough
+        Nor does one that is within this share of a negative least value.
     """
     found, which = np.full(boxes.count, np.inf), np.arange(boxes.count)
     best = np.full(boxes.count, np.inf)
     for left in range(cuts, -1, -1):
-        low, attained, boxes, steep = _judged(of, boxes, which, mean)
-        np.minimum.at(best, which, attained)
-        least, weight = best[which], steep * (boxes.high - boxes.low)
-        if mean is not None:
-            weight[mean] = 0.0
-        more = (low <= enough) & (least - low > close)
-        if np.isfinite(enough):
-            more &= least - low > ROUGHLY * -least
+        seen = _seen(of, boxes, which)
+        closer = seen.boxes
+        # what can be narrowed is looked at again, if the whole box is not enough already
+        moved = (closer.low != boxes.low) | (closer.high != boxes.high)
+        again = moved.any(axis=0) & ~(seen.low > enough)
+        if again.any():
+            seen.put(again, _seen(of, closer.of(again), which[again]))
+        np.minimum.at(best, which, seen.attained)
+        least, weight = best[which], seen.steep * (closer.high - closer.low)
+        more = (seen.low <= enough) & (least - seen.low > np.fmax(close, rough * -least))
         more &= (weight.max(axis=0, initial=0.0) > 0) & (left > 0)
-        np.minimum.at(found, which[~more], low[~more])
+        np.minimum.at(found, which[~more], seen.low[~more])
         if not more.any():
             break
-        boxes, which = halves(boxes.of(more), weight[:, more]), np.tile(which[more], 2)
+        boxes, which = halves(closer.of(more), weight[:, more]), np.tile(which[more], 2)
     return found
 
 
@@ -431,42 +420,39 @@ def halves(boxes: Boxes, weight: Floats) -> Boxes:
     return Boxes(boxes.names, *ends)
 
 
-def _judged(
-    of: Of, boxes: Boxes, which: npt.NDArray[np.int64], mean: int | None
-) -> tuple[Floats, Floats, Boxes, Floats]:
-    """Lower bounds, values that are attained, and the parts of the boxes where the least values are.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """What one look at a formula over some boxes tells."""
 
-    A variable along which the formula is proved to grow or fall is put to the end where it is least.
-    """
-    columns, count, every = np.concatenate([which, which]), boxes.count, boxes
-    off = np.zeros(count)
-    if mean is not None:
-        slopes = of(boxes.points(), columns)
-        off = _up(_slope_widths(slopes, count)[mean])
-        off = _up(off * (boxes.high[mean] - boxes.low[mean]) / 8)
-        boxes = boxes.halfway(mean)
-    for left in range(NARROWED, -1, -1):
-        value = of(boxes.points(), columns)
-        grows, falls = (end <= 0 for end in value.ends[:, 1:, :count])
-        high = np.where(grows, boxes.low, boxes.high)
-        low = np.where(falls & ~grows, boxes.high, boxes.low)
-        if left == 0 or bool((low == boxes.low).all() and (high == boxes.high).all()):
-            break
-        boxes = Boxes(boxes.names, low, high)
+    low: Floats
+    """A lower bound in each."""
+    attained: Floats
+    """A value that is attained there."""
+    steep: Floats
+    """The steepest slopes."""
+    boxes: Boxes
+    """Where the least values are: a variable along which the formula is proved to grow or fall is put to
+    the end where it is least."""
+
+    def put(self, where: npt.NDArray[np.bool_], closer: _Seen) -> None:
+        """What a look at some of the narrowed boxes tells instead."""
+        self.low[where], self.attained[where] = closer.low, closer.attained
+        self.steep[:, where] = closer.steep
+
+
+def _seen(of: Of, boxes: Boxes, which: npt.NDArray[np.int64]) -> _Seen:
+    count = boxes.count
+    value = of(boxes.points(), np.concatenate([which, which]))
+    grows, falls = (end <= 0 for end in value.ends[:, 1:, :count])
     bound = -np.minimum(value.ends[0, 0, :count], value.by_middle()[0])
-    if mean is not None:
-        bound = np.nextafter(bound - off, -np.inf)
-    attained = value.ends[1, 0, count:] - off
-    steep = value.steepest(count) if mean is None else _slope_widths(value, count)
-    return (
+    attained, steep = value.ends[1, 0, count:], value.steepest(count)
+    return _Seen(
         np.where(np.isfinite(bound), bound, -np.inf),
         np.where(np.isfinite(attained), attained, np.inf),
-        # the slopes along what is averaged must be those of the whole box
-        boxes if mean is None else every,
         np.where(np.isfinite(steep), steep, 1e30),
+        Boxes(
+            boxes.names,
+            np.where(falls & ~grows, boxes.high, boxes.low),
+            np.where(grows, boxes.low, boxes.high),
+        ),
     )
-
-
-def _slope_widths(value: Rows, count: int) -> Floats:
-    """How far the ends of each slope are apart, to the nearest double."""
-    return np.asarray(value.ends[:, 1:, :count].sum(axis=0))

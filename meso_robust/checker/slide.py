@@ -62,8 +62,9 @@ as long."""
 CUTS, HALVED = 6, 1
 """How often a box is cut in two before a steeper slope is tried: for a closer bound, and where it is
 open which tip is slipped over which way."""
-CLOSE = 2e-5
-"""How closely the least lead of a barrier over all motions is bounded; a slope, like the next two."""
+CLOSE, ROUGH = 2e-5, 0.3
+"""How closely the least lead of a barrier over all motions is bounded: a slope, like the next two, and a
+share of a lead that is negative."""
 LEAST = 1e-5
 """Lead that is asked for, so that pieces after a steeper one need not be tried again and again."""
 STEEP = 5e-3
@@ -548,16 +549,21 @@ class _Barrier:
             return 0.0
         curve = self._curve(leg)
         if curve.key not in self.begun:
-            missing = (self._start(start, self._ahead(start, curve)) for start in starts)
-            self.begun[curve.key] = max(map(self._moved, missing))
+            least = np.inf
+            for start in reversed(starts):  # the last begins farthest behind, as a rule
+                ahead = self._ahead(start, curve)
+                least = min(least, self._start(start, ahead, enough=min(least, 0.0)))
+            self.begun[curve.key] = self._moved(arb(least))
         return self.begun[curve.key]
 
-    def _start(self, start: Start, ahead: Callable[[Mapping[str, Any]], Any]) -> arb:
+    def _start(
+        self, start: Start, ahead: Callable[[Mapping[str, Any]], Any], enough: float
+    ) -> float:
         """A lower bound of how far a curve is beyond the places at which a turn can begin."""
         boxes, exact = boxes_of(start.box, 1)
         near = NEAR * self.flow.width
-        found = lowest(lambda at, _: ahead({**exact, **at}), boxes, near, STARTS)
-        return arb(float(found[0]))
+        found = lowest(lambda at, _: ahead({**exact, **at}), boxes, near, STARTS, enough)
+        return float(found[0])
 
     def _curve(self, leg: _Leg) -> Curve:
         def cubic(of: Callable[[Guess], float]) -> Cubic:
@@ -712,7 +718,7 @@ class _Leads:
         ).T
         found = np.full(boxes.count, np.inf)
         of = partial(self._lead, which[cases[0]], cases[1:])
-        np.minimum.at(found, cases[0], lowest(of, boxes.of(cases[0]), CLOSE, CUTS, LEAST))
+        np.minimum.at(found, cases[0], lowest(of, boxes.of(cases[0]), CLOSE, CUTS, LEAST, ROUGH))
         return found
 
     def _stick(self, tip: int, sign: int, of: Where, at: Mapping[str, Rows], which: Where) -> Rows:

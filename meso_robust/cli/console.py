@@ -6,12 +6,16 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import NoReturn
+from functools import cached_property
+from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
 from meso_robust.api.progress import Rated, Step, Told
 from meso_robust.errors import ArgumentError
+
+if TYPE_CHECKING:  # a tenth of the time to the first word, and only a terminal needs it
+    from rich.console import Console
 
 NEGATIVE, BAD_INPUT = 1, 2
 INTERRUPTED = 130
@@ -24,15 +28,26 @@ class Reporter:
     """Says on stderr what is going on: a spinner on a terminal, plain lines elsewhere."""
 
     def __init__(self, quiet: bool = False) -> None:
+        self._quiet = quiet
+
+    @cached_property
+    def _console(self) -> Console | None:
+        """Of a terminal that is to show something."""
+        if self._quiet or not sys.stderr.isatty():
+            return None
         from rich.console import Console
 
-        self._console = Console(stderr=True, quiet=quiet)
+        return Console(stderr=True)
+
+    def _line(self, text: str) -> None:
+        if not self._quiet:
+            print(text, file=sys.stderr, flush=True)
 
     @contextmanager
     def doing(self, what: str) -> Iterator[None]:
         """Show ``what`` while the block runs."""
-        if not self._console.is_terminal:
-            self._console.print(f"{what} ...", markup=False, highlight=False)
+        if self._console is None:
+            self._line(f"{what} ...")
             yield
             return
         from rich.markup import escape
@@ -43,8 +58,8 @@ class Reporter:
     @contextmanager
     def counting(self, what: str, total: int | None) -> Iterator[Callable[[], object]]:
         """Show ``what`` and a bar while the block runs; it calls what it is given after each step."""
-        if not self._console.is_terminal:
-            self._console.print(f"{what} ...", markup=False, highlight=False)
+        if self._console is None:
+            self._line(f"{what} ...")
             yield lambda: None
             return
         from rich.markup import escape
@@ -60,13 +75,13 @@ class Reporter:
 
         Stages come one after the other: the next one ends those before it.
         """
-        if not self._console.is_terminal:
+        if self._console is None:
             said: set[str] = set()
 
             def line(stage: str, *_: int) -> None:
                 if stage not in said:
                     said.add(stage)
-                    self._console.print(f"{stage} ...", markup=False, highlight=False)
+                    self._line(f"{stage} ...")
 
             yield line
             return
@@ -94,7 +109,7 @@ class Reporter:
         On a terminal as a bar, elsewhere as a line every ten seconds.
         """
         paces: dict[str, Pace] = {}
-        if not self._console.is_terminal:
+        if self._console is None:
             last = [time.monotonic()]
 
             def line(part: str, chunks: tuple[int, int], step: Step | None) -> None:
@@ -105,7 +120,7 @@ class Reporter:
                     or time.monotonic() - last[0] > LINE_EVERY
                 ):
                     last[0] = time.monotonic()
-                    self._console.print(f"{part}: {text}", markup=False, highlight=False)
+                    self._line(f"{part}: {text}")
 
             yield line
             return

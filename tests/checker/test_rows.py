@@ -64,13 +64,27 @@ def test_the_lowest_value_is_bounded_and_cuts_bring_it_closer() -> None:
     assert np.all(least - many < 6e-3)
 
 
-def test_a_mean_over_a_variable_is_more_than_its_least_value() -> None:
-    """Of ``z + 3 x`` over x from 0 to 1: 1.5 and the least z, not z alone."""
-    box = Boxes(("x", "z"), np.array([[0.0], [2.0]]), np.array([[1.0], [3.0]]))
-    found = lowest(lambda at, _: at["x"] * 3 + at["z"], box, 1e-9, 0, mean=0)
-    assert found[0] == pytest.approx(3.5, abs=1e-9)
-    curved = lowest(lambda at, _: at["x"].squared() + at["z"], box, 1e-9, 0, mean=0)
-    assert 2.0 - 1e-9 <= curved[0] <= 2.0 + 1.0 / 3.0
+def test_a_bound_is_brought_no_closer_than_is_asked_for() -> None:
+    """Of ``x (1 - x)`` over 0 to 1 and moved: it is at least 0 there, one box only proves more than -1."""
+    box = Boxes(("x",), np.array([[0.0]]), np.array([[1.0]]))
+    asked: list[int] = []
+
+    def hill(moved: float) -> Any:
+        def of(at: Any, which: Any) -> Any:
+            asked.append(len(which))
+            return at["x"] * (1 - at["x"]) + moved
+
+        return of
+
+    def cost(moved: float, **asks: float) -> int:
+        asked.clear()
+        assert lowest(hill(moved), box, 1e-9, 6, **asks)[0] <= moved
+        return sum(asked)
+
+    whole = cost(0.0)
+    assert cost(2.0, enough=0.5) < whole == cost(2.0)
+    assert cost(-8.0, rough=0.3) < whole == cost(-8.0)
+    assert cost(0.0, enough=0.0, rough=0.3) == whole
 
 
 def test_where_nothing_is_known_nothing_is_proved() -> None:

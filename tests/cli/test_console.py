@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import sys
 
 import pytest
 import rich.console
@@ -17,6 +18,7 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> io.StringIO:
     shown = io.StringIO()
     one = rich.console.Console(file=shown, force_terminal=True, width=100, color_system=None)
     monkeypatch.setattr(rich.console, "Console", lambda **_: one)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     return shown
 
 

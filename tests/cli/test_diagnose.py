@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -274,6 +275,7 @@ def test_the_schema_is_published() -> None:
 def test_a_terminal_shows_a_bar_for_each_stage(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = rich.console.Console(file=io.StringIO(), force_terminal=True)
     monkeypatch.setattr(rich.console, "Console", lambda **_: terminal)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     shown: dict[str, tuple[float | None, float]] = {}
     update = Progress.update
 
