@@ -20,7 +20,7 @@ def inner(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     It counts no references: its arrays outlive it, and counting was measured to take most of the
     time of a simulation step. Numba refuses to compile a function that makes an array this way.
-    Tests and benchmarks may call it by itself; what they do not is better `sealed`.
+    What Python need not call by itself is better `sealed`.
 
     Parameters
     ----------
@@ -38,9 +38,10 @@ def inner(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Compile as `inner` does, without an entry from Python.
+    """Compile as `inner` does, without an entry from Python and without machine code of its own.
 
-    The code that unpacks the arguments can take longer to compile than the function.
+    The code that unpacks the arguments can take longer to compile than the function, and what a kernel
+    links in is LLVM's code: see ``callees``.
 
     Parameters
     ----------
@@ -50,12 +51,9 @@ def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
     Returns
     -------
     callable
-        For kernels only: Python cannot call it.
+        For kernels only: a call from Python is a TypeError.
     """
-    from numba import njit
-
-    compile_ = njit(error_model="numpy", _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-    return cast("Callable[_P, _R]", compile_(function))
+    return _callee(function, error_model="numpy", _nrt=False)
 
 
 def strict(function: Callable[_P, _R]) -> Callable[_P, _R]:
@@ -69,11 +67,9 @@ def strict(function: Callable[_P, _R]) -> Callable[_P, _R]:
     Returns
     -------
     callable
-        For kernels only: Python cannot call it.
+        For kernels only: a call from Python is a TypeError.
     """
-    from numba import njit
-
-    return cast("Callable[_P, _R]", njit(no_cpython_wrapper=True, no_cfunc_wrapper=True)(function))
+    return _callee(function)
 
 
 def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
@@ -89,16 +85,18 @@ def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     Returns
     -------
     callable
-        For kernels only: Python cannot call it.
+        For kernels only: a call from Python is a TypeError.
     """
+    return _callee(function, error_model="numpy", _nrt=False, forceinline=True)
+
+
+def _callee(function: Callable[_P, _R], **options: object) -> Callable[_P, _R]:
     from numba import njit
 
+    from meso_robust.callees import Callees
+
     compile_ = njit(
-        error_model="numpy",
-        forceinline=True,
-        _nrt=False,
-        no_cpython_wrapper=True,
-        no_cfunc_wrapper=True,
+        no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=Callees, **options
     )
     return cast("Callable[_P, _R]", compile_(function))
 
@@ -136,12 +134,10 @@ def maker(function: Callable[_P, _R]) -> Callable[_P, _R]:
     Returns
     -------
     callable
-        Compiled at the first call, with the same arguments.
+        For kernels only: a call from Python is a TypeError.
     """
-    from numba import njit
-
     # Said although it is the default: a function compiled on behalf of another inherits its choice.
-    return cast("Callable[_P, _R]", njit(error_model="numpy", _nrt=True)(function))
+    return _callee(function, error_model="numpy", _nrt=True)
 
 
 def fingerprint(*packages: str) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.microscope.layer import (
     COVERAGE,
     DISTANCE,
@@ -112,7 +112,7 @@ def _box(
     return int(low[0]), int(high[0]), int(low[1]), int(high[1])
 
 
-@inner
+@sealed
 def _bilinear(texels: Texels, j: float, i: float, channel: int) -> float:
     """A channel at row j, column i, between texels."""
     row, column = int(j), int(i)
@@ -123,7 +123,7 @@ def _bilinear(texels: Texels, j: float, i: float, channel: int) -> float:
     return upper + (lower - upper) * fj
 
 
-@inner
+@sealed
 def _area_mean(
     texels: Texels,
     at: tuple[float, float],

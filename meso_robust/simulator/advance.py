@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meso_robust.kernels import inner, maker, part, sealed
+from meso_robust.kernels import maker, part, sealed
 from meso_robust.simulator.guess import SEPARATE, guess_forces, remember_modes
 from meso_robust.simulator.lemke import RESIDUAL, SOLVED, lemke
 from meso_robust.simulator.modes import FOUND, NONE, new_walk, next_mode
@@ -19,7 +19,7 @@ _NEAR = 4.0  # units: contacts farther off are first left out of a step
 _SAME = 1e-6  # units: motions this close are one
 
 
-@inner
+@sealed
 def closes(contacts: Floats, marks: Ints, step: Floats, count: int) -> bool:
     """Whether a gap would close with no force; if not, write the motion without any."""
     for c in range(count):
@@ -33,7 +33,7 @@ def closes(contacts: Floats, marks: Ints, step: Floats, count: int) -> bool:
     return False
 
 
-@inner
+@sealed
 def advance(work: Work, count: int) -> int:
     """Find the forces and the motion of one step, its rows being written.
 

@@ -7,7 +7,7 @@ singular and is left to Lemke's method. The guess is a short cut only: its force
 only if they pass the check of the whole problem (`rows.is_solution`).
 """
 
-from meso_robust.kernels import inner, sealed
+from meso_robust.kernels import sealed
 from meso_robust.simulator.rows import TOLERANCE, deflection, is_soft, move_by_forces
 from meso_robust.simulator.tables import CONTACTS, MARKS, STEP
 from meso_robust.types import Floats, Ints
@@ -72,7 +72,7 @@ def recall_modes(marks: Ints, count: int) -> None:
                 marks[c, MARKS.mode] = marks[b, MARKS.old_mode]
 
 
-@inner
+@sealed
 def guess_forces(contacts: Floats, marks: Ints, step: Floats, system: Floats, count: int) -> bool:
     """Write the forces and the motion that the modes imply.
 

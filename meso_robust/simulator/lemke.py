@@ -20,7 +20,7 @@ doi:10.1002/(SICI)1097-0207(19960815)39:15<2673::AID-NME972>3.0.CO;2-I.
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.types import Floats, Ints
 
 SOLVED = 0
@@ -44,7 +44,7 @@ _ZERO = 1e-10  # a z_0 this small has left, even if rounding let another row lea
 _PIVOTS_PER_ROW = 30  # beyond it the pivots are taken to cycle
 
 
-@inner
+@sealed
 def lemke(n: int, M: Floats, q: Floats, z: Floats, tableau: Floats, index: Ints) -> int:
     """Solve ``0 ≤ z ⊥ M z + q ≥ 0``.
 
@@ -178,7 +178,7 @@ def _blocking_row(n: int, tableau: Floats, index: Ints, column: int) -> int:
     return best
 
 
-@inner
+@sealed
 def _goes_first(n: int, tableau: Floats, index: Ints, column: int, i: int, best: int) -> bool:
     """Break a tie between two rows: the artificial variable first, then lexicographically."""
     if index[i] == 2 * n or index[best] == 2 * n:

@@ -9,7 +9,7 @@ doi:10.1137/1.9781611971217; each subproblem by Householder reflections.
 
 import numpy as np
 
-from meso_robust.kernels import inner, sealed
+from meso_robust.kernels import sealed
 from meso_robust.types import Floats, Ints
 
 _DEPENDENT = 1e-12  # of the length of a column: what is left of it when it depends on others
@@ -17,7 +17,7 @@ _FLAT = 1e-13  # of the lengths: a gradient this small is none
 _ROUNDS = 6  # per column
 
 
-@inner
+@sealed
 def nearest(A: Floats, q: Floats, x: Floats, r: Floats, space: Floats, order: Ints) -> bool:
     """Minimise ``|q − Σ x_j A_j|`` over ``x ≥ 0``.
 

@@ -25,7 +25,7 @@ by the resistance of the support.
 
 import numpy as np
 
-from meso_robust.kernels import inner, sealed
+from meso_robust.kernels import sealed
 from meso_robust.simulator.tables import CONTACTS, MARKS, STEP
 from meso_robust.types import Floats, Ints
 
@@ -35,7 +35,7 @@ LARGEST = 1e4
 """Forces beyond this do not loosen the residual check any more."""
 
 
-@inner
+@sealed
 def write_rows(contacts: Floats, step: Floats, count: int, unit: float) -> bool:
     """Write the rows of the first `count` contacts; False if one is not finite."""
     f0, f1, f2 = step[STEP.factor], step[STEP.factor + 1], step[STEP.factor + 2]
@@ -104,7 +104,7 @@ def _dot(contacts: Floats, a: int, i: int, b: int, j: int) -> float:
     )
 
 
-@inner
+@sealed
 def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats, q: Floats) -> int:
     """Write M and q of the first `count` active contacts; return their size."""
     soft = is_soft(step)
@@ -135,7 +135,7 @@ def assemble(contacts: Floats, marks: Ints, step: Floats, count: int, M: Floats,
     return 4 * count
 
 
-@inner
+@sealed
 def move_by_forces(contacts: Floats, step: Floats, count: int) -> None:
     """Write the motion of the part, ``Δ' = s' + Σ (w_n λ_n + w_t λ_t)``."""
     for k in range(3):
@@ -163,7 +163,7 @@ def slips(contacts: Floats, marks: Ints, step: Floats, count: int, c: int) -> tu
     return vn, vt
 
 
-@inner
+@sealed
 def is_solution(contacts: Floats, marks: Ints, step: Floats, count: int) -> bool:
     """Check forces and motion against every condition of the step, for all contacts.
 

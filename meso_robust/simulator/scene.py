@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meso_robust.kernels import inner, sealed
+from meso_robust.kernels import sealed
 from meso_robust.simulator.contact import PER_CORNER, at_corner, beside_edges, lies_beyond
 from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES, PART
 from meso_robust.types import Floats, Ints
@@ -24,7 +24,7 @@ class Scene(NamedTuple):
     """Deepest penetration that is taken for one, m; what lies deeper is another side of the part."""
 
 
-@inner
+@sealed
 def find_contacts(
     scene: Scene,
     obstacles: Floats,

@@ -25,7 +25,7 @@ creeps at about ε.
 
 import numpy as np
 
-from meso_robust.kernels import inner, sealed
+from meso_robust.kernels import sealed
 from meso_robust.simulator.stage import FORM, REFERENCE_SPEED, Effect, Parameter, Stage
 from meso_robust.simulator.tables import STEP
 from meso_robust.types import Floats
@@ -615,7 +615,7 @@ def older(age: float, distance: float, dt: float, effects: Floats) -> float:
     return float(steady + (age - steady) * np.exp(-distance / effects[_AGEING_DISTANCE]))
 
 
-@inner
+@sealed
 def factorise(K: Floats, step: Floats) -> bool:
     """Write the lower triangle of ``L⁻¹`` by rows and k, ``K / k = L Lᵀ``; False if impossible."""
     k = K[0]

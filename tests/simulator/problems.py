@@ -6,9 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator import Fixture, Point, Push
-from meso_robust.simulator.arrange import case_of, inputs_of
-from meso_robust.simulator.modes import NONE, new_walk, next_mode
-from meso_robust.simulator.scene import find_contacts
+from meso_robust.simulator.arrange import inputs_of
+from meso_robust.simulator.modes import NONE
 from meso_robust.simulator.tables import (
     CONTACT_COLUMNS,
     CONTACTS,
@@ -18,9 +17,9 @@ from meso_robust.simulator.tables import (
     OBSTACLES,
     PART,
     Work,
-    workspace,
 )
 from meso_robust.simulator.tips import Tip
+from tests.simulator.entries import case_of, find_contacts, new_walk, next_mode, workspace
 
 F = npt.NDArray[np.float64]
 

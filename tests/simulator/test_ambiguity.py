@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.simulator import Outcome, Push, simulate
-from meso_robust.simulator.advance import advance, closes, is_ambiguous
+from tests.simulator.entries import advance, closes, is_ambiguous
 from tests.simulator.oracle import motions
 from tests.simulator.problems import (
     HALF_SHORT,

@@ -6,10 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from meso_robust.simulator import Outcome, Push, simulate
-from meso_robust.simulator.advance import advance, closes
-from meso_robust.simulator.guess import guess_forces
-from meso_robust.simulator.rows import is_solution
 from meso_robust.simulator.tables import CONTACTS, MARKS
+from tests.simulator.entries import advance, closes, guess_forces, is_solution
 from tests.simulator.problems import UM, fill, one_point, random_rows, two_sided, workspace_of
 
 F = npt.NDArray[np.float64]

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.optimize import linprog
 
-from meso_robust.simulator.lemke import RAY, RESIDUAL, SOLVED, _goes_first, _read, lemke
+from meso_robust.simulator.lemke import RAY, RESIDUAL, SOLVED, _read
+from tests.simulator.entries import goes_first, lemke
 from tests.simulator.problems import contact_problems, random_rows, some_mode_holds
 
 F = npt.NDArray[np.float64]
@@ -136,13 +137,13 @@ def test_tie_goes_to_the_artificial_variable_then_to_the_lexicographically_lower
     tableau[1, :2] = [-3.0, 0.0]  # w2
     tableau[2, :2] = [-1.0, -1.0]  # driving
     index = np.array([2, 3, 0, 1, 4, 0, 1, 0, 0, 0])
-    assert _goes_first(2, tableau, index, 2, 0, 1)
-    assert not _goes_first(2, tableau, index, 2, 1, 0)
+    assert goes_first(2, tableau, index, 2, 0, 1)
+    assert not goes_first(2, tableau, index, 2, 1, 0)
     tableau[0, :2] = -1.0  # a tie in w1 too, so w2 decides
-    assert not _goes_first(2, tableau, index, 2, 0, 1)
+    assert not goes_first(2, tableau, index, 2, 0, 1)
     index[0] = 4  # z0
-    assert _goes_first(2, tableau, index, 2, 0, 1)
-    assert not _goes_first(2, tableau, index, 2, 1, 0)
+    assert goes_first(2, tableau, index, 2, 0, 1)
+    assert not goes_first(2, tableau, index, 2, 1, 0)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 from scipy.optimize import nnls
 
-from meso_robust.simulator.nonnegative import nearest
+from tests.simulator.entries import nearest
 
 
 @njit

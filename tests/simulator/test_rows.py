@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from meso_robust.simulator.rows import assemble, is_solution, move_by_forces, write_rows
-from meso_robust.simulator.support import factorise
 from meso_robust.simulator.tables import CONTACT_COLUMNS, CONTACTS, MARKS, STEP, STEP_LENGTH
+from tests.simulator.entries import assemble, factorise, is_solution, move_by_forces, write_rows
 from tests.simulator.problems import contact_problems, random_rows, workspace_of
 
 

@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 from meso_robust.simulator import Outcome, Push, PushResult, simulate
-from meso_robust.simulator.advance import advance, closes
 from meso_robust.simulator.tables import CONTACTS
+from tests.simulator.entries import advance, closes
 from tests.simulator.problems import (
     HALF_SHORT,
     MU,
