@@ -8,7 +8,7 @@ sees. Several answers that the recordings do not tell apart are all given; none 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -30,7 +30,7 @@ from meso_robust.diagnosis.detect import Span, detector
 from meso_robust.diagnosis.refit import Refit, ahead, refined, refitted
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, estimate
-from meso_robust.diagnosis.store import NOWHERE, Store
+from meso_robust.diagnosis.store import Store
 from meso_robust.identification.identify import Told
 from meso_robust.recordings.direct.finding import Finding
 from meso_robust.types import Floats
@@ -85,7 +85,7 @@ class Contest:
     nulls: Floats
     quick: bool
     told: Told
-    store: Store = NOWHERE
+    store: Store = field(default_factory=lambda: Store(None, ""))
     findings: tuple[Finding, ...] = ()
     beside: tuple[Signature, ...] = ()
 

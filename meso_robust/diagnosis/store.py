@@ -8,6 +8,7 @@ import zipfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -92,12 +93,16 @@ NOWHERE = Store(None, "")
 
 def kept_fit(store: Store, name: str, make: Callable[[], Fitted]) -> Fitted:
     """A fit of a name: from disk, or made and put there."""
-    return _unpacked(store.kept(name, lambda: _packed(make())))
+    return _unpacked(store.kept(name, partial(_packed_of, make)))
 
 
 def fits_ahead(store: Store, makes: Mapping[str, Callable[[], Fitted]]) -> None:
     """Make fits by name that are asked for next, as `Store.ahead`."""
-    store.ahead({name: lambda make=make: _packed(make()) for name, make in makes.items()})  # type: ignore[misc]
+    store.ahead({name: partial(_packed_of, make) for name, make in makes.items()})
+
+
+def _packed_of(make: Callable[[], Fitted]) -> dict[str, Floats]:
+    return _packed(make())
 
 
 def _packed(found: Fitted) -> dict[str, Floats]:
