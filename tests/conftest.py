@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from meso_robust import pipeline
+from meso_robust import copies, pipeline
 from meso_robust.certificates.margin import margin
 from meso_robust.pipeline import Planned, make
 from meso_robust.planning.compose import compose
@@ -39,6 +39,12 @@ def _planned_once(shared: Path) -> Iterator[None]:
         for of in (compose, margin):
             patch.setattr(pipeline, of.__name__, once(of, shared))
         yield
+
+
+@pytest.fixture(autouse=True)
+def _no_copies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A verb that lets its process be copied, run by a test, does so for no later one."""
+    monkeypatch.setattr(copies, "_allowed", [])
 
 
 @pytest.fixture(scope="session")

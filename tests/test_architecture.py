@@ -63,6 +63,7 @@ MAY_IMPORT = {
     "diagnosis": {
         "errors",
         "types",
+        "copies",
         "wording",
         "toml_files",
         "simulator",

@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import t as student
 
+from meso_robust.copies import shared
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.runs import longer
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
@@ -245,13 +246,12 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
     slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
     told = _told(jacobian[0], len(values))
     own = np.arange(len(values)) < len(bench.baseline.model.parameters)
-    by_fold = np.tile(values, (bench.count, 1))
-    poses = np.full(whole.seen.shape, np.nan)
-    outcomes = np.zeros(len(whole.files), dtype=np.int64)
-    for k in range(bench.count):
-        rows, left = np.flatnonzero(bench.fold != k), np.flatnonzero(bench.fold == k)
+    left = [np.flatnonzero(bench.fold == k) for k in range(bench.count)]
+
+    def of_fold(k: int) -> tuple[Floats, Floats, Ints]:
+        rows, out, by = np.flatnonzero(bench.fold != k), left[k], values
         if len(rows):
-            by_fold[k] = fit(
+            by = fit(
                 some_of(whole, rows),
                 model,
                 values[None],
@@ -261,15 +261,19 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
                 jacobian=jacobian[:, rows],
                 held=own & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
             ).fits.values[0]
-        poses[left], outcomes[left] = _from_rest(
-            bench, model, by_fold[k], left, starts[left], slopes[left], offsets[left]
-        )
+        return by, *_from_rest(bench, model, by, out, starts[out], slopes[out], offsets[out])
+
+    poses = np.full(whole.seen.shape, np.nan)
+    outcomes = np.zeros(len(whole.files), dtype=np.int64)
+    found_by = shared(of_fold, range(bench.count))
+    for out, (_, ways, ends) in zip(left, found_by, strict=True):
+        poses[out], outcomes[out] = ways, ends
     away = (bench.prepared.seen - poses) / _sigma(bench)
     squares = np.nan_to_num(away) ** 2 + _paid(bench, offsets)[:, None, None]
     return RollOut(
         model=model,
         values=values,
-        by_fold=by_fold,
+        by_fold=np.stack([by for by, _, _ in found_by]),
         poses=poses,
         squares=np.where(bench.seen, squares, 0.0),
         start_squares=_start_squares(bench, slopes),

@@ -8,7 +8,7 @@ sees. Several answers that the recordings do not tell apart are all given; none 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -27,10 +27,10 @@ from meso_robust.diagnosis.candidates import (
     without_duplicates,
 )
 from meso_robust.diagnosis.detect import Span, detector
-from meso_robust.diagnosis.refit import Refit, refined, refitted
+from meso_robust.diagnosis.refit import Refit, ahead, refined, refitted
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, estimate
-from meso_robust.diagnosis.store import NOWHERE, Store
+from meso_robust.diagnosis.store import Store
 from meso_robust.identification.identify import Told
 from meso_robust.recordings.direct.finding import Finding
 from meso_robust.types import Floats
@@ -85,7 +85,7 @@ class Contest:
     nulls: Floats
     quick: bool
     told: Told
-    store: Store = NOWHERE
+    store: Store = field(default_factory=lambda: Store(None, ""))
     findings: tuple[Finding, ...] = ()
     beside: tuple[Signature, ...] = ()
 
@@ -124,14 +124,9 @@ class Contest:
             fits += tried
         best = max((fit.gain for fit in fits), default=0.0)
         # a strong effect may need more steps than a rough fit has only to get as far as a linear estimate
-        return self._refined(
-            [
-                self._ended(fit)
-                if id(fit) in short and fit.gain > _UNFINISHED_SHARE * best
-                else fit
-                for fit in fits
-            ]
-        )
+        poor = [one for one in fits if id(one) in short and one.gain > _UNFINISHED_SHARE * best]
+        ended = self._all_ended(poor)
+        return self._refined([ended.get(id(one), one) for one in fits], list(ended.values()))
 
     def _choices(self, effect: str) -> float:
         every = (*self.signatures, *self.beside)
@@ -157,19 +152,29 @@ class Contest:
         lower = bool(more.fits.chi2[0] < one.fits.chi2[0])
         return replace(more, lead=one.lead) if lower or more.gain >= one.gain else one
 
-    def _refined(self, fits: list[Refit]) -> list[Candidate]:
-        """Candidates, the best form of each set; those that may win have their searches taken to the end."""
+    def _all_ended(self, fits: list[Refit]) -> dict[int, Refit]:
+        """By the identity of a rough fit, what `_ended` makes of it."""
+        ahead(self.baseline, self.store, fine=[(self._chosen(one), one) for one in fits])
+        return {id(one): self._ended(one) for one in fits}
+
+    def _refined(self, fits: list[Refit], done: Sequence[Refit] = ()) -> list[Candidate]:
+        """Candidates, the best form of each set; those that may win have their searches taken to the end.
+
+        Searches of those that are ``done`` are at their end.
+        """
         best = max((one.gain for one in fits), default=0.0)
         close = best - max(_EXAMINED_NATS, _REFINED_SHARE[self.quick] * best)
         led = {one.effects: one.gain for one in sorted(fits, key=lambda one: one.gain)}
         # a form with more numbers may be behind until its search is at its end
-        ended = [
-            self._ended(one)
-            if one.gain > max(close, 0.0)
-            and one.gain >= led[one.effects] - max(_EXAMINED_NATS, _FORM_SHARE * best)
-            else one
+        near = [
+            one
             for one in fits
+            if not any(one is other for other in done)
+            and one.gain > max(close, 0.0)
+            and one.gain >= led[one.effects] - max(_EXAMINED_NATS, _FORM_SHARE * best)
         ]
+        more = self._all_ended(near)
+        ended = [more.get(id(one), one) for one in fits]
         return ranked(
             [
                 Candidate(
@@ -229,11 +234,8 @@ class Contest:
         known = {one.effects for one in field}
         first = sorted(promised.items(), key=lambda one: -one[1][0])
         chosen = [one for names, one in first if names not in known][: _SETS[self.quick]]
-        fits: list[Refit] = []
-        for done, (_, base, added) in enumerate(chosen):
-            self.told("naming sets", done, len(chosen))
-            fits += self._tried((*self._chosen(base.refit), added), base.refit)
-        return self._refined(fits)
+        asked = [((*self._chosen(base.refit), added), base.refit) for _, base, added in chosen]
+        return self._refined(self._all_tried("naming sets", asked))
 
     def further(self, field: Sequence[Candidate], base: Candidate) -> list[Candidate]:
         """Sets with one effect more than one that leaves something.
@@ -263,15 +265,22 @@ class Contest:
             if effect in seen or (k < _FURTHER and (form.gain >= least or not form.linear))
         ]
         known = {one.effects: one for one in field}
-        found, fits = [], []
-        for done, form in enumerate(chosen):
-            self.told("naming further effects", done, len(chosen))
+        found, asked = [], []
+        for form in chosen:
             names = tuple(sorted((*base.effects, form.signature.trial.effect)))
             if names in known:
                 found.append(known[names])
             else:
-                fits += self._tried((*self._chosen(base.refit), form.signature), base.refit)
-        return [*found, *self._refined(fits)]
+                asked.append(((*self._chosen(base.refit), form.signature), base.refit))
+        return [*found, *self._refined(self._all_tried("naming further effects", asked))]
+
+    def _all_tried(
+        self, what: str, asked: list[tuple[tuple[Signature, ...], Refit]]
+    ) -> list[Refit]:
+        """Rough fits of sets, each from a fit of a part of it."""
+        self.told(what, 0, len(asked))
+        ahead(self.baseline, self.store, rough=asked)
+        return [one for of in asked for one in self._tried(*of)]
 
     def _chosen(self, base: Refit) -> tuple[Signature, ...]:
         """Signatures of the effects of a set, in its order."""

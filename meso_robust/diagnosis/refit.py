@@ -6,6 +6,7 @@ rule it is the sum of the log densities with which each recording is predicted f
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from meso_robust.diagnosis.baseline import Baseline, rows_of
 from meso_robust.diagnosis.signatures import Signature, estimate, extended, start_of, within
-from meso_robust.diagnosis.store import NOWHERE, Store, kept_fit
+from meso_robust.diagnosis.store import NOWHERE, Store, fits_ahead, kept_fit
 from meso_robust.diagnosis.tangent import Interval, Tangent, intervals, tangent
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.identification.forward import corrected
@@ -104,29 +105,69 @@ def refitted(
     store
         Where the fit is kept.
     """
-    model = extended(baseline.model, tuple(one.trial for one in chosen), baseline.prepared)
-    settings = baseline.settings.by_chord(_ROUGH, 1.0)
-    before = start.fits if start else baseline.fits
-
-    def make() -> Fitted:
-        return fit(
-            baseline.prepared,
-            model,
-            _first(baseline, chosen, model, start)[None],
-            settings,
-            starts=before.starts[0],
-            offsets=before.offsets[0],
-        )
-
-    return _scored(baseline, chosen, model, kept_fit(store, f"rough {_key(chosen)}", make))
+    found = kept_fit(store, *_rough(baseline, chosen, start))
+    return _scored(baseline, chosen, _model(baseline, chosen), found)
 
 
 def refined(
     baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit, *, store: Store = NOWHERE
 ) -> Refit:
     """A rough fit with its search taken to its end, freed of the error of the steps."""
-    found = kept_fit(store, f"fine {_key(chosen)}", lambda: _sharp(baseline, rough))
+    found = kept_fit(store, *_fine(baseline, chosen, rough))
     return _scored(baseline, chosen, rough.model, found)
+
+
+def ahead(
+    baseline: Baseline,
+    store: Store,
+    *,
+    rough: Iterable[tuple[tuple[Signature, ...], Refit | None]] = (),
+    fine: Iterable[tuple[tuple[Signature, ...], Refit]] = (),
+) -> None:
+    """Make fits that are asked for next all at once (`Store.ahead`).
+
+    Parameters
+    ----------
+    baseline, store
+        As in `refitted`.
+    rough
+        Signatures, and a fit to start from, of those that `refitted` is asked for.
+    fine
+        Signatures, and a rough fit, of those that `refined` is asked for.
+    """
+    makes = [_rough(baseline, *one) for one in rough] + [_fine(baseline, *one) for one in fine]
+    fits_ahead(store, dict(makes))
+
+
+def _model(baseline: Baseline, chosen: tuple[Signature, ...]) -> Model:
+    return extended(baseline.model, tuple(one.trial for one in chosen), baseline.prepared)
+
+
+def _rough(
+    baseline: Baseline, chosen: tuple[Signature, ...], start: Refit | None
+) -> tuple[str, Callable[[], Fitted]]:
+    """Name of a rough fit, and what makes it."""
+    before = start.fits if start else baseline.fits
+
+    def make() -> Fitted:
+        model = _model(baseline, chosen)
+        return fit(
+            baseline.prepared,
+            model,
+            _first(baseline, chosen, model, start)[None],
+            baseline.settings.by_chord(_ROUGH, 1.0),
+            starts=before.starts[0],
+            offsets=before.offsets[0],
+        )
+
+    return f"rough {_key(chosen)}", make
+
+
+def _fine(
+    baseline: Baseline, chosen: tuple[Signature, ...], rough: Refit
+) -> tuple[str, Callable[[], Fitted]]:
+    """Name of a fit whose search is taken to its end, and what makes it."""
+    return f"fine {_key(chosen)}", lambda: _sharp(baseline, rough)
 
 
 def intervals_of(baseline: Baseline, refit: Refit) -> tuple[Interval, ...]:

@@ -7,11 +7,13 @@ import re
 import zipfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from meso_robust.copies import shared
 from meso_robust.identification.problem import Fits, Fitted
 from meso_robust.types import Floats
 
@@ -28,16 +30,21 @@ class Store:
         Where they are kept; None to keep nothing.
     identity
         Of recordings, options and version: results of another diagnosis are never taken up.
+    ready
+        What was made ahead, until it is asked for.
     """
 
     folder: Path | None
     identity: str
+    ready: dict[str, Mapping[str, Floats]] = field(default_factory=dict, compare=False)
 
     def kept(self, name: str, make: Callable[[], Mapping[str, Floats]]) -> Mapping[str, Floats]:
         """The arrays of a name: from disk, or made and put there.
 
         A file that cannot be read, as one of a killed run, is made again.
         """
+        if name in self.ready:
+            return self.ready.pop(name)
         if self.folder is None:
             return make()
         key = hashlib.sha256(f"{self.identity}\n{name}".encode()).hexdigest()[:32]
@@ -53,6 +60,21 @@ class Store:
         np.savez(unfinished, allow_pickle=False, **made)
         unfinished.replace(path)
         return made
+
+    def ahead(self, makes: Mapping[str, Callable[[], Mapping[str, Floats]]]) -> None:
+        """Make arrays that are asked for next, with the help of copies of this process where these are allowed.
+
+        What cannot be made is left, and fails where it is asked for.
+        """
+
+        def made(name: str) -> Mapping[str, Floats] | None:
+            with suppress(ValueError, np.linalg.LinAlgError):
+                return self.kept(name, makes[name])
+            return None
+
+        if len(makes) > 1:
+            found = zip(makes, shared(made, makes), strict=True)
+            self.ready.update({name: of for name, of in found if of is not None})
 
     def clear(self) -> None:
         """Remove what was kept, of any diagnosis, and the folder unless it holds something else."""
@@ -71,7 +93,16 @@ NOWHERE = Store(None, "")
 
 def kept_fit(store: Store, name: str, make: Callable[[], Fitted]) -> Fitted:
     """A fit of a name: from disk, or made and put there."""
-    return _unpacked(store.kept(name, lambda: _packed(make())))
+    return _unpacked(store.kept(name, partial(_packed_of, make)))
+
+
+def fits_ahead(store: Store, makes: Mapping[str, Callable[[], Fitted]]) -> None:
+    """Make fits by name that are asked for next, as `Store.ahead`."""
+    store.ahead({name: partial(_packed_of, make) for name, make in makes.items()})
+
+
+def _packed_of(make: Callable[[], Fitted]) -> dict[str, Floats]:
+    return _packed(make())
 
 
 def _packed(found: Fitted) -> dict[str, Floats]:

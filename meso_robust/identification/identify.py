@@ -39,6 +39,7 @@ _FRAMES = 30  # of a recording that the first search compares
 _ROUNDS = 3  # most rounds of starts
 _SEEDS = 1_000_003  # between the seeds of two rounds
 _DOUBTFUL = 0.05  # probability of χ² below which a further round is made
+_FAR = 4.0  # mean square over that of noise, beyond which all frames need not be asked as well
 _REFINED = 4  # minima that are refined with all frames and short steps
 _ROUGH = (6, 20)  # most iterations of rough fits, of all ends and then of each minimum
 _NEAR = 2.0  # times the least χ² of a rough fit, up to which a minimum is refined
@@ -339,10 +340,14 @@ def _searched_again(
 
 def _explained(job: _Job, settings: Settings, best: Minimum) -> bool:
     """Whether noise explains what a minimum leaves of all frames: few of them may hide a wrong one."""
-    model, counts = job.model, job.fine.counts
-    freedom = int(counts.sum() - 3 * len(counts) - model.fitted.sum())
-    found = fit(job.fine, model, best.values[None], settings).fits
-    return bool(chi2_law.sf(found.chi2[0], max(freedom, 1)) > _DOUBTFUL)
+    few, freedom = (
+        max(int(counts.sum() - 3 * len(counts) - job.model.fitted.sum()), 1)
+        for counts in (job.rough.counts, job.fine.counts)
+    )
+    if best.cost > _FAR * few:
+        return False
+    found = fit(job.fine, job.model, best.values[None], settings).fits
+    return bool(chi2_law.sf(found.chi2[0], freedom) > _DOUBTFUL)
 
 
 def _rough_minima(job: _Job, settings: Settings, values: Floats) -> tuple[Minimum, ...]:

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -127,6 +128,7 @@ def estimated_sensor(recordings: RecordingSet) -> EstimatedSensor:
     )
 
 
+@lru_cache(maxsize=4)  # a diagnosis prepares the same few sets a dozen times, and they never change
 def estimated_noise(recordings: RecordingSet) -> Noise:
     """Noise of x, y and θ from the still frames of all recordings, whatever the set states.
 

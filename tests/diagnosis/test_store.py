@@ -82,3 +82,22 @@ def test_cleared_is_gone(tmp_path: Path) -> None:
     store.clear()
     assert not list(tmp_path.iterdir())
     store.clear()
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_what_is_made_ahead_is_there_once_when_it_is_asked_for(tmp_path: Path, there: bool) -> None:
+    makers = {"a": Maker(), "b": Maker()}
+
+    def fails() -> Mapping[str, Array]:
+        raise ValueError("its search leaves what can be simulated")
+
+    store = Store(tmp_path if there else None, "one")
+    store.ahead({**makers, "c": fails})
+    assert [make.made for make in makers.values()] == [1, 1]
+    for name, make in makers.items():
+        assert store.kept(name, fails)["rows"][2] == make.made == 1.0
+    assert store.ready == {}
+    with pytest.raises(ValueError, match="its search leaves"):
+        store.kept("c", fails)
+    # asked for again it is made again, unless it is on disk
+    assert store.kept("a", makers["a"])["rows"][2] == (1.0 if there else 2.0)
