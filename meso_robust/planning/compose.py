@@ -436,7 +436,12 @@ def _turn(
                 continue
             tried.add(pre)
             found = rotate_and_finish(
-                pre, setup, finish, close_um, slipping=not onward and setup.may_slip
+                pre,
+                setup,
+                finish,
+                close_um,
+                headings=(Frame().heading,) if onward else HEADINGS,
+                slipping=not onward and setup.may_slip,
             )
             if found is not None:
                 return [*first, found[0]], found[1]
