@@ -7,7 +7,6 @@ tilt is straightened, so it is chosen last, such that this is the goal.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from typing import Protocol, TypeVar
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
+from meso_robust.planning.effort import spend
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.approach import MOST_STAGES, STAGE
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
@@ -105,6 +105,7 @@ def rotate_and_finish(
         Whether the first tip may slip in them.
     """
     for extra in SEPARATION_STEPS_UM:
+        spend()
         separation = _least_separation_um(pre, setup) + fine(setup) * extra
         # a larger separation leaves a larger tilt, so what fails now would fail with it too
         if not _straightens(_at_best(separation, pre, setup), setup, headings, slipping=slipping):
@@ -219,6 +220,7 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
     for _ in range(MOST_TRIALS):
         if choice is None:
             return None
+        spend()
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup, rough=True)
         if turned.verdict is Verdict.PROVED:
             return turned, choice
@@ -248,6 +250,7 @@ def _finish(
                 if abs(off) < close_um:
                     break
             choice = replace(choice, middle=choice.middle - off)
+        spend()
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup, rough=True)
     return reached
 
@@ -345,6 +348,7 @@ def _farthest(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
     for closer in CLOSER_UM:
         found: list[_Choice] = []
         for share in HEIGHTS:
+            spend()
             tried = _Choice(
                 separation=separation - fine(setup) * closer,
                 h_end=_longest(separation, wide, pre, setup),
