@@ -148,8 +148,8 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     seed
         Seed of the random runs.
     search_s
-        Computing time after which the search for a plan gives up, s, about. The search for the widest
-        margin and one with a model are not limited.
+        Computing time after which the search for a plan gives up, s, about, to say in a third of that what
+        would settle the task. The search for the widest margin and one with a model are not limited.
     widest
         Search tip spacing, push offsets and travels for the widest margin (minutes); also writes the
         task with that spacing.

@@ -110,7 +110,8 @@ def compose(task: Task, search_s: float | None = None) -> Found:
     task
         What is wanted.
     search_s
-        Computing time after which the search gives up, s, about; None: as long as it takes.
+        Computing time after which the search gives up, s, about, to say in a third of that what would
+        settle the task; None: as long as it takes.
 
     Returns
     -------
@@ -124,11 +125,10 @@ def compose(task: Task, search_s: float | None = None) -> Found:
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
     ways, choices = _ways(task), _choices(task)
-    whole = None if search_s is None else (1.0 - SETTLING) * search_s
     settling = None if search_s is None else SETTLING * search_s
     ended = None
     try:
-        with limited(whole):
+        with limited(search_s):
             found = _for_task(task, ways, choices)
     except EffortSpentError:
         found, ended = None, search_s
