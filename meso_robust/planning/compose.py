@@ -136,18 +136,19 @@ def compose(task: Task, search_s: float | None = None) -> Found:
         return found
     headings = choices[-1]
     closest: Found | None = None
+    within = ended
     try:
         with limited(settling):
             for closest in _narrowed(task, ways, headings):
                 if closest.scale > REDUCED[-1]:
                     break
     except EffortSpentError:
-        ended = search_s
+        within = search_s
     if closest is not None:
         return replace(closest, searched_s=ended)
-    if ended is not None:
+    if within is not None:
         raise NotApplicableError(
-            f"no robust plan was found within {ended:g} s of computing, nor one with all uncertainties scaled by "
+            f"no robust plan was found within {within:g} s of computing, nor one with all uncertainties scaled by "
             f"{REDUCED[-1]}: look longer (--search-s), or start further from the goal, or widen the goal"
         )
     stated = task.probe.headings is not None

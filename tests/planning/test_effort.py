@@ -63,5 +63,17 @@ def test_what_would_settle_a_search_that_gave_up_names_its_time(
     assert "about 7 s" in told
     assert "--search-s" in told
     assert str(found.only).replace("_", " ") in told.replace("_", " ")
-    given(monkeypatch)
-    assert compose.compose(paper_task(), 7.0).searched_s is None
+
+
+def test_a_search_that_came_to_its_end_did_not_give_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What would settle the task is the closest plan that was found, though a closer one was not waited for."""
+
+    def rules(*args: Any, **more: Any) -> Sequence[object] | None:
+        if args[SCALE] == compose.NARROWED:
+            raise EffortSpentError
+        return () if args[SCALE] == compose.REDUCED[-1] else None
+
+    monkeypatch.setattr(compose, "_rules", rules)
+    found = compose.compose(paper_task(), 7.0)
+    assert (found.scale, found.searched_s) == (compose.REDUCED[-1], None)
+    assert "--search-s" not in words(found.settled_by)
