@@ -72,7 +72,13 @@ class SimulatorContradictsProofError(RuntimeError):
     """A PROVED plan fails in the simulator: one of the two is wrong, and nothing is reported."""
 
 
-def make(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned:
+def make(
+    task: Task,
+    samples: int,
+    seed: int,
+    doing: Doing = quietly,
+    search_s: float | None = None,
+) -> Planned:
     """Find a plan and judge it.
 
     Parameters
@@ -83,6 +89,8 @@ def make(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned
         Random runs in the simulator, and the seed of their draws.
     doing
         Shows what is being done while a stage runs.
+    search_s
+        Computing time after which the search for a plan gives up, s, about; None: as long as it takes.
 
     Returns
     -------
@@ -97,8 +105,9 @@ def make(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned
         The simulator and the proof disagree.
     """
     ahead.begin()
-    with doing("searching for a plan (the first run compiles kernels: about a minute)"):
-        found = compose(task)
+    within = "" if search_s is None else f"for at most about {search_s:g} s of computing; "
+    with doing(f"searching for a plan ({within}the first run compiles kernels: about a minute)"):
+        found = compose(task, search_s)
     return judge(task, found, samples, seed, doing)
 
 

@@ -38,6 +38,7 @@ class Option:
 # The upper limits catch slips: anything beyond them would fill the memory, or never end.
 Samples: TypeAlias = Annotated[int, Option(low=1, high=1_000_000)]
 Seed: TypeAlias = Annotated[int, Option(low=0)]
+SearchSeconds: TypeAlias = Annotated[float, Option(low=1, high=86_400)]
 Starts: TypeAlias = Annotated[int, Option(low=1, high=10_000)]
 Pushes: TypeAlias = Annotated[int, Option(low=0, high=100)]
 Workers: TypeAlias = Annotated[int, Option(low=1, high=1024)]

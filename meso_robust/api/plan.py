@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias, Union
 
 from meso_robust.api.call import call
 from meso_robust.api.inputs import files_of, task_of
-from meso_robust.api.options import Option, Samples, Seed, StrPath, TaskGiven
+from meso_robust.api.options import Option, Samples, SearchSeconds, Seed, StrPath, TaskGiven
 from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.result import Result, text_of
 from meso_robust.errors import InputError, NotApplicableError
@@ -122,12 +122,13 @@ class Planned(Result):
 
 
 @call
-def plan(  # every option of the verb is an argument
+def plan(  # noqa: PLR0913  # every option of the verb is an argument
     task: TaskGiven,
     *,
     model: StrPath | None = None,
     samples: Samples = 1000,
     seed: Seed = 0,
+    search_s: SearchSeconds = 60.0,
     widest: bool = False,
     policy: bool = False,
     maps: bool = False,
@@ -146,6 +147,9 @@ def plan(  # every option of the verb is an argument
         Random runs in the simulator.
     seed
         Seed of the random runs.
+    search_s
+        Computing time after which the search for a plan gives up, s, about, to say in a third of that what
+        would settle the task. The search for the widest margin and one with a model are not limited.
     widest
         Search tip spacing, push offsets and travels for the widest margin (minutes); also writes the
         task with that spacing.
@@ -200,8 +204,10 @@ def plan(  # every option of the verb is an argument
 
     from meso_robust import pipeline
 
-    make = pipeline.make_best if widest else pipeline.make
-    result = make(stated, samples, seed, progress.doing)
+    if widest:
+        result = pipeline.make_best(stated, samples, seed, progress.doing)
+    else:
+        result = pipeline.make(stated, samples, seed, progress.doing, search_s)
     more = _widest(task, result) if widest else {}
     if policy:
         more |= _policy(result.task, progress)

@@ -26,6 +26,7 @@ from meso_robust.primitives.setup import PoseBox, Setup
 
 MOST_PUSHES = 3  # in a row; effort of the search, no proof rests on it
 ROOM_UM = 100.0  # that a straight part needs to be brought back
+SHORTER_UM = 50.0  # by which another push may straighten the part; effort of the search
 LEAN = 0.35  # rad from upright to a push beyond which it is not tried
 
 
@@ -134,8 +135,8 @@ def _steps(
     if straight is None or straight.post is None:
         return  # what no push straightens none brings to the goal
     past_um = fine(there) * ROOM_UM if back else 0.0
-    # the shortest push that straightens the part must not lead past where it shall end
-    if straight.post.x.hi > there.goal.x.mid - units.UM * past_um:
+    # the shortest push that straightens the part must not lead past where it shall end, wherever it began
+    if straight.post.x.lo > there.goal.x.mid - units.UM * (past_um + fine(there) * SHORTER_UM):
         found = to_goal(own, there, past_um, before=known, slipping=there.may_slip)
         yield from () if found is None else (found,)
     if back:

@@ -11,6 +11,7 @@ from enum import Enum
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.arrival import Arrival, across, arrive
+from meso_robust.planning.effort import EffortSpentError, limited
 from meso_robust.planning.guided import guided
 from meso_robust.planning.last_push import leaves_goal, narrowed_first
 from meso_robust.planning.remedy import Remedy
@@ -43,6 +44,9 @@ IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertaintie
 ROOM = 1.01  # on top, where boxes of a certificate leave room for another enclosure and little is to spare
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
+SETTLING = (
+    1.0 / 3.0
+)  # of a limited search: to find out what would settle a task that has no plan yet
 COMING_BACK_UM = 10.0  # of the goal in y is close enough after several pushes
 _HALF_TURN = (
     "make it two tasks of a quarter turn each, the second from the goal of the first: its long edges "
@@ -75,24 +79,39 @@ class Found:
 
     remedy: Remedy = Remedy.LEAVE_SLOT
     """What to do if the plan is robust where it was searched and still not certified."""
+    searched_s: float | None = None
+    """Computing time after which the search for one that holds for the task gave up; None if it did not."""
 
     @property
     def settled_by(self) -> Named:
         """What a user can do if the plan is not certified for the task."""
         if self.scale >= 1.0:
             return about(self.remedy)
+        if self.searched_s is not None:
+            seconds = f"{self.searched_s:g}"
+            if self.only is None:
+                return about(Remedy.SEARCH_LONGER, scale=str(self.scale), seconds=seconds)
+            return about(
+                Remedy.SEARCH_LONGER_OR_NARROW,
+                uncertainty=self.only,
+                scale=str(self.scale),
+                seconds=seconds,
+            )
         if self.only is None:
             return about(Remedy.NARROW_ALL, scale=str(self.scale))
         return about(Remedy.NARROW_ONE, uncertainty=self.only, scale=str(self.scale))
 
 
-def compose(task: Task) -> Found:
+def compose(task: Task, search_s: float | None = None) -> Found:
     """Find a plan for a task.
 
     Parameters
     ----------
     task
         What is wanted.
+    search_s
+        Computing time after which the search gives up, s, about, to say in a third of that what would
+        settle the task; None: as long as it takes.
 
     Returns
     -------
@@ -106,24 +125,62 @@ def compose(task: Task) -> Found:
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
     ways, choices = _ways(task), _choices(task)
+    settling = None if search_s is None else SETTLING * search_s
+    ended = None
+    try:
+        with limited(search_s):
+            found = _for_task(task, ways, choices)
+    except EffortSpentError:
+        found, ended = None, search_s
+    if found is not None:
+        return found
+    headings = choices[-1]
+    closest: Found | None = None
+    within = ended
+    try:
+        with limited(settling):
+            for closest in _narrowed(task, ways, headings):
+                if closest.scale > REDUCED[-1]:
+                    break
+    except EffortSpentError:
+        within = search_s
+    if closest is not None:
+        return replace(closest, searched_s=ended)
+    if within is not None:
+        raise NotApplicableError(
+            f"no robust plan was found within {within:g} s of computing, nor one with all uncertainties scaled by "
+            f"{REDUCED[-1]}: look longer (--search-s), or start further from the goal, or widen the goal"
+        )
+    stated = task.probe.headings is not None
+    more = ", or state probes on more sides ([probe] headings)" if stated else ""
+    raise NotApplicableError(
+        "no robust plan was found, even with all uncertainties scaled by "
+        f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
+        f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
+        "start further from the goal, or closer to the line through it along which the probe "
+        "pushes, or widen the goal" + more
+    )
+
+
+def _for_task(
+    task: Task, ways: Sequence[_Way], choices: Sequence[Sequence[Heading]]
+) -> Found | None:
+    """The first plan that bears the task's uncertainties."""
     # with a slot, one that is robust in the open shows what the walls are in the way of
     for walls in (Walls.CLEAR,) if task.slot is None else Walls:
         for headings in choices:
             found = _with_most_in_hand(task, ways, headings, walls)
             if found is not None:
                 return found
-    headings = choices[-1]
+    return None
+
+
+def _narrowed(task: Task, ways: Sequence[_Way], headings: Sequence[Heading]) -> Iterator[Found]:
+    """Plans for smaller uncertainties: first the last resort, if there is one, then any that is closer."""
     last = _rules(task, ways, headings, REDUCED[-1])
     if last is None:
-        stated = task.probe.headings is not None
-        more = ", or state probes on more sides ([probe] headings)" if stated else ""
-        raise NotApplicableError(
-            "no robust plan was found, even with all uncertainties scaled by "
-            f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
-            f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
-            "start further from the goal, or closer to the line through it along which the probe "
-            "pushes, or widen the goal" + more
-        )
+        return
+    yield Found(rules=last, scale=REDUCED[-1])
     attempts: list[tuple[float, str | None]] = [
         *(
             (NARROWED, name)
@@ -134,8 +191,7 @@ def compose(task: Task) -> Found:
     for scale, only in attempts:
         rules = _rules(task, ways, headings, scale, only)
         if rules is not None:
-            return Found(rules=rules, scale=scale, only=only)
-    return Found(rules=last, scale=REDUCED[-1])
+            yield Found(rules=rules, scale=scale, only=only)
 
 
 def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
@@ -173,7 +229,10 @@ def _with_most_in_hand(
     rules = _rules(task, ways, headings, least, walls=walls)
     if rules is None:
         return None
-    better = _rules(task, ways, headings, more, walls=walls)
+    try:
+        better = _rules(task, ways, headings, more, walls=walls)
+    except EffortSpentError:
+        better = None
     return Found(rules=rules, scale=least) if better is None else Found(rules=better, scale=more)
 
 
@@ -436,7 +495,12 @@ def _turn(
                 continue
             tried.add(pre)
             found = rotate_and_finish(
-                pre, setup, finish, close_um, slipping=not onward and setup.may_slip
+                pre,
+                setup,
+                finish,
+                close_um,
+                headings=(Frame().heading,) if onward else HEADINGS,
+                slipping=not onward and setup.may_slip,
             )
             if found is not None:
                 return [*first, found[0]], found[1]

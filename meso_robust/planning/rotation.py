@@ -7,18 +7,18 @@ tilt is straightened, so it is chosen last, such that this is the goal.
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
 from meso_robust.planning.clearance import fine, passive_behind_um, rise_of, start_ahead_um
+from meso_robust.planning.effort import spend
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.primitives.approach import MOST_STAGES, STAGE
-from meso_robust.primitives.frame import HEADINGS, Frame
+from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule, Point, from_part, in_world
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import certify_rotation, reach
@@ -76,7 +76,8 @@ def rotate_and_insert(pre: PoseBox, setup: Setup) -> tuple[Step, Step] | None:
     tuple or None
         Both moves, certified; None if none is found.
     """
-    return rotate_and_finish(pre, setup, lambda state: to_goal(state, setup))
+    own = (Frame().heading,)
+    return rotate_and_finish(pre, setup, lambda state: to_goal(state, setup), headings=own)
 
 
 def rotate_and_finish(
@@ -85,6 +86,7 @@ def rotate_and_finish(
     finish: Finish[E],
     close_um: float = CLOSE_ENOUGH_UM,
     *,
+    headings: Sequence[Heading] = HEADINGS,
     slipping: bool = False,
 ) -> tuple[Step, E] | None:
     """The robust rotation after which ``finish`` leads to the goal, and what that is.
@@ -97,13 +99,16 @@ def rotate_and_finish(
         What follows the rotation.
     close_um
         How close to the goal in y the middle of what is left must be, for a part of full size.
+    headings
+        Of the pushes that ``finish`` knows, in the axes of the rotation.
     slipping
-        Whether ``finish`` knows pushes whose first tip may slip.
+        Whether the first tip may slip in them.
     """
     for extra in SEPARATION_STEPS_UM:
+        spend()
         separation = _least_separation_um(pre, setup) + fine(setup) * extra
         # a larger separation leaves a larger tilt, so what fails now would fail with it too
-        if not _straightens(_at_best(separation, pre, setup), setup, slipping=slipping):
+        if not _straightens(_at_best(separation, pre, setup), setup, headings, slipping=slipping):
             return None
         turned = _turn(separation, pre, setup)
         if turned is not None:
@@ -134,9 +139,11 @@ def beside_um(pre: PoseBox, setup: Setup) -> tuple[float, float]:
     return over, (apart + width * math.cos(angle)) / math.sin(angle)
 
 
-def _straightens(state: PoseBox, setup: Setup, *, slipping: bool) -> bool:
-    """Whether a push in some heading straightens the part, wherever it is."""
-    frames = (Frame(heading=heading) for heading in HEADINGS)
+def _straightens(
+    state: PoseBox, setup: Setup, headings: Sequence[Heading], *, slipping: bool
+) -> bool:
+    """Whether a push in one of these headings straightens the part, wherever it is."""
+    frames = (Frame(heading=heading) for heading in headings)
     pushes = (
         upright(
             frame.from_world(state),
@@ -213,6 +220,7 @@ def _turn(separation: float, pre: PoseBox, setup: Setup) -> tuple[Step, _Choice]
     for _ in range(MOST_TRIALS):
         if choice is None:
             return None
+        spend()
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup, rough=True)
         if turned.verdict is Verdict.PROVED:
             return turned, choice
@@ -242,6 +250,7 @@ def _finish(
                 if abs(off) < close_um:
                     break
             choice = replace(choice, middle=choice.middle - off)
+        spend()
         turned = certify_rotation(_rule(choice, pre, setup), pre, setup, rough=True)
     return reached
 
@@ -336,18 +345,22 @@ def _farthest(separation: float, pre: PoseBox, setup: Setup) -> _Choice | None:
     edge, half = setup.outline.edge(pre.theta.mid), units.to_um(_half(pre, setup))
     wide = units.to_um(edge.depth.mid) + units.to_um(setup.opposite(edge)[0].depth.mid)
     over = 0.5 * sum(_middles(separation, pre, setup))
-    found: list[_Choice] = []
-    for closer, share in itertools.product(CLOSER_UM, HEIGHTS):
-        tried = _Choice(
-            separation=separation - fine(setup) * closer,
-            h_end=_longest(separation, wide, pre, setup),
-            # the passive tip comes closer, the active one stays
-            middle=units.to_um(pre.y.mid) + over + share * half + 0.5 * fine(setup) * closer,
-        )
-        ends = reach(_rule(tried, pre, setup), pre, setup, FINE_SCOUT)
-        if ends is not None:
-            found.append(replace(tried, h_end=units.to_um(ends.h)))
-    return min(found, key=lambda one: (one.separation, one.h_end), default=None)
+    for closer in CLOSER_UM:
+        found: list[_Choice] = []
+        for share in HEIGHTS:
+            spend()
+            tried = _Choice(
+                separation=separation - fine(setup) * closer,
+                h_end=_longest(separation, wide, pre, setup),
+                # the passive tip comes closer, the active one stays
+                middle=units.to_um(pre.y.mid) + over + share * half + 0.5 * fine(setup) * closer,
+            )
+            ends = reach(_rule(tried, pre, setup), pre, setup, FINE_SCOUT)
+            if ends is not None:
+                found.append(replace(tried, h_end=units.to_um(ends.h)))
+        if found:
+            return min(found, key=lambda one: one.h_end)
+    return None
 
 
 def _direction(h: float, separation: float, width: float) -> tuple[float, float]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TypeVar
 
+from meso_robust.planning.effort import spend
+
 T = TypeVar("T")
 
 
@@ -60,6 +62,7 @@ def best_robust(
                 break
             samples = _nearest(samples, best[1])
         for sample in samples:
+            spend()
             result = attempt(sample)
             if result is not None and (best is None or result[0] > best[0]):
                 best = result[0], sample, result[1]

@@ -1,0 +1,79 @@
+"""A search that may take so long at most."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+
+from meso_robust.certificates.words import words
+from meso_robust.errors import NotApplicableError
+from meso_robust.planning import compose
+from meso_robust.planning.effort import EffortSpentError, limited, spend
+from tests.paper import paper_task
+
+SCALE = 3  # of the arguments of `_rules`
+
+
+def test_a_limit_holds_within_its_block_only() -> None:
+    spend()
+    with limited(-1.0), pytest.raises(EffortSpentError):
+        spend()
+    spend()
+
+
+def test_a_limit_within_another_is_no_longer() -> None:
+    with limited(-1.0), limited(1e6), pytest.raises(EffortSpentError):
+        spend()
+    with limited(1e6), limited(None):
+        spend()
+
+
+def test_a_search_without_time_says_how_to_look_longer() -> None:
+    with pytest.raises(NotApplicableError, match=r"within 0.001 s .*--search-s"):
+        compose.compose(paper_task(), 0.001)
+
+
+def given(monkeypatch: pytest.MonkeyPatch, *ends: float) -> None:
+    """Let searches at these scales end without an answer, and those at smaller ones find a plan."""
+
+    def rules(*args: Any, **more: Any) -> Sequence[object] | None:
+        if args[SCALE] in ends:
+            raise EffortSpentError
+        return None if args[SCALE] > 1.0 else ()
+
+    monkeypatch.setattr(compose, "_rules", rules)
+
+
+def test_a_plan_that_was_found_is_kept_when_one_with_more_in_hand_takes_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given(monkeypatch, compose.IN_HAND[1])
+    assert compose.compose(paper_task(), 60.0).scale == 1.0
+
+
+def test_what_would_settle_a_search_that_gave_up_names_its_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given(monkeypatch, 1.0)
+    found = compose.compose(paper_task(), 7.0)
+    assert (found.scale, found.searched_s) == (compose.NARROWED, 7.0)
+    told = words(found.settled_by)
+    assert "about 7 s" in told
+    assert "--search-s" in told
+    assert str(found.only).replace("_", " ") in told.replace("_", " ")
+
+
+def test_a_search_that_came_to_its_end_did_not_give_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What would settle the task is the closest plan that was found, though a closer one was not waited for."""
+
+    def rules(*args: Any, **more: Any) -> Sequence[object] | None:
+        if args[SCALE] == compose.NARROWED:
+            raise EffortSpentError
+        return () if args[SCALE] == compose.REDUCED[-1] else None
+
+    monkeypatch.setattr(compose, "_rules", rules)
+    found = compose.compose(paper_task(), 7.0)
+    assert (found.scale, found.searched_s) == (compose.REDUCED[-1], None)
+    assert "--search-s" not in words(found.settled_by)
