@@ -11,7 +11,7 @@ import json
 import os
 import select
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -222,7 +222,7 @@ def piped(lab: Lab, folder: Path) -> Iterator[Devices]:
         yield devices_at(Line(out, into), lab)
 
 
-def serve(devices: Devices, questions: IO[str], answers: IO[str]) -> None:
+def serve(devices: Devices, questions: Iterable[str], answers: IO[str]) -> None:
     """Answer questions about devices until there are no more.
 
     Parameters
