@@ -237,8 +237,11 @@ def serve(devices: Devices, questions: Iterable[str], answers: IO[str]) -> None:
             told: dict[str, Any] = {"answer": _answer(devices, json.loads(line))}
         except (DeviceError, KeyError, TypeError, ValueError) as error:
             told = {"error": f"{type(error).__name__}: {error}"}
-        answers.write(json.dumps(told, allow_nan=False) + "\n")
-        answers.flush()
+        try:
+            answers.write(json.dumps(told, allow_nan=False) + "\n")
+            answers.flush()
+        except BrokenPipeError:  # who asked was killed meanwhile
+            return
 
 
 def _answer(devices: Devices, asked: dict[str, Any]) -> Any:
