@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 import select
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -25,26 +26,32 @@ from meso_robust.live.lab_file import Lab
 
 PATIENCE = 10.0
 """s within which the program at the other end must answer."""
+GAP, CHUNK = 0.05, 1 << 16
+"""s between two pieces of an answer, and bytes of one, as a pipe holds them."""
 
 
 class Line:
     """Asks and is answered."""
 
-    def __init__(self, to: IO[str], answers: IO[str]) -> None:
+    def __init__(self, to: IO[str], answers: IO[str], patience: float | None = None) -> None:
         self._to, self._answers = to, answers
+        self._patience = PATIENCE if patience is None else patience
         self._broken = ""
 
     def ask(self, **question: Any) -> Any:
         """The answer to a question; an error that it tells is raised.
 
         Once an answer has not come in time, questions are still written, so that a stop or a lift may be
-        obeyed, but no answer is read: it could be another question's.
+        obeyed, but no answer is heeded: it could be another question's. They are taken from the pipe, as a program
+        that cannot write its answer reads no question.
         """
         try:
+            if self._broken:
+                self._emptied()
             self._to.write(json.dumps(question, allow_nan=False) + "\n")
             self._to.flush()
             if not self._broken and not self._answered(question.get("patience_s", 0.0)):
-                self._broken = f"{question['do']}: no answer within {PATIENCE:g} s"
+                self._broken = f"{question['do']}: no answer within {self._patience:g} s"
             if self._broken:
                 raise DeviceError(f"pipe: {self._broken}")
             line = self._answers.readline()
@@ -61,7 +68,13 @@ class Line:
             source = self._answers.fileno()
         except OSError:  # a text in memory
             return True
-        return bool(select.select([source], [], [], PATIENCE + asked)[0])
+        return bool(select.select([source], [], [], self._patience + asked)[0])
+
+    def _emptied(self) -> None:
+        """Take whatever has been answered, or is being, out of the pipe."""
+        source = self._answers.fileno()
+        while select.select([source], [], [], GAP)[0] and os.read(source, CHUNK):
+            pass
 
 
 class PipedCamera:
@@ -209,7 +222,7 @@ def piped(lab: Lab, folder: Path) -> Iterator[Devices]:
         yield devices_at(Line(out, into), lab)
 
 
-def serve(devices: Devices, questions: IO[str], answers: IO[str]) -> None:
+def serve(devices: Devices, questions: Iterable[str], answers: IO[str]) -> None:
     """Answer questions about devices until there are no more.
 
     Parameters
@@ -224,8 +237,11 @@ def serve(devices: Devices, questions: IO[str], answers: IO[str]) -> None:
             told: dict[str, Any] = {"answer": _answer(devices, json.loads(line))}
         except (DeviceError, KeyError, TypeError, ValueError) as error:
             told = {"error": f"{type(error).__name__}: {error}"}
-        answers.write(json.dumps(told, allow_nan=False) + "\n")
-        answers.flush()
+        try:
+            answers.write(json.dumps(told, allow_nan=False) + "\n")
+            answers.flush()
+        except BrokenPipeError:  # who asked was killed meanwhile
+            return
 
 
 def _answer(devices: Devices, asked: dict[str, Any]) -> Any:

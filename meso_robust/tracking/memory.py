@@ -101,13 +101,19 @@ def with_pattern(of: Memory, piece: Patch, outline: Outline, pose: Floats, lens:
 
 
 def with_light(
-    of: Memory, frame: Bytes, mask: Bytes | None, outline: Outline, edges: EdgeFit, lens: Lens
+    of: Memory,
+    frame: Bytes,
+    mask: Bytes | None,
+    outline: Outline,
+    edges: EdgeFit,
+    lens: Lens,
+    sized: bool = False,
 ) -> Memory:
-    """The memory with the displacement by oblique light in one more frame."""
+    """The memory with the displacement by oblique light in one more frame; ``sized`` as of `rim.lamp_displacement`."""
     if len(of.lamps) >= LAMP_FRAMES:
         return of
     near = of.lamps[-1].displacement if of.lamps else None
-    lamp = lamp_displacement(frame, mask, outline, edges.pose, lens, near)
+    lamp = lamp_displacement(frame, mask, outline, edges.pose, lens, near, sized)
     if lamp is None:
         return of
     lit = of.lit

@@ -241,7 +241,7 @@ class PartTracker:
                     piece, outline, edges.pose, lens, memory.pattern, _FINE, _UNLEARNED
                 )
         if len(memory.lamps) < LAMP_FRAMES:
-            memory = with_light(memory, frame, mask, outline, edges, lens)
+            memory = with_light(memory, frame, mask, outline, edges, lens, sized=self._size != 0.0)
         corrected = edges.pose.copy()
         corrected[:2] -= memory.lamp
         self._memory = with_face(memory, piece, corrected, measured.edge_covariance, lens)

@@ -6,6 +6,8 @@ frame. The residuals of the edges cannot show it. What can is the shape of the p
 resolution: the pixels along a slanted side sample it far finer than a px, and the step from the
 background to the rim does not move with the rim's brightness. So all sides are fitted together by
 background | meniscus | edge | chamfer with a brightness linear in the cosine to the lamp | face.
+Where the part is not seen in the size that is stated, its size is fitted along: of sides that do not lie where the
+outline says, one would be taken for lit.
 Rolling lines, grain and dust beside an edge are no noise of pixels: along a side they are alike. How
 much of that there is shows deeper in the face and farther out, and the fit weighs the profiles by it.
 What the fit states of its error is scaled by what else a film shows of it (`_scatter`).
@@ -23,7 +25,7 @@ from scipy.special import ndtr
 
 from meso_robust.tracking.covariance import LAMP_SIGMA
 from meso_robust.tracking.edges import CORNER, Lens, Outline, placed, rotation
-from meso_robust.types import Floats, Image as Bytes
+from meso_robust.types import Flags, Floats, Image as Bytes
 
 _IN, _OUT, _BIN = -10.0, 9.0, 0.25  # px inward and outward of the outline, and a bin
 _DEEP = -24.0  # px inward to which the face is looked at to tell how it varies
@@ -39,10 +41,11 @@ _LAG, _ALIKE = (
 _OWN = 0.6  # share of a side's own variation, the rest being the mean of all: 20 px tell little
 _FLOOR = 0.3  # grey steps that rounding and compression leave in any mean
 # displacement (px, twice) and that common to all sides, log of blur, chamfer and meniscus (px), how round the
-# chamfer and how flat the blur is: middle and spread of what parts under a 4x objective show; they bind only where the
+# chamfer and how flat the blur is, and the farthest side's displacement (px) by the part's size: middle and spread of what parts under a 4x objective show; they bind only where the
 # image says nothing
-_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5, 0.25])
-_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 1.0, 0.4, 0.5, 0.3])
+_EXPECTED = np.array([0.0, 0.0, 0.0, 0.0, math.log(2.5), math.log(2.5), 0.5, 0.25, 0.0])
+_SPREAD = np.array([LAMP_SIGMA, LAMP_SIGMA, 0.15, 0.5, 1.0, 0.4, 0.5, 0.3, 1.0])
+_SCALE = np.array([0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.1])
 _CHAMFER = 4  # of them
 # a strongly lit rim may have been taken for the edge on one side and not on the other
 _STARTS = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
@@ -77,6 +80,10 @@ class _Profiles(NamedTuple):
     """(S, B, B) that makes what varies and the noise of a side's bins independent and of variance 1."""
     normal: Floats
     """(S, 2) outward, in the image."""
+    place: Floats
+    """(S, B) px outward, where the pixels of a bin lie: those of a side along rows or columns at one end of it."""
+    arm: Floats
+    """(S,) by how much a side moves outward with the part's size, that of the farthest being 1."""
 
 
 def _binned(
@@ -96,48 +103,84 @@ def _binned(
     hidden = np.zeros_like(grey)
     if mask is not None:
         hidden = (mask[low[1] : high[1] + 1, low[0] : high[0] + 1] != 0).ravel().view(np.uint8)
-    means, counts, noises, normals = [], [], [], []
+    means, counts, noises, normals, places, arms = [], [], [], [], [], []
     for side in np.unique(outline.side):
         a, b = corners[side], corners[(side + 1) % len(corners)]
         length = float(np.hypot(*(b - a)))
         n = rotation(pose[2]) @ outline.normals[np.argmax(outline.side == side)]
         ends = np.array([1.5 * CORNER, length - 1.5 * CORNER])
-        sums = np.zeros((3, len(_BINS)))
+        sums = np.zeros((4, len(_BINS)))
         line = np.concatenate((a, (b - a) / length, n))
-        if binned(grey, hidden, at, line, ends, np.array([_DEEP, _BIN, _IN]), sums) < _LEAST:
+        level = _levelled(grey, hidden, (at - a) @ np.column_stack((n, (b - a) / length)), ends)
+        if binned(level, hidden, at, line, ends, np.array([_DEEP, _BIN, _IN]), sums) < _LEAST:
             continue
-        count, total, square = sums
+        count, total, square, distance = sums
         filled = count > 0
-        level = total[filled] / count[filled]
-        noises.append(np.mean(np.maximum(square[filled] / count[filled] - level**2, 0.0)))
-        means.append(np.interp(_BINS, _BINS[filled], level))
+        value = total[filled] / count[filled]
+        noises.append(np.mean(np.maximum(square[filled] / count[filled] - value**2, 0.0)))
+        means.append(np.interp(_BINS, _BINS[filled], value))
+        places.append(np.divide(distance, count, out=_BINS.copy(), where=filled)[_FITTED])
         counts.append(count)
         normals.append(n)
+        arms.append(float(a @ n) - float(pose[:2] @ n))
     if not means:
-        return _Profiles(np.empty((0, 0)), np.empty((0, 0, 0)), np.empty((0, 2)))
+        none = np.empty((0, 0))
+        return _Profiles(none, np.empty((0, 0, 0)), np.empty((0, 2)), none, np.empty(0))
     mean, pixels = np.array(means), np.array(counts, dtype=float)
     whitener = _whitener(mean, pixels, np.array(noises))
-    return _Profiles(mean[:, _FITTED], whitener, np.array(normals))
+    arm = np.array(arms) / np.abs(arms).max()
+    return _Profiles(mean[:, _FITTED], whitener, np.array(normals), np.array(places), arm)
+
+
+def _levelled(grey: Bytes, hidden: Bytes, at: Floats, ends: Floats) -> Floats:
+    """(N,) grey values without what film and face vary along a side; ``at`` (N, 2) px outward of it and along it.
+
+    Of a side nearly along rows or columns every bin shows another stretch, and would tell of that.
+    """
+    away, along = at.T
+    middle, half = 0.5 * ends.sum(), 0.5 * (ends[1] - ends[0])
+    level, beside = grey.astype(float), (hidden == 0) & (np.abs(along - middle) < half)
+    near = beside & (away > _DEEP) & (away < _OUT)
+    for within, sign in ((away > 0.9 * _CLEAR, 1.0), (away < -_CLEAR, -1.0)):
+        seen = near & within
+        x, s = away[seen] / _OUT, (along[seen] - middle) / half
+        columns = np.column_stack((np.ones(len(x)), x, x**2, s, s**2))
+        if len(x) < _LEAST:
+            continue
+        slope, bend = np.linalg.lstsq(columns, level[seen], rcond=None)[0][3:]
+        s = (along[near] - middle) / half
+        level[near] -= ndtr(sign * away[near]) * (slope * s + bend * (s**2 - 1.0 / 3.0))
+    return level
 
 
 def _whitener(mean: Floats, count: Floats, noise: Floats) -> Floats:
     """(S, B, B) from all bins of the means (S, D), their pixels, and the variance (S,) of a pixel."""
-    apart = 0.5 * (mean[:, _LAG:] - mean[:, :-_LAG]) ** 2
-    apart[(count[:, _LAG:] == 0.0) | (count[:, :-_LAG] == 0.0)] = np.nan
-    face, film = _BINS[_LAG:] < -_CLEAR, _BINS[:-_LAG] > 0.9 * _CLEAR
+    each = noise[:, None] / np.maximum(count, 1e-6)  # a bin without a pixel says nothing
     alike = np.exp(-0.5 * ((_CENTRES[:, None] - _CENTRES) / _ALIKE) ** 2)
-    covariance = np.zeros((len(mean), len(_CENTRES), len(_CENTRES)))
-    for where, share in ((face, ndtr(-_CENTRES)), (film, ndtr(_CENTRES))):
-        seen = np.isfinite(apart[:, where])
-        total = np.where(seen, apart[:, where], 0.0).sum(axis=1)
-        common = total.sum() / max(seen.sum(), 1)
-        own = total / np.maximum(seen.sum(axis=1), 1)
-        varied = np.where(seen.any(axis=1), _OWN * own + (1.0 - _OWN) * common, common) + _FLOOR**2
+    single = np.eye(len(_CENTRES))
+    covariance = (each[:, _FITTED] + _FLOOR**2)[:, :, None] * single
+    for within, share in (
+        (_BINS < -_CLEAR, ndtr(-_CENTRES)),
+        (_BINS > 0.9 * _CLEAR, ndtr(_CENTRES)),
+    ):
+        varied = _varied(mean, count, within, _LAG) + _FLOOR**2
         covariance += varied[:, None, None] * alike * np.outer(share, share)
-    # a bin without a pixel says nothing
-    single = noise[:, None] / np.maximum(count[:, _FITTED], 1e-6) + _FLOOR**2
-    covariance += single[:, :, None] * np.eye(len(_CENTRES))
+        # of a side nearly along rows or columns every bin shows another stretch
+        jumps = _varied(mean, count, within, 1) - np.nanmean(
+            np.where(within & (count > 0.0), each, np.nan), axis=1
+        )
+        covariance += np.maximum(jumps, 0.0)[:, None, None] * single * share**2
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+
+def _varied(mean: Floats, count: Floats, within: Flags, lag: int) -> Floats:
+    """(S,) variance of the means (S, D) of bins within some (D,), by those of them that are some bins apart."""
+    both = within[lag:] & within[:-lag] & (count[:, lag:] > 0.0) & (count[:, :-lag] > 0.0)
+    total = np.where(both, 0.5 * (mean[:, lag:] - mean[:, :-lag]) ** 2, 0.0).sum(axis=1)
+    seen = both.sum(axis=1)
+    common = total.sum() / max(seen.sum(), 1)
+    own = total / np.maximum(seen, 1)
+    return np.where(seen > 0, _OWN * own + (1.0 - _OWN) * common, common)
 
 
 def lamp_displacement(
@@ -147,25 +190,28 @@ def lamp_displacement(
     pose: Floats,
     lens: Lens,
     near: Floats | None = None,
+    sized: bool = False,
 ) -> LampFit | None:
     """By how much a pose from edges is displaced by oblique light, in the image's axes.
 
     ``pose`` (3,) must be right within about 2 px. With ``near`` (2,) px, what an earlier frame
-    showed, only the solution near to it is looked for. None where too few sides are seen to tell,
-    or the profiles do not look like a chamfered plate.
+    showed, only the solution near to it is looked for. ``sized``: the outline's size is as seen, not as
+    stated. None where too few sides are seen to tell, or the profiles do not look like a chamfered plate.
     """
     given = _binned(frame, mask, outline, pose, lens)
     if len(given.mean) < 3:
         return None
     starts = _STARTS if near is None else -near[None]
-    fits = [fit for start in starts if (fit := _fitted(given, start)) is not None]
+    fits = _all_fitted(given, starts, sized)
+    if fits and not sized and _alien(fits[0]):
+        fits = _all_fitted(given, starts, True)
     if not fits:
         return None
-    fit = min(fits, key=lambda one: one.cost)
+    fit = fits[0]
     if np.hypot(*fit.x[:2]) > _LOOSEST:
         return None
     # what was met on all sides may be the rim's inner edge: nothing is known of the light then
-    alien = abs(fit.x[2] - _EXPECTED[2]) > _ALIEN * _SPREAD[2]
+    alien = _alien(fit)
     doubt = LAMP_SIGMA**2 * np.eye(2) if alien else np.zeros((2, 2))
     for other in fits:
         away = other.x[:2] - fit.x[:2]
@@ -175,6 +221,11 @@ def lamp_displacement(
     wrong = _wrong(fit.x, found[_CHAMFER, _CHAMFER])
     covariance = _scatter(frame) * found[:2, :2] + wrong * np.eye(2)
     return LampFit(-fit.x[:2], covariance, doubt)
+
+
+def _alien(fit: OptimizeResult) -> bool:
+    """Whether all sides lie elsewhere than an outline may."""
+    return bool(abs(fit.x[2] - _EXPECTED[2]) > _ALIEN * _SPREAD[2])
 
 
 def _wrong(found: Floats, variance: float) -> float:
@@ -209,14 +260,26 @@ def block_step(frame: Bytes) -> float:
     return math.sqrt(ratio)
 
 
-def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
-    """Least squares over displacement (2), δ and shape, the levels being solved for within."""
+def _all_fitted(given: _Profiles, starts: Floats, sized: bool) -> list[OptimizeResult]:
+    """The fits from all starts (K, 2), the best first."""
+    fits = [fit for start in starts if (fit := _fitted(given, start, sized)) is not None]
+    return sorted(fits, key=lambda one: one.cost)
+
+
+def _fitted(given: _Profiles, start: Floats, sized: bool) -> OptimizeResult | None:
+    """Least squares over displacement (2), δ, shape and, where it is not as stated, size, the levels solved for within."""
     from meso_robust.tracking.rim_kernels import misfit, slopes
 
     count = len(given.mean)
     target = np.append(given.whitener @ given.mean[:, :, None], np.zeros(count))
     alike = 1.0 / (_UNEVEN * float(given.mean[:, -1].mean()))
-    sides = (_CENTRES, given.normal, given.whitener, target, alike)
+    sides = (
+        given.place,
+        np.column_stack((given.normal, given.arm * sized)),
+        given.whitener,
+        target,
+        alike,
+    )
     expected = np.diag(1.0 / _SPREAD)
     begin = np.concatenate((start, _EXPECTED[2:]))
     try:
@@ -224,7 +287,7 @@ def _fitted(given: _Profiles, start: Floats) -> OptimizeResult | None:
             lambda x: np.append(misfit(sides, x), (x - _EXPECTED) / _SPREAD),
             begin,
             jac=lambda x: np.vstack((slopes(sides, x), expected)),
-            x_scale=[0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.3, 0.3],
+            x_scale=_SCALE,
             max_nfev=12,
         )
     except (ValueError, np.linalg.LinAlgError):  # a shape ran to infinity

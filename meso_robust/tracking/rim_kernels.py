@@ -19,8 +19,8 @@ _STEP = 1.5e-8  # of differences
 _FLATTEST = 0.9  # of the variance of the blur that lies between its two halves, at most
 
 Given: TypeAlias = tuple[Floats, Floats, Floats, Floats, float]
-"""Centres (B,) of the bins, normals (S, 2), whiteners (S, B, B), what is compared (S B + S,), and the weight
-of a side's slope of the film."""
+"""Where the bins' pixels lie (S, B), normals and arms (S, 3), whiteners (S, B, B), what is compared (S B + S,), and
+the weight of a side's slope of the film."""
 
 
 @inner
@@ -65,12 +65,13 @@ def _side(given: Given, side: int, unknown: Floats, out: Floats) -> None:
     The blur is the mean of two normal distributions side by side, about as flat as that of a disc where half of its
     variance lies between them.
     """
-    centres, normals = given[0], given[1]
-    away = normals[side, 0] * unknown[0] + normals[side, 1] * unknown[1] + unknown[2]
+    places, normals = given[0][side], given[1]
+    away = unknown[2] + normals[side, 2] * unknown[8]
+    away += normals[side, 0] * unknown[0] + normals[side, 1] * unknown[1]
     flat, blur = min(max(unknown[7], 0.0), _FLATTEST), math.exp(unknown[3])
     apart, sharp = blur * math.sqrt(flat), blur * math.sqrt(1.0 - flat)
-    for b in range(len(centres)):
-        x = centres[b] - away
+    for b in range(len(places)):
+        x = places[b] - away
         for i in range(_SHAPES):
             out[b, i] = 0.0
         _shapes(x - apart, sharp, unknown, out[b])
@@ -86,7 +87,7 @@ def design(given: Given, unknown: Floats) -> Floats:
     That is the film's slope, meniscus, chamfer and its two cosines. The last rows hold each side's slope
     of the film to that of all: a rim that is taken for the edge leaves its own brightness to it.
     """
-    count, bins = len(given[1]), len(given[0])
+    count, bins = given[0].shape
     out = np.zeros((count * bins + count, 4 * count + 5))
     shapes = np.empty((bins, _SHAPES + 2))
     for side in range(count):
@@ -160,18 +161,18 @@ def _less(first: Floats, second: Floats, sign: float) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def misfit(given: Given, unknown: Floats) -> Floats:
-    """What the best levels leave (S B + S,) at displacement (2,), δ, and shape (5,)."""
+    """What the best levels leave (S B + S,) at displacement (2,), δ, shape (5,), and size."""
     return _solved(given, unknown)[4]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def slopes(given: Given, unknown: Floats) -> Floats:
-    """How `misfit` varies with each unknown, (S B + S, 8).
+    """How `misfit` varies with each unknown, (S B + S, 9).
 
     Levels that fit best vary, too: Golub and Pereyra, doi:10.1137/0710036.
     """
     unit, size, inverse, levels, rest = _solved(given, unknown)
-    count, bins = len(given[1]), len(given[0])
+    count, bins = given[0].shape
     here, there = np.empty((bins, _SHAPES + 2)), np.empty((bins, _SHAPES + 2))
     model, pull = np.zeros((len(rest), len(unknown))), np.zeros((len(size), len(unknown)))
     bright, line, own = np.empty(_SHAPES + 2), np.empty(bins), np.empty(bins)
@@ -202,9 +203,9 @@ def slopes(given: Given, unknown: Floats) -> Floats:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def binned(
-    grey: Image, hidden: Image, at: Floats, side: Floats, span: Floats, bins: Floats, out: Floats
+    grey: Floats, hidden: Image, at: Floats, side: Floats, span: Floats, bins: Floats, out: Floats
 ) -> int:
-    """Pixels (N,) by their distance from a side: how many (B,), the sum of their grey values, of the squares.
+    """Pixels (N,) by their distance from a side: how many (B,), the sums of grey values, of their squares, of distances.
 
     ``at`` (N, 2) where they are; ``side`` (6,) start, direction and outward normal; ``span`` (2,) the first
     and last place along it; ``bins`` (3,) the first distance, the width of a bin, and what to count from.
@@ -221,5 +222,6 @@ def binned(
         out[0, k] += 1.0
         out[1, k] += grey[n]
         out[2, k] += float(grey[n]) ** 2
+        out[3, k] += away
         count += away > bins[2]
     return count

@@ -1,4 +1,4 @@
-"""The live loop in the virtual laboratory: ``python -m reports.live.campaign [--runs 1000] [--faulty 160]``.
+"""The live loop in the virtual laboratory: ``python -m reports.live.campaign [--runs 1000] [--faulty 160] [--killed 40]``.
 
 Continues where it was stopped, as long as the task is the same.
 """
@@ -10,18 +10,14 @@ import json
 import math
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
-from functools import cache
-from itertools import pairwise
+from dataclasses import asdict
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
-from meso_robust.api.drive import Driver, drive
 from meso_robust.files import write_all
 from meso_robust.live.conductor import Conductor, Phase
 from meso_robust.live.journal import Header, Journal, replayed
@@ -30,78 +26,17 @@ from meso_robust.live.loop import Glimpse, Words, run_loop
 from meso_robust.live.preflight import check_lab, trust_of
 from meso_robust.live.session import eye_of
 from meso_robust.live.virtual_bench import LIFTED, UNPACED, lab_of, laboratory_of
-from meso_robust.planning.compose import compose
-from meso_robust.planning.document import plan_document
-from meso_robust.primitives.setup import setup_of
-from meso_robust.task import Task, load_task
+from meso_robust.task import load_task
 from meso_robust.tasks import MICROSCOPE
 from meso_robust.types import Floats
+from reports.live.judging import RATE, Result, bench, goal, moved, outside, worst
+from reports.live.killing import KILLED, killed_run
 
 OUT = Path(__file__).parent
 RESULTS, PAGE = "results.json", "results.md"
-RATE = 1.0
-"""Frames a second: most of a run's time goes into images."""
 FAULTY = 10**6
 """Seeds from here on are of runs in which something goes wrong."""
-SOFT = np.array([2.0, 2.0, 0.03])
-"""um, um, deg by which the plant is soft and has mass; reports/foreign_plant measures it."""
 QUICK_MS = 50.0
-STILL = 0.5
-"""um by which a part may still move between two turns once its push was broken off: tips and part are soft."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Result:
-    """One run."""
-
-    seed: int
-    outcome: str
-    why: str
-    in_goal: bool
-    moved_unpushed_um: float
-    """Farthest that the part went while nothing was to push it."""
-    outside_um: float
-    """Farthest that it lay outside of the certified box after a move, beyond what the plant is soft by."""
-    landed: bool
-    stuck: bool
-    moves: int
-    replays: bool
-    """Whether its journal, decided again, is the same to the last bit."""
-    lifted: bool
-    """Whether it ended with the probes lifted, or says that they are to be lifted by hand."""
-    fault: str
-    """What went wrong; empty: nothing."""
-    first_ms: float
-    """From the first frame, all of which is searched, to its commands."""
-    later_ms: dict[str, int]
-    """How many of the other frames took how many ms, rounded up."""
-
-    @property
-    def succeeded(self) -> bool:
-        """The loop says done, and it is."""
-        return self.outcome == "done" and self.in_goal
-
-    @property
-    def unsound(self) -> bool:
-        """Something that was promised not to happen did."""
-        claimed = self.outcome == "done" and not self.in_goal
-        moved = self.moved_unpushed_um > STILL or self.outside_um > 0.0
-        kicked = self.fault.startswith("kicked")  # by which the part moves, whatever the loop does
-        broken = not (self.replays and self.lifted)
-        return claimed or broken or ((moved or self.landed) and not kicked)
-
-
-@cache
-def bench() -> tuple[Task, Driver]:
-    """The task, and its proved plan."""
-    task = load_task(MICROSCOPE)
-    rules, setup = compose(task).rules, setup_of(task)
-    poses = [np.array(setup.start.mid)] * len(rules)
-    document = plan_document(task, rules, poses, [None] * len(rules))
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "plan.json"
-        path.write_text(document.model_dump_json(by_alias=True), encoding="utf-8")
-        return task, drive(task, path)
 
 
 def faults_of(seed: int) -> dict[str, float]:
@@ -159,9 +94,9 @@ def one_run(seed: int, **virtual: Any) -> Result:
         seed=seed,
         outcome=ending.outcome,
         why=ending.text,
-        in_goal=_outside(laboratory.pose, _goal(task)) == 0.0,
-        moved_unpushed_um=_moved(seen),
-        outside_um=_worst(seen, moves),
+        in_goal=outside(laboratory.pose, goal(task)) == 0.0,
+        moved_unpushed_um=moved(seen),
+        outside_um=worst(seen, moves),
         landed=laboratory.landed,
         stuck=laboratory.stuck,
         moves=conductor.made,
@@ -173,52 +108,21 @@ def one_run(seed: int, **virtual: Any) -> Result:
     )
 
 
-def _goal(task: Task) -> dict[str, list[float]]:
-    low, high = setup_of(task).goal.ends
-    scale = np.array([1e6, 1e6, 180.0 / np.pi])
-    names = ("x_um", "y_um", "theta_deg")
-    return {n: [a, b] for n, a, b in zip(names, low * scale, high * scale, strict=True)}
+def any_run(seed: int) -> Result:
+    """A run as its seed says: without a fault, with one, or killed and begun again."""
+    return killed_run(seed) if seed >= KILLED else one_run(seed)
 
 
-def _outside(pose: Floats, box: Mapping[str, Sequence[float]], soft: Floats | None = None) -> float:
-    """Farthest beyond a side of a box, um or hundredths of a degree."""
-    shown = np.array([pose[0], pose[1], np.degrees(pose[2])])
-    sides = np.array([box["x_um"], box["y_um"], box["theta_deg"]])
-    off = np.maximum(np.maximum(sides[:, 0] - shown, shown - sides[:, 1]), 0.0)
-    off = np.maximum(off - (np.zeros(3) if soft is None else soft), 0.0)
-    return float((off * [1.0, 1.0, 100.0]).max())
-
-
-def _moved(seen: Sequence[tuple[Phase, Floats]]) -> float:
-    """um between turns of which neither is in a push."""
-    far = 0.0
-    for (before, a), (after, b) in pairwise(seen):
-        if Phase.PUSHING not in (before, after):
-            far = max(far, float(np.abs(b - a)[:2].max()))
-    return far
-
-
-def _worst(seen: Sequence[tuple[Phase, Floats]], moves: Sequence[Mapping[str, Any]]) -> float:
-    """How far outside of the certified boxes the part lay after its moves."""
-    ends = [
-        b
-        for (before, _), (after, b) in pairwise(seen)
-        if before is Phase.RAISING and after is Phase.SEEING
-    ]
-    pairs = zip(ends, moves, strict=False)
-    return max((_outside(pose, move["expect"], SOFT) for pose, move in pairs), default=0.0)
-
-
-def carried_on(runs: int, faulty: int, workers: int, out: Path) -> list[Result]:
+def carried_on(runs: int, faulty: int, killed: int, workers: int, out: Path) -> list[Result]:
     """Runs, each written as it is done."""
     path, task = out / RESULTS, load_task(MICROSCOPE)
     kept = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     entries = kept.get("runs", []) if kept.get("task") == task.hash else []
     done = [Result(**entry) for entry in entries]
-    seeds = [*range(FAULTY, FAULTY + faulty), *range(runs)]
+    seeds = [*range(KILLED, KILLED + killed), *range(FAULTY, FAULTY + faulty), *range(runs)]
     left = [seed for seed in seeds if seed not in {one.seed for one in done}]
     with ProcessPoolExecutor(workers) as pool:
-        for result in pool.map(one_run, left):
+        for result in pool.map(any_run, left):
             done.append(result)
             rows = ",\n".join(json.dumps(asdict(one)) for one in done)
             text = f'{{"task": "{task.hash}", "runs": [\n{rows}\n]}}\n'
@@ -289,7 +193,9 @@ def _faults(done: Sequence[Result]) -> list[str]:
     return [
         *rows,
         "",
-        "A run is done if its fault came after its end, or made no difference to it.",
+        "A run is done if its fault came after its end, or made no difference to it. One whose program was "
+        "killed is what the program came to that was started after it, which finds the part and the probes "
+        "as they were left.",
     ]
 
 
@@ -298,10 +204,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=1000)
     parser.add_argument("--faulty", type=int, default=160)
+    parser.add_argument("--killed", type=int, default=40)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=OUT)
     asked = parser.parse_args()
-    done = carried_on(asked.runs, asked.faulty, asked.workers, asked.out)
+    done = carried_on(asked.runs, asked.faulty, asked.killed, asked.workers, asked.out)
     failed = [one for one in done if one.unsound or not (one.fault or one.succeeded)]
     return 1 if failed else 0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -232,6 +232,48 @@ def test_a_program_that_does_not_answer_is_still_told_to_lift(
         assert '"now"' in heard.readline()
         assert '"lift"' in heard.readline()
     os.close(_their_out)
+
+
+def test_an_answer_that_is_too_late_and_too_long_for_a_pipe_does_not_keep_a_lift_from_being_heard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A program that is kept from writing its answer reads no question."""
+    from meso_robust.live import pipe
+
+    monkeypatch.setattr(pipe, "PATIENCE", 0.05)
+    lab, laboratory = bench()
+    noise = np.random.default_rng(1).integers(0, 256, (512, 512)).astype(np.uint8)
+    told, lifted = threading.Event(), threading.Event()
+
+    class Late:
+        def frame(self, patience: float) -> Frame:
+            told.wait(5.0)
+            return Frame(number=1, time=0.0, image=noise)
+
+    class Lifts:
+        def __getattr__(self, name: str) -> Any:
+            return lambda *_: lifted.set()
+
+    theirs = replace(laboratory.devices(), camera=Late(), manipulators={"dual": Lifts()})
+    (their_in, to), (answers, their_out) = os.pipe(), os.pipe()
+    heard, says = os.fdopen(their_in), os.fdopen(their_out, "w")
+    program = threading.Thread(target=serve, args=(theirs, heard, says), daemon=True)
+    program.start()
+    with os.fdopen(to, "w") as out, os.fdopen(answers) as into:
+        devices = devices_at(Line(out, into), lab)
+        with pytest.raises(DeviceError, match="no answer within"):
+            devices.camera.frame(0.0)
+        told.set()
+        for _ in range(100):
+            with pytest.raises(DeviceError, match="no answer within"):
+                devices.manipulators["dual"].lift(3e-4)
+            if lifted.wait(0.01):
+                break
+        assert lifted.is_set()
+    program.join(5.0)
+    heard.close()
+    with suppress(BrokenPipeError):  # of what nobody read
+        says.close()
 
 
 def test_pipes_that_nobody_made_are_not_made(tmp_path: Path) -> None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from meso_robust.live.conductor import Phase
-from reports.live.campaign import FAULTY, Result, _moved, _outside, _worst, one_run, page
+from reports.live.campaign import FAULTY, one_run, page
+from reports.live.judging import Result, moved, outside, worst
+from reports.live.killing import KILLED, killed_run
 from tests.nightly import at_night
 
 GOOD = Result(
@@ -34,6 +38,15 @@ def test_an_effect_that_the_task_does_not_know_is_not_called_a_success() -> None
     assert found.moves == 0
 
 
+@at_night
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="copies of the process carry the program")
+def test_a_killed_program_is_followed_by_one_that_makes_no_unpromised_move() -> None:
+    for seed in (KILLED + 1, KILLED + 2):
+        found = killed_run(seed)
+        assert found.outcome in ("done", "refused")
+        assert not found.unsound, found
+
+
 def test_every_broken_promise_is_one() -> None:
     assert GOOD.succeeded
     assert not GOOD.unsound
@@ -50,10 +63,10 @@ def test_every_broken_promise_is_one() -> None:
 def test_what_moved_and_what_lay_outside_is_measured() -> None:
     rest, gone = np.array([5.0, 5.0, np.pi / 2]), np.array([5.0, 13.0, np.pi / 2])
     seen = [(Phase.RAISING, rest), (Phase.SEEING, gone)]
-    assert _moved(seen) == 8.0
-    assert _worst(seen, [{"expect": BOX}]) == 1.0  # of 3 um, the plant may be soft by 2
-    assert _outside(gone, BOX) == 3.0
-    assert _moved([(Phase.PUSHING, rest), (Phase.RAISING, gone)]) == 0.0
+    assert moved(seen) == 8.0
+    assert worst(seen, [{"expect": BOX}]) == 1.0  # of 3 um, the plant may be soft by 2
+    assert outside(gone, BOX) == 3.0
+    assert moved([(Phase.PUSHING, rest), (Phase.RAISING, gone)]) == 0.0
 
 
 def test_the_page_tells_what_failed(tmp_path: Path) -> None:

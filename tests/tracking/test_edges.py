@@ -188,6 +188,34 @@ def test_even_light_is_not_taken_for_oblique() -> None:
     assert np.abs(fit.displacement).max() < 0.06
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.002, 1.5708 - 0.004])
+def test_light_is_told_of_a_part_along_the_pixels_before_a_film_that_is_not_even(
+    angle: float,
+) -> None:
+    """Each distance from a side is seen along another stretch of it, or at one only."""
+    pose = np.array([317.37, 241.81, angle])
+    lamp = np.array([30.0, 25.0])
+    v, u = np.mgrid[:480, :640]
+    uneven = 1.0 + 2e-4 * (u - 320) - 3e-4 * (v - 240) + 1e-6 * (u - 320.0) ** 2
+    image = digitised(uneven * obliquely_lit(pose, lamp), np.random.default_rng(3), 1.0)
+    edges = fitted(image, pose + NEARBY)
+    displaced = (edges - pose)[:2]
+    assert np.hypot(*displaced) > 0.3
+    fit = lamp_displacement(image, None, sampled_outline(CORNERS), edges, Lens())
+    assert fit is not None
+    assert np.abs(displaced - fit.displacement).max() < 0.08
+
+
+@pytest.mark.parametrize("share", [0.004, -0.004])
+def test_light_is_told_of_a_part_that_is_not_as_large_as_stated(share: float) -> None:
+    """All of its sides lie elsewhere, not alike: taken for the rim's, that would be light."""
+    image = digitised(obliquely_lit(POSE, np.array([30.0, 25.0])), np.random.default_rng(3), 1.0)
+    outline = sampled_outline((1.0 - share) * CORNERS)
+    fit = lamp_displacement(image, None, outline, POSE, Lens(), sized=True)
+    assert fit is not None
+    assert np.abs(fit.displacement).max() < 0.06
+
+
 def packed(image: Bytes, quality: int) -> Bytes:
     code = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
     return np.asarray(cv2.imdecode(code, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
@@ -229,7 +257,7 @@ def test_another_solution_that_fits_nearly_as_well_is_a_doubt(
 ) -> None:
     image = digitised(obliquely_lit(POSE, np.zeros(2)), np.random.default_rng(3), 1.0)
 
-    def fit_at(_: object, start: Floats) -> OptimizeResult:
+    def fit_at(_: object, start: Floats, sized: bool) -> OptimizeResult:
         """Two valleys, half a px apart along u: the second is reached by one start of five."""
         second = start[0] > 0.0
         x = np.array([0.6 if second else 0.1, 0.0, *np.zeros(5)])

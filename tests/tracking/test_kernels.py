@@ -219,35 +219,37 @@ def test_slopes_of_the_rim_are_differences_of_what_it_leaves() -> None:
     rng = np.random.default_rng(5)
     centres = np.arange(-10.0, 9.0, 0.25) + 0.125
     angles = np.array([0.3, 0.3 + 0.5 * math.pi, 0.3 + math.pi, 0.3 + 1.5 * math.pi])
-    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    normals = np.stack([np.cos(angles), np.sin(angles), [1.0, 0.5, 1.0, 0.5]], axis=1)
     whitener = (
         np.eye(len(centres)) + np.tril(rng.normal(size=(4, len(centres), len(centres)))) / 20.0
     )
     target = np.append(np.tile(100.0 + 50.0 * np.tanh(centres), 4), np.zeros(4))
     target[:-4] += rng.normal(size=4 * len(centres))
-    given = (centres, normals, whitener, target, 1.0)
-    unknown = np.array([0.2, -0.3, 0.05, 0.1, 0.9, 0.8, 0.4, 0.1])
+    places = centres + rng.uniform(-0.1, 0.1, (4, len(centres)))
+    given = (places, normals, whitener, target, 1.0)
+    unknown = np.array([0.2, -0.3, 0.05, 0.1, 0.9, 0.8, 0.4, 0.1, 0.15])
 
     found = slopes(given, unknown)
 
-    for k, step in enumerate(1e-4 * np.eye(8)):
+    for k, step in enumerate(1e-4 * np.eye(9)):
         change = (misfit(given, unknown + step) - misfit(given, unknown - step)) / 2e-4
         assert found[:, k] == pytest.approx(change, abs=1e-4 * np.abs(change).max())
 
 
 def test_an_edge_that_is_blurred_by_a_disc_is_met_by_a_flat_blur_only() -> None:
     centres, radius = np.arange(-10.0, 9.0, 0.25) + 0.125, 2.2
-    normals = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    normals = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [-1.0, 0.0, 1.0], [0.0, -1.0, 1.0]])
     # a half plane seen through a disc: the share of the disc that lies beyond the edge
     reach = np.clip(centres / radius, -1.0, 1.0)
     share = 0.5 - (np.arcsin(reach) + reach * np.sqrt(1.0 - reach**2)) / math.pi
     target = np.append(np.tile(70.0 + 80.0 * share, 4), np.zeros(4))
-    given = (centres, normals, np.tile(np.eye(len(centres)), (4, 1, 1)), target, 1.0)
+    places = np.tile(centres, (4, 1))
+    given = (places, normals, np.tile(np.eye(len(centres)), (4, 1, 1)), target, 1.0)
 
     def left(flat: float) -> float:
         each = [
             np.linalg.norm(
-                misfit(given, np.array([0.0, 0.0, 0.0, math.log(blur), 0.9, 0.9, 0.5, flat]))
+                misfit(given, np.array([0.0, 0.0, 0.0, math.log(blur), 0.9, 0.9, 0.5, flat, 0.0]))
             )
             for blur in np.linspace(0.3 * radius, 0.7 * radius, 41)
         ]
