@@ -27,6 +27,7 @@ from meso_robust.tracking.needle import FINER, Needle, coverage
 from meso_robust.tracking.needle_kernels import FINE_KNOTS, film_beside
 from meso_robust.tracking.rim_kernels import misfit, slopes
 from meso_robust.tracking.sampling import Patch, derivatives, sample
+from tests.entry import entry
 
 Floats = npt.NDArray[np.float64]
 
@@ -111,7 +112,7 @@ def test_robust_weights_stand_on_the_median(count: int) -> None:
     weight = np.ones(2 * count, np.float32)
     out = np.empty(2 * count, np.float32)
 
-    robust(residual, weight, out)
+    entry(robust)(residual, weight, out)
 
     sigma = max(1.4826 * float(np.median(np.abs(residual[::2]))), 0.5)
     expected = np.maximum(1.0 - (residual / (4.7 * sigma)) ** 2, 0.0) ** 2
