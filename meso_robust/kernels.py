@@ -15,33 +15,13 @@ _R = TypeVar("_R")
 _T = TypeVar("_T")
 
 
-def inner(function: Callable[_P, _R]) -> Callable[_P, _R]:
+def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile a function that only kernels call and that makes no array.
 
     It counts no references: its arrays outlive it, and counting was measured to take most of the
-    time of a simulation step. Numba refuses to compile a function that makes an array this way.
-    What Python need not call by itself is better `sealed`.
-
-    Parameters
-    ----------
-    function
-        Written for Numba: numbers and arrays in and out.
-
-    Returns
-    -------
-    callable
-        Compiled at the first call, with the same arguments.
-    """
-    from numba import njit
-
-    return cast("Callable[_P, _R]", njit(error_model="numpy", _nrt=False)(function))
-
-
-def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Compile as `inner` does, without an entry from Python and without machine code of its own.
-
-    The code that unpacks the arguments can take longer to compile than the function, and what a kernel
-    links in is LLVM's code: see ``callees``.
+    time of a simulation step. Numba refuses to compile a function that makes an array this way. It has
+    neither an entry from Python, which can take longer to compile than the function, nor machine code
+    of its own: see ``callees``.
 
     Parameters
     ----------
@@ -105,7 +85,7 @@ def part(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Put the body of a function into the one kernel that calls it, before anything is compiled.
 
     Numba optimises each function with all that it calls: a level less saves as much as the whole takes.
-    The caller must be `inner` or `sealed` wherever references must not be counted.
+    The caller must be `sealed` wherever references must not be counted.
 
     Parameters
     ----------

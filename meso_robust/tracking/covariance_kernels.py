@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import maker, sealed
 from meso_robust.types import Flags, Floats, Ints
 
 
-@inner
+@sealed
 def _added(row: Floats, weight: float, matrix: Floats) -> None:
     """Add the weighted outer product of a row with itself to the upper triangle of a matrix."""
     for i in range(np.uintp(len(row))):
@@ -20,7 +20,7 @@ def _added(row: Floats, weight: float, matrix: Floats) -> None:
             matrix[i, j] += scaled * row[j]
 
 
-@inner
+@sealed
 def _mirrored(matrix: Floats) -> None:
     """Fill the lower triangle of a matrix."""
     for i in range(len(matrix)):
@@ -46,7 +46,7 @@ def _normal(design: Floats, weight: Floats) -> Floats:
     return np.dot(design.T, scaled)
 
 
-@inner
+@sealed
 def _rescaled(matrix: Floats, scale: Floats) -> None:
     """Rows and columns of a matrix times their scales."""
     for i in range(len(scale)):
@@ -54,7 +54,7 @@ def _rescaled(matrix: Floats, scale: Floats) -> None:
             matrix[i, j] *= scale[i] * scale[j]
 
 
-@inner
+@sealed
 def _inverted(matrix: Floats, out: Floats) -> None:
     """Turn ``out``, at first the unit matrix, into the inverse of a definite one, which needs no pivots and is used up."""
     for k in range(len(out)):
@@ -105,7 +105,7 @@ def clustered(design: Floats, weight: Floats, residual: Floats, starts: Ints) ->
     return used / max(used - many, 1) * np.dot(np.dot(bread, out), bread)
 
 
-@inner
+@sealed
 def _gathered(
     design: Floats, weight: Floats, residual: Floats, mode: Floats, pull: Floats
 ) -> tuple[float, float, float]:
@@ -154,7 +154,7 @@ def displaced(
     return sigma, response
 
 
-@inner
+@sealed
 def _decomposed(matrix: Floats) -> None:
     """Replace the lower triangle of a definite matrix by that of its Cholesky decomposition."""
     for j in range(len(matrix)):
@@ -164,7 +164,7 @@ def _decomposed(matrix: Floats) -> None:
             matrix[i, j] = math.sqrt(matrix[j, j]) if i == j else matrix[i, j] / matrix[j, j]
 
 
-@inner
+@sealed
 def _divided(lower: Floats, columns: Floats) -> None:
     """Solve with a lower triangle for each column, in place."""
     for c in range(columns.shape[1]):

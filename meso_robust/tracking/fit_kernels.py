@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import maker, sealed
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 Needle: TypeAlias = tuple[Ints, Singles, Singles, Floats, Flags, Ints]
@@ -36,7 +36,7 @@ _GAIN = 0.05  # by which the needle's brightness over the film's may vary
 _STEPS = 3  # towards a tip
 
 
-@inner
+@sealed
 def _selected(values: Floats | Singles, k: int) -> float:
     """The k-th least of some values, which are reordered as by quicksort: no larger one is before it."""
     low, high = 0, len(values) - 1
@@ -77,7 +77,7 @@ def _least(values: Floats | Singles, k: int) -> float:
     return _selected(inside[: counts[box]], k - before)
 
 
-@inner
+@sealed
 def _eliminated(matrix: Floats, right: Floats) -> None:
     """Solve linear equations by elimination with pivots; both are changed, ``right`` to the solution."""
     count = len(right)
@@ -99,7 +99,7 @@ def _eliminated(matrix: Floats, right: Floats) -> None:
         right[k] /= matrix[k, k]
 
 
-@inner
+@sealed
 def _biweight(square: float) -> float:
     """Tukey's biweight of the square of a residual over where it vanishes."""
     return max(1.0 - square, 0.0) ** 2
@@ -111,7 +111,7 @@ def _spread(sizes: Floats) -> float:
     return 1.4826 * _least(sizes, len(sizes) // 2) if len(sizes) else 1.0
 
 
-@inner
+@sealed
 def _scaled(rows: Floats | Singles, weight: Floats | Singles, out: Floats | Singles) -> None:
     """Rows (N, K) times their weights."""
     for n in range(len(weight)):
@@ -119,7 +119,7 @@ def _scaled(rows: Floats | Singles, weight: Floats | Singles, out: Floats | Sing
             out[n, k] = weight[n] * rows[n, k]
 
 
-@inner
+@sealed
 def _correlated(profile: Floats, mean: Floats, agreement: Floats, energy: Floats) -> int:
     """Products with a pattern at each shift, energies there, and the best shift."""
     for s in range(len(agreement)):
@@ -141,7 +141,7 @@ def _correlated(profile: Floats, mean: Floats, agreement: Floats, energy: Floats
     return best
 
 
-@inner
+@sealed
 def _refined(profile: Floats, filters: Floats, nearest: int) -> float:
     """Displacement in px from the sample ``nearest`` by the filters; NaN where they do not hold."""
     gain, moment = 0.0, 0.0
@@ -194,7 +194,7 @@ def match(
             quality[n] = 0.0 if np.isnan(further) else quality[n]
 
 
-@inner
+@sealed
 def _summed(design: Floats, weight: Floats, offset: Floats, normal: Floats, right: Floats) -> None:
     """Normal matrix and right side of weighted least squares."""
     normal[:], right[:] = 0.0, 0.0
@@ -207,7 +207,7 @@ def _summed(design: Floats, weight: Floats, offset: Floats, normal: Floats, righ
                     normal[i, j] += scaled * design[n, j]
 
 
-@inner
+@sealed
 def _left(row: Floats, solution: Floats, value: float) -> float:
     """What a solution leaves of a value."""
     for i in range(len(solution)):
@@ -300,7 +300,7 @@ def alike(design: Floats, gain: float, weight: Floats, residual: Floats) -> floa
     return math.sqrt(explained / max(explained + rest, 1e-12))
 
 
-@inner
+@sealed
 def _between(profile: Floats, at: float) -> float:
     """Value of a profile between its places, held beyond its ends."""
     at = min(max(at, 0.0), len(profile) - 1.0)
@@ -308,7 +308,7 @@ def _between(profile: Floats, at: float) -> float:
     return profile[k] + (profile[k + 1] - profile[k]) * (at - k)
 
 
-@inner
+@sealed
 def _edge_at(profiles: Floats, edge: int, distance: float) -> tuple[float, float]:
     """Change by an edge, −1: none is known, at a distance from it, and its variance over the noise's."""
     if edge < 0:
@@ -386,7 +386,7 @@ def owned(
             out[1][n] = light[1][n] + 1.25 / max(count[v, u], 1.0)
 
 
-@inner
+@sealed
 def _keys(part: float, out: Singles) -> None:
     """Weights (4,) of Keys' cubic convolution at a share of a pixel, doi:10.1109/TASSP.1981.1163711."""
     for k in range(4):
@@ -395,7 +395,7 @@ def _keys(part: float, out: Singles) -> None:
         out[k] = near if t <= 1.0 else -0.5 * t**3 + 2.5 * t**2 - 4.0 * t + 2.0
 
 
-@inner
+@sealed
 def _cubic(frame: Image, row: int, column: int, across: Singles, down: Singles) -> float:
     """Grey value right and down of a pixel, those beyond the border being as at it."""
     total = np.float32(0.0)
@@ -416,7 +416,7 @@ def _cubic(frame: Image, row: int, column: int, across: Singles, down: Singles) 
     return float(total)
 
 
-@inner
+@sealed
 def _inside(frame: Image, row: int, column: int) -> bool:
     """Whether a cubic about a pixel needs none beyond the border."""
     return 1 <= row < frame.shape[0] - 2 and 1 <= column < frame.shape[1] - 2
@@ -450,7 +450,7 @@ def _looked(
         weight[n] = 1.0 if seen[n] and _inside(frame, row, column) else 0.0
 
 
-@inner
+@sealed
 def _times(weight: Singles, trust: Singles, out: Singles) -> float:
     """Weights (N,) times what they are trusted; the sum of the weights."""
     total = 0.0
@@ -460,7 +460,7 @@ def _times(weight: Singles, trust: Singles, out: Singles) -> float:
     return total
 
 
-@inner
+@sealed
 def _rest(columns: Singles, solution: Floats, target: Singles, out: Singles) -> None:
     """What a solution leaves (N,)."""
     for n in range(len(target)):
@@ -470,7 +470,7 @@ def _rest(columns: Singles, solution: Floats, target: Singles, out: Singles) -> 
         out[n] = target[n] - value
 
 
-@inner
+@sealed
 def _before_edge(
     edge: Edge,
     shift: Floats,
@@ -514,7 +514,7 @@ def robust(residual: Singles, weight: Singles, out: Singles) -> None:
         out[n] = _biweight((out[n] / (_NEEDLE_TUKEY * sigma)) ** 2)
 
 
-@inner
+@sealed
 def _alike(residual: Singles, weight: Singles, beside: Ints) -> float:
     """Factor by which noise common to neighbours (compression, resampling) widens a mean."""
     power, right, down = 1e-9, 0.0, 0.0
@@ -528,7 +528,7 @@ def _alike(residual: Singles, weight: Singles, beside: Ints) -> float:
     return (1.0 + 2.0 * max(right / power, 0.0)) * (1.0 + 2.0 * max(down / power, 0.0))
 
 
-@inner
+@sealed
 def _judged(
     target: Singles, residual: Singles, weight: Singles, count: int, beside: Ints
 ) -> tuple[float, float]:
@@ -616,7 +616,7 @@ def sample(fine: Singles, at: Floats, finer: int, out: Singles) -> None:
                 out[k, i, j] = (np.float32(1.0) - fu) * left + fu * right
 
 
-@inner
+@sealed
 def _slope(image: Floats | Singles, i: int, j: int) -> tuple[float, float]:
     """Central differences to the right and down, none across the border."""
     right, down = 0.0, 0.0
@@ -627,7 +627,7 @@ def _slope(image: Floats | Singles, i: int, j: int) -> tuple[float, float]:
     return right, down
 
 
-@inner
+@sealed
 def _bend(image: Floats | Singles, i: int, j: int) -> tuple[float, float, float]:
     """Second differences to the right, to the right and down, and down; none at the border."""
     if not (0 < i < image.shape[0] - 1 and 0 < j < image.shape[1] - 1):
@@ -639,7 +639,7 @@ def _bend(image: Floats | Singles, i: int, j: int) -> tuple[float, float, float]
     return right, 0.25 * oblique, down
 
 
-@inner
+@sealed
 def _through(scene: Floats, variance: float, clear: Singles, i: int, j: int) -> float:
     """What a needle of some transmission lets through at one pixel; see `through`."""
     right, down = _slope(clear, i, j)
@@ -647,7 +647,7 @@ def _through(scene: Floats, variance: float, clear: Singles, i: int, j: int) -> 
     return scene[2, i, j] * clear[i, j] + variance * mixed
 
 
-@inner
+@sealed
 def _bent(scene: Floats, variance: float, clear: Singles, i: int, j: int) -> float:
     """The third term of what a needle lets through, which counts where a tip meets the part's edge."""
     behind, before = _bend(scene[2], i, j), _bend(clear, i, j)
@@ -726,7 +726,7 @@ def compare(
             weight[at] = seen[3, i, j] / (_NOISE + seen[2, i, j] * (film * clear) ** 2)
 
 
-@inner
+@sealed
 def _columns_scaled(columns: Floats, weight: Floats, out: Floats) -> None:
     """Columns (K, N) times their weights."""
     for k in range(len(columns)):
@@ -734,7 +734,7 @@ def _columns_scaled(columns: Floats, weight: Floats, out: Floats) -> None:
             out[k, n] = weight[n] * columns[k, n]
 
 
-@inner
+@sealed
 def _variance(left: Floats, weight: Floats) -> float:
     """Mean of weighted squares over what counts at all."""
     counted, total = 0, 0.0
@@ -744,7 +744,7 @@ def _variance(left: Floats, weight: Floats) -> float:
     return total / max(counted, 1)
 
 
-@inner
+@sealed
 def _brighter(images: Singles, gain: float, film: float, slope: Floats) -> None:
     """Multiply a needle's brightness and its slopes by a gain; ``slope`` (N,) of the model in that."""
     for i in range(images.shape[1]):

@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import maker, sealed
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _HALO = 12.0
@@ -40,7 +40,7 @@ Near: TypeAlias = tuple[Ints, Floats, Floats, Ints]
 """Rows (M,) of places near a border, their distance outward, (M, 2) its normals, and its edge or −1."""
 
 
-@inner
+@sealed
 def _distance(s: float, n: float, c: float, d: float, radius: float) -> float:
     """Signed distance to a needle of taper (cos, sin) = (c, d), negative inside, px."""
     if s * c + abs(n) * d >= 0.0:
@@ -53,10 +53,10 @@ def half_width(s: float, c: float, d: float, radius: float) -> float:
     return max(radius / c + s * d / c, radius)
 
 
-_half_width = inner(half_width)
+_half_width = sealed(half_width)
 
 
-@inner
+@sealed
 def _covered(distance: float, s: float, rise: float) -> float:
     """Share of a fine sample that a needle covers, which rises out of focus along its shaft."""
     z = distance / max(rise * s, _SHARPEST)
@@ -65,20 +65,20 @@ def _covered(distance: float, s: float, rise: float) -> float:
     return 0.5 * math.erfc(z / math.sqrt(2.0))
 
 
-@inner
+@sealed
 def _halos(distance: float) -> tuple[float, float]:
     """Shares of the two halos at a distance from a needle."""
     part = math.exp(-max(distance, 0.0) / _HALO)  # a root of both, as an exponential takes long
     return part**8, part**3
 
 
-@inner
+@sealed
 def _hat(across: float, knot: int, knots: int) -> float:
     """Share of one of some knots of the brightness at a place across a needle, in half widths."""
     return max(0.0, 1.0 - abs(across - (2.0 * knot / (knots - 1) - 1.0)) * 0.5 * (knots - 1))
 
 
-@inner
+@sealed
 def _ramp(z: float) -> tuple[float, float]:
     """A step and a ramp that begin at 0, convolved with a normal distribution of deviation 1."""
     if abs(z) > _CERTAIN:
@@ -87,7 +87,7 @@ def _ramp(z: float) -> tuple[float, float]:
     return step, z * step + math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
 
 
-@inner
+@sealed
 def _defocused(n: float, half: float, sigma: float, out: Floats) -> None:
     """Shares (K,), of sum 1, of knots at a place n across a needle that is blurred by sigma.
 
@@ -138,7 +138,7 @@ def film_beside(grey: Image, needle: Needle, near: float, far: float) -> float:
     return 0.5 * (low + high)
 
 
-@inner
+@sealed
 def _samples(
     u: float, v: float, axis: Floats, shape: Floats, finer: int, first: int, last: int, line: Floats
 ) -> None:
@@ -161,7 +161,7 @@ def _samples(
         out[5 + KNOTS] = 0.1 * inside * s
 
 
-@inner
+@sealed
 def _span(columns: Ints) -> tuple[int, int]:
     """The first column of several rows, and the one after their last; (0, 0) if there is none."""
     first, last = 0, 0
@@ -172,7 +172,7 @@ def _span(columns: Ints) -> tuple[int, int]:
     return first, last
 
 
-@inner
+@sealed
 def _gathered(line: Floats, begin: int, weights: Floats, out: Floats) -> None:
     """Weighted sum of fine samples."""
     out[:] = 0.0
@@ -278,7 +278,7 @@ def _sides(outline: Floats) -> Sides:
     return outline, along, outward, lengths, sharp, edges
 
 
-@inner
+@sealed
 def _foot(sides: Sides, k: int, u: float, v: float) -> tuple[float, float]:
     """How far along a side the place nearest to (u, v) is, and the square of the distance, px²."""
     x, y = u - sides[0][k, 0], v - sides[0][k, 1]
@@ -287,7 +287,7 @@ def _foot(sides: Sides, k: int, u: float, v: float) -> tuple[float, float]:
     return at, (x - at * along[0]) ** 2 + (y - at * along[1]) ** 2
 
 
-@inner
+@sealed
 def _touches(sides: Sides, k: int, low: Floats, high: Floats, reach: float) -> bool:
     """Whether the box around a side comes within reach of a box."""
     for i in range(2):
@@ -298,7 +298,7 @@ def _touches(sides: Sides, k: int, low: Floats, high: Floats, reach: float) -> b
     return True
 
 
-@inner
+@sealed
 def _extent(places: Floats, low: Floats, high: Floats) -> None:
     """Least and largest coordinates (2,) of places (N, 2)."""
     for i in range(2):
@@ -307,7 +307,7 @@ def _extent(places: Floats, low: Floats, high: Floats) -> None:
             low[i], high[i] = min(low[i], places[n, i]), max(high[i], places[n, i])
 
 
-@inner
+@sealed
 def _nearest(sides: Sides, tried: Flags, u: float, v: float) -> tuple[int, float, float]:
     """The side nearest to a place among those that are tried, how far along it, and the square of how near."""
     best, foot, least = 0, 0.0, math.inf
@@ -319,7 +319,7 @@ def _nearest(sides: Sides, tried: Flags, u: float, v: float) -> tuple[int, float
     return best, foot, least
 
 
-@inner
+@sealed
 def _cornered(sides: Sides, k: int, foot: float) -> bool:
     """Whether a place along a side is beside a corner."""
     sharp = sides[4]
@@ -353,7 +353,7 @@ def _near(sides: Sides, places: Floats, reach: float) -> tuple[Near, Flags]:
     return (rows[:count], distance[:count], normals[:count], edge[:count]), present
 
 
-@inner
+@sealed
 def _free(ray: Floats, needle: Needle, near: float, size: Floats) -> bool:
     """Whether places (D, 2) lie in the frame and farther than ``near`` from a needle."""
     for d in range(len(ray)):
@@ -366,7 +366,7 @@ def _free(ray: Floats, needle: Needle, near: float, size: Floats) -> bool:
     return True
 
 
-@inner
+@sealed
 def _rays(
     sides: Sides,
     edge: int,
@@ -435,7 +435,7 @@ def border(
     return near, rays[:used], counts[:used]
 
 
-@inner
+@sealed
 def _read(frame: Image | Singles, u: float, v: float) -> float:
     """Grey value between the pixels, at a place within the frame."""
     column, row = min(int(u), frame.shape[1] - 2), min(int(v), frame.shape[0] - 2)
@@ -445,7 +445,7 @@ def _read(frame: Image | Singles, u: float, v: float) -> float:
     return (1.0 - b) * top + b * bottom
 
 
-@inner
+@sealed
 def _middle(a: float, b: float, c: float) -> float:
     """The median of three."""
     return max(min(a, b), min(max(a, b), c))

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner, maker
+from meso_robust.kernels import maker, sealed
 from meso_robust.types import Floats, Image
 
 _SHAPES = 6
@@ -23,7 +23,7 @@ Given: TypeAlias = tuple[Floats, Floats, Floats, Floats, float]
 the weight of a side's slope of the film."""
 
 
-@inner
+@sealed
 def _scaled_tail(t: float, exponent: float, less: float) -> float:
     """exp(exponent) erfc(t), where exponent is t² - less."""
     if t < _FAR:
@@ -33,7 +33,7 @@ def _scaled_tail(t: float, exponent: float, less: float) -> float:
     return math.exp(-less) * series / (t * math.sqrt(math.pi))
 
 
-@inner
+@sealed
 def _shapes(x: float, blur: float, unknown: Floats, out: Floats) -> None:
     """Add half of background, its slope, meniscus, face, its slope, chamfer (6,), each blurred, at a place outward, px."""
     chamfer, meniscus = math.exp(unknown[4]), math.exp(unknown[5])
@@ -58,7 +58,7 @@ def _shapes(x: float, blur: float, unknown: Floats, out: Floats) -> None:
     out[5] += 0.5 * (straight + unknown[6] * (rounded - straight))
 
 
-@inner
+@sealed
 def _side(given: Given, side: int, unknown: Floats, out: Floats) -> None:
     """Shapes across a side (B, 8): those of `_shapes`, and the chamfer's two cosines to the light.
 
@@ -130,7 +130,7 @@ def _solved(given: Given, unknown: Floats) -> tuple[Floats, Floats, Floats, Floa
     return unit, size, inverse, levels, rest
 
 
-@inner
+@sealed
 def _brightness(levels: Floats, size: Floats, side: int, count: int, out: Floats) -> None:
     """Of each shape of one side (8,), its own and what is shared."""
     for k in range(len(out)):
@@ -141,7 +141,7 @@ def _brightness(levels: Floats, size: Floats, side: int, count: int, out: Floats
         out[_SHARED[k]] += levels[4 * count + k] / size[4 * count + k]
 
 
-@inner
+@sealed
 def _differences(here: Floats, bright: Floats, step: float, there: Floats, line: Floats) -> None:
     """Turn shapes (B, 8) after a step into slopes, and sum them up with their brightnesses (B,)."""
     for b in range(len(line)):
@@ -151,7 +151,7 @@ def _differences(here: Floats, bright: Floats, step: float, there: Floats, line:
             line[b] += there[b, k] * bright[k]
 
 
-@inner
+@sealed
 def _less(first: Floats, second: Floats, sign: float) -> None:
     """Take a matrix off another, which is changed, and give it a sign."""
     for n in range(len(first)):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import inner
+from meso_robust.kernels import sealed
 from meso_robust.types import Floats, Image, Singles
 
 
-@inner
+@sealed
 def _bilinear(grey: Singles, hidden: Image, u: float, v: float) -> float:
     """Grey value at (u, v) of the piece; NaN outside it and where it is hidden."""
     height, width = grey.shape
@@ -46,7 +46,7 @@ def placed(points: Floats, turn: tuple[float, float], to: tuple[float, float]) -
     return out
 
 
-@inner
+@sealed
 def _added(grey: Singles, u: float, v: float, du: float, dv: float, line: Singles) -> None:
     """Add grey values from (u, v) on in steps of (du, dv), none of which is hidden or outside."""
     x, y, across, down = np.float32(u), np.float32(v), np.float32(du), np.float32(dv)
