@@ -6,17 +6,17 @@ Leaving it out takes a sixth off the time of compiling. See "Customizing the com
 
 from __future__ import annotations
 
-import ctypes
 from typing import Any
 
+from llvmlite.binding import address_of_symbol
 from numba import _dynfunc
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.typed_passes import NativeLowering
 
-NO_ENTRY = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
-"""Address of what Python calls instead: it raises a TypeError."""
+NO_ENTRY = "PyErr_BadArgument"
+"""What Python calls instead: it raises a TypeError."""
 
 
 class _Library(JITCodeLibrary):
@@ -42,8 +42,9 @@ class _Lowering(NativeLowering):
         super().run_pass(state)
         found = state["cr"]
         name = found.fndesc.qualname.split(".")[-1]
+        nowhere = address_of_symbol(NO_ENTRY)
         entry = _dynfunc.make_function(
-            found.fndesc.lookup_module(), name, "", NO_ENTRY, found.env, (library,)
+            found.fndesc.lookup_module(), name, "", nowhere, found.env, (library,)
         )
         state.targetctx.insert_user_function(entry, found.fndesc, [library])
         state.reload_init.extend(library._reload_init)

@@ -32,7 +32,7 @@ def refuted(proved: Planned) -> Planned:
     uncertainty = hidden.uncertainty.model_copy(update={"friction": (0.05, 0.9)})
     task = hidden.model_copy(update={"uncertainty": uncertainty})
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pipeline, "compose", lambda _: proved.found)
+        patch.setattr(pipeline, "compose", lambda *_: proved.found)
         result = made(task)
     assert result.certificate.verdict == "REFUTED"
     assert not result.chain.complete
