@@ -40,8 +40,13 @@ BLOCKS: Sequence[tuple[int, int, str]] = (
     ),
     (
         184,
-        400,
+        216,
         "intervals widen evenly as recordings disagree, a set must predict recordings that it was not chosen by",
+    ),
+    (
+        216,
+        400,
+        "what sways at rest is no noise, second effects are tried beside more first ones",
     ),
 )
 """First case, the one after the last, and what answered them: a mended diagnoser is judged by sets that
