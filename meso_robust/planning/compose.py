@@ -44,9 +44,7 @@ IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertaintie
 ROOM = 1.01  # on top, where boxes of a certificate leave room for another enclosure and little is to spare
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
-SETTLING = (
-    1.0 / 3.0
-)  # of a limited search: to find out what would settle a task that has no plan yet
+SETTLING = 1.0 / 3.0  # of a limited search: to find out what would settle a task without a plan
 COMING_BACK_UM = 10.0  # of the goal in y is close enough after several pushes
 _HALF_TURN = (
     "make it two tasks of a quarter turn each, the second from the goal of the first: its long edges "
